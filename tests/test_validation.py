@@ -26,20 +26,32 @@ LONG = (
 )
 
 
+VERDICT = re.compile(
+    r"^\| \[.+\]\(\S+/(?P<case>\w+)\.md\) \|.*\| (?P<numbers>\d+) \|.*\| pass \|$",
+    re.MULTILINE,
+)
+QUICK = [case for case in CASES if case not in LONG]
+
+
+def lines_of_page(path):
+    """Lines of the table of a page, cut into cells, with the names of its columns."""
+    lines = []
+    for line in path.read_text("utf-8").splitlines():
+        if line.startswith("| "):
+            cells = line.strip("|").split("|")
+            lines.append(tuple(cell.strip() for cell in cells))
+    return lines
+
+
 @pytest.fixture(scope="module")
 def written():
-    """Lines of the tables of all cases, cut into cells, by the name of the case."""
+    """Lines of the written tables, cut into cells, by the name of the case."""
     tables = {}
-    for page in sorted(table.PAGES.glob("*.md")):
-        lines = [
-            line
-            for line in page.read_text("utf-8").splitlines()
-            if line.startswith("| ")
-        ]
-        head, ruled, *tables[page.stem] = [
-            tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines
-        ]
-        assert (head, ruled) == (table.HEAD, ("---",) * len(table.HEAD))
+    for path in sorted(table.PAGES.glob("*.md")):
+        columns, separator, *lines = lines_of_page(path)
+        assert columns == table.COLUMNS
+        assert separator == ("---",) * len(table.COLUMNS)
+        tables[path.stem] = lines
     return tables
 
 
@@ -50,12 +62,13 @@ def test_every_case_is_found_and_written(written):
 
 def test_the_verdicts_list_every_case(written):
     text = (FOLDER / "README.md").read_text(encoding="utf-8")
-    found = re.findall(
-        r"^\| \[.+\]\(\S+/(\w+)\.md\) \|.*\| (\d+) \|.*\| pass \|$", text, re.M
-    )
-    assert [(name, int(count)) for name, count in found] == [
-        (name, len(rows)) for name, rows in written.items()
-    ]
+
+    numbers = {}
+    for verdict in VERDICT.finditer(text):
+        numbers[verdict["case"]] = int(verdict["numbers"])
+
+    assert numbers == {case: len(lines) for case, lines in written.items()}
+    assert list(numbers) == list(written)
     assert len(text.split()) <= 1000
 
 
@@ -65,22 +78,29 @@ def test_a_page_tells_what_fails():
     assert table.page("rows", [row]).startswith(f"# {table.title('rows')}\n")
 
 
-@pytest.mark.parametrize(
-    "case", few_of(CASES, [case for case in CASES if case not in LONG])
-)
+def assert_written(row, line):
+    """A row is as its page shows it, as far as bound and rounding allow."""
+    case, quantity, source, expected, got, bound = line
+    assert (case, quantity, source) == (row.case, row.quantity, row.source)
+    assert float(bound) == pytest.approx(row.bound, rel=0.05)  # two digits are shown
+    rounding = 0
+    if row.decimal_places is not None:
+        rounding = Fraction(10) ** -row.decimal_places / 2
+    slack = Fraction(row.bound)  # both numbers lie within it of what is expected
+    expected_difference = abs(Fraction(expected) - Fraction(row.expected))
+    assert expected_difference <= slack + rounding
+    difference = abs(Fraction(got) - Fraction(row.got))
+    assert difference <= 2 * slack + rounding
+
+
+@pytest.mark.parametrize("case", few_of(CASES, QUICK))
 def test_case(case, written):
     rows = table.run(case)
+
     assert rows
-    for row, (*names, expected, got, bound) in zip(rows, written[case], strict=True):
+    for row, line in zip(rows, written[case], strict=True):
         assert row.holds, row
-        assert names == [row.case, row.quantity, row.source]
-        assert float(bound) == pytest.approx(
-            row.bound, rel=0.05
-        )  # two digits are shown
-        rounding = 0 if row.places is None else Fraction(10) ** -row.places / 2
-        slack = Fraction(row.bound)  # both numbers lie within it of what is expected
-        assert abs(Fraction(expected) - Fraction(row.expected)) <= slack + rounding
-        assert abs(Fraction(got) - Fraction(row.got)) <= 2 * slack + rounding
+        assert_written(row, line)
 
 
 def test_a_broken_bound_shows():
@@ -88,6 +108,13 @@ def test_a_broken_bound_shows():
     assert good.holds
     assert not good._replace(got=1.1).holds
     assert not good._replace(got=float("nan")).holds
+
+
+def test_a_case_names_sources_of_its_own_and_of_its_rows():
+    case = table.Case("case", "book")
+    assert case.row("quantity", 1.0, 1.0, 0.1).source == "book"
+    assert case.row("quantity", 1.0, 1.0, 0.1, detail="2 L/c").source == "book: 2 L/c"
+    assert case.row("quantity", 1.0, 1.0, 0.1, source="by hand").source == "by hand"
 
 
 @pytest.mark.parametrize(

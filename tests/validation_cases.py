@@ -9,9 +9,9 @@ FOLDER = Path(__file__).parent.parent / "validation"
 
 
 def validation_module(name: str) -> ModuleType:
+    """Import a module of validation/ by its name."""
     if "validation" not in sys.modules:
-        spec = importlib.util.spec_from_file_location(
-            "validation", FOLDER / "__init__.py"
-        )
+        path = FOLDER / "__init__.py"
+        spec = importlib.util.spec_from_file_location("validation", path)
         sys.modules["validation"] = importlib.util.module_from_spec(spec)
     return importlib.import_module(f"validation.{name}")

@@ -1,144 +1,175 @@
-"""The methods on the same collisions: wave fronts, characteristics as pieces, and a grid.
+"""The methods on the same collisions: wave fronts, characteristics as pieces, a grid.
 
-Where waves are constant between jumps, fronts and characteristics are both exact but for round-off:
-pairs, cradles, relays, and random rows of 2 to 4 rods with gaps between them, walls at some ends,
-and re-contact, for 4 transits of the longest rod, with lengths in whole numbers or any.
+Where waves are constant between jumps, fronts and characteristics are both exact but
+for round-off: pairs, cradles, relays, and random rows of 2 to 4 rods with gaps between
+them, walls at some ends, and re-contact, for 4 transits of the longest rod, with
+lengths in whole numbers or any.
 
-Where waves are smooth, the grid and characteristics can both do it: rods with Hertz contacts and
-springs, and a mass. The impulses of the grid approach those of characteristics with the square of
-its cells.
+Where waves are smooth, the grid and characteristics can both do it: rods with Hertz
+contacts and springs, and a mass. The impulses of the grid approach those of
+characteristics with the square of its cells.
 
-Source: `fronts`, itself proved on rationals (`rational_proof`), and characteristics at a tolerance
-of 1e-10.
+Source: `fronts`, itself proved on rationals (`rational_proof`), and characteristics at
+a tolerance of 1e-10.
 """
+
+import math
 
 import numpy as np
 
 import rodimpact as ri
 
-from .table import Case, Row, Rows
+from .table import Case, Rows
 from .unit import rod
 
-ROWS = 100
-METHOD = "characteristics"
+PAIRS = 20
+RANDOM_ROWS = 100
 CELLS = (100, 200, 400)
+RTOL = 1e-10  # of characteristics
+END = 4.0  # of the runs on a grid
+ROWS_OF_RODS = {  # transit times
+    "cradle of five": (1, 1, 1, 1, 1),
+    "cradle, the first twice as long": (2, 1, 1, 1, 1),
+    "rods 1 : 2 : 3 : 1 : 2": (1, 2, 3, 1, 2),
+    "rods 2 : 2 : 1 : 1 : 1": (2, 2, 1, 1, 1),
+}
 
 
 def run() -> Rows:
-    """Commensurate rows, random ones, and the grid."""
-    return commensurate(), any_rows(), grid()
+    """Pairs, rows that touch, random rows, and the grid."""
+    yield from pairs()
+    yield from touching_rows()
+    yield from random_rows(whole_numbers=True)
+    yield from random_rows(whole_numbers=False)
+    yield from on_grid()
 
 
 def impulses(solution: ri.Solution) -> np.ndarray:
-    """Of all contacts."""
-    return np.array([tally.impulse for tally in solution.outcome.contacts])
+    """Impulses of all contacts."""
+    values = [tally.impulse for tally in solution.outcome.contacts]
+    return np.array(values)
 
 
-def commensurate() -> Rows:
-    """Pairs, cradles and relays."""
+def pairs() -> Rows:
+    """Pairs whose transit times are whole numbers, by fronts and characteristics."""
     rng = np.random.default_rng(5)
-    apart, force = [], []
-    for _ in range(20):
-        (T1, T2), (Z1, Z2) = (
-            rng.integers(1, 12, 2).tolist(),
-            rng.uniform(0.2, 5.0, 2).tolist(),
-        )
-        row = ri.System([rod(T1, Z1, 1.0), rod(T2, Z2)])
-        exact, got = (ri.solve(row, method=m).outcome for m in ("fronts", METHOD))
-        apart.append(abs(got.restitution - exact.restitution))
-        force.append(abs(got.impulse / exact.impulse - 1))
-    case = Case("20 random pairs, transits 1 to 11", "fronts")
-    yield case.row("e, largest difference", 0.0, max(apart), 1e-13)
-    yield case.row("impulse, largest relative difference", 0.0, max(force), 1e-13)
-    for name, lengths in (
-        ("cradle of five", (1, 1, 1, 1, 1)),
-        ("cradle, the first twice as long", (2, 1, 1, 1, 1)),
-        ("rods 1 : 2 : 3 : 1 : 2", (1, 2, 3, 1, 2)),
-        ("rods 2 : 2 : 1 : 1 : 1", (2, 2, 1, 1, 1)),
-    ):
-        row = ri.System(
-            [rod(x, velocity=0.0 if i else 1.0) for i, x in enumerate(lengths)]
-        )
-        exact_run, got_run = (ri.solve(row, method=m) for m in ("fronts", METHOD))
-        v = np.subtract(
-            exact_run.outcome.velocities_after, got_run.outcome.velocities_after
-        )
+    restitution_errors = []
+    impulse_errors = []
+    for _ in range(PAIRS):
+        T1, T2 = rng.integers(1, 12, 2).tolist()
+        Z1, Z2 = rng.uniform(0.2, 5.0, 2).tolist()
+        system = ri.System([rod(T1, Z1, 1.0), rod(T2, Z2)])
+        exact = ri.solve(system, method="fronts").outcome
+        outcome = ri.solve(system, method="characteristics").outcome
+        restitution_errors.append(outcome.restitution - exact.restitution)
+        impulse_errors.append(outcome.impulse / exact.impulse - 1)
+    case = Case(f"{PAIRS} random pairs, transits 1 to 11", "fronts")
+    yield case.zero("e, largest difference", restitution_errors, 1e-13)
+    yield case.zero("impulse, largest relative difference", impulse_errors, 1e-13)
+
+
+def touching_rows() -> Rows:
+    """Cradles and relays of five rods, the first at velocity 1."""
+    for name, transit_times in ROWS_OF_RODS.items():
+        first, *others = transit_times
+        rods = [rod(first, velocity=1.0)]
+        for transit_time in others:
+            rods.append(rod(transit_time))
+        system = ri.System(rods)
+        exact = ri.solve(system, method="fronts")
+        solution = ri.solve(system, method="characteristics")
+        velocities = solution.outcome.velocities_after
+        exact_velocities = exact.outcome.velocities_after
+        velocity_errors = np.subtract(exact_velocities, velocities)
+        impulse_errors = impulses(exact) - impulses(solution)
         case = Case(name, "fronts")
-        yield case.zero("velocities after, largest difference", v, 1e-13)
-        yield case.zero(
-            "impulses, largest difference",
-            impulses(exact_run) - impulses(got_run),
-            1e-13,
-        )
+        yield case.zero("velocities after, largest difference", velocity_errors, 1e-13)
+        yield case.zero("impulses, largest difference", impulse_errors, 1e-13)
 
 
-def random_row(rng: np.random.Generator, whole: bool) -> ri.System:
-    """Two to four rods with gaps, walls at some ends; lengths are whole numbers or any."""
-    bodies: list[ri.Rod | ri.Wall] = [
-        rod(
-            float(rng.integers(1, 7)) if whole else rng.uniform(1.0, 6.0),
-            rng.uniform(0.3, 3.0),
-            rng.uniform(-1.0, 1.0),
-        )
-        for _ in range(rng.integers(2, 5))
-    ]
+def random_transit_time(rng: np.random.Generator, whole_number: bool) -> float:
+    """A transit time between 1 and 6."""
+    if whole_number:
+        return float(rng.integers(1, 7))
+    return rng.uniform(1.0, 6.0)
+
+
+def random_row(rng: np.random.Generator, whole_numbers: bool) -> ri.System:
+    """Two to four rods with gaps, walls at some ends."""
+    bodies: list[ri.Rod | ri.Wall] = []
+    for _ in range(rng.integers(2, 5)):
+        transit_time = random_transit_time(rng, whole_numbers)
+        impedance = rng.uniform(0.3, 3.0)
+        velocity = rng.uniform(-1.0, 1.0)
+        bodies.append(rod(transit_time, impedance, velocity))
     if rng.random() < 0.5:
         bodies.insert(0, ri.Wall())
     if rng.random() < 0.5:
         bodies.append(ri.Wall())
-    return ri.System(bodies, rng.uniform(0.0, 2.0, len(bodies) - 1).tolist())
+    gaps = rng.uniform(0.0, 2.0, len(bodies) - 1)
+    return ri.System(bodies, gaps.tolist())
 
 
-def error(row: ri.System) -> float:
-    """Of the worst impulse of a row, relative to the largest; nan where nothing meets."""
-    until = 4 * max(body.length for body in row.bodies if isinstance(body, ri.Rod))
-    exact, got = (impulses(ri.solve(row, until, m)) for m in ("fronts", METHOD))
-    return (
-        float(np.abs(got - exact).max() / exact.max()) if exact.any() else float("nan")
+def impulse_error(system: ri.System) -> float:
+    """Largest error of an impulse over the largest impulse; nan where nothing meets."""
+    lengths = [body.length for body in system.bodies if isinstance(body, ri.Rod)]
+    until = 4 * max(lengths)
+    exact = impulses(ri.solve(system, until, "fronts"))
+    computed = impulses(ri.solve(system, until, "characteristics"))
+    if not exact.any():
+        return math.nan
+    return float(np.abs(computed - exact).max() / exact.max())
+
+
+def random_rows(whole_numbers: bool) -> Rows:
+    """Rows with contacts that close at any time."""
+    lengths = "without common measure"
+    bound = 1e-12
+    if whole_numbers:
+        lengths = "whole numbers"
+        bound = 1e-10
+    rng = np.random.default_rng(2)
+    errors = []
+    for _ in range(RANDOM_ROWS):
+        system = random_row(rng, whole_numbers)
+        errors.append(impulse_error(system))
+    worst = np.nanmax(errors)
+    case = Case(
+        f"{RANDOM_ROWS} random rows with gaps, walls and re-contact, lengths {lengths}",
+        "fronts",
     )
+    yield case.row("worst impulse, largest relative difference", 0.0, worst, bound)
 
 
-def any_rows() -> Rows:
-    """Contacts that close at any time."""
-    for whole, lengths in ((True, "whole numbers"), (False, "without common measure")):
-        rng = np.random.default_rng(2)
-        worst = float(np.nanmax([error(random_row(rng, whole)) for _ in range(ROWS)]))
-        yield Row(
-            f"{ROWS} random rows with gaps, walls and re-contact, lengths {lengths}",
-            "worst impulse, largest relative difference",
-            "fronts",
-            0.0,
-            worst,
-            1e-10 if whole else 1e-12,
-        )
-
-
-def grid() -> Rows:
-    """Impulses of a grid against those of characteristics."""
-    rods, mass = [rod(0.4, 1.0, 1.0), rod(1.0, 2.0)], ri.RigidMass(0.7, velocity=1.0)
-    systems = {
-        "two rods, Hertz contact": ri.System(rods, contacts=[ri.Hertz(10.0)]),
-        "two rods, spring": ri.System(rods, contacts=[ri.Spring(10.0)]),
-        "a mass and two rods, Hertz contact and joint": ri.System(
-            [mass, rod(0.4), rod(1.0, 2.0)], contacts=[ri.Hertz(10.0), ri.Joint(3.0)]
-        ),
+def compliant_systems() -> dict[str, ri.System]:
+    """Systems in which all waves are smooth."""
+    first = rod(0.4, 1.0, 1.0)
+    second = rod(1.0, 2.0)
+    mass = ri.RigidMass(0.7, velocity=1.0)
+    hertz = ri.Hertz(10.0)
+    joined = ri.System(
+        [mass, rod(0.4), second],
+        contacts=[hertz, ri.Joint(3.0)],
+    )
+    return {
+        "two rods, Hertz contact": ri.System([first, second], contacts=[hertz]),
+        "two rods, spring": ri.System([first, second], contacts=[ri.Spring(10.0)]),
+        "a mass and two rods, Hertz contact and joint": joined,
     }
-    for case, system in systems.items():
-        exact = ri.solve(system, 4.0, METHOD, rtol=1e-10).outcome.contacts[0].impulse
-        off = [
-            abs(
-                ri.solve(system, 4.0, "finite-difference", cells=N)
-                .outcome.contacts[0]
-                .impulse
-                - exact
-            )
-            for N in CELLS
-        ]
-        yield Row(
-            case,
-            f"order of the grid's impulse, {CELLS[0]} to {CELLS[-1]} cells",
-            f"{METHOD}: 2",
-            2.0,
-            float(np.log(off[0] / off[-1]) / np.log(CELLS[-1] / CELLS[0])),
-            0.02,
-        )
+
+
+def on_grid() -> Rows:
+    """Order of the error of the grid's impulse in the size of the cells."""
+    first = CELLS[0]
+    last = CELLS[-1]
+    for name, system in compliant_systems().items():
+        reference = ri.solve(system, END, "characteristics", rtol=RTOL)
+        exact = impulses(reference)[0]
+        errors = []
+        for cells in CELLS:
+            solution = ri.solve(system, END, "finite-difference", cells=cells)
+            errors.append(abs(impulses(solution)[0] - exact))
+        order = np.log(errors[0] / errors[-1]) / np.log(last / first)
+        case = Case(name, "characteristics: 2")
+        quantity = f"order of the grid's impulse, {first} to {last} cells"
+        yield case.row(quantity, 2.0, order, 0.02)

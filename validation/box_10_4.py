@@ -1,22 +1,23 @@
-"""The three collisions of the textbook's box 10.4, "The axial collision of elastic rods".
+"""The collisions of the textbook's box 10.4, "The axial collision of elastic rods".
 
-- A rod runs into an identical rod at rest: the contact lasts 2 L/c, then the first rod rests, the
-  second has its velocity, e = 1, and no vibration is left.
+- A rod runs into an identical rod at rest: the contact lasts 2 L/c, then the first rod
+  rests, the second has its velocity, e = 1, and no vibration is left.
 - A rod on a rigid wall: the same from the wall's side, e = 1.
-- Rods of one material and different lengths: the short rod is left at rest, the long one has the
-  mean velocity (l1/l2) v, so e = l1/l2; the vibration keeps (1 - e^2) m_coll v^2/2.
+- Rods of one material and different lengths: the short rod is left at rest, the long
+  one has the mean velocity (l1/l2) v, so e = l1/l2; the vibration keeps (1 - e^2)
+  m_coll v^2/2.
 
 Where the text is loose:
 
-- It puts the wave speed of metals at about 1000 m/s and the collision of 1 m rods at a few
-  thousandths of a second. Steel has about 5000 m/s, and 1 m rods part after 0.4 ms.
-- It says that its two elastic examples may be the only ones. Any two rods of equal transit time
-  collide with e = 1, whatever their impedances.
-- It says that unequal rods separate when the wave of the short one returns. The force ends then,
-  after 2 l1/c; the ends go on touching without force and part after 2 l2/c.
+- It puts the wave speed of metals at about 1000 m/s and the collision of 1 m rods at a
+  few thousandths of a second. Steel has about 5000 m/s, and 1 m rods part after 0.4 ms.
+- It says that its two elastic examples may be the only ones. Any two rods of equal
+  transit time collide with e = 1, whatever their impedances.
+- It says that unequal rods separate when the wave of the short one returns. The force
+  ends then, after 2 l1/c; the ends go on touching without force and part after 2 l2/c.
 
-Source: textbook section 10.5, "Collisions in 1D", box 10.4, which credits the solution by waves to
-E. J. Routh.
+Source: textbook section 10.5, "Collisions in 1D", box 10.4, which credits the solution
+by waves to E. J. Routh.
 """
 
 import math
@@ -28,23 +29,28 @@ import rodimpact as ri
 from .table import Case, Rows
 
 BOX = "textbook, box 10.4"
-STEEL, AREA, SPEED = ri.materials.steel, 1e-4, 2.0
-C = math.sqrt(200e9 / 7850.0)
-RATIOS = {
+STEEL = ri.materials.steel
+DENSITY = 7850.0  # kg/m^3
+C = math.sqrt(200e9 / DENSITY)  # m/s
+AREA = 1e-4  # m^2
+SPEED = 2.0  # m/s
+LENGTHS = {  # of the short and the long rod, m
     "0.1 : 0.3": (0.1, 0.3),
     "0.4 : 1": (0.4, 1.0),
     "0.3 : 0.7": (0.3, 0.7),
     "1 : sqrt 2": (1.0, math.sqrt(2.0)),
     "0.99 : 1": (0.99, 1.0),
 }
+AREA_RATIOS = (0.1, 3.0, 20.0)  # brass over steel
 
 
 def run() -> Rows:
-    """Identical rods, a rod on a wall, rods of different length, rods of equal transit time."""
+    """Identical rods, a rod on a wall, unequal lengths, equal transit times."""
     yield from identical_rods()
     yield from rod_on_wall()
-    for name, (short, long) in RATIOS.items():
-        yield from different_lengths(Case(f"rods {name}", BOX), short, long)
+    for name, (short, long) in LENGTHS.items():
+        case = Case(f"rods {name}", BOX)
+        yield from different_lengths(case, short, long)
     yield from equal_transit_times()
 
 
@@ -54,100 +60,121 @@ def rod(length: float, velocity: float = 0.0) -> ri.Rod:
 
 
 def identical_rods() -> Rows:
-    """Steel rods of 1 m."""
-    o = ri.collide(rod(1.0, SPEED), rod(1.0))
+    """A steel rod of 1 m runs into an identical rod at rest: e = 1 after 2 L/c."""
+    outcome = ri.collide(rod(1.0, SPEED), rod(1.0))
+    left_after, right_after = outcome.velocities_after
+    vibration = sum(outcome.vibration_after)
+    duration = outcome.duration
+    expected_duration = 2 / C
+    round_off = 1e-14 * expected_duration
     case = Case("identical rods", BOX)
-    yield case.row("e", 1.0, o.restitution, 1e-14)
-    yield case.row("velocity left after, m/s", 0.0, o.velocities_after[0], 1e-14)
-    yield case.row("velocity right after, m/s", SPEED, o.velocities_after[1], 1e-14)
-    yield case.row("vibration energy after, J", 0.0, sum(o.vibration_after), 1e-14)
-    yield case.row("contact time, s", 2 / C, o.duration, 1e-14 * 2 / C, ": 2 L/c")
+    yield case.row("e", 1.0, outcome.restitution, 1e-14)
+    yield case.row("velocity left after, m/s", 0.0, left_after, 1e-14)
+    yield case.row("velocity right after, m/s", SPEED, right_after, 1e-14)
+    yield case.row("vibration energy after, J", 0.0, vibration, 1e-14)
     yield case.row(
-        "contact time, 1 m of steel, ms",
-        0.4,
-        o.duration * 1e3,
-        0.005,
-        "about 0.4 ms; the textbook says a few ms",
+        "contact time, s", expected_duration, duration, round_off, detail="2 L/c"
     )
+    source = "about 0.4 ms; the textbook says a few ms"
     yield case.row(
-        "wave speed of steel, m/s",
-        5000.0,
-        STEEL.wave_speed,
-        100.0,
-        "about 5000 m/s; the textbook says about 1000",
+        "contact time, 1 m of steel, ms", 0.4, 1e3 * duration, 0.005, source=source
     )
+    source = "about 5000 m/s; the textbook says about 1000"
+    wave_speed = STEEL.wave_speed
+    yield case.row("wave speed of steel, m/s", 5000.0, wave_speed, 100.0, source=source)
 
 
 def rod_on_wall() -> Rows:
-    """A steel rod of 1 m on a wall."""
-    o = ri.collide(rod(1.0, SPEED), ri.Wall())
+    """A steel rod of 1 m runs into a rigid wall: e = 1 after 2 L/c."""
+    outcome = ri.collide(rod(1.0, SPEED), ri.Wall())
+    velocity = outcome.velocities_after[0]
+    vibration = outcome.vibration_after[0]
+    duration = 2 / C
+    round_off = 1e-14 * duration
     case = Case("rod on a rigid wall", BOX)
-    yield case.row("e", 1.0, o.restitution, 1e-14)
-    yield case.row("velocity after, m/s", -SPEED, o.velocities_after[0], 1e-14)
-    yield case.row("vibration energy after, J", 0.0, o.vibration_after[0], 1e-14)
-    yield case.row("contact time, s", 2 / C, o.duration, 1e-14 * 2 / C, ": 2 L/c")
+    yield case.row("e", 1.0, outcome.restitution, 1e-14)
+    yield case.row("velocity after, m/s", -SPEED, velocity, 1e-14)
+    yield case.row("vibration energy after, J", 0.0, vibration, 1e-14)
+    yield case.row(
+        "contact time, s", duration, outcome.duration, round_off, detail="2 L/c"
+    )
+
+
+def motion_left(solution: ri.Solution, length: float, since: float) -> float:
+    """Largest velocity (m/s) or strain in the first rod from a time on."""
+    x = np.linspace(0, length, 50)[:, None]
+    t = np.linspace(since, solution.t_end, 50)[1:]
+    velocity = np.abs(solution.velocity(0, x, t)).max()
+    strain = np.abs(solution.strain(0, x, t)).max()
+    return max(velocity, strain)
+
+
+def lost_energy(short: float, long: float) -> float:
+    """Energy that rods of these lengths lose to vibration: (1 - e^2) m_coll v^2/2, J."""
+    e = short / long
+    m1 = DENSITY * AREA * short
+    m2 = DENSITY * AREA * long
+    return (1 - e * e) * m1 * m2 / (m1 + m2) * SPEED**2 / 2
 
 
 def different_lengths(case: Case, short: float, long: float) -> Rows:
-    """A short rod runs into a long one."""
+    """A short rod runs into a long one: the short one is left at rest, e = l1/l2."""
     solution = ri.solve(ri.System([rod(short, SPEED), rod(long)]))
-    o, contact = solution.outcome, solution.contacts[0]
+    outcome = solution.outcome
     e = short / long
-    m1, m2 = 7850.0 * AREA * short, 7850.0 * AREA * long
-    lost = (1 - e * e) * m1 * m2 / (m1 + m2) * SPEED**2 / 2
-    x, t = (
-        np.linspace(0, short, 50)[:, None],
-        np.linspace(2 * short / C, solution.t_end, 50)[1:],
-    )
-    residue = max(
-        np.abs(solution.velocity(0, x, t)).max(), np.abs(solution.strain(0, x, t)).max()
-    )
-    yield case.row("e", e, o.restitution, 1e-13, ": l1/l2")
+    velocity = outcome.velocities_after[1]
+    force_end = 2 * short / C
+    opening = 2 * long / C
+    vibration = sum(outcome.vibration_after)
+    yield case.row("e", e, outcome.restitution, 1e-13, detail="l1/l2")
     yield case.row(
         "mean velocity right after, m/s",
         e * SPEED,
-        o.velocities_after[1],
+        velocity,
         1e-13,
-        ": (l1/l2) v",
+        detail="(l1/l2) v",
     )
     yield case.row(
         "largest velocity (m/s) or strain left in the short rod",
         0.0,
-        residue,
+        motion_left(solution, short, since=force_end),
         1e-13,
-        ": at rest",
+        detail="at rest",
     )
     yield case.row(
         "vibration energy after, J",
-        lost,
-        sum(o.vibration_after),
+        lost_energy(short, long),
+        vibration,
         1e-13,
-        "(1 - e^2) m_coll v^2/2",
+        source="(1 - e^2) m_coll v^2/2",
     )
-    yield case.row(
-        "force ends at, s", 2 * short / C, o.contacts[0].last, 1e-16, ": 2 l1/c"
-    )
+    last_force = outcome.contacts[0].last
+    yield case.row("force ends at, s", force_end, last_force, 1e-16, detail="2 l1/c")
     yield case.row(
         "gap opens at, s",
-        2 * long / C,
-        contact.episodes[0].opening,
+        opening,
+        solution.contacts[0].episodes[0].opening,
         1e-16,
-        "2 l2/c: touching without force until then",
+        source="2 l2/c: touching without force until then",
     )
+
+
+def impedance(rod: ri.Rod) -> float:
+    """Impedance of a uniform rod, kg/s."""
+    return float(rod.segments[0].impedance)
 
 
 def equal_transit_times() -> Rows:
-    """Steel on brass rods of equal transit time and very different impedance."""
+    """Steel on brass rods of equal transit times and very different impedances: e = 1."""
     brass = ri.materials.brass
     length = 0.5 * float(brass.wave_speed) / float(STEEL.wave_speed)
-    for factor in (0.1, 3.0, 20.0):
-        other = ri.Rod(length, area=factor * AREA, material=brass)
-        ratio = float(other.segments[0].impedance) / float(
-            rod(0.5).segments[0].impedance
-        )
-        o = ri.collide(rod(0.5, SPEED), other)
+    for area_ratio in AREA_RATIOS:
+        first = rod(0.5, SPEED)
+        second = ri.Rod(length, area=area_ratio * AREA, material=brass)
+        ratio = impedance(second) / impedance(first)
+        outcome = ri.collide(first, second)
         case = Case(
             f"equal transit times, impedances 1 : {ratio:.3g}",
             "Saint-Venant: 1 at equal transit times",
         )
-        yield case.row("e", 1.0, o.restitution, 1e-13)
+        yield case.row("e", 1.0, outcome.restitution, 1e-13)

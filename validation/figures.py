@@ -1,6 +1,8 @@
-"""The pictures of the README, drawn anew: `python -m validation.figures`.
+"""The pictures of the manual: how lengths decide collisions. `python -m validation.figures`.
 
-The files are the same in every run with the same matplotlib: no dates, no random ids.
+They show collisions of equal and unequal rods, e over lengths, areas and stiffnesses of
+ends, chains and cradles, and a ring-down. The files are the same in every run with the
+same Matplotlib: no dates, no random ids.
 """
 
 import math
@@ -18,130 +20,151 @@ from . import damping, hertz_ends
 from .length_effects import chain, cradle
 
 FOLDER = Path(__file__).parent / "figures"
-STEEL, AREA = ri.materials.steel, 1e-4
+STEEL = ri.materials.steel
+AREA = 1e-4  # m^2
+TICKS = (0.1, 0.2, 0.3, 0.5, 1, 2, 3, 4, 5, 10)  # of ratios in cradles
 
 
 def rods(*lengths: float) -> list[ri.Rod]:
     """Steel rods of one thickness; the first comes at 1 m/s, the others are at rest."""
-    return [
-        ri.Rod(length, area=AREA, material=STEEL, velocity=0.0 if i else 1.0)
-        for i, length in enumerate(lengths)
-    ]
+    first, *resting = lengths
+    row = [ri.Rod(first, area=AREA, material=STEEL, velocity=1.0)]
+    for length in resting:
+        row.append(ri.Rod(length, area=AREA, material=STEEL))
+    return row
 
 
-def restitution_of_lengths() -> tuple[list[float], list[float]]:
-    """Ratios of lengths, simple and not, and the e that comes out."""
-    ratios = [*(i / 20 for i in range(1, 21)), 0.1 / 0.3, 1 / math.e, math.sqrt(0.5)]
-    return ratios, [ri.collide(*rods(ratio, 1.0)).restitution for ratio in ratios]
+def restitution() -> Axes:
+    """e of two rods over the ratio of their lengths, simple ratios and others."""
+    ratios = [i / 20 for i in range(1, 21)]
+    ratios += [0.1 / 0.3, 1 / math.e, math.sqrt(0.5)]
+    restitutions = []
+    for ratio in ratios:
+        outcome = ri.collide(*rods(ratio, 1.0))
+        restitutions.append(outcome.restitution)
+    return ri.plot.restitution(np.array(ratios), np.array(restitutions)).ax
 
 
 def restitution_over_length() -> Axes:
-    """e of two rods of one material and thickness, the first from much shorter to much longer."""
-    rod = ri.Rod(np.linspace(0.02, 4, 200), area=AREA, material=STEEL, velocity=1.0)
-    ax = ri.plot.sweep(ri.sweep(ri.System([rod, *rods(0.4, 1.0)[1:]]))).ax
+    """e of two rods of one thickness, the first from much shorter to much longer."""
+    lengths = np.linspace(0.02, 4, 200)
+    first = ri.Rod(lengths, area=AREA, material=STEEL, velocity=1.0)
+    second = ri.Rod(1.0, area=AREA, material=STEEL)
+    result = ri.sweep(ri.System([first, second]))
+    ax = ri.plot.sweep(result).ax
     ax.set_xlabel("ratio of lengths ℓ₁/ℓ₂")
     return ax
 
 
 def restitution_map() -> Axes:
     """e of two rods of one material, a million pairs."""
-    ratios, metre, square = np.geomspace(0.1, 10, 1000), 1.0, 1e-6
+    ratios = np.geomspace(0.1, 10, 1000)
+    length = 1.0  # m
+    area = 1e-6  # m^2
     first = ri.Rod(
-        metre * ratios[:, None], area=square * ratios, material=STEEL, velocity=1.0
+        length * ratios[:, None], area=area * ratios, material=STEEL, velocity=1.0
     )
-    second = ri.Rod(metre, area=square, material=STEEL)
-    ax = ri.plot.sweep(ri.sweep(ri.System([first, second]))).ax
+    second = ri.Rod(length, area=area, material=STEEL)
+    result = ri.sweep(ri.System([first, second]))
+    ax = ri.plot.sweep(result).ax
     ax.set_xlabel("ratio of lengths ℓ₁/ℓ₂")
     ax.set_ylabel("ratio of impedances Z₁/Z₂")
     return ax
 
 
 def contact_episodes() -> Axes:
-    """Contacts of a rod that strikes another one's head, over length and area of the head."""
-    head = ri.Segment(
-        np.geomspace(0.01, 1, 400)[:, None], np.geomspace(2e-5, 1e-3, 300), STEEL
-    )
-    struck = ri.Rod(segments=[head, ri.Segment(1.0, 3e-5, STEEL)])
-    ax = ri.plot.sweep(
-        ri.sweep(ri.System([*rods(0.3), struck])), quantity="episodes.0"
-    ).ax
+    """Contacts of a rod that strikes another one's head, over its length and area."""
+    lengths = np.geomspace(0.01, 1, 400)[:, None]
+    areas = np.geomspace(2e-5, 1e-3, 300)
+    head = ri.Segment(lengths, areas, STEEL)
+    tail = ri.Segment(1.0, 3e-5, STEEL)
+    struck = ri.Rod(segments=[head, tail])
+    result = ri.sweep(ri.System([*rods(0.3), struck]))
+    ax = ri.plot.sweep(result, quantity="episodes.0").ax
     ax.set_xlabel("length of the head (m)\nstriker 0.3 m, 100 mm²; tail 1 m, 30 mm²")
     ax.set_ylabel("area of the head (mm²)")
     return ax
+
+
+def draw_law(
+    ax: Axes, numbers: np.ndarray, law: np.ndarray, values: list[float], colour: str
+) -> None:
+    """A broad line for a law, over 2 to 10 rods, and dots for what was computed."""
+    ax.plot(np.linspace(2, 10, 101), law, color=colour, alpha=0.4, linewidth=5.0)
+    ax.plot(numbers, values, color=colour, linestyle="", marker="o", markersize=4.0)
+
+
+def draw_equal_rods(ax: Axes) -> None:
+    """Restitution of chains of equal rods, over their number."""
+    numbers = np.arange(2, 11)
+    solved = [chain(n) for n in numbers.tolist()]
+    last_rod = [solved_chain.restitution_of_last for solved_chain in solved]
+    all_others = [solved_chain.restitution_of_all for solved_chain in solved]
+    n = np.linspace(2, 10, 101)
+    draw_law(ax, numbers, np.ones(n.size), last_rod, SERIES[0])
+    ax.text(4.3, 0.93, "first and last rod: e = 1", va="center")
+    draw_law(ax, numbers, 1 / (n - 1), all_others, SERIES[1])
+    label = (
+        "first rod and the centre of\nmass of all others: e = 1/(n \N{MINUS SIGN} 1)"
+    )
+    ax.text(4.3, 0.4, label, va="center")
+    ax.set(
+        xlabel="number n of equal rods",
+        ylabel="effective coefficient of restitution e",
+        ylim=(0, 1.05),
+        xticks=numbers,
+    )
+
+
+def draw_cradle(
+    ax: Axes, quantity: str, ratio: np.ndarray, result: ri.SweepResult
+) -> None:
+    """Velocities after of a cradle over the length or the area of rods 2 to 5."""
+    for i, velocity in enumerate(result.velocities_after):
+        ax.plot(
+            ratio,
+            velocity,
+            color=SERIES[i],
+            linestyle=DASHES[i],
+            linewidth=1.5,
+            label=f"rod {i + 1}",
+        )
+    ax.set(
+        xlabel=f"{quantity} of rods 2 to 5 over that of rod 1",
+        xscale="log",
+        ylabel="velocity after (m/s)",
+    )
+    ticks = [tick for tick in TICKS if ratio[0] <= tick <= ratio[-1]]
+    ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.legend(loc="upper right", frameon=False, fontsize=SMALL + 1)
 
 
 @styled
 def chains() -> Axes:
     """Restitution of chains of equal rods, and where the unequal rods of a cradle go."""
     equal, longer, thicker = new_figure(10.5, 3.6).subplots(1, 3)
-    counts, smooth = np.arange(2, 11), np.linspace(2, 10, 101)
-    of_all, of_last = np.array([chain(n)[1:] for n in counts.tolist()]).T
-    for values, law, colour, words, place in (
-        (
-            of_last,
-            np.ones(smooth.size),
-            SERIES[0],
-            "first and last rod: e = 1",
-            (4.3, 0.93),
-        ),
-        (
-            of_all,
-            1 / (smooth - 1),
-            SERIES[1],
-            "first rod and the centre of\nmass of all others: e = 1/(n \N{MINUS SIGN} 1)",
-            (4.3, 0.4),
-        ),
-    ):
-        equal.plot(smooth, law, color=colour, alpha=0.4, linewidth=5.0)
-        equal.plot(
-            counts, values, color=colour, linestyle="", marker="o", markersize=4.0
-        )
-        equal.text(*place, words, va="center")
-    equal.set(
-        xlabel="number n of equal rods",
-        ylabel="effective coefficient of restitution e",
-        ylim=(0, 1.05),
-        xticks=counts,
-    )
-    for ax, what, last in ((longer, "length", 4), (thicker, "area", 10)):
-        ratio = np.geomspace(1 / last if what == "area" else 0.26, last, 401)
-        for i, v in enumerate(cradle(**{what: ratio}).velocities_after):
-            ax.plot(
-                ratio,
-                v,
-                color=SERIES[i],
-                linestyle=DASHES[i],
-                linewidth=1.5,
-                label=f"rod {i + 1}",
-            )
-        ticks = [
-            x for x in (0.1, 0.2, 0.3, 0.5, 1, 2, 3, 4, 5, 10) if ratio[0] <= x <= last
-        ]
-        ax.set(
-            xlabel=f"{what} of rods 2 to 5 over that of rod 1",
-            xscale="log",
-            ylabel="velocity after (m/s)",
-        )
-        ax.set_xticks(ticks, [f"{x:g}" for x in ticks])
-        ax.xaxis.set_minor_locator(NullLocator())
-        ax.legend(loc="upper right", frameon=False, fontsize=SMALL + 1)
+    draw_equal_rods(equal)
+    length_ratio = np.geomspace(0.26, 4, 401)
+    draw_cradle(longer, "length", length_ratio, cradle(length=length_ratio))
+    area_ratio = np.geomspace(1 / 10, 10, 401)
+    draw_cradle(thicker, "area", area_ratio, cradle(area=area_ratio))
     for ax in (equal, longer, thicker):
         ax.grid(color=FAINT, alpha=0.3, linewidth=0.5)
         format_axes(ax)
     return equal
 
 
-def key_stages(solution: ri.Solution) -> list[float]:
-    """Start, wave half-way, at the end, force ends, gap opens, end."""
+def key_times(solution: ri.Solution) -> list[float]:
+    """Times of the stages of a collision of two rods.
+
+    Start, wave half-way along the short rod, wave at its end, end of the force, opening
+    of the gap, end of the run.
+    """
     episode = solution.contacts[0].episodes[0]
-    return [
-        0.0,
-        episode.force_end / 4,
-        episode.force_end / 2,
-        episode.force_end,
-        episode.opening,
-        solution.t_end,
-    ]
+    force_end = episode.force_end
+    end = solution.t_end
+    return [0.0, force_end / 4, force_end / 2, force_end, episode.opening, end]
 
 
 def main() -> None:
@@ -149,15 +172,16 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     unequal = ri.solve(ri.System(rods(0.4, 1.0)))
     equal = ri.solve(ri.System(rods(1.0, 1.0)))
-    cradle_of_five = ri.solve(ri.System(rods(*[0.2] * 5)))
+    five = ri.solve(ri.System(rods(0.2, 0.2, 0.2, 0.2, 0.2)))
+    stages = ri.plot.snapshots(unequal, times=key_times(unequal))
     pictures = {
         "unequal_rods": ri.plot.spacetime(unequal).ax,
-        "unequal_rods_stages": ri.plot.snapshots(unequal, times=key_stages(unequal)).ax,
+        "unequal_rods_stages": stages.ax,
         "unequal_rods_contact": ri.plot.contact(unequal).force_ax,
         "unequal_rods_energy": ri.plot.energy(unequal).ax,
         "equal_rods": ri.plot.spacetime(equal).ax,
-        "cradle": ri.plot.spacetime(cradle_of_five).ax,
-        "restitution": ri.plot.restitution(*map(np.array, restitution_of_lengths())).ax,
+        "cradle": ri.plot.spacetime(five).ax,
+        "restitution": restitution(),
         "restitution_over_length": restitution_over_length(),
         "restitution_map": restitution_map(),
         "contact_episodes": contact_episodes(),
@@ -168,7 +192,8 @@ def main() -> None:
     for name, ax in pictures.items():
         path = FOLDER / f"{name}.svg"
         ri.plot.save(ax.figure, path, force=True)
-        print(f"{path.stat().st_size / 1e3:6.1f} kB  {path}")
+        kilobytes = path.stat().st_size / 1e3
+        print(f"{kilobytes:6.1f} kB  {path}")
     with ri.plot.look(width=170):
         film = ri.plot.animation(unequal, frames=60, fps=20)
     film.save(FOLDER / "unequal_rods.gif", force=True)

@@ -1,12 +1,12 @@
-"""Derivatives of collisions against those of closed forms, and against what scaling demands.
+"""Derivatives of collisions against those of closed forms, and what scaling demands.
 
-- Rods of one material and section: e = l1/l2, l1 the shorter one; so e has a kink where they are
-  as long, of slope 1/l on one side and -1/l on the other.
-- Near T1 : T2 = 2 : 5 and for r = Z2/Z1 >= 1: e = (2 T1 + (r - 1) T2)/(T2 (1 + r)), as hand
-  summation of Saint-Venant's series gives.
-- Velocities after the collision of three rods do not change if all lengths and gaps are multiplied
-  by one number, or all areas; they are multiplied as velocities and gaps are. Derivatives obey
-  (Euler).
+- Rods of one material and section: e = l1/l2, l1 the shorter one; so e has a kink where
+  they are as long, of slope 1/l on one side and -1/l on the other.
+- Near T1 : T2 = 2 : 5 and for r = Z2/Z1 >= 1: e = (2 T1 + (r - 1) T2)/(T2 (1 + r)), as
+  hand summation of Saint-Venant's series gives.
+- Velocities after the collision of three rods do not change if all lengths and gaps are
+  multiplied by one number, or all areas; they are multiplied as velocities and gaps
+  are. Derivatives obey (Euler).
 
 Source: textbook section 10.5, box 10.4; Saint-Venant 1867, see saint_venant.py.
 """
@@ -15,87 +15,112 @@ import numpy as np
 
 import rodimpact as ri
 
-from .table import Case, Row, Rows
+from .table import Case, Rows
 from .unit import rod
 
-BOX, SERIES, EULER = "textbook, box 10.4: l1/l2", "Saint-Venant 1867", "Euler's theorem"
+BOX = "textbook, box 10.4: l1/l2"
+SERIES = "Saint-Venant 1867"
+EULER = "Euler's theorem"
 LENGTHS = ("bodies.0.length", "bodies.1.length")
-ROWS = 50
+GAP = "contacts.0.gap"
+RANDOM_ROWS = 50
 
 
 def run() -> Rows:
     """The box, its kink, a pair near 2 : 5, random rows of three."""
-    return box(), near_two_to_five(), scaling()
+    yield from box()
+    yield from kink_of_the_box()
+    yield from near_two_to_five()
+    yield from scaling()
 
 
 def box() -> Rows:
-    """Lengths 2 : 5 and equal lengths."""
+    """Rods of one section, lengths 2 : 5."""
+    system = ri.System([rod(2, velocity=1.0), rod(5)])
+    gradient = ri.gradient(system, wrt=LENGTHS)
+    by_l1 = gradient[LENGTHS[0]]
+    by_l2 = gradient[LENGTHS[1]]
     case = Case("rods of one section", BOX)
-    g = ri.gradient(ri.System([rod(2, velocity=1.0), rod(5)]), wrt=LENGTHS)
-    for i, (path, exact) in enumerate(zip(LENGTHS, (1 / 5, -2 / 25), strict=True)):
-        yield case.row(f"de/dl{i + 1} at 2 : 5", exact, g[path], 1e-10)
-    kink = ri.gradient(ri.System([rod(2, velocity=1.0), rod(2)]), wrt=LENGTHS).kinks[
-        LENGTHS[0]
-    ]
+    yield case.row("de/dl1 at 2 : 5", 1 / 5, by_l1, 1e-10)
+    yield case.row("de/dl2 at 2 : 5", -2 / 25, by_l2, 1e-10)
+
+
+def kink_of_the_box() -> Rows:
+    """Rods of one section and length, where e has a kink."""
+    system = ri.System([rod(2, velocity=1.0), rod(2)])
+    gradient = ri.gradient(system, wrt=LENGTHS)
+    kink = gradient.kinks[LENGTHS[0]]
+    exchanged = "the same with l1 and l2 exchanged"
+    case = Case("rods of one section", BOX)
     yield case.row("de/dl1 below l1 = l2 = 2", 0.5, kink.below, 1e-9)
-    yield case.row(
-        "de/dl1 above l1 = l2 = 2",
-        -0.5,
-        kink.above,
-        1e-9,
-        "the same with l1 and l2 exchanged",
-    )
+    yield case.row("de/dl1 above l1 = l2 = 2", -0.5, kink.above, 1e-9, source=exchanged)
 
 
 def near_two_to_five() -> Rows:
     """Transit times 2.05 : 5.15, impedances 1 : 1.7."""
-    T1, T2, r = 2.05, 5.15, 1.7
-    g = ri.gradient(
-        ri.System([rod(T1, velocity=1.0), rod(T2, r)]), wrt=[*LENGTHS, "bodies.1.area"]
-    )
-    exact = (
-        2 / (T2 * (1 + r)),
-        -2 * T1 / (T2**2 * (1 + r)),
-        2 * (T2 - T1) / (T2 * (1 + r) ** 2),
-    )
-    for name, path, value in zip(("T1", "T2", "r"), g.wrt, exact, strict=True):
-        yield Row(
-            "T 2.05 : 5.15, Z 1 : 1.7", f"de/d{name}", SERIES, value, g[path], 1e-11
-        )
+    T1 = 2.05
+    T2 = 5.15
+    r = 1.7
+    system = ri.System([rod(T1, velocity=1.0), rod(T2, r)])
+    area = "bodies.1.area"
+    gradient = ri.gradient(system, wrt=[*LENGTHS, area])
+    by_T1 = 2 / (T2 * (1 + r))
+    by_T2 = -2 * T1 / (T2**2 * (1 + r))
+    by_r = 2 * (T2 - T1) / (T2 * (1 + r) ** 2)
+    case = Case("T 2.05 : 5.15, Z 1 : 1.7", SERIES)
+    yield case.row("de/dT1", by_T1, gradient[LENGTHS[0]], 1e-11)
+    yield case.row("de/dT2", by_T2, gradient[LENGTHS[1]], 1e-11)
+    yield case.row("de/dr", by_r, gradient[area], 1e-11)
+
+
+def scaling_errors(rng: np.random.Generator) -> np.ndarray:
+    """Errors of Euler's theorem for the last velocity of a random row, over stated errors.
+
+    They are those of scaling all lengths and the gap, all areas, and all velocities and
+    the gap: the sum of each derivative times its number is 0, 0 and the velocity itself.
+    """
+    T = rng.uniform(1, 2, 3)
+    Z = rng.uniform(0.5, 2, 3)
+    v = sorted(rng.uniform(0, 1, 3), reverse=True)
+    gap = float(rng.uniform(0.1, 1))
+    rods = []
+    for i in range(3):
+        rods.append(rod(T[i], Z[i], v[i]))
+    system = ri.System(rods, gaps=[gap, 0.0])
+    paths = []
+    for name in ("length", "area", "velocity"):
+        for i in range(3):
+            paths.append(f"bodies.{i}.{name}")
+    gradient = ri.gradient(system, "velocity_after.2", [*paths, GAP])
+
+    numbers = np.concatenate([T, Z, v])
+    derivatives = [gradient[path] for path in paths]
+    lengths, areas, velocities = sums_of_three(numbers * derivatives)
+    by_gap = gap * gradient[GAP]
+    errors = (lengths + by_gap, areas, velocities + by_gap - gradient.value)
+
+    stated_errors = [gradient.errors[path] for path in paths]
+    stated = sums_of_three(numbers * stated_errors)
+    gap_error = gap * gradient.errors[GAP]
+    stated += np.array([gap_error, 0.0, gap_error])
+    return np.abs(errors) / stated
+
+
+def sums_of_three(values: np.ndarray) -> np.ndarray:
+    """Sums over the three rods, of lengths, areas and velocities."""
+    return values.reshape(3, 3).sum(axis=1)
 
 
 def scaling() -> Rows:
-    """Sums of the derivatives of the last velocity, each times its number."""
-    rng, worst = np.random.default_rng(18), np.zeros(3)
-    for _ in range(ROWS):
-        T, Z = rng.uniform(1, 2, 3), rng.uniform(0.5, 2, 3)
-        v, gap = sorted(rng.uniform(0, 1, 3), reverse=True), float(rng.uniform(0.1, 1))
-        system = ri.System(
-            [rod(*of) for of in zip(T, Z, v, strict=True)], gaps=[gap, 0.0]
+    """Derivatives of the last velocity of random rows of three rods."""
+    rng = np.random.default_rng(18)
+    worst = np.zeros(3)
+    for _ in range(RANDOM_ROWS):
+        worst = np.maximum(worst, scaling_errors(rng))
+    case = Case(f"{RANDOM_ROWS} random rows of three", EULER)
+    scaled = ("lengths and gap", "areas", "velocities and gap")
+    for i, parameters in enumerate(scaled):
+        quantity = (
+            f"velocity after by {parameters}, largest difference over stated error"
         )
-        paths = [
-            f"bodies.{i}.{name}"
-            for name in ("length", "area", "velocity")
-            for i in range(3)
-        ]
-        g = ri.gradient(system, "velocity_after.2", [*paths, "contacts.0.gap"])
-        by_number = np.concatenate([T, Z, v]) * [g[path] for path in paths]
-        sums = by_number.reshape(3, 3).sum(axis=1)
-        by_gap = gap * g["contacts.0.gap"]
-        wrong = (sums[0] + by_gap, sums[1], sums[2] + by_gap - g.value)
-        stated = np.concatenate([T, Z, v]) * [g.errors[path] for path in paths]
-        gap_error = gap * g.errors["contacts.0.gap"]
-        allowed = stated.reshape(3, 3).sum(axis=1)
-        allowed += np.array([gap_error, 0.0, gap_error])
-        worst = np.maximum(worst, np.abs(wrong) / allowed)
-    for what, difference in zip(
-        ("lengths and gap", "areas", "velocities and gap"), worst, strict=True
-    ):
-        yield Row(
-            f"{ROWS} random rows of three",
-            f"velocity after by {what}, largest difference over stated error",
-            EULER,
-            0.0,
-            float(difference),
-            1.0,
-        )
+        yield case.row(quantity, 0.0, worst[i], 1.0)

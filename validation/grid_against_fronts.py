@@ -1,284 +1,382 @@
-"""Finite differences against the two other methods: the orders of their errors in the cell.
+"""Finite differences against the two other methods: the orders of their errors.
 
-Twelve systems by "fronts", which is exact: the last case of two unequal rods with and without a
-gap, stepped rods, a wall, rows of three and four, a bonded contact, initial strain, and two pairs
-of stepped rods that meet again after they have parted. Errors of the centres' velocities, of the
-impulses, and the mean of that of the velocity field over the rods at five times, at 100 to 1600
-cells in the segment of the longest transit, half an octave apart, give an order each by least
-squares. (In plain Python the cells end at 800.)
+Twelve systems by "fronts", which is exact: the last case of two unequal rods with and
+without a gap, stepped rods, a wall, rows of three and four, a bonded contact, initial
+strain, and two pairs of stepped rods that meet again after they have parted. Errors of
+the centres' velocities, of the impulses, and the mean of that of the velocity field
+over the rods at five times, at 100 to 1600 cells in the segment of the longest transit,
+half an octave apart, give an order each by least squares. (In plain Python the cells
+end at 800.)
 
-At a jump a grid of second order that loses no energy makes a wave train instead: its front grows
-as cell^(2/3), the train behind it falls off slowly, and the field converges in the mean with about
-half an order or more. Measured: 0.53 to 0.77 for the fields, the least where strain jumps at the
-start; 0.74 to 1.11 for velocities and impulses. Single errors pass through zero here and there:
-over whole octaves alone, one system of the twelve comes down to 0.60.
+At a jump a grid of second order that loses no energy makes a wave train instead: its
+front grows as cell^(2/3), the train behind it falls off slowly, and the field converges
+in the mean with about half an order or more. Measured: 0.53 to 0.77 for the fields, the
+least where strain jumps at the start; 0.74 to 1.11 for velocities and impulses. Single
+errors pass through zero here and there: over whole octaves alone, one system of the
+twelve comes down to 0.60.
 
-Where everything is smooth the order is 2: a pulse that passes a step of the impedance, of which
-d'Alembert gives the whole field, and compliant ends, against "characteristics" at a relative
-accuracy of 1e-9 and the method of steps of `sphere_on_wall`.
+Where everything is smooth the order is 2: a pulse that passes a step of the impedance,
+of which d'Alembert gives the whole field, and compliant ends, against "characteristics"
+at a relative accuracy of 1e-9 and the method of steps of `sphere_on_wall`.
 
 Source: `fronts`, itself proved on rationals (`rational_proof`); for the orders at jumps
-P. Brenner, V. Thomée, L. B. Wahlbin, Besov Spaces and Applications to Difference Methods for
-Initial Value Problems, Lecture Notes in Mathematics 434, Springer 1975.
+P. Brenner, V. Thomée, L. B. Wahlbin, Besov Spaces and Applications to Difference
+Methods for Initial Value Problems, Lecture Notes in Mathematics 434, Springer 1975.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 import rodimpact as ri
 from rodimpact.methods import kernels
 
-from .sphere_on_wall import method_of_steps
-from .table import Case, Rows
+from .sphere_on_wall import StruckRod, method_of_steps
+from .table import Case, Rows, largest
 
-FINEST = 16 if kernels.enabled() else 8  # plain Python takes too long for more
-CELLS = tuple(round(100 * 2 ** (i / 2)) for i in range(2 * FINEST.bit_length() - 1))
-SHOWN = 800  # cells in the segment of the longest transit, as all of these
-SMOOTH = (100, 200, 400)
+METHOD = "finite-difference"
+
+
+def half_octaves(finest: int) -> tuple[int, ...]:
+    """Cells in the segment of the longest transit, from 100 on, half an octave apart."""
+    cells = []
+    for i in range(2 * finest.bit_length() - 1):
+        cells.append(round(100 * 2 ** (i / 2)))
+    return tuple(cells)
+
+
+CELLS = half_octaves(16)
+if not kernels.enabled():
+    CELLS = half_octaves(8)  # plain Python takes too long for more
+SHOWN_CELLS = 800  # at which errors are shown
+SMOOTH_CELLS = (100, 200, 400)  # for systems in which everything is smooth
 PLACES = 3000  # in each rod, at which fields are compared
-
-
-def segment(Z: float, c: float, T: float) -> ri.Segment:
-    """Of impedance, wave speed and transit time."""
-    return ri.Segment(
-        T * c, 1.0, ri.Material("unit", youngs_modulus=Z * c, density=Z / c)
-    )
-
-
-def rod(
-    *segments: tuple[float, float, float],
-    velocity: float = 0.0,
-    strain: ri.Steps | float = 0.0,
-) -> ri.Rod:
-    """Segments of impedance, wave speed and transit time."""
-    return ri.Rod(
-        segments=[segment(*x) for x in segments], velocity=velocity, strain=strain
-    )
+STIFFNESS = 10.0  # of a Hertz contact
 
 
 def run() -> Rows:
-    """Jumps, then what is smooth."""
-    return jumps(), pulse(), compliant()
+    """Jumps, then systems in which everything is smooth."""
+    for name, system in systems_with_jumps().items():
+        yield from jumps(name, system)
+    yield from pulse()
+    yield from compliant()
 
 
-def systems() -> dict[str, ri.System]:
-    """Twelve, of transit times that have no common step."""
-    last = [rod((1, 1, 0.7), velocity=1.0), rod((0.5, 1.3, 1.1 / 1.3))]
-    head = rod((1, 1, 0.5), (3, 1.2, 0.37), velocity=1.0)
-    strained = rod((1, 1, 0.7), velocity=1.0, strain=ri.Steps([0.0, -0.3], [0.31]))
+def segment(Z: float, c: float, T: float) -> ri.Segment:
+    """A segment of impedance, wave speed and transit time; its area is 1."""
+    material = ri.Material("unit", youngs_modulus=Z * c, density=Z / c)
+    return ri.Segment(T * c, 1.0, material)
+
+
+def rod(
+    *segments: ri.Segment, velocity: float = 0.0, strain: ri.Steps | float = 0.0
+) -> ri.Rod:
+    """A rod of one or more segments."""
+    return ri.Rod(segments=segments, velocity=velocity, strain=strain)
+
+
+def different_rods() -> list[ri.Rod]:
+    """Two rods that differ in length, area and material."""
+    first = rod(segment(1, 1, 0.7), velocity=1.0)
+    second = rod(segment(0.5, 1.3, 1.1 / 1.3))
+    return [first, second]
+
+
+def short_rod(velocity: float = 0.0) -> ri.Rod:
+    """The first rod of several rows."""
+    return rod(segment(1, 1, 0.5), velocity=velocity)
+
+
+def stepped_rod() -> ri.Rod:
+    """A striker of two segments."""
+    return rod(segment(1, 1, 0.5), segment(3, 1.2, 0.37), velocity=1.0)
+
+
+def pairs() -> dict[str, ri.System]:
+    """Pairs of rods, and a rod on a wall, whose transit times have no common step."""
+    heavy = rod(segment(3, 1, 0.5), velocity=1.0)
+    light = rod(segment(1, 1.7, 1.37))
+    uniform = rod(segment(2, 0.9, math.sqrt(2)))
+    striker = rod(segment(1.5, 1.1, 0.61), velocity=1.0)
+    three_segments = rod(
+        segment(2, 1, 0.4), segment(0.7, 1.3, 0.53), segment(1.1, 0.8, 0.3)
+    )
     return {
-        "two rods that differ in everything": ri.System(last),
-        "the same with a gap": ri.System(last, gaps=[0.0317]),
-        "short rod of high impedance": ri.System(
-            [rod((3, 1, 0.5), velocity=1.0), rod((1, 1.7, 1.37))]
-        ),
-        "stepped rod on uniform rod": ri.System([head, rod((2, 0.9, math.sqrt(2)))]),
-        "uniform rod on rod of three segments": ri.System(
-            [
-                rod((1.5, 1.1, 0.61), velocity=1.0),
-                rod((2, 1, 0.4), (0.7, 1.3, 0.53), (1.1, 0.8, 0.3)),
-            ]
-        ),
-        "stepped rod on wall": ri.System([head, ri.Wall()], gaps=[0.2]),
-        "three rods": ri.System(
-            [rod((1, 1, 0.5), velocity=1.0), rod((2, 1.3, 0.8)), rod((0.7, 0.9, 0.6))],
-            gaps=[0.0, 0.02],
-        ),
-        "four rods": ri.System(
-            [
-                rod((1, 1, 0.5), velocity=1.0),
-                rod((1.5, 1, 0.7)),
-                rod((2, 1, 0.3)),
-                rod((0.8, 1, 0.45)),
-            ],
-            gaps=[0.01, 0.0, 0.03],
-        ),
-        "two rods bonded": ri.System(
-            [rod((1, 1, 0.5), velocity=1.0), rod((1.5, 1, 0.7)), rod((2, 1.1, 0.3))],
-            contacts=[ri.Rigid(), ri.Bonded()],
-        ),
-        "initial strain": ri.System([strained, rod((0.5, 1.3, 1.1))], gaps=[0.05]),
-        "stepped rods that meet twice": ri.System(
-            [
-                rod((1.9, 1, 0.69), (0.9, 1.1, 0.28), velocity=1.0),
-                rod((2, 1.2, 0.59), (0.3, 1.3, 0.29), (2.9, 1, 0.85)),
-            ]
-        ),
-        "stepped rod that meets a uniform one twice": ri.System(
-            [
-                rod((1.1, 1.1, 0.29), (0.4, 0.9, 1.02), (1.7, 1, 0.18), velocity=1.0),
-                rod((2.6, 0.9, 0.76)),
-            ]
-        ),
+        "two rods that differ in everything": ri.System(different_rods()),
+        "the same with a gap": ri.System(different_rods(), gaps=[0.0317]),
+        "short rod of high impedance": ri.System([heavy, light]),
+        "stepped rod on uniform rod": ri.System([stepped_rod(), uniform]),
+        "uniform rod on rod of three segments": ri.System([striker, three_segments]),
+        "stepped rod on wall": ri.System([stepped_rod(), ri.Wall()], gaps=[0.2]),
     }
 
 
+def longer_rows() -> dict[str, ri.System]:
+    """Rows of three and four rods, one of them with a bonded contact."""
+    moving = short_rod(velocity=1.0)
+    three = ri.System(
+        [moving, rod(segment(2, 1.3, 0.8)), rod(segment(0.7, 0.9, 0.6))],
+        gaps=[0.0, 0.02],
+    )
+    second = rod(segment(1.5, 1, 0.7))
+    third = rod(segment(2, 1, 0.3))
+    fourth = rod(segment(0.8, 1, 0.45))
+    four = ri.System([moving, second, third, fourth], gaps=[0.01, 0.0, 0.03])
+    bonded = ri.System(
+        [moving, second, rod(segment(2, 1.1, 0.3))],
+        contacts=[ri.Rigid(), ri.Bonded()],
+    )
+    return {"three rods": three, "four rods": four, "two rods bonded": bonded}
+
+
+def strained_rods() -> ri.System:
+    """A rod with a jump of its initial strain meets a uniform rod."""
+    strain = ri.Steps([0.0, -0.3], [0.31])
+    strained = rod(segment(1, 1, 0.7), velocity=1.0, strain=strain)
+    return ri.System([strained, rod(segment(0.5, 1.3, 1.1))], gaps=[0.05])
+
+
+def meeting_twice() -> dict[str, ri.System]:
+    """Pairs of stepped rods that meet again after they have parted."""
+    first = rod(segment(1.9, 1, 0.69), segment(0.9, 1.1, 0.28), velocity=1.0)
+    second = rod(segment(2, 1.2, 0.59), segment(0.3, 1.3, 0.29), segment(2.9, 1, 0.85))
+    stepped = rod(
+        segment(1.1, 1.1, 0.29),
+        segment(0.4, 0.9, 1.02),
+        segment(1.7, 1, 0.18),
+        velocity=1.0,
+    )
+    uniform = rod(segment(2.6, 0.9, 0.76))
+    return {
+        "stepped rods that meet twice": ri.System([first, second]),
+        "stepped rod that meets a uniform one twice": ri.System([stepped, uniform]),
+    }
+
+
+def systems_with_jumps() -> dict[str, ri.System]:
+    """Twelve systems."""
+    systems = pairs()
+    systems.update(longer_rows())
+    systems["initial strain"] = strained_rods()
+    systems.update(meeting_twice())
+    return systems
+
+
 def order(errors: np.ndarray | list[float], cells: tuple[int, ...]) -> float:
-    """Of the error in the size of the cells, by least squares."""
-    return -float(np.polyfit(np.log(cells), np.log(errors), 1)[0])
+    """Order of the error in the size of the cells, by least squares."""
+    slope = np.polyfit(np.log(cells), np.log(errors), 1)[0]
+    return -float(slope)
 
 
-def jumps() -> Rows:
+def contacts_in_all(solution: ri.Solution) -> float:
+    """Number of all contacts of a run."""
+    counts = [tally.episodes for tally in solution.outcome.contacts]
+    return float(sum(counts))
+
+
+def last_force(solution: ri.Solution) -> float:
+    """Time at which the last force of all contacts ends."""
+    ends = []
+    for contact in solution.contacts:
+        for episode in contact.episodes:
+            ends.append(episode.force_end)
+    return max(ends)
+
+
+class Errors(NamedTuple):
+    """Errors of a run on a grid."""
+
+    velocity: float  # largest of a velocity after
+    impulse: float  # largest relative one of an impulse
+    field: float  # mean of that of the velocity field over rods and times
+
+
+def jumps(name: str, system: ri.System) -> Rows:
     """Errors at 800 cells, and their orders."""
-    quantities = ("velocities after", "impulses", "velocity field in L1")
-    for name, system in systems().items():
-        case = Case(name, "fronts")
-        free = ri.solve(system)
-        end = 1.2 * max(
-            x.force_end for contact in free.contacts for x in contact.episodes
-        )
-        exact = ri.solve(system, until=end)
-        solutions = [on_grid(system, exact, N) for N in CELLS]
-        presses = [
-            float(sum(c.episodes for c in x.outcome.contacts))
-            for x in (exact, solutions[-1])
-        ]
-        errors = np.array([error(system, exact, x) for x in solutions]).T
-        yield case.row("contacts in all", *presses, 0.0)
-        for quantity, off, bound in zip(
-            quantities, errors, (1e-3, 1e-3, 1e-2), strict=True
-        ):
-            yield case.row(
-                f"{quantity}, error with {SHOWN} cells",
-                0.0,
-                off[CELLS.index(SHOWN)],
-                bound,
-            )
-        for quantity, off, (expected, bound) in zip(
-            quantities, errors, ((1.0, 0.4), (1.0, 0.4), (0.7, 0.3)), strict=True
-        ):
-            yield case.at_least(
-                f"{quantity}, order of the error", expected, order(off, CELLS), bound
-            )
+    until = 1.2 * last_force(ri.solve(system))
+    exact = ri.solve(system, until=until)
+    errors = []
+    for cells in CELLS:
+        stepped = on_grid(system, exact, cells)
+        errors.append(errors_of(system, exact, stepped))
+    shown = errors[CELLS.index(SHOWN_CELLS)]
+    velocities = [error.velocity for error in errors]
+    impulses = [error.impulse for error in errors]
+    fields = [error.field for error in errors]
+    case = Case(name, "fronts")
+    exact_contacts = contacts_in_all(exact)
+    contacts = contacts_in_all(stepped)
+    yield case.row("contacts in all", exact_contacts, contacts, 0.0)
+
+    shown_error = f"error with {SHOWN_CELLS} cells"
+    yield case.row(f"velocities after, {shown_error}", 0.0, shown.velocity, 1e-3)
+    yield case.row(f"impulses, {shown_error}", 0.0, shown.impulse, 1e-3)
+    yield case.row(f"velocity field in L1, {shown_error}", 0.0, shown.field, 1e-2)
+
+    velocity_order = order(velocities, CELLS)
+    impulse_order = order(impulses, CELLS)
+    field_order = order(fields, CELLS)
+    order_of = "order of the error"
+    yield case.at_least(f"velocities after, {order_of}", 1.0, velocity_order, 0.4)
+    yield case.at_least(f"impulses, {order_of}", 1.0, impulse_order, 0.4)
+    yield case.at_least(f"velocity field in L1, {order_of}", 0.7, field_order, 0.3)
 
 
-def on_grid(system: ri.System, exact: ri.Solution, N: int) -> ri.Solution:
-    """The same by finite differences, with N cells and five states kept."""
-    times = np.linspace(0.2, 1.0, 5) * exact.t_end
+def compared_times(exact: ri.Solution) -> np.ndarray:
+    """Five times at which fields are compared."""
+    return np.linspace(0.2, 1.0, 5) * exact.t_end
+
+
+def on_grid(system: ri.System, exact: ri.Solution, cells: int) -> ri.Solution:
+    """The same run by finite differences, with the states at the compared times."""
     return ri.solve(
-        system, method="finite-difference", cells=N, until=exact.t_end, snapshots=times
+        system,
+        method=METHOD,
+        cells=cells,
+        until=exact.t_end,
+        snapshots=compared_times(exact),
     )
 
 
-def error(
-    system: ri.System, exact: ri.Solution, stepped: ri.Solution
-) -> tuple[float, float, float]:
-    """Largest of a velocity after, largest relative one of an impulse, L1 of the field."""
-    o, e = stepped.outcome, exact.outcome
-    velocity = float(np.abs(np.subtract(o.velocities_after, e.velocities_after)).max())
-    impulse = max(
-        abs(a.impulse / b.impulse - 1)
-        for a, b in zip(o.contacts, e.contacts, strict=True)
-        if b.episodes
+def errors_of(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> Errors:
+    """Errors of velocities after, impulses and the velocity field."""
+    velocity = largest(
+        np.subtract(stepped.outcome.velocities_after, exact.outcome.velocities_after)
     )
-    times = np.linspace(0.2, 1.0, 5) * exact.t_end
-    off = length = 0.0
+    impulse_errors = []
+    contacts = zip(stepped.outcome.contacts, exact.outcome.contacts, strict=True)
+    for computed, expected in contacts:
+        if expected.episodes:
+            impulse_errors.append(abs(computed.impulse / expected.impulse - 1))
+    field = field_error(system, exact, stepped)
+    return Errors(velocity, max(impulse_errors), field)
+
+
+def field_error(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> float:
+    """Mean error of the velocity over all rods and the compared times."""
+    times = compared_times(exact)
+    shares = (np.arange(PLACES)[:, None] + 0.5) / PLACES
+    integral = 0.0
+    length = 0.0
     for i, body in enumerate(system.bodies):
-        if isinstance(body, ri.Rod):
-            x = (np.arange(PLACES)[:, None] + 0.5) / PLACES * float(body.length)
-            apart = np.abs(stepped.velocity(i, x, times) - exact.velocity(i, x, times))
-            off += float(apart.mean() * body.length)
-            length += float(body.length)
-    return velocity, impulse, off / length
+        if not isinstance(body, ri.Rod):
+            continue
+        x = shares * float(body.length)
+        difference = np.abs(stepped.velocity(i, x, times) - exact.velocity(i, x, times))
+        integral += float(difference.mean() * body.length)
+        length += float(body.length)
+    return integral / length
+
+
+PULSE_WIDTH = 0.12  # duration, in which the pulse falls to 1/e of its height
+PULSE_DISTANCE = 0.8  # time in which its middle comes to the step
+
+
+def pulse_velocity(delay: np.ndarray) -> np.ndarray:
+    """Velocity of the pulse so long after its middle."""
+    return np.exp(-((delay / PULSE_WIDTH) ** 2))
 
 
 def pulse() -> Rows:
-    """A smooth pulse runs to the right, meets a step of the impedance, and is split."""
+    """A smooth pulse runs to the right, meets a step of the impedance, and is split.
+
+    By d'Alembert the step sends back (Z1 - Z2)/(Z1 + Z2) of its velocity.
+    """
+    Z1, c1, T1 = (1.0, 1.0, 1.5)
+    Z2, c2, T2 = (3.0, 1.2, 1.9)
+    step = T1 * c1
+    places = np.linspace(0.0, step + T2 * c2, 40_001)
+    start = pulse_velocity(places / c1 - T1 + PULSE_DISTANCE)
+    stepped_rod = ri.Rod(
+        segments=[segment(Z1, c1, T1), segment(Z2, c2, T2)],
+        velocity=ri.Samples(start),
+        strain=ri.Samples(-start / c1),
+    )
+    system = ri.System([stepped_rod])
+
+    # The pulse has arrived at the step at none, at half and at all of these times.
+    times = np.array([0.4, 0.8, 1.6])
+    x1 = np.linspace(0.0, step, 3001)[:-1]
+    x2 = np.linspace(0.0, T2 * c2, 4001)
+    before_step = T1 - x1[:, None] / c1  # time from a place to the step
+    behind_step = x2[:, None] / c2  # time from the step to a place
+    arriving = times - PULSE_DISTANCE
+    reflection = (Z1 - Z2) / (Z1 + Z2)
+    incident = pulse_velocity(arriving + before_step)
+    reflected = reflection * pulse_velocity(arriving - before_step)
+    transmitted = (1 + reflection) * pulse_velocity(arriving - behind_step)
+    exact = np.concatenate((incident + reflected, transmitted))
+    x = np.concatenate((x1, step + x2))[:, None]
+
+    errors = []
+    for cells in CELLS:
+        solution = ri.solve(
+            system, method=METHOD, cells=cells, until=1.7, snapshots=times
+        )
+        difference = np.abs(solution.velocity(0, x, times) - exact)
+        errors.append(float(difference.mean()))
+    shown = errors[CELLS.index(SHOWN_CELLS)]
     case = Case("smooth pulse in a stepped rod", "d'Alembert")
-    (Z1, c1, T1), (Z2, c2, T2) = (1.0, 1.0, 1.5), (3.0, 1.2, 1.9)
-    x1, x2 = np.linspace(0.0, T1 * c1, 3001)[:-1], np.linspace(0.0, T2 * c2, 4001)
-    times = np.array(
-        [0.4, 0.8, 1.6]
-    )  # of arrival at the step, while it is there, behind it
+    quantity = "velocity field in L1"
+    yield case.row(f"{quantity}, error with {SHOWN_CELLS} cells", 0.0, shown, 2e-5)
+    measured_order = order(errors, CELLS)
+    yield case.at_least(f"{quantity}, order of the error", 2.0, measured_order, 0.1)
 
-    def passing(delay: np.ndarray) -> np.ndarray:
-        """Velocity of the pulse so long after its middle."""
-        return np.exp(-((delay / 0.12) ** 2))
 
-    places = np.linspace(0.0, T1 * c1 + T2 * c2, 40_001)
-    start = passing(places / c1 - T1 + 0.8)
-    system = ri.System(
-        [
-            ri.Rod(
-                segments=[segment(Z1, c1, T1), segment(Z2, c2, T2)],
-                velocity=ri.Samples(start),
-                strain=ri.Samples(-start / c1),
-            )
-        ]
-    )
-    arriving, back = times - 0.8, (Z1 - Z2) / (Z1 + Z2)
-    before, behind = T1 - x1[:, None] / c1, x2[:, None] / c2
-    exact = np.concatenate(
-        (
-            passing(arriving + before) + back * passing(arriving - before),
-            (1 + back) * passing(arriving - behind),
-        )
-    )
-    x = np.concatenate((x1, T1 * c1 + x2))[:, None]
-    errors = [
-        float(
-            np.abs(
-                ri.solve(
-                    system,
-                    method="finite-difference",
-                    cells=N,
-                    until=1.7,
-                    snapshots=times,
-                ).velocity(0, x, times)
-                - exact
-            ).mean()
-        )
-        for N in CELLS
-    ]
-    yield case.row(
-        f"velocity field in L1, error with {SHOWN} cells",
-        0.0,
-        errors[CELLS.index(SHOWN)],
-        2e-5,
-    )
-    yield case.at_least(
-        "velocity field in L1, order of the error", 2.0, order(errors, CELLS), 0.1
-    )
+def impulse_by_steps(rods: list[ri.Rod], mass: float = math.inf) -> float:
+    """Impulse of a Hertz contact that closes at speed 1, impedances 1."""
+    struck = []
+    for body in rods:
+        struck.append(StruckRod(1.0, float(body.length)))
+    return method_of_steps(STIFFNESS, 1.0, struck, mass, until=4.0).impulse
+
+
+def impulse_by_characteristics(system: ri.System) -> float:
+    """Impulse of the contact of two bodies, at a relative tolerance of 1e-9."""
+    return ri.solve(system, method="characteristics", rtol=1e-9).outcome.impulse
 
 
 def compliant() -> Rows:
     """Hertz ends and springs."""
-    pair = [rod((1, 1, 0.7), velocity=1.0), rod((0.5, 1.3, 1.1 / 1.3))]
-    halves = [rod((1, 1, 0.4), velocity=1.0), rod((1, 1, 1.0))]
-    struck = [ri.RigidMass(1.0, velocity=1.0), halves[1]]
-    hertz, spring = ri.Hertz(10.0), ri.Spring(3.0)
-    steps, pieces = "method of steps", "characteristics"
-    for case, bodies, law in (
-        (Case("Hertz ends, rods 0.4 : 1", steps), halves, hertz),
-        (Case("mass on rod with a Hertz end", steps), struck, hertz),
-        (Case("Hertz ends, two rods that differ in everything", pieces), pair, hertz),
-        (
-            Case("spring between two rods that differ in everything", pieces),
-            pair,
-            spring,
-        ),
-    ):
-        system = ri.System(bodies, contacts=[law])
-        masses = [body.mass for body in bodies]
-        if case.source == steps:
-            rods = [
-                (1.0, float(body.length)) for body in bodies if isinstance(body, ri.Rod)
-            ]
-            mass = math.inf if len(rods) == 2 else 1.0
-            exact = method_of_steps(hertz.stiffness, 1.0, rods, mass, until=4.0).impulse
-        else:
-            exact = ri.solve(system, method=pieces, rtol=1e-9).outcome.impulse
-        e = exact * (1 / masses[0] + 1 / masses[1]) - 1
-        outcomes = [
-            ri.solve(system, method="finite-difference", cells=N).outcome
-            for N in SMOOTH
-        ]
-        for name, off in (
-            ("e", [abs(o.restitution - e) for o in outcomes]),
-            ("impulse", [abs(o.impulse / exact - 1) for o in outcomes]),
-        ):
-            yield case.row(f"{name}, error with {SMOOTH[-1]} cells", 0.0, off[-1], 2e-6)
-            yield case.at_least(
-                f"{name}, order of the error", 2.0, order(off, SMOOTH), 0.1
-            )
+    hertz = ri.Hertz(STIFFNESS)
+    short = rod(segment(1, 1, 0.4), velocity=1.0)
+    long = rod(segment(1, 1, 1.0))
+    mass = ri.RigidMass(1.0, velocity=1.0)
+
+    case = Case("Hertz ends, rods 0.4 : 1", "method of steps")
+    system = ri.System([short, long], contacts=[hertz])
+    yield from smooth_orders(case, system, impulse_by_steps([short, long]))
+
+    case = Case("mass on rod with a Hertz end", "method of steps")
+    system = ri.System([mass, long], contacts=[hertz])
+    yield from smooth_orders(case, system, impulse_by_steps([long], mass=1.0))
+
+    name = "Hertz ends, two rods that differ in everything"
+    case = Case(name, "characteristics")
+    system = ri.System(different_rods(), contacts=[hertz])
+    yield from smooth_orders(case, system, impulse_by_characteristics(system))
+
+    name = "spring between two rods that differ in everything"
+    case = Case(name, "characteristics")
+    system = ri.System(different_rods(), contacts=[ri.Spring(3.0)])
+    yield from smooth_orders(case, system, impulse_by_characteristics(system))
+
+
+def smooth_orders(case: Case, system: ri.System, exact_impulse: float) -> Rows:
+    """Errors of e and of the impulse at 400 cells, and their orders."""
+    m1, m2 = [body.mass for body in system.bodies]
+    exact_e = exact_impulse * (1 / m1 + 1 / m2) - 1
+    e_errors = []
+    impulse_errors = []
+    for cells in SMOOTH_CELLS:
+        outcome = ri.solve(system, method=METHOD, cells=cells).outcome
+        e_errors.append(abs(outcome.restitution - exact_e))
+        impulse_errors.append(abs(outcome.impulse / exact_impulse - 1))
+    shown_error = f"error with {SMOOTH_CELLS[-1]} cells"
+    e_order = order(e_errors, SMOOTH_CELLS)
+    impulse_order = order(impulse_errors, SMOOTH_CELLS)
+    yield case.row(f"e, {shown_error}", 0.0, e_errors[-1], 2e-6)
+    yield case.at_least("e, order of the error", 2.0, e_order, 0.1)
+    yield case.row(f"impulse, {shown_error}", 0.0, impulse_errors[-1], 2e-6)
+    yield case.at_least("impulse, order of the error", 2.0, impulse_order, 0.1)

@@ -1,49 +1,64 @@
-"""Horns: tapered rods on a grid, with the front of a wave, closed forms, and as many steps.
+"""Horns: tapered rods on a grid against closed forms, fronts of waves, stepped rods.
 
-- Cone, A ~ s^2, s the distance from the apex: s u obeys d'Alembert. With a speed V given to the
-  smaller end, v = V s0/s behind the front and 0 before it, until the wave is back; with a pressure,
-  s u = (P s0^2/E) (1 - exp(-(c t - x)/s0)) and v = (P c s0/(E s)) exp(-(c t - x)/s0).
-- The front arrives after L/c, grown by A^(-1/2), in a cone and in an exponential horn alike: at the
-  free end it doubles. Time of the passage of half of it.
-- Exponential horn, A = A0 exp(2 beta x): omega^2 = c^2 (k^2 + beta^2). Between free ends, and
-  between fixed ones, k = n pi/L, and u = exp(-beta x) (cos k x + (beta/k) sin k x) or
-  exp(-beta x) sin k x. With beta L = 4 the lowest mode lies well above the cut-off c beta, below
-  which no wave runs: without the taper it would lie below it. Read off as in `lateral_inertia`.
+- Cone, A ~ s^2, s the distance from the apex: s u obeys d'Alembert. With a speed V
+  given to the smaller end, v = V s0/s behind the front and 0 before it, until the wave
+  is back; with a pressure, s u = (P s0^2/E) (1 - exp(-(c t - x)/s0)) and v = (P c s0/(E
+  s)) exp(-(c t - x)/s0).
+- The front arrives after L/c, grown by A^(-1/2), in a cone and in an exponential horn
+  alike: at the free end it doubles. Time of the passage of half of it.
+- Exponential horn, A = A0 exp(2 beta x): omega^2 = c^2 (k^2 + beta^2). Between free
+  ends, and between fixed ones, k = n pi/L, and u = exp(-beta x) (cos k x + (beta/k) sin
+  k x) or exp(-beta x) sin k x. With beta L = 4 the lowest mode lies well above the
+  cut-off c beta, below which no wave runs: without the taper it would lie below it.
+  Read off as in `lateral_inertia`.
 - A rod strikes a horn: on a grid, and as a rod of 200 steps by "fronts". They agree to
-  1e-5 where the horn widens and the force falls to zero slowly. Where it narrows, the force ends in
-  a jump, and what is left between them halves with the cells.
+  1e-5 where the horn widens and the force falls to zero slowly. Where it narrows, the
+  force ends in a jump, and what is left between them halves with the cells.
 
-Source: Lord Rayleigh, The Theory of Sound, chapter XIV; A. G. Webster, Acoustical impedance, and
-the theory of horns and of the phonograph, Proc. Natl. Acad. Sci. USA 5 (1919) 275-282; the modes by
-hand.
+Source: Lord Rayleigh, The Theory of Sound, chapter XIV; A. G. Webster, Acoustical
+impedance, and the theory of horns and of the phonograph, Proc. Natl. Acad. Sci. USA 5
+(1919) 275-282; the modes by hand.
 """
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 import rodimpact as ri
 
-from .lateral_inertia import frequency
-from .table import Case, Row, Rows
+from .lateral_inertia import angular_frequency
+from .table import Case, Rows, largest
 from .unit import UNIT, rod
 
-METHOD, CELLS = "finite-difference", 400
-ALONG = np.linspace(0.0, 1.0, 8001)  # places of samples
-APEX = 0.5  # from the smaller end of a cone
+METHOD = "finite-difference"
+CELLS = 400
+LONGEST_STEP = 0.999 / CELLS  # L/c; waves disperse least with it
+SAMPLES = np.linspace(0.0, 1.0, 8001)  # places at which areas and velocities are given
+APEX = 0.5  # distance of the apex of a cone from its smaller end, s0/L
+BETA = 4.0  # of the exponential horn whose modes are compared, 1/L
+MODES = (1, 2, 3)
+
+Area = Callable[[np.ndarray], np.ndarray]
 
 
 def run() -> Rows:
-    """Cones, fronts, modes, steps."""
-    return cone(), fronts(), modes(), steps()
+    """Cones, fronts, modes, and horns that are struck by rods."""
+    yield from driven_cone()
+    for name, area in horns_with_fronts().items():
+        yield from front(name, area)
+    for n in MODES:
+        yield from free_mode(n)
+    for n in MODES:
+        yield from fixed_mode(n)
+    yield from struck_horns()
 
 
-def horn(
-    area: Callable[[np.ndarray], np.ndarray], **moving: ri.Samples | float
-) -> ri.Rod:
-    """Of length 1."""
-    return ri.Rod(segments=[ri.Segment(1.0, ri.Samples(area(ALONG)), UNIT)], **moving)
+def horn(area: Area, velocity: ri.Samples | float = 0.0) -> ri.Rod:
+    """A horn of length 1."""
+    segment = ri.Segment(1.0, ri.Samples(area(SAMPLES)), UNIT)
+    return ri.Rod(segments=[segment], velocity=velocity)
 
 
 def conical(x: np.ndarray) -> np.ndarray:
@@ -51,132 +66,144 @@ def conical(x: np.ndarray) -> np.ndarray:
     return (1 + x / APEX) ** 2
 
 
-def exponential(beta: float) -> Callable[[np.ndarray], np.ndarray]:
+def exponential(beta: float) -> Area:
     """Area of an exponential horn, 1 at x = 0."""
     return lambda x: np.exp(2 * beta * x)
 
 
-def cone() -> Rows:
-    """A speed, then a pressure on the smaller end."""
-    case = Case("cone, A1/A0 = 9", "s u obeys d'Alembert")
-    t, x = np.array([0.3, 0.6, 0.9]), ((np.arange(2000) + 0.5) / 2000)[:, None]
-    moved = on_grid(ri.Moved(1.0), t).velocity(0, x, t)
+def driven_cone() -> Rows:
+    """A speed, then a pressure on the smaller end of a cone."""
+    t = np.array([0.3, 0.6, 0.9])
+    x = ((np.arange(2000) + 0.5) / 2000)[:, None]
+    behind_front = x < t - 0.1
+
+    moved = solve_driven_cone(ri.Moved(1.0), t).velocity(0, x, t)
     exact = np.where(x < t, APEX / (APEX + x), 0.0)
-    behind = x < t - 0.1
-    pushed = on_grid(ri.Pushed(1.0), t).velocity(0, x, t)
-    by_pressure = under_pressure(t, x)
-    yield case.row(
-        "given speed: velocity, mean difference",
-        0.0,
-        np.abs(moved - exact).mean(),
-        2e-3,
-    )
-    yield case.row(
-        "given speed: velocity 0.1 behind the front, largest difference",
-        0.0,
-        np.abs(moved - exact)[behind].max(),
-        1e-3,
-    )
-    yield case.row(
-        "given pressure: velocity, mean difference",
-        0.0,
-        np.abs(pushed - by_pressure).mean(),
-        2e-3,
-    )
-    yield case.row(
-        "given pressure: velocity 0.1 behind the front, largest difference",
-        0.0,
-        np.abs(pushed - by_pressure)[behind].max(),
-        1e-3,
-    )
+    error = np.abs(moved - exact)
+    mean_error = error.mean()
+    largest_error = largest(error[behind_front])
+    behind = "velocity 0.1 behind the front, largest difference"
+    case = Case("cone, A1/A0 = 9", "s u obeys d'Alembert")
+    yield case.row("given speed: velocity, mean difference", 0.0, mean_error, 2e-3)
+    yield case.row(f"given speed: {behind}", 0.0, largest_error, 1e-3)
+
+    pushed = solve_driven_cone(ri.Pushed(1.0), t).velocity(0, x, t)
+    error = np.abs(pushed - velocity_under_pressure(t, x))
+    mean_error = error.mean()
+    largest_error = largest(error[behind_front])
+    yield case.row("given pressure: velocity, mean difference", 0.0, mean_error, 2e-3)
+    yield case.row(f"given pressure: {behind}", 0.0, largest_error, 1e-3)
 
 
-def under_pressure(t: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Velocity at x and t in the cone whose smaller end a pressure of 1 pushes from t = 0."""
+def velocity_under_pressure(t: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Velocity at x and t in a cone whose smaller end a pressure of 1 pushes from t = 0.
+
+    Behind the front, v = (P c s0/(E s)) exp(-(c t - x)/s0) with s = s0 + x.
+    """
     behind = np.maximum(t - x, 0.0)
     return np.where(x < t, APEX / (APEX + x) * np.exp(-behind / APEX), 0.0)
 
 
-def on_grid(end: ri.Moved | ri.Pushed, times: np.ndarray) -> ri.Solution:
-    """The cone, driven at its smaller end."""
-    row = ri.System([horn(conical)], ends=(end, ri.Free()))
-    longest_step = 0.999 / CELLS  # by which waves disperse least; the end is a multiple
-    until = longest_step * math.ceil(times[-1] / longest_step)
-    return ri.solve(row, method=METHOD, cells=CELLS, until=until, snapshots=times)
+def solve_driven_cone(end: ri.Moved | ri.Pushed, times: np.ndarray) -> ri.Solution:
+    """Solve the cone, driven at its smaller end; the run ends after a whole step."""
+    system = ri.System([horn(conical)], ends=(end, ri.Free()))
+    until = LONGEST_STEP * math.ceil(times[-1] / LONGEST_STEP)
+    return ri.solve(system, method=METHOD, cells=CELLS, until=until, snapshots=times)
 
 
-def fronts() -> Rows:
-    """Through a horn and to its free end."""
-    for case, area in (
-        ("cone, A1/A0 = 9", conical),
-        ("exponential horn, beta L = 1", exponential(1.0)),
-    ):
-        t = np.linspace(0.98, 1.05, 701)
-        row = ri.System([horn(area)], ends=(ri.Moved(1.0), ri.Free()))
-        v = ri.solve(row, method=METHOD, cells=CELLS, until=1.05, snapshots=t).velocity(
-            0, 1.0, t
-        )
-        growth = 2 * ri.theory.horn_amplification(1.0, float(area(np.array(1.0))))
-        i = int(np.argmax(v > growth / 2))
-        yield Row(case, "front arrives, L/c", "L/c", 1.0, float(t[i]), 5e-3)
-        yield Row(
-            case,
-            "velocity of the free end behind the front",
-            "2 (A0/A1)^(1/2)",
-            growth,
-            float(np.interp(1.01, t, v)),
-            0.02 * growth,
-        )
+def horns_with_fronts() -> dict[str, Area]:
+    """Areas of two horns through which a front runs."""
+    return {
+        "cone, A1/A0 = 9": conical,
+        "exponential horn, beta L = 1": exponential(1.0),
+    }
 
 
-def modes() -> Rows:
-    """Of an exponential horn."""
-    beta, dt = 4.0, 0.999 / CELLS
-    for case, ends in (
-        ("free", (ri.Free(), ri.Free())),
-        ("fixed", (ri.Fixed(), ri.Fixed())),
-    ):
-        for n in (1, 2, 3):
-            k = n * math.pi
-            shape = np.sin(k * ALONG)
-            if case == "free":
-                shape = np.cos(k * ALONG) + beta / k * shape
-            rod = horn(
-                exponential(beta), velocity=ri.Samples(np.exp(-beta * ALONG) * shape)
-            )
-            times = 10 * dt * np.arange(300)
-            solution = ri.solve(
-                ri.System([rod], ends=ends),
-                method=METHOD,
-                dt=dt,
-                until=float(times[-1]),
-                snapshots=times,
-            )
-            v = solution.velocity(0, 0.0 if case == "free" else 0.5 / n, times)
-            exact = float(ri.theory.horn_frequency(1.0, k, beta))
-            yield Row(
-                f"exponential horn, beta L = 4, {case} ends",
-                f"angular frequency of mode {n}",
-                "c (k^2 + beta^2)^(1/2)",
-                exact,
-                frequency(v, 10 * dt),
-                1e-4 * exact,
-            )
+def front(name: str, area: Area) -> Rows:
+    """A front runs through a horn to its free end, where it doubles."""
+    t = np.linspace(0.98, 1.05, 701)
+    system = ri.System([horn(area)], ends=(ri.Moved(1.0), ri.Free()))
+    solution = ri.solve(system, method=METHOD, cells=CELLS, until=1.05, snapshots=t)
+    v = solution.velocity(0, 1.0, t)
+    end_area = float(area(np.array(1.0)))
+    growth = 2 * ri.theory.horn_amplification(1.0, end_area)
+    arrival = t[np.argmax(v > growth / 2)]
+    behind_front = np.interp(1.01, t, v)
+    case = Case(name, "L/c")
+    yield case.row("front arrives, L/c", 1.0, arrival, 5e-3)
+    yield case.row(
+        "velocity of the free end behind the front",
+        growth,
+        behind_front,
+        0.02 * growth,
+        source="2 (A0/A1)^(1/2)",
+    )
 
 
-def steps() -> Rows:
+class Mode(NamedTuple):
+    """A mode of the exponential horn that is started alone."""
+
+    number: int
+    ends: str
+    conditions: tuple[ri.Free, ri.Free] | tuple[ri.Fixed, ri.Fixed]
+    shape: np.ndarray  # velocity over exp(-beta x)
+    x: float  # where the velocity is read, a belly of the mode
+
+
+def free_mode(n: int) -> Rows:
+    """A mode between free ends: u = exp(-beta x) (cos k x + (beta/k) sin k x)."""
+    k = n * math.pi
+    shape = np.cos(k * SAMPLES) + BETA / k * np.sin(k * SAMPLES)
+    yield from frequency_of(Mode(n, "free", (ri.Free(), ri.Free()), shape, 0.0))
+
+
+def fixed_mode(n: int) -> Rows:
+    """A mode between fixed ends: u = exp(-beta x) sin k x."""
+    k = n * math.pi
+    shape = np.sin(k * SAMPLES)
+    yield from frequency_of(Mode(n, "fixed", (ri.Fixed(), ri.Fixed()), shape, 0.5 / n))
+
+
+def frequency_of(mode: Mode) -> Rows:
+    """Angular frequency of a mode: omega = c (k^2 + beta^2)^(1/2), k = n pi/L."""
+    velocity = ri.Samples(np.exp(-BETA * SAMPLES) * mode.shape)
+    system = ri.System([horn(exponential(BETA), velocity)], ends=mode.conditions)
+    interval = 10 * LONGEST_STEP
+    times = 10 * LONGEST_STEP * np.arange(300)
+    solution = ri.solve(
+        system,
+        method=METHOD,
+        dt=LONGEST_STEP,
+        until=float(times[-1]),
+        snapshots=times,
+    )
+    v = solution.velocity(0, mode.x, times)
+    computed = angular_frequency(v, interval)
+    k = mode.number * math.pi
+    exact = float(ri.theory.horn_frequency(1.0, k, BETA))
+    name = f"exponential horn, beta L = {BETA:g}, {mode.ends} ends"
+    case = Case(name, "c (k^2 + beta^2)^(1/2)")
+    quantity = f"angular frequency of mode {mode.number}"
+    yield case.row(quantity, exact, computed, 1e-4 * exact)
+
+
+def struck_horns() -> Rows:
     """A rod strikes the smaller, and the larger end of a horn."""
+    widening = exponential(1.0)
+    narrowing = exponential(-1.0)
+    yield from struck("rod strikes a cone, A1/A0 = 9", conical, 5e-5)
+    yield from struck("rod strikes an exponential horn, beta L = 1", widening, 5e-5)
+    yield from struck("rod strikes an exponential horn, beta L = -1", narrowing, 2e-3)
+
+
+def struck(name: str, area: Area, bound: float) -> Rows:
+    """A rod strikes a horn: on a grid, and as a rod of 200 steps by fronts."""
     striker = rod(0.3, velocity=1.0)
-    for case, area, bound in (
-        ("rod strikes a cone, A1/A0 = 9", conical, 5e-5),
-        ("rod strikes an exponential horn, beta L = 1", exponential(1.0), 5e-5),
-        ("rod strikes an exponential horn, beta L = -1", exponential(-1.0), 2e-3),
-    ):
-        struck = horn(area)
-        stepped = ri.solve(
-            ri.System([striker, struck.in_steps(200)]), method="fronts"
-        ).outcome
-        o = ri.solve(ri.System([striker, struck]), method=METHOD, cells=CELLS).outcome
-        source = "200 steps by fronts"
-        yield Row(case, "e", source, stepped.restitution, o.restitution, bound)
-        yield Row(case, "impulse", source, stepped.impulse, o.impulse, bound)
+    tapered = horn(area)
+    stepped = ri.System([striker, tapered.in_steps(200)])
+    exact = ri.solve(stepped, method="fronts").outcome
+    system = ri.System([striker, tapered])
+    outcome = ri.solve(system, method=METHOD, cells=CELLS).outcome
+    case = Case(name, "200 steps by fronts")
+    yield case.row("e", exact.restitution, outcome.restitution, bound)
+    yield case.row("impulse", exact.impulse, outcome.impulse, bound)

@@ -1,9 +1,10 @@
 """Records of three Hopkinson bars, and what of them the theory explains.
 
-The incident pulse. A striker hits the bar with rounded ends (Hertz) or flat ones. `fit` finds the
-length of the striker, which stands for the duration of the pulse, and one number of the contact or
-of the measuring chain; time and amplitude are free, as neither trigger nor speed was recorded.
-Misfit is the root of the mean square over the plateau, in per cent::
+The incident pulse. A striker hits the bar with rounded ends (Hertz) or flat ones. `fit`
+finds the length of the striker, which stands for the duration of the pulse, and one
+number of the contact or of the measuring chain; time and amplitude are free, as neither
+trigger nor speed was recorded. Misfit is the root of the mean square over the plateau,
+in per cent::
 
     model                                                titanium   mini aluminium   steel 945
     flat ends, waves that keep their shape                    8.4              7.6         8.7
@@ -13,33 +14,35 @@ Misfit is the root of the mean square over the plateau, in per cent::
     Hertz, Mindlin-Herrmann, exact mode from 2 diameters      1.4              3.5         3.1
     flat ends, a blur of the chain, exact mode                3.2              3.6         2.5
 
-The exact first mode (Pochhammer and Chree) alone disperses the bar and not the striker, through
-which the release wave runs twice: Mindlin and Herrmann's theory near the struck end mends that.
-Repeated shots differ by 1 to 3 %. `python -m validation.measured_pulses` prints this table with the
-processor time of each fit.
+The exact first mode (Pochhammer and Chree) alone disperses the bar and not the striker,
+through which the release wave runs twice: Mindlin and Herrmann's theory near the struck
+end mends that. Repeated shots differ by 1 to 3 %. `python -m
+validation.measured_pulses` prints this table with the processor time of each fit.
 
-With its wave speed free as well, titanium has 4726 +- 24 m/s by the exact mode in the bar alone,
-4810 +- 20 m/s with Mindlin and Herrmann's theory near the struck end, 4992 +- 17 m/s with that
-theory all the way, and 4529 +- 26 m/s with Rayleigh and Love's. The laboratory calibrated 4866 m/s;
-E and rho give 4975 m/s. So the theory decides, and not the noise, whose part the standard errors
-are: `Fit.against` prints by how much a number moves. With 4866 m/s given the striker is
-124.0 +- 0.3 mm long, with 4975 m/s 126.7 +- 0.3 mm; it had 127.
+With its wave speed free as well, titanium has 4726 +- 24 m/s by the exact mode in the
+bar alone, 4810 +- 20 m/s with Mindlin and Herrmann's theory near the struck end, 4992
++- 17 m/s with that theory all the way, and 4529 +- 26 m/s with Rayleigh and Love's. The
+laboratory calibrated 4866 m/s; E and rho give 4975 m/s. So the theory decides, and not
+the noise, whose part the standard errors are: `Fit.against` prints by how much a number
+moves. With 4866 m/s given the striker is 124.0 +- 0.3 mm long, with 4975 m/s 126.7 +-
+0.3 mm; it had 127.
 
-Equilibrium of the specimen. Incident, reflected and transmitted pulse are carried to the specimen;
-the forces of the first two must be that of the third. The misfit is taken where the incident pulse
-is above half its height and 20 us to either side. The reflected and the transmitted pulse may each
-be up to 6 us later or earlier and 6 % larger or smaller, as gauges are placed and calibrated: that
-leaves 2.5 % for titanium and 2.0 % for steel; without dispersion 4.6 and 3.4, without any freedom
-3.9 and 6.7.
+Equilibrium of the specimen. Incident, reflected and transmitted pulse are carried to
+the specimen; the forces of the first two must be that of the third. The misfit is taken
+where the incident pulse is above half its height and 20 us to either side. The
+reflected and the transmitted pulse may each be up to 6 us later or earlier and 6 %
+larger or smaller, as gauges are placed and calibrated: that leaves 2.5 % for titanium
+and 2.0 % for steel; without dispersion 4.6 and 3.4, without any freedom 3.9 and 6.7.
 
 Expected: 0, with bounds a little above these numbers.
 
-Source: measurements, see records/README.md; A. Tyas and A. J. Watson, International Journal of
-Impact Engineering 25 (2001) 87.
+Source: measurements, see records/README.md; A. Tyas and A. J. Watson, International
+Journal of Impact Engineering 25 (2001) 87.
 """
 
 import math
 import time
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,19 +50,30 @@ from scipy.optimize import least_squares
 
 import rodimpact as ri
 
-from .table import FOLDER, Row, Rows
+from .table import FOLDER, Case, Rows
 
-NEAR = (
-    2.0  # diameters behind the struck end, from where the exact mode carries the pulse
-)
-LATE, LOUD = (
-    6.0,
-    0.06,
-)  # us and relative: freedom of the reflected and the transmitted pulse
-LENGTH, STIFFNESS = "bodies.0.length", "contacts.0.stiffness"
-SPEED, BLUR = "materials.bar.wave_speed", "records.0.blur"
+EXACT_MODE_DISTANCE = 2.0  # diameters from the struck end, where the exact mode begins
+TIME_FREEDOM = 6.0  # by which a pulse at the specimen may be later or earlier, us
+GAIN_FREEDOM = 0.06  # by which it may be larger or smaller, relative
+LENGTH = "bodies.0.length"
+STIFFNESS = "contacts.0.stiffness"
+SPEED = "materials.bar.wave_speed"
+BLUR = "records.0.blur"
 ENDS = {STIFFNESS: (1e7, 1e12)}  # N/m^1.5
 CHAIN = {BLUR: (0.0, 1e-5)}  # s
+CELLS_PER_RADIUS = 3.8  # where waves run in a theory of lateral inertia
+MISFIT_OF_PULSE = "misfit of the incident pulse, %"
+MISFIT_OF_FORCES = "misfit of the forces at the specimen, %"
+
+Span = tuple[float, float]
+
+
+class Windows(NamedTuple):
+    """Spans of the record in which the pulses are, s."""
+
+    incident: Span
+    reflected: Span
+    transmitted: Span
 
 
 class Shot(NamedTuple):
@@ -69,65 +83,68 @@ class Shot(NamedTuple):
     source: str
     density: float  # kg/m^3
     bar: ri.waves.Bar
-    to_gauge: float  # m from the struck end
-    to_specimen: tuple[float, float]  # m from the gauges of either bar
-    windows: tuple[
-        tuple[float, float], tuple[float, float], tuple[float, float]
-    ]  # s, of pulses
+    to_gauge: float  # from the struck end, m
+    to_specimen: tuple[float, float]  # from the gauges of either bar, m
+    windows: Windows
     length: tuple[float, float]  # of the striker, m
     side: float | None = None  # of square bars, m
 
 
 TITANIUM = Shot(
-    "lanl_titanium_bars.csv",
-    "LANL HopPyBar",
-    4416.0,
-    ri.waves.Bar(4865.9, 0.3303, 4.735e-3),
-    0.381,
-    (0.381, 0.381),
-    ((-20e-6, 120e-6), (130e-6, 275e-6), (130e-6, 275e-6)),
-    (0.115, 0.135),
+    file="lanl_titanium_bars.csv",
+    source="LANL HopPyBar",
+    density=4416.0,
+    bar=ri.waves.Bar(4865.9, 0.3303, 4.735e-3),
+    to_gauge=0.381,
+    to_specimen=(0.381, 0.381),
+    windows=Windows((-20e-6, 120e-6), (130e-6, 275e-6), (130e-6, 275e-6)),
+    length=(0.115, 0.135),
 )
-ALUMINIUM = (
-    Shot(  # a round bar with the radius of gyration of the square one, side/sqrt(3)
-        "lanl_aluminium_bars.csv",
-        "LANL HopPyBar",
-        2810.0,
-        ri.waves.Bar(5051.0, 0.333, 2.11e-3 / math.sqrt(3)),
-        0.102,
-        (0.10202, 0.10135),
-        ((-10e-6, 30e-6), (35e-6, 75e-6), (35e-6, 75e-6)),
-        (0.020, 0.030),
-        2.11e-3,
-    )
+ALUMINIUM_SIDE = 2.11e-3  # m
+ALUMINIUM = Shot(
+    file="lanl_aluminium_bars.csv",
+    source="LANL HopPyBar",
+    density=2810.0,
+    # The radius is that of a round bar with the square one's radius of gyration.
+    bar=ri.waves.Bar(5051.0, 0.333, ALUMINIUM_SIDE / math.sqrt(3)),
+    to_gauge=0.102,
+    to_specimen=(0.10202, 0.10135),
+    windows=Windows((-10e-6, 30e-6), (35e-6, 75e-6), (35e-6, 75e-6)),
+    length=(0.020, 0.030),
+    side=ALUMINIUM_SIDE,
 )
 STEEL = Shot(
-    "yao_steel_bars.csv",
-    "Yao",
-    7800.0,
-    ri.waves.Bar(5189.0, 0.29, 10e-3),
-    1.08,
-    (1.02, 0.77),
-    ((-50e-6, 260e-6), (360e-6, 540e-6), (300e-6, 540e-6)),
-    (0.18, 0.22),
+    file="yao_steel_bars.csv",
+    source="Yao",
+    density=7800.0,
+    bar=ri.waves.Bar(5189.0, 0.29, 10e-3),
+    to_gauge=1.08,
+    to_specimen=(1.02, 0.77),
+    windows=Windows((-50e-6, 260e-6), (360e-6, 540e-6), (300e-6, 540e-6)),
+    length=(0.18, 0.22),
 )
 SHOTS = {"titanium": TITANIUM, "mini aluminium": ALUMINIUM, "steel 945": STEEL}
-PER_RADIUS = 3.8  # cells, where waves run in a theory
-FROM_E = 4975.0  # m/s: wave speed of titanium by E and rho
-MH, RL = "mindlin-herrmann", "rayleigh-love"
-MODELS: dict[str, dict[str, Any]] = {
+TITANIUM_SPEED_FROM_MODULI = 4975.0  # (E/rho)^(1/2), m/s
+MINDLIN_HERRMANN = "mindlin-herrmann"
+RAYLEIGH_LOVE = "rayleigh-love"
+HERTZ_AND_EXACT_MODE = "Hertz, exact mode in the bar"
+MODELS: dict[str, dict[str, Any]] = {  # arguments of `fitted`
     "flat ends, waves that keep their shape": {"exact": False},
     "flat ends, exact mode in the bar": {},
-    "Hertz, Rayleigh-Love": {"vary": ENDS, "theory": RL, "exact": False},
-    "Hertz, Mindlin-Herrmann": {"vary": ENDS, "theory": MH, "exact": False},
-    "Hertz, exact mode in the bar": {"vary": ENDS},
+    "Hertz, Rayleigh-Love": {"vary": ENDS, "theory": RAYLEIGH_LOVE, "exact": False},
+    "Hertz, Mindlin-Herrmann": {
+        "vary": ENDS,
+        "theory": MINDLIN_HERRMANN,
+        "exact": False,
+    },
+    HERTZ_AND_EXACT_MODE: {"vary": ENDS},
     "Hertz, Mindlin-Herrmann, exact mode from 2 diameters": {
         "vary": ENDS,
-        "theory": MH,
+        "theory": MINDLIN_HERRMANN,
     },
     "flat ends, blur, exact mode in the bar": {"vary": CHAIN},
 }
-BOUNDS = {  # of the misfit, %, by shot
+BOUNDS = {  # of the misfit, %, one a model
     "titanium": (8.6, 6.9, 2.1, 1.5, 1.8, 1.5, 3.4),
     "mini aluminium": (7.9, 7.1, 3.8, 3.7, 3.8, 3.7, 3.7),
     "steel 945": (9.0, 7.2, 3.5, 3.0, 3.5, 3.2, 2.7),
@@ -136,7 +153,18 @@ BOUNDS = {  # of the misfit, %, by shot
 
 def record(shot: Shot) -> list[ri.Signal]:
     """Signals of the incident and the transmitted bar."""
-    return list(ri.read_signals(FOLDER / "records" / shot.file).values())
+    signals = ri.read_signals(FOLDER / "records" / shot.file)
+    return list(signals.values())
+
+
+def section_of(shot: Shot, theory: str | None) -> dict[str, Any]:
+    """Arguments of a rod for the cross-section of a bar."""
+    if shot.side is None:
+        return {"diameter": 2 * shot.bar.radius}
+    polar_moment = None
+    if theory:
+        polar_moment = shot.side**4 / 6
+    return {"area": shot.side**2, "polar_moment": polar_moment}
 
 
 def row_of(
@@ -149,21 +177,21 @@ def row_of(
         density=shot.density,
         poisson_ratio=shot.bar.poisson_ratio,
     )
-    shape: dict[str, Any] = {"material": material, "lateral_inertia": theory}
-    if shot.side is None:
-        shape["diameter"] = 2 * shot.bar.radius
-    else:
-        shape |= {
-            "area": shot.side**2,
-            "polar_moment": shot.side**4 / 6 if theory else None,
-        }
-    return ri.System(
-        [
-            ri.Rod(sum(shot.length) / 2, velocity=10.0, **shape),
-            ri.Rod(0.6 * (speed * until + shot.to_gauge), **shape),
-        ],
-        contacts=[law],
+    section = section_of(shot, theory)
+    striker = ri.Rod(
+        sum(shot.length) / 2,
+        velocity=10.0,
+        material=material,
+        lateral_inertia=theory,
+        **section,
     )
+    bar = ri.Rod(
+        0.6 * (speed * until + shot.to_gauge),
+        material=material,
+        lateral_inertia=theory,
+        **section,
+    )
+    return ri.System([striker, bar], contacts=[law])
 
 
 def fitted(
@@ -174,110 +202,184 @@ def fitted(
     speed: float | None = None,
     starts: int = 1,
 ) -> ri.Fit:
-    """Fit of the incident pulse; of ends that are not varied, flat ones.
+    """Fit of the incident pulse.
 
-    Up to `NEAR`, or to the gauge if there is no exact mode, waves run in a theory of lateral
-    inertia, or keep their shape.
+    Parameters
+    ----------
+    shot : Shot
+        The record and its bars.
+    vary : dict, optional
+        Bounds of parameters that are found, beside the length of the striker. Ends whose
+        stiffness is not among them are flat.
+    theory : str, optional
+        Theory of lateral inertia in which waves run near the struck end. Without one they
+        keep their shape.
+    exact : bool
+        Whether the exact mode carries the pulse from EXACT_MODE_DISTANCE to the gauge.
+    speed : float, optional
+        Bar speed, m/s, if it is not that of the shot.
+    starts : int
+        Number of searches.
     """
-    free = {LENGTH: shot.length, **(vary or {})}
-    law = ri.Hertz(1e10) if STIFFNESS in free else ri.Rigid()
-    c, window = speed or shot.bar.wave_speed, shot.windows[0]
-    x = 2 * NEAR * shot.bar.radius if exact else shot.to_gauge
-    until = x / c + 0.8 * (window[1] - window[0])  # the pulse begins within the window
-    system = row_of(shot, c, law, theory, until)
+    unknown = {LENGTH: shot.length}
+    if vary is not None:
+        unknown.update(vary)
+    contact: ri.Rigid | ri.Hertz = ri.Rigid()
+    if STIFFNESS in unknown:
+        contact = ri.Hertz(1e10)
+    if speed is None:
+        speed = shot.bar.wave_speed
+    distance = shot.to_gauge
+    radius = None
+    if exact:
+        distance = 2 * EXACT_MODE_DISTANCE * shot.bar.radius
+        radius = shot.bar.radius
+    start, stop = shot.windows.incident
+    until = distance / speed + 0.8 * (stop - start)  # the pulse begins in the window
+    system = row_of(shot, speed, contact, theory, until)
     measured = ri.Measured(
-        record(shot)[0].window(*window),
-        (1, x),
-        distance=shot.to_gauge - x,
-        radius=shot.bar.radius if exact else None,
+        record(shot)[0].window(start, stop),
+        (1, distance),
+        distance=shot.to_gauge - distance,
+        radius=radius,
     )
-    cells = math.ceil(PER_RADIUS * float(system.bodies[1].length) / shot.bar.radius)
-    return ri.fit(
-        system, measured, free, until, starts=starts, cells=cells if theory else None
-    )
+    cells = None
+    if theory:
+        length = float(system.bodies[1].length)
+        cells = math.ceil(CELLS_PER_RADIUS * length / shot.bar.radius)
+    return ri.fit(system, measured, unknown, until, starts=starts, cells=cells)
 
 
-def table() -> list[tuple[str, str, ri.Fit, float]]:
-    """Shot, model, fit and its processor time, s, of each incident pulse by each model."""
-    found = []
+class FittedModel(NamedTuple):
+    """The incident pulse of a shot by a model."""
+
+    metal: str
+    model: str
+    fit: ri.Fit
+    seconds: float  # processor time of the fit
+    bound: float  # on the misfit, %
+
+    @property
+    def name(self) -> str:
+        """Bars and model."""
+        return f"{self.metal}, {self.model}"
+
+    @property
+    def misfit(self) -> float:
+        """Misfit of the pulse, %."""
+        return 100 * self.fit.misfits[0]
+
+    @property
+    def striker_length(self) -> float:
+        """Length of the striker that the fit finds, mm."""
+        return 1e3 * self.fit.values[LENGTH]
+
+
+def fitted_models() -> Iterator[FittedModel]:
+    """Fit each incident pulse by each model."""
     for metal, shot in SHOTS.items():
-        for model, how in MODELS.items():
-            began = time.process_time()
-            found.append(
-                (metal, model, fitted(shot, **how), time.process_time() - began)
-            )
-    return found
+        for model, bound in zip(MODELS, BOUNDS[metal], strict=True):
+            start = time.process_time()
+            fit = fitted(shot, **MODELS[model])
+            seconds = time.process_time() - start
+            yield FittedModel(metal, model, fit, seconds, bound)
+
+
+def at_specimen(signal: ri.Signal, window: Span, distance: float, shot: Shot) -> Any:
+    """The pulse in a window of a record, carried by a distance, m."""
+    pulse = signal.window(*window).extended(1e-4, 1e-4)
+    return pulse.propagated(distance, shot.bar)
 
 
 def equilibrium(shot: Shot) -> float:
-    """Misfit of the forces at the specimen, %."""
+    """Misfit of the forces at the specimen, %.
+
+    The force of incident and reflected pulse must be that of the transmitted pulse. The
+    misfit is least over times and gains of the latter two, within their freedom.
+    """
     first, last = record(shot)
-    near, far = shot.to_specimen
-    pulses = zip((first, first, last), shot.windows, (near, -near, -far), strict=True)
-    forward, back, through = (
-        signal.window(*window).extended(1e-4, 1e-4).propagated(z, shot.bar)
-        for signal, window, z in pulses
-    )
-    level = first.window(*shot.windows[0]).pulse().plateau
-    high = forward.times[forward.values / level > 0.5]
-    t = np.arange(high[0] - 2e-5, high[-1] + 2e-5, forward.dt)
+    to_first, to_last = shot.to_specimen
+    windows = shot.windows
+    incident = at_specimen(first, windows.incident, to_first, shot)
+    reflected = at_specimen(first, windows.reflected, -to_first, shot)
+    transmitted = at_specimen(last, windows.transmitted, -to_last, shot)
+    level = first.window(*windows.incident).pulse().plateau
+    high = incident.times[incident.values / level > 0.5]
+    t = np.arange(high[0] - 2e-5, high[-1] + 2e-5, incident.dt)
 
-    def apart(x: np.ndarray) -> np.ndarray:
-        reflected = x[1] * back.shifted(1e-6 * x[0]).at(t)
-        transmitted = x[3] * through.shifted(1e-6 * x[2]).at(t)
-        return (forward.at(t) + reflected - transmitted) / level
+    def imbalance(x: np.ndarray) -> np.ndarray:
+        """Difference of the forces over the plateau; x: delay, us, and gain of each."""
+        delay_1, gain_1, delay_2, gain_2 = x
+        by_reflected = gain_1 * reflected.shifted(1e-6 * delay_1).at(t)
+        by_transmitted = gain_2 * transmitted.shifted(1e-6 * delay_2).at(t)
+        return (incident.at(t) + by_reflected - by_transmitted) / level
 
-    limits = [-LATE, 1 - LOUD] * 2, [LATE, 1 + LOUD] * 2
-    starts = [[a, 1.0, b, 1.0] for a in (-3.0, 0.0, 3.0) for b in (-3.0, 0.0, 3.0)]
-    best = min(
-        (least_squares(apart, start, bounds=limits) for start in starts),
-        key=lambda fit: fit.cost,
-    )
-    return 100 * math.sqrt(2 * best.cost / len(t))
+    least = [-TIME_FREEDOM, 1 - GAIN_FREEDOM] * 2
+    most = [TIME_FREEDOM, 1 + GAIN_FREEDOM] * 2
+    best = math.inf
+    for delay_1 in (-3.0, 0.0, 3.0):
+        for delay_2 in (-3.0, 0.0, 3.0):
+            start = [delay_1, 1.0, delay_2, 1.0]
+            search = least_squares(imbalance, start, bounds=(least, most))
+            best = min(best, search.cost)
+    return 100 * math.sqrt(2 * best / len(t))
 
 
 def run() -> Rows:
     """Misfits in per cent, and what the fits found."""
-    pulse, forces = (
-        "misfit of the incident pulse, %",
-        "misfit of the forces at the specimen, %",
-    )
-    lanl, length = "measured, LANL HopPyBar", "length of the striker, mm"
-    hertz = "titanium, Hertz, exact mode in the bar"
-    free = fitted(TITANIUM, {**ENDS, SPEED: (4200.0, 5400.0)}, starts=3)
-    higher = fitted(TITANIUM, ENDS, speed=FROM_E)
-    for metal, model, fit, _ in table():
-        bound = BOUNDS[metal][list(MODELS).index(model)]
-        source = f"measured, {SHOTS[metal].source}"
-        yield Row(f"{metal}, {model}", pulse, source, 0.0, 100 * fit.misfits[0], bound)
-        if f"{metal}, {model}" == hertz:
-            yield Row(hertz, length, lanl, 127.0, 1e3 * fit.values[LENGTH], 4.0)
-    yield Row(f"{hertz}, 4975 m/s", pulse, lanl, 0.0, 100 * higher.misfits[0], 2.0)
-    yield Row(
-        f"{hertz}, 4975 m/s", length, lanl, 127.0, 1e3 * higher.values[LENGTH], 2.0
-    )
-    yield Row(f"{hertz}, wave speed free", pulse, lanl, 0.0, 100 * free.misfits[0], 2.0)
-    yield Row(
-        f"{hertz}, wave speed free",
-        "wave speed, m/s",
-        lanl,
-        TITANIUM.bar.wave_speed,
-        free.values[SPEED],
-        200.0,
-    )
-    yield Row(
-        "titanium bars, dispersion", forces, lanl, 0.0, equilibrium(TITANIUM), 2.7
-    )
-    yield Row(
-        "steel bars, dispersion", forces, "measured, Yao", 0.0, equilibrium(STEEL), 2.1
-    )
+    for fitted_model in fitted_models():
+        source = f"measured, {SHOTS[fitted_model.metal].source}"
+        case = Case(fitted_model.name, source)
+        misfit = fitted_model.misfit
+        yield case.row(MISFIT_OF_PULSE, 0.0, misfit, fitted_model.bound)
+        if fitted_model.name == f"titanium, {HERTZ_AND_EXACT_MODE}":
+            length = fitted_model.striker_length
+            yield case.row("length of the striker, mm", 127.0, length, 4.0)
+    yield from titanium_by_moduli()
+    yield from titanium_with_free_speed()
+    yield from forces("titanium bars, dispersion", TITANIUM, 2.7)
+    yield from forces("steel bars, dispersion", STEEL, 2.1)
+
+
+def titanium_by_moduli() -> Rows:
+    """The wave speed of titanium is that of E and rho."""
+    fit = fitted(TITANIUM, ENDS, speed=TITANIUM_SPEED_FROM_MODULI)
+    misfit = 100 * fit.misfits[0]
+    length = 1e3 * fit.values[LENGTH]
+    name = f"titanium, {HERTZ_AND_EXACT_MODE}, 4975 m/s"
+    case = Case(name, "measured, LANL HopPyBar")
+    yield case.row(MISFIT_OF_PULSE, 0.0, misfit, 2.0)
+    yield case.row("length of the striker, mm", 127.0, length, 2.0)
+
+
+def titanium_with_free_speed() -> Rows:
+    """The wave speed of titanium is found."""
+    vary = {SPEED: (4200.0, 5400.0)}
+    fit = fitted(TITANIUM, ENDS | vary, starts=3)
+    misfit = 100 * fit.misfits[0]
+    calibrated = TITANIUM.bar.wave_speed
+    name = f"titanium, {HERTZ_AND_EXACT_MODE}, wave speed free"
+    case = Case(name, "measured, LANL HopPyBar")
+    yield case.row(MISFIT_OF_PULSE, 0.0, misfit, 2.0)
+    yield case.row("wave speed, m/s", calibrated, fit.values[SPEED], 200.0)
+
+
+def forces(name: str, shot: Shot, bound: float) -> Rows:
+    """Equilibrium of a specimen, %."""
+    case = Case(name, f"measured, {shot.source}")
+    yield case.row(MISFIT_OF_FORCES, 0.0, equilibrium(shot), bound)
+
+
+def main() -> None:
+    """Print misfits and lengths of the striker, with the time of each fit."""
+    fitted(TITANIUM, ENDS)  # compiles, so that no time below contains that
+    print("misfit, % | CPU time, s | striker, mm | bars, model")
+    for fitted_model in fitted_models():
+        misfit = f"{fitted_model.misfit:9.2f}"
+        seconds = f"{fitted_model.seconds:11.2f}"
+        length = f"{fitted_model.striker_length:11.2f}"
+        print(f"{misfit} | {seconds} | {length} | {fitted_model.name}")
 
 
 if __name__ == "__main__":
-    fitted(TITANIUM, ENDS)  # so that machine code is there
-    print("misfit, % | CPU time, s | striker, mm | bars, model")
-    for metal, model, fit, seconds in table():
-        print(
-            f"{100 * fit.misfits[0]:9.2f} | {seconds:11.2f} | {1e3 * fit.values[LENGTH]:11.2f} | "
-            f"{metal}, {model}"
-        )
+    main()

@@ -1,13 +1,16 @@
-"""Speed and memory, each figure also as a ratio to a plain NumPy program for the same collision.
+"""Times of solvers, sweeps and commands, over those of a plain NumPy program.
 
-    python -m validation.performance           tells what is slower than in the last version
-    python -m validation.performance --keep    keeps these ratios as those of the last version
+    python -m validation.performance           tells what is slower than last time
+    python -m validation.performance --keep    keeps these ratios for the next time
 
-The yardstick is a leapfrog of staggered velocities and stresses at Courant number 1, with 400 cells
-per unit length, that solves the collision of two rods 0.4 : 1; it runs in the same process, just
-before and just after the other measurements. A second one is the same collision by Godunov's method
-of first order with 100 cells per unit length, compiled. Figures are medians of several runs. Those
-marked "fresh" are taken in a new process that has not loaded numba.
+Each time is given as it is and as a ratio to the time of a yardstick, so that figures of
+different machines can be compared. The yardstick is a leapfrog of staggered velocities and
+stresses at Courant number 1, with 400 cells per unit length, that solves the collision of
+two rods 0.4 : 1. It runs in the same process, just before and just after the other
+measurements. A second yardstick is the same collision by Godunov's method of first order
+with 100 cells per unit length, compiled. Times are medians of several runs. Those marked
+"fresh" are taken in a new process that has not loaded numba. The memory of a run of a
+million events is measured as well.
 """
 
 import json
@@ -21,7 +24,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,193 +44,215 @@ from rodimpact.methods.states import Stop
 from .unit import rod
 
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
+LAST_RATIOS = Path(__file__).parent / "performance.json"  # to the leapfrog, last time
+SLOWDOWN = 1.25  # ratio over that of last time from which a figure is called slower
 STEEL = ri.materials.steel
-RUN, LONG = 500_000, 1e6  # events, s
-LAST = (
-    Path(__file__).parent / "performance.json"
-)  # ratios of the last version to the leapfrog
-SLOWER = 1.25  # times the last ratio is told of
+AREA = 1e-4  # m^2
+EVENTS = 500_000  # of a run in which the time of an event is measured
+ENDLESS = 1e6  # end of such a run, which it does not reach, s
+MEMORY_LIMIT = 100  # MB
+SHORT = 0.4  # length of the first rod of the yardsticks; that of the second is 1
 
 
-def median(job: Callable[[], Any], runs: int = 7) -> float:
+def median_time(job: Callable[[], Any], runs: int = 7) -> float:
     """Median duration of a job, s."""
-    spans = []
+    durations = []
     for _ in range(runs):
-        begin = time.perf_counter()
+        start = time.perf_counter()
         job()
-        spans.append(time.perf_counter() - begin)
-    return statistics.median(spans)
+        durations.append(time.perf_counter() - start)
+    return statistics.median(durations)
 
 
-def fresh(code: str) -> float:
-    """What a new process prints."""
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    return float(done.stdout)
+def number_printed_by(code: str) -> float:
+    """Run a program in a new process, and read the number that it prints."""
+    command = [sys.executable, "-c", code]
+    process = subprocess.run(command, capture_output=True, text=True, check=True)
+    return float(process.stdout)
 
 
-def processor_time() -> float:
-    """Processor time of a new process that compiles everything, s."""
-    with tempfile.TemporaryDirectory() as folder:
-        place = {**os.environ, "NUMBA_CACHE_DIR": folder}
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(
-            [sys.executable, "-c", WARM], capture_output=True, check=True, env=place
-        )
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
-def command(*arguments: str) -> float:
+def time_of_command(*arguments: str) -> float:
     """Duration of the command line from the start of its process to its end, s."""
-    whole = [sys.executable, "-m", "rodimpact", *arguments]
-    return median(lambda: subprocess.run(whole, capture_output=True, check=True))
+    command = [sys.executable, "-m", "rodimpact", *arguments]
+    return median_time(lambda: subprocess.run(command, capture_output=True, check=True))
 
 
-# The yardstick ----------------------------------------------------------------------------------
+# The yardsticks
+
+
+def restitution_of(impulse: float, first: float, second: float) -> float:
+    """e of rods of these masses, the first of which came at velocity 1."""
+    return impulse * (1 / first + 1 / second) - 1
 
 
 def leapfrog(
-    cells_per_unit: int = 400, lengths: tuple[float, float] = (0.4, 1.0)
+    cells_per_unit: int = 400, lengths: tuple[float, float] = (SHORT, 1.0)
 ) -> float:
     """Restitution of two rods, c = rho = A = 1, by staggered differences.
 
-    Velocities sit on the nodes, stresses in the cells; the contact pushes the two end nodes, each
-    of half a cell's mass, so that they do not overlap.
+    Velocities sit on the nodes, stresses in the cells. The contact pushes the two end
+    nodes, each of half a cell's mass, so that they do not overlap.
     """
     h = 1.0 / cells_per_unit
-    cells = [round(L * cells_per_unit) for L in lengths]
-    v = [np.ones(cells[0] + 1), np.zeros(cells[1] + 1)]
-    sigma = [np.zeros(x.size - 1) for x in v]
-    gap = impulse = 0.0
+    first_cells = round(lengths[0] * cells_per_unit)
+    second_cells = round(lengths[1] * cells_per_unit)
+    velocities = [np.ones(first_cells + 1), np.zeros(second_cells + 1)]
+    stresses = [np.zeros(first_cells), np.zeros(second_cells)]
+    first, second = velocities
+    gap = 0.0
+    impulse = 0.0
     for _ in range(round(2.1 * max(lengths) / h)):
-        for u, s in zip(v, sigma, strict=True):
-            s += u[1:] - u[:-1]
-            u[1:-1] += s[1:] - s[:-1]
-            u[0] += 2 * s[0]
-            u[-1] -= 2 * s[-1]
-        closing = v[0][-1] - v[1][0]
+        for v, sigma in zip(velocities, stresses, strict=True):
+            sigma += v[1:] - v[:-1]
+            v[1:-1] += sigma[1:] - sigma[:-1]
+            v[0] += 2 * sigma[0]
+            v[-1] -= 2 * sigma[-1]
+        closing = first[-1] - second[0]
         if gap <= 0 and closing > 0:
-            v[0][-1] -= closing / 2
-            v[1][0] += closing / 2
+            first[-1] -= closing / 2
+            second[0] += closing / 2
             impulse += closing / 4 * h
             closing = 0.0
         gap = max(0.0, gap - closing * h)
-    return impulse * (1 / lengths[0] + 1 / lengths[1]) - 1
+    return restitution_of(impulse, *lengths)
 
 
-def godunov(v: Any, sigma: Any, first: int, steps: int) -> float:
-    """Impulse between two rods of unit material; cells from `first` on are those of the second.
+def godunov(v: Any, sigma: Any, first_cells: int, steps: int) -> float:
+    """Impulse between two rods of unit material by Godunov's method of first order.
 
-    Waves go from cell to cell by the exact solution of each jump, at Courant number 1; an edge at
-    the ends, or at an open contact, has no stress. v, sigma : [cell], times are in steps.
+    Waves go from cell to cell by the exact solution of each jump, at Courant number 1. An
+    edge at the ends, or at an open contact, has no stress. Velocities v and stresses
+    sigma are [cell], those of the second rod from `first_cells` on; times are in steps.
     """
-    n, gap, impulse = len(v), 0.0, 0.0
+    cells = len(v)
+    gap = 0.0
+    impulse = 0.0
     for _ in range(steps):
-        left_v, left_sigma = v[0] + sigma[0], 0.0  # at the left edge of the cell
-        for i in range(n):
-            if i == n - 1:
-                edge_v, edge_sigma = v[i] - sigma[i], 0.0
+        left_v = v[0] + sigma[0]  # at the left edge of the cell
+        left_sigma = 0.0
+        for i in range(cells):
+            if i == cells - 1:
+                edge_v = v[i] - sigma[i]
+                edge_sigma = 0.0
             else:
                 edge_v = (v[i] + v[i + 1] + sigma[i + 1] - sigma[i]) / 2
                 edge_sigma = (sigma[i] + sigma[i + 1] + v[i + 1] - v[i]) / 2
             next_v = edge_v
-            if i == first - 1:
+            if i == first_cells - 1:
                 if gap > 0 or edge_sigma > 0:
-                    edge_v, next_v = v[i] - sigma[i], v[i + 1] + sigma[i + 1]
+                    edge_v = v[i] - sigma[i]
+                    next_v = v[i + 1] + sigma[i + 1]
                     edge_sigma = 0.0
                     gap = max(0.0, gap + next_v - edge_v)
                 impulse -= edge_sigma
-            v[i], sigma[i] = v[i] + edge_sigma - left_sigma, sigma[i] + edge_v - left_v
-            left_v, left_sigma = next_v, edge_sigma
+            v[i] = v[i] + edge_sigma - left_sigma
+            sigma[i] = sigma[i] + edge_v - left_v
+            left_v = next_v
+            left_sigma = edge_sigma
     return impulse
 
 
-def compiled_godunov(per_unit: int = 100) -> Callable[[], float]:
-    """The restitution of two rods 0.4 : 1 by `godunov`, to be called."""
+def compiled_godunov(cells_per_unit: int = 100) -> Callable[[], float]:
+    """A function that computes the restitution of two rods 0.4 : 1 by `godunov`."""
     import numba
 
-    fast, cells = numba.njit(godunov), (round(0.4 * per_unit), per_unit)
+    compiled = numba.njit(godunov)
+    first_cells = round(SHORT * cells_per_unit)
+    cells = (first_cells, cells_per_unit)
+    steps = round(2.1 * cells_per_unit)
 
     def restitution() -> float:
-        v, sigma = np.repeat([1.0, 0.0], cells), np.zeros(sum(cells))
-        impulse = fast(v, sigma, cells[0], round(2.1 * per_unit))
-        return float(impulse * (1 / cells[0] + 1 / cells[1]) - 1)
+        v = np.repeat([1.0, 0.0], cells)
+        sigma = np.zeros(sum(cells))
+        impulse = compiled(v, sigma, first_cells, steps)
+        return float(restitution_of(impulse, *cells))
 
-    assert abs(restitution() - 0.4) < 1e-12
+    assert abs(restitution() - SHORT) < 1e-12
     return restitution
 
 
-# Kernels ----------------------------------------------------------------------------------------
+class Yardsticks(NamedTuple):
+    """Times of the two plain programs, s."""
+
+    leapfrog: float
+    godunov: float
 
 
-def per_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> float:
+def time_yardsticks(compiled: Callable[[], float]) -> Yardsticks:
+    """Measure both yardsticks once."""
+    return Yardsticks(median_time(leapfrog), median_time(compiled, 101))
+
+
+# Kernels
+
+
+def time_of_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> float:
     """Median time of an event in a run of half a million of uniform rods that touch, s."""
-    layout = lay_out_family(
-        build_row(ri.System([rod(*of) for of in zip(T, Z, v, strict=True)]))
-    )
-    request = RunRequest(until=LONG, max_events=RUN)
+    rods = []
+    for i in range(len(T)):
+        rods.append(rod(T[i], Z[i], v[i]))
+    layout = lay_out_family(build_row(ri.System(rods)))
+    request = RunRequest(until=ENDLESS, max_events=EVENTS)
     with kernels.forced(True):
-        run = driver.solve_one(layout, request).progress
-        assert run.stop_reason == Stop.CAP
-        return median(lambda: driver.solve_one(layout, request), 5) / run.events
+        progress = driver.solve_one(layout, request).progress
+        assert progress.stop_reason == Stop.CAP
+        seconds = median_time(lambda: driver.solve_one(layout, request), 5)
+        return seconds / progress.events
 
 
-def free_pair() -> float:
+def event_of_free_pair() -> float:
     """Two free rods of incommensurate transit times that meet once and go on vibrating."""
-    return per_event([math.sqrt(2), 3.0], [1.0, 2.0], [0.5, -0.5])
+    return time_of_event([math.sqrt(2), 3.0], [1.0, 2.0], [0.5, -0.5])
 
 
-def long_row(n: int) -> float:
+def event_of_row(n: int) -> float:
     """Rods of random lengths, impedances and velocities, all touching at first."""
     rng = np.random.default_rng(0)
-    T = rng.integers(1, 30, n).tolist()
-    return per_event(
-        T, rng.uniform(0.5, 2.0, n).tolist(), rng.uniform(-1.0, 1.0, n).tolist()
-    )
+    T = rng.integers(1, 30, n)
+    Z = rng.uniform(0.5, 2.0, n)
+    v = rng.uniform(-1.0, 1.0, n)
+    return time_of_event(T.tolist(), Z.tolist(), v.tolist())
 
 
-def family_of_pairs(pairs: int = 20_000) -> float:
-    """Time of one collision of a long list of random pairs, s, without the table made of them."""
+def collision_of_family(pairs: int = 20_000) -> float:
+    """Time of one collision of a long list of random pairs, s, without its table."""
     rng = np.random.default_rng(0)
-    rods = [
-        rod(
-            rng.uniform(0.1, 1.0, pairs),
-            np.exp(rng.uniform(0.0, math.log(3.0), pairs)),
-            v,
-        )
-        for v in (0.5, -0.5)
-    ]
+    rods = []
+    for velocity in (0.5, -0.5):
+        T = rng.uniform(0.1, 1.0, pairs)
+        Z = np.exp(rng.uniform(0.0, math.log(3.0), pairs))
+        rods.append(rod(T, Z, velocity))
     row = build_row(ri.System(rods))
     with kernels.forced(True):
-        return median(lambda: solve_family(row, None, MAX_EVENTS)) / pairs
+        return median_time(lambda: solve_family(row, None, MAX_EVENTS)) / pairs
 
 
-# The package as its users meet it ---------------------------------------------------------------
+# The package as its users meet it
 
 PAIR = """
 import sys
 import numpy as np
 import rodimpact as ri
-from validation.performance import median
+from validation.performance import median_time
 left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
 right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
 """
 COLLIDE = (
     PAIR
     + """
-print(median(lambda: ri.collide(left, right), 500))
+print(median_time(lambda: ri.collide(left, right), 500))
 assert "numba" not in sys.modules
 """
 )
 FIELD = (
     PAIR
     + """
+import numba
 solution = ri.solve(ri.System([left, right]))
-x, t = np.linspace(0, 1, 1000)[:, None], np.linspace(0, solution.t_end, 1000)
+x = np.linspace(0, 1, 1000)[:, None]
+t = np.linspace(0, solution.t_end, 1000)
 solution.velocity(1, x, t)
-print(median(lambda: solution.velocity(1, x, t), 21))
+print(median_time(lambda: solution.velocity(1, x, t), 21))
 """
 )
 WARM = "import rodimpact as ri; ri.warm()"
@@ -251,96 +276,116 @@ print(peak() - before)
 """
 
 
-def map_of_pairs() -> tuple[float, float]:
-    """Time of a map over lengths and impedances, s, and its largest error of e."""
-    system = ri.System(
-        [
-            rod(np.linspace(0.05, 1.0, 1000)[:, None], velocity=1.0),
-            rod(1.0, np.geomspace(0.1, 10.0, 1000)),
-        ]
-    )
-    result = ri.sweep(system)
-    first, second = (body.segments[0] for body in system.bodies)
+def processor_time_of_warm() -> float:
+    """Processor time of a new process that compiles everything, s."""
+    command = [sys.executable, "-c", WARM]
+    with tempfile.TemporaryDirectory() as folder:
+        environment = dict(os.environ)
+        environment["NUMBA_CACHE_DIR"] = folder
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(command, capture_output=True, check=True, env=environment)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    user = after.ru_utime - before.ru_utime
+    system = after.ru_stime - before.ru_stime
+    return user + system
+
+
+def map_of_pairs() -> float:
+    """Time of a map over lengths and impedances, s; prints its largest error of e."""
+    lengths = np.linspace(0.05, 1.0, 1000)[:, None]
+    impedances = np.geomspace(0.1, 10.0, 1000)
+    first = rod(lengths, velocity=1.0)
+    second = rod(1.0, impedances)
+    system = ri.System([first, second])
     exact = ri.theory.saint_venant(
-        first.impedance, first.transit_time, second.impedance, second.transit_time, 1.0
-    ).restitution
-    return median(lambda: ri.sweep(system), 5), float(
-        np.abs(result.restitution - exact).max()
+        first.segments[0].impedance,
+        first.transit_time,
+        second.segments[0].impedance,
+        second.transit_time,
+        1.0,
     )
+    error = np.abs(ri.sweep(system).restitution - exact.restitution).max()
+    print(f"largest error of e in a map of a million pairs: {error:.1e}")
+    return median_time(lambda: ri.sweep(system), 5)
 
 
 def hertz_pair() -> float:
-    """Time of a pair of rods with rounded ends by `solve`, once its machine code is there, s."""
-    rods = [
-        ri.Rod(length, area=1e-4, material=STEEL, velocity=v)
-        for length, v in ((0.4, 1.0), (1.0, 0.0))
-    ]
-    system = ri.System(rods, contacts=[ri.Hertz(1e10)])
-    ri.solve(system)
-    return median(lambda: ri.solve(system).outcome)
+    """Time of a pair of rods with rounded ends by `solve`, compiled before, s."""
+    first = ri.Rod(SHORT, area=AREA, material=STEEL, velocity=1.0)
+    second = ri.Rod(1.0, area=AREA, material=STEEL)
+    system = ri.System([first, second], contacts=[ri.Hertz(1e10)])
+    ri.solve(system)  # compiles
+    return median_time(lambda: ri.solve(system).outcome)
 
 
-def row_between_walls(law: Any) -> float:
-    """Time of five rods between walls, over 100 transits of the longest, by characteristics, s."""
-    lengths, unit = (8, 10, 12, 14, 16), 0.02
-    rods = [rod(unit * n, 1 + 0.1 * n, 8 / n - 0.7) for n in lengths]
-    system = ri.System(
-        [ri.Wall(), *rods, ri.Wall()], gaps=[0.05] * 6, contacts=[law] * 6
-    )
+def row_between_walls(contact: ri.Rigid | ri.Hertz) -> float:
+    """Time of five rods between walls, over 100 transits of the longest, s."""
+    unit = 0.02
+    bodies: list[Any] = [ri.Wall()]
+    for n in (8, 10, 12, 14, 16):
+        bodies.append(rod(unit * n, 1 + 0.1 * n, 8 / n - 0.7))
+    bodies.append(ri.Wall())
+    system = ri.System(bodies, gaps=[0.05] * 6, contacts=[contact] * 6)
+    until = 100 * unit * 16
 
-    def solved() -> ri.Solution:
-        return ri.solve(system, 100 * unit * lengths[-1], "characteristics")
+    def solve() -> ri.Solution:
+        return ri.solve(system, until, "characteristics")
 
-    assert sum(c.episodes for c in solved().outcome.contacts) > 20
-    return median(solved, 3)
+    episodes = [tally.episodes for tally in solve().outcome.contacts]
+    assert sum(episodes) > 20
+    return median_time(solve, 3)
 
 
 def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
     """Time of a cell and step of two rods with 800 cells on a grid, in cache, s."""
-    cells, steps = 400, 20_000
-    row = [
-        ri.Rod(
-            1.0, diameter=0.012, material=material, velocity=v, lateral_inertia=theory
+    cells = 400
+    steps = 20_000
+    rods = []
+    for velocity in (1.0, 0.0):
+        bar = ri.Rod(
+            1.0,
+            diameter=0.012,
+            material=material,
+            velocity=velocity,
+            lateral_inertia=theory,
         )
-        for v in (1.0, 0.0)
-    ]
-    mesh = Mesh(build_row(ri.System(row)), [cells] * 2)
-    step = COURANT * stable_step(row[0].segments[0], cells)
+        rods.append(bar)
+    mesh = Mesh(build_row(ri.System(rods)), [cells, cells])
+    step = COURANT * stable_step(rods[0].segments[0], cells)
     run = GridRun(mesh, step, 4, 9 * steps)
-    run.advance(steps)  # so that machine code is there
-    seconds = median(lambda: run.advance(run.steps + steps))
+    run.advance(steps)  # compiles
+    seconds = median_time(lambda: run.advance(run.steps + steps))
     assert len(run.pressed(0)) == 1
-    return seconds / steps / 800
+    return seconds / steps / (2 * cells)
 
 
 def measure() -> dict[str, float]:
-    """Every figure but the yardstick's, s."""
-    seconds, error = map_of_pairs()
-    print(f"largest error of e in a map of a million pairs: {error:.1e}")
-    return {
-        "collide() of two rods, interpreted, fresh": fresh(COLLIDE),
-        "a compiled collision of two rods, proof included": family_of_pairs(),
-        "an event of a long free pair": free_pair(),
-        **{f"an event of a row of {n} rods": long_row(n) for n in (30, 1000)},
-        "a map of 1000 x 1000 lengths and impedances, two threads": seconds,
-        "solve() of a Hertz pair": hertz_pair(),
-        "warm(), empty cache, processor time": processor_time(),
-        **{
-            f"five rods between walls, 100 transits, {name}": row_between_walls(law)
-            for name, law in (("rigid contacts", ri.Rigid()), ("Hertz", ri.Hertz(10.0)))
-        },
-        "a cell and step of two rods and their contact": cell_on_grid(STEEL),
-        "a cell and step on a grid, damped": cell_on_grid(STEEL.damped(1e-3, 1e4)),
-        "a cell and step on a grid, mindlin-herrmann": cell_on_grid(
-            STEEL, "mindlin-herrmann"
-        ),
-        "velocity on 1000 x 1000 points, compiled": fresh("import numba\n" + FIELD),
-        "rodimpact --version": command("--version"),
-        f"rodimpact run {CASE.name}": command("run", str(CASE)),
-    }
+    """Every time but those of the yardsticks, s."""
+    times = {}
+    times["collide() of two rods, interpreted, fresh"] = number_printed_by(COLLIDE)
+    times["a compiled collision of two rods, proof included"] = collision_of_family()
+    times["an event of a long free pair"] = event_of_free_pair()
+    times["an event of a row of 30 rods"] = event_of_row(30)
+    times["an event of a row of 1000 rods"] = event_of_row(1000)
+    name = "a map of 1000 x 1000 lengths and impedances, two threads"
+    times[name] = map_of_pairs()
+    times["solve() of a Hertz pair"] = hertz_pair()
+    times["warm(), empty cache, processor time"] = processor_time_of_warm()
+    name = "five rods between walls, 100 transits"
+    times[f"{name}, rigid contacts"] = row_between_walls(ri.Rigid())
+    times[f"{name}, Hertz"] = row_between_walls(ri.Hertz(10.0))
+    damped = STEEL.damped(1e-3, 1e4)
+    name = "a cell and step on a grid"
+    times["a cell and step of two rods and their contact"] = cell_on_grid(STEEL)
+    times[f"{name}, damped"] = cell_on_grid(damped)
+    times[f"{name}, mindlin-herrmann"] = cell_on_grid(STEEL, "mindlin-herrmann")
+    times["velocity on 1000 x 1000 points, compiled"] = number_printed_by(FIELD)
+    times["rodimpact --version"] = time_of_command("--version")
+    times[f"rodimpact run {CASE.name}"] = time_of_command("run", str(CASE))
+    return times
 
 
-def shown(seconds: float) -> str:
+def time_text(seconds: float) -> str:
     """A duration with a fitting unit."""
     for unit, scale in (("s", 1.0), ("ms", 1e3), ("us", 1e6)):
         if seconds * scale >= 1:
@@ -348,35 +393,57 @@ def shown(seconds: float) -> str:
     return f"{seconds * 1e9:.3g} ns"
 
 
-def main() -> None:
-    """Print the table."""
-    memory = fresh(
-        MEMORY
-    )  # first: a process inherits the peak of the one that starts it
-    second = compiled_godunov()
-    before, godunov_before = median(leapfrog), median(second, 101)
-    figures = measure()
-    yardstick = (before + median(leapfrog)) / 2
-    other = (godunov_before + median(second, 101)) / 2
-    print(f"NumPy leapfrog, 400 cells per unit length: {shown(yardstick)}")
-    print(f"compiled Godunov, 100 cells per unit length: {shown(other)}")
-    last = json.loads(LAST.read_text()) if LAST.exists() else {}
-    ratios = {
-        name: float(f"{value / yardstick:.3g}") for name, value in figures.items()
-    }
+def last_ratios() -> dict[str, float]:
+    """Ratios to the leapfrog that were kept last time."""
+    if not LAST_RATIOS.exists():
+        return {}
+    return json.loads(LAST_RATIOS.read_text())
+
+
+def print_table(times: dict[str, float], yardsticks: Yardsticks) -> dict[str, float]:
+    """Print a line for each time, and give the ratios to the leapfrog."""
+    last = last_ratios()
+    ratios = {}
     print(
         f"{'figure':56} {'median':>8} {'leapfrogs':>10} {'before':>10} {'Godunovs':>10}"
     )
-    for name, value in figures.items():
+    for name, seconds in times.items():
+        ratio = float(f"{seconds / yardsticks.leapfrog:.3g}")
+        ratios[name] = ratio
         before = last.get(name, math.nan)
-        late = "  slower" if ratios[name] > SLOWER * before else ""
+        godunovs = seconds / yardsticks.godunov
+        remark = ""
+        if ratio > SLOWDOWN * before:
+            remark = "  slower"
         print(
-            f"{name:56} {shown(value):>8} {ratios[name]:10.3g} {before:10.3g} "
-            f"{value / other:10.2g}{late}"
+            f"{name:56} {time_text(seconds):>8} {ratio:10.3g} {before:10.3g} "
+            f"{godunovs:10.2g}{remark}"
         )
-    print(f"\nmemory of a run of a million events: {memory / 1e6:.0f} MB of 100 MB")
+    return ratios
+
+
+def main() -> None:
+    """Measure everything, print the table, and keep the ratios if that is asked for."""
+    # A process inherits the peak of the one that starts it, so memory comes first.
+    memory = number_printed_by(MEMORY) / 1e6
+    compiled = compiled_godunov()
+    before = time_yardsticks(compiled)
+    times = measure()
+    after = time_yardsticks(compiled)
+    yardsticks = Yardsticks(
+        (before.leapfrog + after.leapfrog) / 2,
+        (before.godunov + after.godunov) / 2,
+    )
+    leapfrog_time = time_text(yardsticks.leapfrog)
+    godunov_time = time_text(yardsticks.godunov)
+    print(f"NumPy leapfrog, 400 cells per unit length: {leapfrog_time}")
+    print(f"compiled Godunov, 100 cells per unit length: {godunov_time}")
+    ratios = print_table(times, yardsticks)
+    print(
+        f"\nmemory of a run of a million events: {memory:.0f} MB of {MEMORY_LIMIT} MB"
+    )
     if sys.argv[1:] == ["--keep"]:
-        LAST.write_text(json.dumps(ratios, indent=1) + "\n")
+        LAST_RATIOS.write_text(json.dumps(ratios, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 """The three solved samples of the textbook's section on collisions in one dimension.
 
-- 10.19: a block of 2 kg at 0.5 m/s runs into one of 10 kg at 0.2 m/s, without loss: the first
-  stops, the second goes on at 0.3 m/s.
-- 10.20: a ball of 0.5 kg meets a wall at 10 m/s and leaves it at 9 m/s; if the force is a raised
-  cosine that lasts 0.1 s or 1 ms, it has a peak of 190 N or 19 kN.
-- 10.21: a tennis ball dropped on top of a basketball ten times as heavy rises to 3.11 times the
-  height of the drop, and for a very heavy basketball to (e1 + e2 + e1 e2)^2 times that height.
+- 10.19: a block of 2 kg at 0.5 m/s runs into one of 10 kg at 0.2 m/s, without loss: the
+  first stops, the second goes on at 0.3 m/s.
+- 10.20: a ball of 0.5 kg meets a wall at 10 m/s and leaves it at 9 m/s; if the force is
+  a raised cosine that lasts 0.1 s or 1 ms, it has a peak of 190 N or 19 kN.
+- 10.21: a tennis ball dropped on top of a basketball ten times as heavy rises to 3.11
+  times the height of the drop, and for a very heavy basketball to (e1 + e2 + e1 e2)^2
+  times that height.
 
 Source: textbook section 10.5, "Collisions in 1D", samples 10.19 to 10.21.
 """
@@ -20,73 +21,84 @@ from rodimpact import rigid
 
 from .table import Case, Rows
 
+BALL_MASS = 0.5  # kg
+PEAK_FORCES = {0.1: 190.0, 0.001: 19000.0}  # contact time, s: N
+HEIGHT = 1.5  # m, of the drop of tennis ball and basketball
+
 
 def run() -> Rows:
     """Blocks without loss, peak forces, two balls dropped together."""
-    return blocks_without_loss(), peak_force(), tennis_ball_on_basketball()
+    yield from blocks_without_loss()
+    yield from peak_forces()
+    yield from tennis_ball_on_basketball()
 
 
 def blocks_without_loss() -> Rows:
-    """Sample 10.19."""
-    case = Case("two blocks without loss", "textbook, sample 10.19")
+    """Sample 10.19: 2 kg at 0.5 m/s runs into 10 kg at 0.2 m/s, e = 1."""
     after = rigid.collide(2.0, 0.5, 10.0, 0.2, restitution=1.0)
+    first = after.velocity_1
+    second = after.velocity_2
+    energy_before = after.energy_before
+    energy_after = after.energy_after
+    case = Case("two blocks without loss", "textbook, sample 10.19")
+    yield case.row("velocity of the first block after, m/s", 0.0, first, 1e-15)
+    yield case.row("velocity of the second block after, m/s", 0.3, second, 1e-15)
+    yield case.row("kinetic energy before, J", 0.45, energy_before, 1e-15)
     yield case.row(
-        "velocity of the first block after, m/s", 0.0, after.velocity_1, 1e-15
-    )
-    yield case.row(
-        "velocity of the second block after, m/s", 0.3, after.velocity_2, 1e-15
-    )
-    yield case.row("kinetic energy before, J", 0.45, after.energy_before, 1e-15)
-    yield case.row(
-        "kinetic energy after, J", 0.45, after.energy_after, 1e-15, ": the same"
+        "kinetic energy after, J", 0.45, energy_after, 1e-15, detail="the same"
     )
 
 
-def peak_force() -> Rows:
-    """Sample 10.20."""
-    case = Case("ball on a stationary surface", "textbook, sample 10.20")
+def raised_cosine_impulse(peak: float, T: float) -> float:
+    """Integral of F(t) = peak (1 + cos(2 pi t/T))/2 over the contact time T, N s."""
+
+    def force(t: float) -> float:
+        return peak / 2 * (1 + math.cos(2 * math.pi * t / T))
+
+    impulse, _ = quad(force, -T / 2, T / 2)
+    return impulse
+
+
+def peak_forces() -> Rows:
+    """Sample 10.20: a ball of 0.5 kg meets a wall at 10 m/s and leaves it at 9 m/s."""
     e = rigid.restitution_from_velocities(10.0, 0.0, -9.0, 0.0)
-    impulse = float(rigid.collide(0.5, 10.0, math.inf, 0.0, e).impulse)
-    yield case.row("e", 0.9, e, 1e-15, ": 9/10")
-    yield case.row("impulse, N s", 9.5, impulse, 1e-14, ": 0.5 kg times 19 m/s")
-    for T, peak in ((0.1, 190.0), (0.001, 19000.0)):
-        lasting = f"contact of {T:g} s"
-        yield case.row(f"peak force, {lasting}, N", peak, 2 * impulse / T, 1e-15 * peak)
-        integral, _ = quad(
-            lambda t, T=T, F=peak: F / 2 * (1 + math.cos(2 * math.pi * t / T)),
-            -T / 2,
-            T / 2,
-        )
-        yield case.row(
-            f"integral of the raised cosine of that peak, {lasting}, N s",
-            9.5,
-            integral,
-            1e-13,
-        )
+    outcome = rigid.collide(BALL_MASS, 10.0, math.inf, 0.0, e)
+    impulse = float(outcome.impulse)
+    case = Case("ball on a stationary surface", "textbook, sample 10.20")
+    yield case.row("e", 0.9, e, 1e-15, detail="9/10")
+    yield case.row("impulse, N s", 9.5, impulse, 1e-14, detail="0.5 kg times 19 m/s")
+    for T, peak in PEAK_FORCES.items():
+        contact = f"contact of {T:g} s"
+        computed_peak = 2 * impulse / T
+        round_off = 1e-15 * peak
+        yield case.row(f"peak force, {contact}, N", peak, computed_peak, round_off)
+        integral = raised_cosine_impulse(peak, T)
+        quantity = f"integral of the raised cosine of that peak, {contact}, N s"
+        yield case.row(quantity, 9.5, integral, 1e-13)
+
+
+def heavy_basketball_error() -> np.ndarray:
+    """Error of the height over that of the drop, mass ratio 1e12, e1 and e2 from 0 to 1."""
+    places = np.linspace(0, 1, 11)
+    e1, e2 = np.meshgrid(places, places)
+    restitutions = np.stack([e2, e1], axis=-1)
+    drop = rigid.stack_drop([1.0, 1e-12], restitutions, HEIGHT)
+    limit = (e1 + e2 + e1 * e2) ** 2
+    return drop.top_height / HEIGHT - limit
 
 
 def tennis_ball_on_basketball() -> Rows:
-    """Sample 10.21."""
-    case = Case("tennis ball on a basketball", "textbook, sample 10.21")
-    height = 1.5
-    rise = rigid.stack_drop([0.6, 0.06], [0.9, 0.6], height).top_height / height
+    """Sample 10.21: both fall together; basketball ten times as heavy, e 0.9 and 0.6."""
+    drop = rigid.stack_drop([0.6, 0.06], [0.9, 0.6], HEIGHT)
+    rise = drop.top_height / HEIGHT
     exact = Fraction(97, 55) ** 2  # (10 (0.6 + 0.9 + 0.54) - 1)/11, squared
-    e1, e2 = np.meshgrid(np.linspace(0, 1, 11), np.linspace(0, 1, 11))
-    heavy = rigid.stack_drop(
-        [1.0, 1e-12], np.stack([e2, e1], axis=-1), height
-    ).top_height
-    limit = (e1 + e2 + e1 * e2) ** 2
-    yield case.row(
-        f"height of the flight over that of the drop, {float(exact):.6f}",
-        3.11,
-        rise,
-        0.005,
-        ": 3.11",
-    )
-    yield case.row("the same exactly", exact, rise, 1e-14, ": (19.4/11)^2")
+    quantity = f"height of the flight over that of the drop, {float(exact):.6f}"
+    case = Case("tennis ball on a basketball", "textbook, sample 10.21")
+    yield case.row(quantity, 3.11, rise, 0.005, detail="3.11")
+    yield case.row("the same exactly", exact, rise, 1e-14, detail="(19.4/11)^2")
     yield case.zero(
         "the same for a mass ratio of 1e12, e1 and e2 from 0 to 1, largest difference",
-        heavy / height - limit,
+        heavy_basketball_error(),
         1e-10,
-        ": (e1 + e2 + e1 e2)^2",
+        detail="(e1 + e2 + e1 e2)^2",
     )

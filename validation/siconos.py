@@ -1,23 +1,32 @@
 """A bar falls on a rigid floor: the ImpactingBar example of Siconos.
 
-E = 210 GPa, rho = 7800 kg/m^3, A = 3.14e-4 m^2, L = 1 m, falling at 0.1 m/s from a gap of 50 um,
-no gravity. Impact after gap/speed, contact for 2 L/c, force Z v, rebound with e = 1.
+E = 210 GPa, rho = 7800 kg/m^3, A = 3.14e-4 m^2, L = 1 m, falling at 0.1 m/s from a gap
+of 50 um, no gravity. Impact after gap/speed, contact for 2 L/c, force Z v, rebound with
+e = 1.
 
-Source: Siconos tutorials, mechanics, ImpactingBar (https://github.com/siconos/siconos-tutorials).
+Source: Siconos tutorials, mechanics, ImpactingBar
+(https://github.com/siconos/siconos-tutorials).
 """
 
 import rodimpact as ri
 
 from .table import Case, Rows
 
+MATERIAL = ri.Material("bar", youngs_modulus=210e9, density=7800.0)
+LENGTH = 1.0  # m
+AREA = 3.14e-4  # m^2
+SPEED = 0.1  # m/s
+GAP = 5e-5  # m
+
 
 def run() -> Rows:
-    """The bar to the left of the floor."""
-    material = ri.Material("bar", youngs_modulus=210e9, density=7800.0)
-    bar = ri.Rod(1.0, area=3.14e-4, material=material, velocity=0.1)
-    o = ri.collide(bar, ri.Wall(), gap=5e-5)
+    """The bar moves towards the floor, which is to its right."""
+    bar = ri.Rod(LENGTH, area=AREA, material=MATERIAL, velocity=SPEED)
+    outcome = ri.collide(bar, ri.Wall(), gap=GAP)
+    impact = outcome.contacts[0].first
+    duration = 1e3 * outcome.duration  # ms
     case = Case("Siconos, bar on floor", "Siconos ImpactingBar, by hand")
-    yield case.row("impact at, s", 0.5e-3, o.contacts[0].first, 1e-17)
-    yield case.row("contact time, ms", 0.38545, o.duration * 1e3, 5e-6)
-    yield case.row("force, N", 1270.8, o.peak_force, 0.05)
-    yield case.row("e", 1.0, o.restitution, 1e-13)
+    yield case.row("impact at, s", 0.5e-3, impact, 1e-17)
+    yield case.row("contact time, ms", 0.38545, duration, 5e-6)
+    yield case.row("force, N", 1270.8, outcome.peak_force, 0.05)
+    yield case.row("e", 1.0, outcome.restitution, 1e-13)

@@ -1,4 +1,4 @@
-"""Rods in units of their own: the wave speed is 1, so transit time is length, impedance is area."""
+"""Rods in units in which the wave speed is 1: time is length, impedance is area."""
 
 from typing import Any
 
@@ -7,6 +7,17 @@ import rodimpact as ri
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
 
-def rod(length: Any, Z: Any = 1.0, velocity: Any = 0.0, strain: Any = 0.0) -> ri.Rod:
-    """A rod of transit time `length` and impedance Z."""
-    return ri.Rod(length, area=Z, material=UNIT, velocity=velocity, strain=strain)
+def rod(
+    transit_time: Any, impedance: Any = 1.0, velocity: Any = 0.0, strain: Any = 0.0
+) -> ri.Rod:
+    """A uniform rod by its transit time and its impedance.
+
+    The length is c T = T, and the area is Z/(rho c) = Z.
+    """
+    return ri.Rod(
+        transit_time,
+        area=impedance,
+        material=UNIT,
+        velocity=velocity,
+        strain=strain,
+    )
