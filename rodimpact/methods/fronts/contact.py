@@ -167,7 +167,7 @@ def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
             node.peak_force = max(node.peak_force, node.force)
     if node.status == Status.PRESS:
         node.force_ticks += dt
-    elif node.is_faint:
+    elif node.status == Status.GRAZE and node.is_faint:
         node.faint_ticks += dt
 
 
