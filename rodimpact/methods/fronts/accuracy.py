@@ -22,7 +22,7 @@ RERUN_EVENT_FACTOR = 4  # cap on events of a run with perturbed transit times
 NO_ERRORS: Mapping[str, float] = {}
 
 
-def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
+def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
     """Relative error of each measure of the outcome that rounded transit times make.
 
     The exact transit time lies between the rounded one and the next tick on its other
@@ -31,40 +31,40 @@ def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
     It is empty where round-off is larger or the cap ended the run, and inf where both
     runs end for different reasons.
     """
-    if run.clock.transit_error <= ROUNDED or run.stopped_by == "max_events":
+    if finished.clock.transit_error <= ROUNDED or finished.stopped_by == "max_events":
         return NO_ERRORS
     request = RunRequest(
-        until=run.until,
-        max_events=RERUN_EVENT_FACTOR * (run.run.events + 1),
+        until=finished.until,
+        max_events=RERUN_EVENT_FACTOR * (finished.run.events + 1),
         perturb_rounding=True,
     )
-    other = FrontRun(driver.solve_one(run.layout, request))
-    if other.stopped_by != run.stopped_by:
+    other = FrontRun(driver.solve_one(finished.layout, request))
+    if other.stopped_by != finished.stopped_by:
         return dict.fromkeys(runs.MEASURES, math.inf)
     errors: dict[str, float] = {}
     other_measures = measures_of(other)
-    for name, values in measures_of(run).items():
+    for name, values in measures_of(finished).items():
         largest_change = float(np.abs(values - other_measures[name]).max(initial=0.0))
         scale = np.abs(values).max(initial=0.0)
         if name == runs.VELOCITY:
-            scale = run.run.velocity_scale
+            scale = finished.run.velocity_scale
         errors[name] = 0.0
         if largest_change > 0:
             errors[name] = largest_change / scale
     return errors
 
 
-def measures_of(run: FrontRun) -> dict[str, Array]:
+def measures_of(finished: FrontRun) -> dict[str, Array]:
     """Values of each of `runs.MEASURES`, by body or by contact."""
-    tick = run.clock.tick
-    tallies = [tally_of(node, tick) for node in run.contacts]
+    tick = finished.clock.tick
+    tallies = [tally_of(node, tick) for node in finished.contacts]
     times: list[float] = []
-    for node in run.contacts:
+    for node in finished.contacts:
         times.append(node.first_force_tick * tick)
         times.append(node.last_force_tick * tick)
         times.append(node.last_opening_tick * tick)
     return {
-        runs.VELOCITY: np.array(totals_of(run).after.velocities),
+        runs.VELOCITY: np.array(totals_of(finished).after.velocities),
         runs.IMPULSE: np.array([tally.impulse for tally in tallies]),
         runs.PEAK_FORCE: np.array([tally.peak_force for tally in tallies]),
         runs.DURATION: np.array([tally.duration for tally in tallies]),
@@ -83,7 +83,7 @@ def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
 
 
 def with_faint_forces(
-    run: FrontRun, errors: Mapping[str, float]
+    finished: FrontRun, errors: Mapping[str, float]
 ) -> Mapping[str, float]:
     """Relative errors of an outcome, with those of durations and times by faint forces.
 
@@ -91,15 +91,17 @@ def with_faint_forces(
     when the collision is over, it may press for ever.
     """
     faint_ticks = 0
-    for node in run.contacts:
+    for node in finished.contacts:
         faint_ticks = max(faint_ticks, node.faint_ticks)
-        if node.is_faint and run.until is None:  # it grazes when the collision is over
+        if (
+            node.is_faint and finished.until is None
+        ):  # it grazes when the collision is over
             return {**errors, runs.DURATION: math.inf, runs.TIME: math.inf}
     if faint_ticks == 0:
         return errors
-    measures = measures_of(run)
+    measures = measures_of(finished)
     with_faint = dict(errors)
     for name in (runs.DURATION, runs.TIME):
-        error = faint_ticks * run.clock.tick / float(measures[name].max())
+        error = faint_ticks * finished.clock.tick / float(measures[name].max())
         with_faint[name] = error + errors.get(name, 0.0)
     return with_faint

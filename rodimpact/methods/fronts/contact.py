@@ -80,18 +80,68 @@ def resolve_contact(
     return status
 
 
+def update_contact(
+    run: Run,
+    node: Node,
+    change: Front,
+    k: int,
+    tick: int,
+    closing: Amplitude,
+    mobility: Amplitude,
+) -> int:
+    """Decide the contact at node k after arrivals, and log a change.
+
+    Parameters
+    ----------
+    run : Run
+    node : Node
+    change : Front
+        The next free row of the log.
+    k, tick : int
+    closing : float
+        a - b, the velocity at which the gap would close without a force.
+    mobility : float
+        Y1 + Y2.
+
+    Returns
+    -------
+    int
+        Rows of the log that were used: 1 if the contact has changed, or was touched.
+    """
+    dt = tick - node.solved_tick
+    status = resolve_contact(
+        node, closing, dt, run.velocity_tolerance, run.closing_window
+    )
+    is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
+    used_rows = 0
+    if status != node.status or is_touch:
+        log_contact_change(run, node, change, k, tick, status, mobility)
+        used_rows = 1
+    return used_rows
+
+
 def log_contact_change(
     run: Run,
     node: Node,
-    row: Front,
+    change: Front,
     k: int,
     tick: int,
     status: int,
     mobility: Amplitude,
 ) -> None:
-    """Change the status of the contact at node k, and enter that in a row of the log.
+    """Change the status of the contact at node k, and enter that in the log.
 
-    A change from OPEN to OPEN is a touch without a force. `mobility` is Y1 + Y2.
+    Parameters
+    ----------
+    run : Run
+    node : Node
+    change : Front
+        The next free row of the log.
+    k, tick : int
+    status : int
+        The new one; a change from OPEN to OPEN is a touch without a force.
+    mobility : float
+        Y1 + Y2.
     """
     before = node.status
     node.status = status
@@ -114,10 +164,10 @@ def log_contact_change(
             node.last_force_tick = tick
         if status == Status.OPEN and before >= Status.GRAZE:
             node.last_opening_tick = tick
-    row.tick = tick
-    row.line = CHANGE
-    row.next_row = k  # the node
-    row.value = status
+    change.tick = tick
+    change.line = CHANGE
+    change.next_row = k  # the node
+    change.value = status
 
 
 def solve_force(
@@ -144,9 +194,8 @@ def solve_force(
     if node.status == Status.PRESS or node.status == Status.BOND:
         force = (a - b) / (left_mobility + right_mobility)
     elif node.status == Status.PUSH:
-        if (
-            is_left_end
-        ):  # the wave from outside is a = F Y2, and the end has v = b + F Y2
+        if is_left_end:
+            # The wave from outside is a = F Y2, and the end has the velocity b + F Y2.
             force = a / right_mobility
             force_free_velocity = a + b
         else:

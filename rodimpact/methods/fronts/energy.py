@@ -106,9 +106,9 @@ def find_wave_differences(state: State) -> None:
 
 
 def largest_difference(
-    log: Log, a: int, b: int, transit: int, end: int, window: int
+    log: Log, a: int, b: int, transit: int, end_tick: int, window: int
 ) -> Amplitude:
-    """Largest absolute difference of two waves where they meet, between 0 and `end`.
+    """Largest absolute difference of two waves where they meet, between 0 and `end_tick`.
 
     Waves that leave the two ends of a segment at p and q meet at (p + q + T)/2 if
     abs(p - q) < T, its transit time.
@@ -118,8 +118,8 @@ def largest_difference(
     log : list of Front
     a, b : int
         First rows of the two lines.
-    transit, end : int
-        Transit time of the segment, end of the run.
+    transit, end_tick : int
+        Transit time of the segment, and end of the run.
     window : int
         A wave that lasts no longer comes of round-off, and does not count.
     """
@@ -127,9 +127,9 @@ def largest_difference(
     while a != NONE:
         wave_a = log[a]
         a0 = wave_a.tick
-        a1 = end
+        a1 = end_tick
         if wave_a.next_row != NONE:
-            a1 = min(log[wave_a.next_row].tick, end)
+            a1 = min(log[wave_a.next_row].tick, end_tick)
         # Waves that left the other end a transit before this one do not meet it.
         while log[b].next_row != NONE and log[log[b].next_row].tick <= a0 - transit:
             b = log[b].next_row
@@ -137,9 +137,9 @@ def largest_difference(
         while r != NONE and log[r].tick < a1 + transit and a1 - a0 > window:
             wave_b = log[r]
             b0 = wave_b.tick
-            b1 = end
+            b1 = end_tick
             if wave_b.next_row != NONE:
-                b1 = min(log[wave_b.next_row].tick, end)
+                b1 = min(log[wave_b.next_row].tick, end_tick)
             # Parts of both waves meet, from (low_a + low_b + T)/2 to
             # (high_a + high_b + T)/2. These times are compared with 0 and the end
             # without a sum of two ticks, which could overflow.
@@ -149,7 +149,7 @@ def largest_difference(
             high_b = min(b1, a1 + transit)
             meet = low_a < high_a and low_b < high_b
             after_start = high_a > -transit - high_b
-            before_end = low_a - end < end - transit - low_b
+            before_end = low_a - end_tick < end_tick - transit - low_b
             if meet and after_start and before_end and b1 - b0 > window:
                 largest = max(largest, abs(wave_b.value - wave_a.value))
             r = wave_b.next_row

@@ -145,7 +145,6 @@ def advance(state: State, horizon: int) -> int:
     queue = state.queue
     tolerance = run.velocity_tolerance
     window = run.closing_window
-    leaves = len(queue) // 2
     last_free_row = len(log) - MAX_ROWS_PER_EVENT
     rows = run.log_rows
     events = run.events
@@ -153,7 +152,7 @@ def advance(state: State, horizon: int) -> int:
     while stop == Stop.NONE:
         leaf = event_queue.first_leaf(queue)
         tick = queue[leaf]
-        k = leaf - leaves
+        k = leaf - len(queue) // 2
         node = nodes[k]
         from_left = lines[2 * k]
         from_right = lines[2 * k + 3]
@@ -165,20 +164,15 @@ def advance(state: State, horizon: int) -> int:
         b = from_right.incoming_wave
         next_tick = min(from_left.arrival_tick, from_right.arrival_tick)
 
-        dt = tick - node.solved_tick
-        contact.accumulate_contact_totals(node, dt, window)
-        node.solved_tick = tick
+        contact.accumulate_contact_totals(node, tick - node.solved_tick, window)
         left_mobility = segments[k].mobility
         right_mobility = segments[k + 1].mobility
         if node.status >= Status.OPEN:
-            status = contact.resolve_contact(node, a - b, dt, tolerance, window)
-            is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
-            if status != node.status or is_touch:
-                mobility = left_mobility + right_mobility
-                contact.log_contact_change(
-                    run, node, log[rows], k, tick, status, mobility
-                )
-                rows += 1
+            mobility = left_mobility + right_mobility
+            rows += contact.update_contact(
+                run, node, log[rows], k, tick, a - b, mobility
+            )
+        node.solved_tick = tick
         force_free_velocity = contact.solve_force(
             node, a, b, left_mobility, right_mobility, k == 0
         )
@@ -237,15 +231,17 @@ def receive(line: Line, log: Log, transit: int) -> None:
         line.arrival_tick = log[line.next_row].tick + transit
 
 
-def send(line: Line, log: Log, row: int, tick: int, l: int, wave: Amplitude) -> None:
+def send(
+    line: Line, log: Log, log_row: int, tick: int, l: int, wave: Amplitude
+) -> None:
     """Enter a front that leaves on line l in a row of the log, behind the last one."""
-    front: Front = log[row]
+    front: Front = log[log_row]
     front.tick = tick
     front.next_row = NONE
     front.line = l
     front.value = wave
-    log[line.last_row].next_row = row
-    line.last_row = row
+    log[line.last_row].next_row = log_row
+    line.last_row = log_row
 
 
 def advance_totals_to(state: State, tick: int) -> None:

@@ -145,11 +145,11 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
         profiles.append(profile)
     for side in range(2):
         kind, value = row.boundaries[side]
-        end = system.ends[side].kind
-        if end == "free":
+        end_kind = system.ends[side].kind
+        if end_kind == "free":
             continue
         boundary_kind = BoundaryKind.STEADY.value
-        if end != "fixed":
+        if end_kind != "fixed":
             boundary_kind = BOUNDARY_KINDS[kind]
         profiles.append(
             append_profile(values, side * outside, value, 0.0, boundary_kind)

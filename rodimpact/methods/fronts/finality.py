@@ -151,10 +151,12 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
 
     is_semi_infinite = False
     for side in range(2):  # what the group is bonded to outside
-        end = last if side else first - 1
-        outside_wave = lines[2 * end + 3 * side].incoming_wave
-        outside_mobility = segments[end + side].mobility
-        if nodes[end].status == Status.BOND:
+        end_node = first - 1
+        if side == 1:
+            end_node = last
+        outside_wave = lines[2 * end_node + 3 * side].incoming_wave
+        outside_mobility = segments[end_node + side].mobility
+        if nodes[end_node].status == Status.BOND:
             group.mean_velocity = outside_wave
             is_semi_infinite = outside_mobility > 0
             if not is_semi_infinite:
@@ -198,17 +200,12 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     last = group.group_last
     is_right = s > k  # the group is right of the contact
     zero = 0 * group.mean_velocity
-    mass = zero
-    for i in range(first, last + 1):
-        mass += segments[i].transit / segments[i].mobility
+    mass = group_mass(segments, first, last, zero)
     has_left_bond = state.nodes[first - 1].status == Status.BOND
     is_anchored = has_left_bond or state.nodes[last].status == Status.BOND
     far_mobility = zero  # mobility of what holds the far end
     if is_anchored:
-        far = 0
-        if is_right:
-            far = len(segments) - 1
-        far_mobility += segments[far].mobility
+        far_mobility += far_outside(segments, is_right).mobility
 
     mass_fraction = zero  # mass of the segments beyond, over the mass of the group
     deviation = zero
@@ -216,7 +213,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     taken = zero  # momentum that waves bring to the far end
     compliance = mass * far_mobility * far_mobility
     for i in range(last - first + 1):
-        inner = last - i if is_right else first + i  # from the far end to the contact
+        inner = from_far_end(first, last, i, is_right)
         transit = segments[inner].transit
         mobility = segments[inner].mobility
         g0 = mass_fraction
@@ -244,8 +241,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
                 energy += wave * wave * width / (4 * mobility)
                 taken += wave * width / (2 * mobility)
                 middle = (edge + low) / (2 * transit)
-                position = middle if runs_to_contact else 1 - middle
-                g = g0 + (g1 - g0) * position
+                g = fraction_at(middle, g0, g1, runs_to_contact)
                 deviation += sign * wave * width * g / 2
                 if not is_last:
                     edge = low
@@ -259,3 +255,46 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     if not is_steady or (far_mobility > 0 and is_pressing):
         group.deviation_bound_squared = 2 * energy * compliance
         group.compliance_integral = compliance
+
+
+def group_mass(
+    segments: Sequence[Segment], first: int, last: int, zero: Amplitude
+) -> Amplitude:
+    """Mass of the segments from `first` to `last`, kg over the tick."""
+    mass = zero
+    for s in range(first, last + 1):
+        mass += segments[s].transit / segments[s].mobility
+    return mass
+
+
+def from_far_end(first: int, last: int, i: int, is_right: bool) -> int:
+    """Segment i of a group, counted from the end that is far from a contact.
+
+    `is_right` says whether the group is right of the contact.
+    """
+    if is_right:
+        return last - i
+    return first + i
+
+
+def fraction_at(
+    covered: Amplitude, g0: Amplitude, g1: Amplitude, runs_to_contact: bool
+) -> Amplitude:
+    """Mass fraction g where a wave has covered a part of a segment.
+
+    It is g0 at the end of the segment that is far from the contact, and g1 at the other.
+    """
+    if runs_to_contact:
+        return g0 + (g1 - g0) * covered
+    return g0 + (g1 - g0) * (1 - covered)
+
+
+def far_outside(segments: Sequence[Segment], is_right: bool) -> Segment:
+    """What lies outside the end of the row that is far from a contact.
+
+    `is_right` says whether it is the right end.
+    """
+    far = 0
+    if is_right:
+        far = len(segments) - 1
+    return segments[far]

@@ -328,18 +328,18 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     n = len(state.segments) - 2
     transit = state.segments[s].transit
     first = state.segments[s].first_piece
-    end = state.segments[s + 1].first_piece
+    stop = state.segments[s + 1].first_piece
     for leftward in range(2):
         start = run.log_rows
         sign = 2 * leftward - 1
-        for k in range(end - first):
-            i = first + k if leftward else end - 1 - k
+        for k in range(stop - first):
+            i = first + k if leftward else stop - 1 - k
             piece = pieces[i]
             x0 = 0
             x1 = transit
             if i > first:
                 x0 = min(durations[n + i - s].ticks, transit)
-            if i < end - 1:
+            if i < stop - 1:
                 x1 = min(durations[n + i + 1 - s].ticks, transit)
             velocity = piece.velocity - run.frame_velocity
             wave = velocity + sign * wave_speed * piece.strain
@@ -363,8 +363,8 @@ def append_driven_fronts(
     log = state.log
     n = len(state.segments) - 2
     outside = state.segments[side * (n + 1)]
-    end = 1 + side * (n - 1)  # segment at this end
-    wave_speed = values[end - 1]
+    end_segment = 1 + side * (n - 1)
+    wave_speed = values[end_segment - 1]
     inward_line = 2 + side * (2 * n - 1)
     inward_wave = 0.0
     for r in range(run.log_rows):
@@ -377,7 +377,7 @@ def append_driven_fronts(
     while not is_last:
         value = values[outside.profile_offset + j]
         if outside.boundary_kind == BoundaryKind.PUSHED:
-            value *= state.segments[end].mobility
+            value *= state.segments[end_segment].mobility
         elif outside.boundary_kind == BoundaryKind.ENDLESS:
             value = (4 * side - 2) * wave_speed * value + inward_wave
         else:

@@ -47,8 +47,8 @@ def solve(
 
     It runs to `until`, s, or to its proof of finality and one round trip more.
     """
-    run = run_fronts(row, until, max_events, report)
-    return make_run(run, until, effect_of_rounding(run))
+    finished = run_fronts(row, until, max_events, report)
+    return make_run(finished, until, effect_of_rounding(finished))
 
 
 def run_fronts(
@@ -63,27 +63,31 @@ def run_fronts(
 
 
 def make_run(
-    run: FrontRun, until: float | None, rounding_errors: Mapping[str, float] = NO_ERRORS
+    finished: FrontRun,
+    until: float | None,
+    rounding_errors: Mapping[str, float] = NO_ERRORS,
 ) -> Run:
     """The form of a finished run that all methods return."""
-    clock = run.clock
-    now = run.run.now
+    clock = finished.clock
+    now = finished.run.now
     t_end = now * clock.tick
-    if until is not None and run.stopped_by == "until":
+    if until is not None and finished.stopped_by == "until":
         t_end = until
     t_final = math.nan
     t_proved = math.nan
-    if run.is_proved:
+    if finished.is_proved:
         t_final = last_contact_end(
-            run.run, run.contacts, 2 * clock.longest * clock.tick
+            finished.run, finished.contacts, 2 * clock.longest * clock.tick
         )
-        t_proved = run.proved_tick * clock.tick
-    strain = run.run.max_wave / min(clock.wave_speed[1:-1])
-    status = status_of(run.run, run.contacts, clock.system, run.is_proved, t_final)
+        t_proved = finished.proved_tick * clock.tick
+    strain = finished.run.max_wave / min(clock.wave_speed[1:-1])
+    status = status_of(
+        finished.run, finished.contacts, clock.system, finished.is_proved, t_final
+    )
     status += rounding(clock.transit_error, clock.worst)
     status += strain_warning(strain)
     status += accuracy_sentence(rounding_errors)
-    status += faint_sentence(run.run, run.contacts, clock.system)
+    status += faint_sentence(finished.run, finished.contacts, clock.system)
     return Run(
         method="fronts",
         until=until,
@@ -92,11 +96,11 @@ def make_run(
         t_end=t_end,
         t_final=t_final,
         t_proved=t_proved,
-        stopped_by=run.stopped_by,
+        stopped_by=finished.stopped_by,
         status=status,
-        events=run.run.events,
-        contacts=tuple(tally_of(node, clock.tick) for node in run.contacts),
-        totals=totals_of(run),
-        accuracy=with_faint_forces(run, rounding_errors),
-        make_signals=lambda: signals_of(run),
+        events=finished.run.events,
+        contacts=tuple(tally_of(node, clock.tick) for node in finished.contacts),
+        totals=totals_of(finished),
+        accuracy=with_faint_forces(finished, rounding_errors),
+        make_signals=lambda: signals_of(finished),
     )

@@ -25,22 +25,22 @@ Lines = list[Pieces | None]
 """Waves by line, as they leave their ends; None where there are none."""
 
 
-def signals_of(run: FrontRun) -> Signals:
+def signals_of(finished: FrontRun) -> Signals:
     """Waves, contact signals, and what acts on the ends."""
-    lines = waves_by_line(run)
-    changes = run.log[run.log["line"] == CHANGE]
+    lines = waves_by_line(finished)
+    changes = finished.log[finished.log["line"] == CHANGE]
     contacts = []
-    for contact in range(len(run.layout.contacts)):
-        contacts.append(contact_signal(run, lines, changes, contact))
-    left = outside_signal(run, lines, contacts, 0)
-    right = outside_signal(run, lines, contacts, 1)
+    for contact in range(len(finished.layout.contacts)):
+        contacts.append(contact_signal(finished, lines, changes, contact))
+    left = outside_signal(finished, lines, contacts, 0)
+    right = outside_signal(finished, lines, contacts, 1)
     return Signals(Waves(lines), tuple(contacts), (left, right))
 
 
-def waves_by_line(run: FrontRun) -> Lines:
+def waves_by_line(finished: FrontRun) -> Lines:
     """One signal for each line of a segment."""
-    count = 2 * len(run.segments) - 1
-    log = run.log
+    count = 2 * len(finished.segments) - 1
+    log = finished.log
     inside = (log["line"] > 1) & (log["line"] < count - 1)
     log = log[inside]
     log = log[np.argsort(log["line"], kind="stable")]
@@ -55,27 +55,27 @@ def waves_by_line(run: FrontRun) -> Lines:
 
 
 def contact_signal(
-    run: FrontRun, lines: Lines, changes: Any, contact: int
+    finished: FrontRun, lines: Lines, changes: Any, contact: int
 ) -> ContactSignal:
     """Force, gap and closing velocity of a contact.
 
     They follow from the waves that arrive and the changes of status. The status before
     any change holds from tick -1 on.
     """
-    clock = run.clock
-    end = run.run.now
-    k = run.layout.contacts[contact]
-    closed_status = run.nodes[k].closed_status
+    clock = finished.clock
+    end_tick = finished.run.now
+    k = finished.layout.contacts[contact]
+    closed_status = finished.nodes[k].closed_status
     first_gap = float(clock.system.gaps[contact]) / clock.tick
     changes = changes[changes["next_row"] == k]  # in a change this field is the node
     first_status = Status.OPEN if first_gap > 0 else closed_status
     # The first status begins at tick -1, so that a change at tick 0 comes later.
     statuses = Pieces([-1, *changes["tick"]], [first_status, *changes["value"]])
 
-    from_left = arrivals(run, lines, k, 0)
-    from_right = arrivals(run, lines, k, 1)
+    from_left = arrivals(finished, lines, k, 0)
+    from_right = arrivals(finished, lines, k, 1)
     ticks = each_once([0], from_left.ticks, from_right.ticks, statuses.ticks)
-    ticks = ticks[(ticks >= 0) & (ticks <= end)]
+    ticks = ticks[(ticks >= 0) & (ticks <= end_tick)]
     closing = from_left.at(ticks) - from_right.at(ticks)
     status = statuses.at(ticks)
 
@@ -90,17 +90,17 @@ def contact_signal(
 
     is_open = status == Status.OPEN
     gap_rate = np.where(is_open, -closing, 0.0)
-    gap_rate[np.abs(gap_rate) <= run.run.velocity_tolerance] = 0.0
+    gap_rate[np.abs(gap_rate) <= finished.run.velocity_tolerance] = 0.0
     gap = gaps_at_starts(ticks, gap_rate, statuses.ticks[1:], first_gap)
     gap = np.where(is_open, gap, 0.0)
-    gap_at_end = gap + gap_rate * np.diff(ticks, append=end)
+    gap_at_end = gap + gap_rate * np.diff(ticks, append=end_tick)
 
     episodes: tuple[Episode, ...] = ()
     if closed_status != Status.BOND:
         episodes = episodes_of(statuses.ticks[1:], statuses.values[1:], clock.tick)
     return ContactSignal(
         force=Pieces(ticks, force),
-        gap=Pieces.lines(ticks, gap * clock.tick, gap_at_end * clock.tick, end),
+        gap=Pieces.lines(ticks, gap * clock.tick, gap_at_end * clock.tick, end_tick),
         closing=Pieces(ticks, -gap_rate),
         episodes=episodes,
     )
@@ -121,23 +121,23 @@ def gaps_at_starts(
     return np.asarray(travelled - zeros[last_change])
 
 
-def arrivals(run: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
+def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
     """Wave that arrives at node k from the left (0) or the right (1)."""
     segment = k + side
     wave = None
-    if run.clock.impedance[segment] > 0:
+    if finished.clock.impedance[segment] > 0:
         wave = lines[2 * segment + side]
     if wave is None:  # the wave of a wall is constant
-        return Pieces([0], [run.lines[-side].incoming_wave])
-    return wave.later(run.clock.ticks[segment])
+        return Pieces([0], [finished.lines[-side].incoming_wave])
+    return wave.later(finished.clock.ticks[segment])
 
 
 def outside_signal(
-    run: FrontRun, lines: Lines, contacts: list[ContactSignal], side: int
+    finished: FrontRun, lines: Lines, contacts: list[ContactSignal], side: int
 ) -> BoundaryAction | None:
     """What acts on the left (0) or the right (1) end of the row."""
-    clock = run.clock
-    end = run.run.now
+    clock = finished.clock
+    end_tick = finished.run.now
     wall = clock.system.bodies[-side]
     if isinstance(wall, Wall):
         velocity = Pieces([0], [float(wall.velocity)])
@@ -152,5 +152,5 @@ def outside_signal(
     arriving = outward.later(clock.ticks[s])
     push = (inward - arriving).times(INWARD[side] * clock.impedance[s] / 2)
     speed = (inward + arriving).times(0.5).plus(clock.frame)
-    name = run.layout.row.boundary_name(side)
-    return BoundaryAction(name, push.within(0, end), speed.within(0, end))
+    name = finished.layout.row.boundary_name(side)
+    return BoundaryAction(name, push.within(0, end_tick), speed.within(0, end_tick))

@@ -34,19 +34,19 @@ def status_of(
         final = final_sentence(contacts, system, t_final)
     if stopped_by == "final":
         return final
-    end = format_si(run.now * run.tick_duration, "s")
+    end_time = format_si(run.now * run.tick_duration, "s")
     if stopped_by == "max_events" and final == "":
         return (
-            f"Stopped by the cap of {run.max_events} events at {end}; fronts multiply "
+            f"Stopped by the cap of {run.max_events} events at {end_time}; fronts multiply "
             "where transit times have no common measure. Raise max_events, or make "
             "lengths commensurate."
         )
     if stopped_by == "clock":
         return (
-            f"Stopped by the clock after {end}: the next contact may come later than "
+            f"Stopped by the clock after {end_time}: the next contact may come later than "
             "the clock can count, or never. Give until= to set another end."
         )
-    return ending(stopped_by, final, end, f"{run.max_events} events", system)
+    return ending(stopped_by, final, end_time, f"{run.max_events} events", system)
 
 
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:

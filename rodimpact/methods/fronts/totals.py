@@ -95,16 +95,18 @@ def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> 
     return motion_of(clock, masses, velocities, energies)
 
 
-def totals_of(run: FrontRun) -> Totals:
+def totals_of(finished: FrontRun) -> Totals:
     """Totals of a finished run."""
-    clock = run.clock
+    clock = finished.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
-    before = initial_motion(clock, masses, run.segments)
-    after = final_motion(clock, masses, run.segments)
-    boundary = BoundaryEffects(run, masses, after.velocities)
+    before = initial_motion(clock, masses, finished.segments)
+    after = final_motion(clock, masses, finished.segments)
+    boundary = BoundaryEffects(finished, masses, after.velocities)
 
-    start_momentum = math.fsum(segment.initial_momentum for segment in run.segments)
-    end_momentum = math.fsum(segment.momentum for segment in run.segments)
+    start_momentum = math.fsum(
+        segment.initial_momentum for segment in finished.segments
+    )
+    end_momentum = math.fsum(segment.momentum for segment in finished.segments)
     gained_momentum = (end_momentum - start_momentum) * clock.tick
     start_energy = before.kinetic + sum(before.vibration)
     missing_energy = after.kinetic + sum(after.vibration) - start_energy
@@ -114,10 +116,10 @@ def totals_of(run: FrontRun) -> Totals:
 
     # Errors of velocities are relative to the velocity scale, so those of the balances
     # are relative to the momentum and energy of all masses at that velocity.
-    velocity_scale = run.run.velocity_scale
+    velocity_scale = finished.run.velocity_scale
     total_mass = sum(mass for mass in masses if mass < math.inf)
     momentum_scale = total_mass * velocity_scale
-    for node in run.nodes:
+    for node in finished.nodes:
         momentum_scale += abs(node.impulse) * clock.tick
     energy_scale = start_energy + total_mass * velocity_scale**2 / 2
     for work in (boundary.wall_work, boundary.drive_work, boundary.radiated):
@@ -151,22 +153,25 @@ class BoundaryEffects:
     """
 
     def __init__(
-        self, run: FrontRun, masses: list[float], velocities: Sequence[float]
+        self, finished: FrontRun, masses: list[float], velocities: Sequence[float]
     ) -> None:
         self.impulse = 0.0
         self.wall_work = 0.0
         self.drive_work = 0.0
         self.radiated = 0.0
-        clock = run.clock
+        clock = finished.clock
         for side in (0, -1):
             sign = 1 if side == 0 else -1
-            impulse = sign * run.nodes[side].impulse * clock.tick
+            impulse = sign * finished.nodes[side].impulse * clock.tick
             self.impulse += impulse
             end = clock.system.ends[side]
             if masses[side] == math.inf:
                 self.wall_work += impulse * velocities[side]
             elif not isinstance(end, Free | Fixed):
-                work = sign * run.nodes[side].work * clock.tick + clock.frame * impulse
+                work = (
+                    sign * finished.nodes[side].work * clock.tick
+                    + clock.frame * impulse
+                )
                 if isinstance(end, Absorbing):
                     self.radiated -= work
                 else:
