@@ -101,12 +101,12 @@ def motion_of(run: Any) -> Any:
             piece = piece_of(
                 front.tick, NEVER, [front.value]
             )  # until the next one begins
-            piece.line, piece.order = front.line - 2, 0
+            piece.line, piece.break_order = front.line - 2, 0
             pieces.append(piece)
     waves = reading.waves_of(pieces, len(state.lines) - 2)
     transits = [at.transit for at in state.segments[1 : len(row.segments) + 1]]
     steady = [
-        wave_of(wave["start"], [piece.coefficient[0] for piece in wave["piece"]])
+        wave_of(wave["start"], [piece.coefficients[0] for piece in wave["piece"]])
         for wave in waves
     ]
     rods = [

@@ -334,7 +334,7 @@ def jumps_between(run: Any, wave: Any, start: float, stop: float) -> list[float]
     last = reading.place_of(wave, stop)
     ticks = []
     for piece in wave["piece"][first : last + 1]:
-        if piece.order == 0:
+        if piece.break_order == 0:
             ticks.append(piece.start)
     if not run["exact"] and len(ticks) >= STRAIN_POINTS:
         return []

@@ -21,7 +21,7 @@ from ..methods.pieces import accuracy, layout, march, reading
 from ..methods.pieces.accuracy import Ended, size_of
 from ..methods.pieces.layout import RunRequest
 from ..methods.pieces.method import RTOL
-from ..methods.pieces.records import NONE, PIECE, TURN, State
+from ..methods.pieces.records import CONTACT_EVENT, NONE, PIECE, State
 from ..methods.pieces.series import N
 from ..methods.pieces.totals import (
     last_of,
@@ -97,7 +97,7 @@ def waves_at_start(row: Any, clock: Clock) -> Any:
         for s in range(row.spans[i][0] - 1, row.spans[i][1]):
             stretch = body.strain * row.segments[s].wave_speed
             pieces.extend(
-                layout.under_way(
+                layout.initial_waves(
                     body.velocity - clock.frame, stretch, clock.transits[s]
                 )
             )
@@ -109,10 +109,10 @@ def waves_at_start(row: Any, clock: Clock) -> Any:
         if kind == "velocity":
             came = -clock.frame
         elif kind == "absorbing":
-            came = pieces[2 * last + 1 if side == 1 else 0].coefficient[0]
+            came = pieces[2 * last + 1 if side == 1 else 0].coefficients[0]
             factor = wave_of_strain(row, side)
         outside.append(len(pieces))
-        pieces.append(layout.steady(came + value * factor))
+        pieces.append(layout.constant_wave(came + value * factor))
     return pieces, outside
 
 
@@ -150,19 +150,19 @@ def run_of(
         row, clock, wanted, known, outside
     )
     run = runs[0]
-    turns = blank(ROOM + march.FLIPS, TURN)
+    turns = blank(ROOM + march.MAX_STATUS_CHANGES, CONTACT_EVENT)
     log.extend(blank(ROOM, PIECE))
     if earlier is not None:
         accuracy.compare(earlier["ended"].run, run)
-    unknowns = N * max([node.links for node in nodes])
+    unknowns = N * max([node.link_count for node in nodes])
     matrix = [[0.0] * (unknowns + 1) for _ in range(unknowns)]
     state = State(runs, nodes, links, masses, lines, parts, log, turns, matrix)
-    while march.follow(state) == Stop.FULL:
+    while march.run_nodes(state) == Stop.FULL:
         if monotonic() > deadline:
             return {"problem": ("", TOO_MUCH_WORK)}
         log.extend(blank(LOG_GROWTH, PIECE))
-        turns.extend(blank(LOG_GROWTH, TURN))
-    if run.stop == Stop.STUCK:
+        turns.extend(blank(LOG_GROWTH, CONTACT_EVENT))
+    if run.stop_reason == Stop.STUCK:
         stuck = nodes[march.earliest_node(nodes)]
         return {"problem": why_stuck(row, stuck, clock.tick * stuck.now)}
     return {
@@ -170,10 +170,10 @@ def run_of(
         "clock": clock,
         "ended": Ended(run, links, parts),
         "masses": masses,
-        "log": log[: run.pieces],
+        "log": log[: run.piece_count],
         "lines": len(lines),
         "until": asked.until,
-        "now": min([run.end, *[node.now for node in nodes]]),
+        "now": min([run.end_tick, *[node.now for node in nodes]]),
     }
 
 
@@ -207,12 +207,14 @@ def outcome_of(run: Any, errors: list[float], status: str) -> Any:
         tally_of(ended.link[i], clock.tick, run["now"]) for i in row.contact_link
     ]
     total_mass = sum([body.mass for body in row.system.bodies])
-    energy_error = errors[0] * record.scale * record.scale * total_mass
+    energy_error = (
+        errors[0] * record.velocity_scale * record.velocity_scale * total_mass
+    )
     ending = Ending(
         contacts,
-        record.proved >= 0,
+        record.proved_tick >= 0,
         status,
-        {**errors_of(errors, record.scale, contacts), "energy": energy_error},
+        {**errors_of(errors, record.velocity_scale, contacts), "energy": energy_error},
     )
     return outcome_shown(
         row.system,
@@ -224,8 +226,8 @@ def outcome_of(run: Any, errors: list[float], status: str) -> Any:
 
 def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     """Motion of the bodies at t = 0; each has one velocity and one strain."""
-    groups = [part for part in ended.part if part.parts > 0]
-    velocities = [part.initial + clock.frame for part in groups]
+    groups = [part for part in ended.part if part.part_count > 0]
+    velocities = [part.initial_velocity + clock.frame for part in groups]
     kinetic = 0.0
     strain_energies = []
     for body in row.system.bodies:
@@ -239,17 +241,22 @@ def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
 
 def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     """Motion of the bodies when it was measured last; vibration is that of the parts."""
-    groups = [part for part in ended.part if part.parts > 0]
-    velocities = [part.mean + clock.frame for part in groups]
-    vibration = [part.energy for part in ended.part]
+    groups = [part for part in ended.part if part.part_count > 0]
+    velocities = [part.group_velocity + clock.frame for part in groups]
+    vibration = [part.vibration_energy for part in ended.part]
     return Motion(body_velocities(row.system, velocities), vibration, math.nan)
 
 
 def sentence_of(run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
-    row, ended, tick, it = run["row"], run["ended"], run["clock"].tick, run["ended"].run
+    row, ended, tick, it = (
+        run["row"],
+        run["ended"],
+        run["clock"].tick_duration,
+        run["ended"].run,
+    )
     strains = [
-        sum(abs(c) for c in piece.coefficient)
+        sum(abs(c) for c in piece.coefficients)
         / row.segments[piece.line // 2].wave_speed
         for piece in run["log"]
         if piece.line < 2 * len(row.segments)
@@ -297,9 +304,9 @@ def solved_by_pieces(
         "transits": clock.transits,
         "now": run["now"],
         "waves": waves,
-        "masses": [waves[mass.line] for mass in run["masses"]],
+        "masses": [waves[mass.history_line] for mass in run["masses"]],
         "springs": [
-            (link[i], waves[link[i].kept + 1])
+            (link[i], waves[link[i].history_line + 1])
             for i in row.contact_link
             if link[i].law >= Law.SPRING
         ],
@@ -311,8 +318,8 @@ def solved_by_pieces(
         it = link[row.contact_link[i]]
         contacts.append(
             {
-                "force": curve_of(motion, [(waves[it.kept], 0, 1.0)]),
-                "gap": curve_of(motion, [(waves[it.kept + 1], 0, -1.0)])
+                "force": curve_of(motion, [(waves[it.history_line], 0, 1.0)]),
+                "gap": curve_of(motion, [(waves[it.history_line + 1], 0, -1.0)])
                 if law.opens
                 else None,
             }

@@ -116,15 +116,15 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
     for _ in range(MAX_ITERATIONS):
         rate = closing - link.mobility * F
         f = odd_own(link, d, rate)
-        slope = (odd_own(link, d, rate + link.near_rate) - f) / link.near_rate
+        slope = (odd_own(link, d, rate + link.rate_step) - f) / link.rate_step
         change = (f - F) / (1 + link.mobility * slope)
         F += change
         if abs(change) <= FORCE_RTOL * abs(F):
             break
     rate = closing - link.mobility * F
     by_overlap = (
-        odd_own(link, d + link.near, rate) - odd_own(link, d, rate)
-    ) / link.near
+        odd_own(link, d + link.overlap_step, rate) - odd_own(link, d, rate)
+    ) / link.overlap_step
     share = 1 / (1 + link.mobility * slope)
     return F, by_overlap * share, slope * share
 
@@ -136,7 +136,7 @@ def guards(link: Any) -> int:
     """How many guards keep the status of a link, see `guard`."""
     if link.status == Status.BOND:
         return 0
-    if link.status == Status.PLASTIC and link.knots[link.knot] < UNREACHED:
+    if link.status == Status.PLASTIC and link.knots[link.next_knot] < UNREACHED:
         return 2
     if link.status == Status.GRAZE or (
         link.status == Status.PRESS and (link.law == Law.YIELD or lets_go(link))
@@ -151,7 +151,11 @@ def drive(link: Any, d: float, closing: float, F: float, scale: float) -> float:
     Where it is 0, `closing` is the rate of the overlap.
     """
     if link.law == Law.OWN:
-        pressing = odd_own(link, d, closing - link.mobility * F) * link.ease / scale
+        pressing = (
+            odd_own(link, d, closing - link.mobility * F)
+            * link.effective_mobility
+            / scale
+        )
     elif has_dashpot(link):
         pressing = (link.stiffness * d / link.damping + closing) / scale
     else:
@@ -189,7 +193,7 @@ def guard(
     if link.status == Status.REST:
         return F / link.resting_force, Status.OPEN.value
     if link.status == Status.PLASTIC and which == 1:
-        return 1 - F / link.knots[link.knot], Status.PLASTIC.value
+        return 1 - F / link.knots[link.next_knot], Status.PLASTIC.value
     if link.status == Status.PLASTIC:
         return (closing - link.mobility * F) / scale, Status.PRESS.value
     if link.status == Status.PRESS and link.law == Law.RIGID:
@@ -218,10 +222,10 @@ def follows_overlap(link: Any, which: int) -> bool:
 def break_order(link: Any, order: int) -> Any:
     """Order of the break in a force that a break in the velocity beside the link makes."""
     if link.status == Status.OPEN or link.status == Status.GRAZE:
-        return int(link.order)
+        return int(link.break_order)
     if link.law <= Law.PUSH_RIGHT or link.law == Law.RIGID or link.damping > 0:
-        return min(link.order, order)
-    return min(link.order, order + 1)
+        return min(link.break_order, order)
+    return min(link.break_order, order + 1)
 
 
 # Mean force over a time step ----------------------------------------------------------
@@ -305,7 +309,7 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     """
     k = link.stiffness
     force = link.yield_force
-    knot = link.knot
+    knot = link.next_knot
     x = force / k
     start = max(x0, 0.0)
     slope = link.hardening_share * k

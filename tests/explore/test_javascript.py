@@ -226,7 +226,7 @@ def test_what_is_not_translated_is_named_with_its_line(function, line, what):
 
 # Kernels on records
 
-KERNEL = march.follow
+KERNEL = march.run_nodes
 
 
 def recorded(system, until):
@@ -236,7 +236,7 @@ def recorded(system, until):
     )
     members.batch.to_lists()
     for _ in range(2):
-        members.batch.lengthen("log", "turns")
+        members.batch.lengthen("log", "contact_log")
     members.load()
     return members.batch.state
 
@@ -254,7 +254,7 @@ def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(monkeyp
         for constant in CONSTANTS.keys() & vars(module).keys():
             monkeypatch.setattr(module, constant, CONSTANTS[constant])
     script = f"""{read("python.js")}\n{javascript([KERNEL], CONSTANTS)}
-    const answer = (all) => all.map((state) => ({{ why: follow(state), state }}));"""
+    const answer = (all) => all.map((state) => ({{ why: run_nodes(state), state }}));"""
     states = [
         recorded(random_network(seed, driven=driven), 0.7 if driven else None)
         for seed in range(16)

@@ -149,7 +149,7 @@ def spent_before_compiling(kernel, job=0.125):
     return count * job
 
 
-FOLLOW, PIECES = members.run_members, pieces.follow
+FOLLOW, PIECES = members.run_members, pieces.run_nodes
 
 
 def test_plain_python_goes_on_until_it_has_taken_as_long_as_machine_code(fresh):

@@ -92,7 +92,9 @@ def own():
 def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
     links = np.zeros(2, LINK)
     links["law"], links["function"] = Law.OWN, [3, 5]
-    links["mobility"], links["near"], links["near_rate"] = 1e-3, 1e-9, 1e-6
+    links["mobility"] = 1e-3
+    links["overlap_step"] = 1e-9
+    links["rate_step"] = 1e-6
     fast, plain = (
         make(contact_laws.force, own)
         for make in (compiling.compiled, compiling.interpreted)

@@ -9,7 +9,7 @@ from numpy.polynomial import chebyshev, legendre
 
 from rodimpact.methods import contact_laws, record_lists
 from rodimpact.methods.link import Law
-from rodimpact.methods.pieces import lines, nodes, series, waves
+from rodimpact.methods.pieces import lines, nodes, profile_pieces, series
 from rodimpact.methods.pieces.records import (
     HARD,
     LINE,
@@ -50,9 +50,9 @@ def test_integrals_are_exact_to_the_degree_of_radau(degree):
 
 def test_the_tail_is_that_of_the_last_two_coefficients():
     c = drawn(5)
-    assert series.tail(chebyshev.chebval(X, c).tolist()) == pytest.approx(
-        abs(c[-2]) + abs(c[-1]), abs=1e-12
-    )
+    assert series.truncation_estimate(
+        chebyshev.chebval(X, c).tolist()
+    ) == pytest.approx(abs(c[-2]) + abs(c[-1]), abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -126,26 +126,28 @@ def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
 
 
 def stock(*pieces, delay=0, room=4, **run):
-    """Run, lines and log with one line that holds these pieces: (start, stop, order, series)."""
-    run = one(RUN, tolerance=1e-8, shortest=1000, **run)
+    """Run, lines and log with one line that holds these pieces: (start, end, order, series)."""
+    run = one(RUN, tolerance=1e-8, shortest_transit=1000, **run)
     line = [
         one(
             LINE,
             delay=delay,
-            first=0,
-            head=0,
-            tail=len(pieces) - 1,
-            hard=sum(order <= HARD for _, _, order, _ in pieces[1:]),
+            first_piece=0,
+            read_piece=0,
+            last_piece=len(pieces) - 1,
+            unread_breaks=sum(order <= HARD for _, _, order, _ in pieces[1:]),
         )
     ]
     log = record_lists.as_objects(np.zeros(len(pieces) + room, PIECE))
-    for i, (start, stop, order, c) in enumerate(pieces):
-        it = log[i]
-        it.start, it.stop, it.order = start, stop, order
-        it.degree = N if len(c) > 1 else 0
-        it.coefficient = [*c, *[0.0] * (POINTS - len(c))]
-        it.after = i + 1 if i + 1 < len(pieces) else NONE
-    run.pieces = len(pieces)
+    for i, (start, end, order, c) in enumerate(pieces):
+        piece = log[i]
+        piece.start = start
+        piece.end = end
+        piece.break_order = order
+        piece.degree = N if len(c) > 1 else 0
+        piece.coefficients = [*c, *[0.0] * (POINTS - len(c))]
+        piece.next = i + 1 if i + 1 < len(pieces) else NONE
+    run.piece_count = len(pieces)
     return run, line, log
 
 
@@ -169,7 +171,7 @@ def arriving(t, delay, before=False):
 def test_what_left_arrives_a_delay_later(tick, ticks):
     _, line, log = stock(*PIECES, delay=1000)
     f = [0.0] * POINTS
-    lines.move_on(line, log, 0, tick)
+    lines.advance_to(line, log, 0, tick)
     lines.sample(line, log, 0, tick, ticks, f)
     t = tick + ticks * (X + 1) / 2
     wanted = [arriving(float(u), 1000, before=j == N) for j, u in enumerate(t)]
@@ -183,14 +185,14 @@ def test_breaks_of_a_line_in_their_order():
     assert lines.next_break(line, log, 0, 0, 500) == 500
     assert lines.next_break(line, log, 0, 600, 2000) == 1100
     assert lines.order_at(line, log, 0, 0) == 0  # at the beginning anything may jump
-    lines.move_on(line, log, 0, 599)
-    assert (line[0].head, line[0].hard) == (0, 2)
-    lines.move_on(line, log, 0, 600)
-    assert (line[0].head, line[0].hard) == (1, 1)
+    lines.advance_to(line, log, 0, 599)
+    assert (line[0].read_piece, line[0].unread_breaks) == (0, 2)
+    lines.advance_to(line, log, 0, 600)
+    assert (line[0].read_piece, line[0].unread_breaks) == (1, 1)
     assert lines.order_at(line, log, 0, 600) == 0
     assert lines.order_at(line, log, 0, 601) == SMOOTH
-    lines.move_on(line, log, 0, 5000)
-    assert (line[0].head, line[0].hard) == (2, 0)
+    lines.advance_to(line, log, 0, 5000)
+    assert (line[0].read_piece, line[0].unread_breaks) == (2, 0)
 
 
 @pytest.mark.parametrize(
@@ -199,7 +201,7 @@ def test_breaks_of_a_line_in_their_order():
 def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
     _, line, log = stock(*PIECES, delay=1000)
     f = [0.0] * POINTS
-    lines.move_on(line, log, 0, tick)
+    lines.advance_to(line, log, 0, tick)
     lines.project(line, log, 0, tick, ticks, f)
     edges = sorted(
         {tick, tick + ticks, *(e for e in (600, 1100) if tick < e < tick + ticks)}
@@ -221,11 +223,16 @@ def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
 def test_what_is_constant_stays_one_piece():
     run, line, log = stock((0, 100, SMOOTH, [2.0]))
     assert (
-        lines.append(run, line, log, 0, 100, 50, [2.0] * POINTS, [0.0] * POINTS) == NONE
+        lines.append_values(run, line, log, 0, 100, 50, [2.0] * POINTS, [0.0] * POINTS)
+        == NONE
     )
-    assert (run.pieces, log[0].stop) == (1, 150)
-    assert lines.append(run, line, log, 0, 150, 50, [3.0] * POINTS, [0.0] * POINTS) == 1
-    assert (run.pieces, log[1].degree, log[0].after, line[0].tail) == (2, 0, 1, 1)
+    assert (run.piece_count, log[0].end) == (1, 150)
+    assert (
+        lines.append_values(run, line, log, 0, 150, 50, [3.0] * POINTS, [0.0] * POINTS)
+        == 1
+    )
+    assert (run.piece_count, log[1].degree) == (2, 0)
+    assert (log[0].next, line[0].last_piece) == (1, 1)
 
 
 @pytest.mark.parametrize(
@@ -251,44 +258,47 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
     f = (
         0.9 + jump + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2
     )  # y = 1 + 2 u before
-    at = one(NODE, now=1000, leaving=f.tolist())
-    lines.send(run, line, log, 0, at, 500, order)
-    assert (log[1].order, line[0].hard) == (sent, int(sent <= HARD))
+    node = one(NODE, now=1000, outgoing=f.tolist())
+    lines.send(run, line, log, 0, node, 500, order)
+    assert (log[1].break_order, line[0].unread_breaks) == (sent, int(sent <= HARD))
 
 
 @pytest.mark.parametrize(("sent", "order"), [(2.0, 0), (0.5, 1)])
 def test_what_a_free_end_sends_back_first_may_jump(sent, order):
     """What arrives at t = 0 begins with 0.5, and is sent after what is under way."""
     run, line, log = stock((-1000, 0, SMOOTH, [1.0, 0.5]), delay=1000)
-    line.append(one(LINE, tail=NONE))
-    lines.append(run, line, log, 1, -1000, 1000, [sent] * POINTS, [0.0] * POINTS)
-    end = one(NODE, source=[0, NONE], target=[1, NONE], mobility=[1.0, 0.0])
+    line.append(one(LINE, last_piece=NONE))
+    lines.append_values(run, line, log, 1, -1000, 1000, [sent] * POINTS, [0.0] * POINTS)
+    end = one(
+        NODE, incoming_lines=[0, NONE], outgoing_lines=[1, NONE], mobility=[1.0, 0.0]
+    )
     assert lines.reflect(run, line, log, end) == 1000
-    assert (log[1].after, log[2].stop, log[2].coefficient[:2]) == (2, 1000, [1.0, 0.5])
-    assert (log[2].order, line[1].hard) == (order, 1)
+    assert (log[1].next, log[2].end) == (2, 1000)
+    assert log[2].coefficients[:2] == [1.0, 0.5]
+    assert (log[2].break_order, line[1].unread_breaks) == (order, 1)
 
 
 def test_a_wave_with_a_jump_and_a_kink_becomes_pieces_either_way():
     signal = Pieces.lines(
         [0, 300, 700], np.array([1.0, 3.0, 2.0]), np.array([1.0, 2.0, 4.0]), 1000
     )
-    made, missed = waves.in_pieces(signal, 0, 1000, 1e-9, 1e-9)
+    made, missed = profile_pieces.in_pieces(signal, 0, 1000, 1e-9, 1e-9)
     assert missed == 0
-    back = waves.backwards(made)
-    assert (made["start"].tolist(), made["order"].tolist()) == (
+    back = profile_pieces.backwards(made)
+    assert (made["start"].tolist(), made["break_order"].tolist()) == (
         [0, 300, 700],
         [SMOOTH, 0, 1],
     )
-    assert (back["start"].tolist(), back["order"].tolist()) == (
+    assert (back["start"].tolist(), back["break_order"].tolist()) == (
         [-1000, -700, -300],
         [SMOOTH, 1, 0],
     )
-    assert (made["stop"].tolist(), back["stop"].tolist()) == (
+    assert (made["end"].tolist(), back["end"].tolist()) == (
         [300, 700, 1000],
         [-700, -300, 0],
     )
     for fit, ends in ((made, [1, 1, 3, 2, 2, 4]), (back, [4, 2, 2, 3, 1, 1])):
-        found = [chebyshev.chebval(y, c) for c in fit["coefficient"] for y in (-1, 1)]
+        found = [chebyshev.chebval(y, c) for c in fit["coefficients"] for y in (-1, 1)]
         assert found == pytest.approx(ends, abs=1e-12)
     assert made["degree"].tolist() == [0, N, N]  # what is constant stays so
 
@@ -391,14 +401,14 @@ def test_what_ends_a_status(law, status, d, closing, to):
 def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, side):
     """What comes in is a force there, and a velocity at the other side."""
     forces = drawn(7).tolist()
-    it = one(LINK, law=law, ease=0.03)
-    at = one(NODE, links=1)
-    at.incoming[side] = forces
-    assert nodes.roughness([it], [], at) == pytest.approx(
-        2 * 0.03 * series.tail(forces)
-    )
-    it.law = Law.RIGID
-    assert nodes.roughness([it], [], at) == series.tail(forces)
+    link = one(LINK, law=law, effective_mobility=0.03)
+    node = one(NODE, link_count=1)
+    node.incoming[side] = forces
+    estimate = series.truncation_estimate(forces)
+    error = nodes.truncation_error([link], [], node)
+    assert error == pytest.approx(2 * 0.03 * estimate)
+    link.law = Law.RIGID
+    assert nodes.truncation_error([link], [], node) == estimate
 
 
 # A force that is almost 0
@@ -420,13 +430,13 @@ def test_a_force_that_is_the_difference_of_large_terms_is_found():
         damping=14576.474780119703,
         mobility=0.0037593430123712464,
         overlap=0.18203465728144244,
-        rate=closing,
+        overlap_rate=closing,
     )
-    node = one(NODE, links=1, mobility=[5.60433405e-09, 3.75933741e-03])
+    node = one(NODE, link_count=1, mobility=[5.60433405e-09, 3.75933741e-03])
     node.incoming[0] = [-0.11930282] * POINTS
     for j in range(POINTS):  # round-off of the last digit
         node.incoming[1][j] = -0.11930282 - closing + (j % 2) * 1.4e-17
-    run = one(RUN, scale=1.1193)
+    run = one(RUN, velocity_scale=1.1193)
     matrix = np.zeros((N, N + 1)).tolist()
     assert nodes.collocate(run, [link], [], node, 8.4e-14, matrix)
     assert np.all(np.abs(link.force) < 1e-11)

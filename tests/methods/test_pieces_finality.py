@@ -11,7 +11,7 @@ from rodimpact.methods.link import Law
 from rodimpact.methods.pieces import finality
 from rodimpact.methods.pieces.driver import Members
 from rodimpact.methods.pieces.layout import RunRequest
-from rodimpact.methods.pieces.records import LINK, PART, RUN
+from rodimpact.methods.pieces.records import GROUP_PART, LINK, RUN
 from rodimpact.methods.row_builder import build_row
 from rodimpact.methods.states import Status
 
@@ -38,7 +38,7 @@ def surveyed(system):
     members.batch.to_lists()
     members.load()
     state = members.batch.state
-    finality.survey(state, 0)
+    finality.update_groups(state, 0)
     return state.parts
 
 
@@ -65,10 +65,14 @@ def test_a_group_swings_within_its_bounds(seed):
     }
     for side, (body, x) in ends.items():
         moved = (
-            s.displacement(body, x, t) - s.displacement(body, x, 0.0) - head.mean * t
+            s.displacement(body, x, t)
+            - s.displacement(body, x, 0.0)
+            - head.group_velocity * t
         )
-        off = moved + head.deviation[side == "right"] - s.run.clock.frame * t
-        reach = np.sqrt(2 * head.bound * head.slack[side == "right"])
+        off = moved + head.end_deviations[side == "right"] - s.run.clock.frame * t
+        reach = np.sqrt(
+            2 * head.reference_energy * head.compliance_integrals[side == "right"]
+        )
         assert np.abs(off).max() <= reach * (1 + 1e-9)
         assert np.abs(off).max() >= 0.05 * reach  # a bound that says something
 
@@ -98,7 +102,7 @@ def test_the_energy_about_the_mean_is_that_of_the_ledger():
     system = ri.System([stepped(rng, 0.4)])
     part = surveyed(system)
     book = ri.solve(system, 1.0, "characteristics").energy(0.0)
-    assert part[0].bound == pytest.approx(float(book.vibration), rel=1e-12)
+    assert part[0].reference_energy == pytest.approx(float(book.vibration), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -111,21 +115,22 @@ def test_the_energy_about_the_mean_is_that_of_the_ledger():
     ],
 )
 def test_a_gap_must_be_wider_than_both_bounds(gap, opening, over):
-    """Each side deviates by up to 1: sqrt(2 E slack) with E = 2, slack = 1/4."""
-    run, link, *part = (
-        record_lists.as_objects(np.zeros(1, kind))[0]
-        for kind in (RUN, LINK, PART, PART)
-    )
-    run.scale, run.tolerance, run.tick = 1.0, 1e-12, 1e-9
-    link.law, link.status, link.left_group, link.right_group = (
-        Law.SPRING,
-        Status.OPEN,
-        0,
-        1,
-    )
+    """Each side deviates by up to 1: sqrt(2 E s) with E = 2 and the compliance integral s = 1/4."""
+    (run,) = record_lists.blank(1, RUN)
+    run.velocity_scale = 1.0
+    run.tolerance = 1e-12
+    run.tick_duration = 1e-9
+    (link,) = record_lists.blank(1, LINK)
+    link.law = Law.SPRING
+    link.status = Status.OPEN
+    link.left_group = 0
+    link.right_group = 1
     link.overlap = -gap
-    for it in part:
-        it.bound, it.slack = 2.0, [0.25, 0.25]
-        it.low, it.high = -3.0, 3.0
-    part[1].speed = opening
-    assert (finality.time_until_over(run, [link], part) == 0) is over
+    parts = record_lists.blank(2, GROUP_PART)
+    for part in parts:
+        part.reference_energy = 2.0
+        part.compliance_integrals = [0.25, 0.25]
+        part.min_wave = -3.0
+        part.max_wave = 3.0
+    parts[1].reference_velocity = opening
+    assert (finality.time_until_over(run, [link], parts) == 0) is over

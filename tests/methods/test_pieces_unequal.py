@@ -85,7 +85,7 @@ def test_the_page_says_at_once_that_a_row_takes_too_long(monkeypatch, kind, unti
     def run(*_):
         raise AssertionError("the page has begun")
 
-    monkeypatch.setattr(march, "follow", run)
+    monkeypatch.setattr(march, "run_nodes", run)
     problem = run_of_page(row(1e-6, kind), until)["problem"]
     assert problem == ("", page.TOO_MUCH_WORK)
     with pytest.raises(AssertionError, match="the page has begun"):

@@ -91,7 +91,7 @@ def test_characteristics_count_references_once_a_call():
     The wrapper of a call gives 9 arrays back. Functions that are called from several places do not
     know that what they are given is borrowed; those that would look often borrow it once more.
     """
-    increments, decrements = reference_counts("characteristics")["follow"]
+    increments, decrements = reference_counts("characteristics")["run_nodes"]
     assert increments <= 3
     assert decrements <= 13
 

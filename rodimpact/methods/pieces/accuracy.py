@@ -45,8 +45,12 @@ def compare(fine: Any, coarse: Any) -> None:
     fine, coarse : RUN
         Of all members.
     """
-    coarse.extra = fine.extra
-    coarse.floor = np.where(fine.rough > 0, COARSER_FLOOR * coarse.floor, coarse.floor)
+    coarse.ticks_after_proof = fine.ticks_after_proof
+    coarse.min_break_spacing = np.where(
+        fine.averaged_steps > 0,
+        COARSER_FLOOR * coarse.min_break_spacing,
+        coarse.min_break_spacing,
+    )
 
 
 def left_open(fine: Ended, fit: float) -> list[float]:
@@ -56,14 +60,16 @@ def left_open(fine: Ended, fit: float) -> list[float]:
     one value of a polynomial: two runs may miss it alike, by about `peak_error`.
     """
     run = fine.run
-    loose = LOOSE_FACTOR * (run.roughest / run.scale) ** LOOSE_POWER
+    loose = (
+        LOOSE_FACTOR * (run.max_truncation_error / run.velocity_scale) ** LOOSE_POWER
+    )
     common = RUN_ROUND_OFF + loose + FIT_FACTOR * fit
     errors = [common, common, common, common, common]
     if all(part.kind != Part.SEGMENT for part in fine.part):
         add_faint_times(fine, errors)
-    peak = size_of([link.peak for link in fine.link])
+    peak = size_of([link.peak_force for link in fine.link])
     if peak > 0:
-        peak_error = size_of([link.peak_error for link in fine.link])
+        peak_error = size_of([link.peak_force_error for link in fine.link])
         errors[PEAK_FORCE] += peak_error / peak
     return errors
 
@@ -76,7 +82,14 @@ def add_faint_times(fine: Ended, errors: list[float]) -> None:
     """
     run = fine.run
     episodes = max([1, *[link.episodes for link in fine.link]])
-    faint = 2 * run.graze / run.scale * run.shortest * run.tick * episodes
+    faint = (
+        2
+        * run.graze_velocity
+        / run.velocity_scale
+        * run.shortest_transit
+        * run.tick_duration
+        * episodes
+    )
     values = measures_of(fine)
     for i in range(SHOWN, len(errors)):
         longest = size_of(values[i])
@@ -94,17 +107,19 @@ def measures_of(ended: Ended) -> list[list[float]]:
     for link in ended.link:
         if link.law >= Law.JOINT:
             impulses.append(link.impulse)
-            peaks.append(link.peak)
-            durations.append(link.pressed * run.tick)
-            times.append(link.first * run.tick)
-            times.append(link.last * run.tick)
-            times.append(link.apart * run.tick)
+            peaks.append(link.peak_force)
+            durations.append(link.force_ticks * run.tick_duration)
+            times.append(link.first_force_tick * run.tick_duration)
+            times.append(link.last_force_tick * run.tick_duration)
+            times.append(link.last_opening_tick * run.tick_duration)
     velocities = []
     for part in ended.part:
-        if run.held:  # after the proof, whenever it came, the other groups go on evenly
-            velocities.append(part.own)
-        elif part.parts > 0:
-            velocities.append(part.mean)
+        if (
+            run.has_bonds
+        ):  # after the proof, whenever it came, the other groups go on evenly
+            velocities.append(part.mean_velocity)
+        elif part.part_count > 0:
+            velocities.append(part.group_velocity)
     return [velocities, impulses, peaks, durations, times]
 
 
@@ -115,7 +130,7 @@ def differences(fine: Ended, coarse: Ended) -> list[float]:
     for i, values in enumerate(measures_of(fine)):
         scale = size_of(values)
         if i == 0 and scale > 0:
-            scale = fine.run.scale
+            scale = fine.run.velocity_scale
         pairs = zip(values, coarse_values[i], strict=True)
         largest = size_of([a - b for a, b in pairs])
         if scale > 0:
@@ -130,9 +145,10 @@ def stated(fine: Ended, apart: list[float]) -> list[float]:
 
     Errors fall by five or more from one run to the other. Where two numbers agree by chance, others
     do not: none is said to be much better known than the worst. Both runs take the same steps where
-    these are as long as breaks allow, and share their errors: `run.shared` estimates the largest.
+    these are as long as breaks allow, and share their errors:
+    `run.shared_error` estimates the largest.
     """
-    estimate = fine.run.shared / fine.run.scale
+    estimate = fine.run.shared_error / fine.run.velocity_scale
     worst = max(apart[0], apart[1], apart[2])
     errors = []
     for i, values in enumerate(measures_of(fine)):

@@ -17,10 +17,22 @@ from ..run import Stopped
 from ..states import Stop
 from . import layout, march
 from .accuracy import Ended
-from .known import Known, as_family
+from .clock_setup import family_clock, own_laws
+from .initial_lines import InitialLines, records_of_family
 from .layout import RunRequest
-from .records import LINE, LINK, MASS, NEVER, NODE, PART, PIECE, RUN, TURN, Run, State
-from .rows import family_clock, own_laws
+from .records import (
+    CONTACT_EVENT,
+    GROUP_PART,
+    LINE,
+    LINK,
+    MASS,
+    NEVER,
+    NODE,
+    PIECE,
+    RUN,
+    Run,
+    State,
+)
 from .series import N
 
 RECORD_TYPES = {
@@ -29,9 +41,9 @@ RECORD_TYPES = {
     "links": LINK,
     "masses": MASS,
     "lines": LINE,
-    "parts": PART,
+    "parts": GROUP_PART,
     "log": PIECE,
-    "turns": TURN,
+    "contact_log": CONTACT_EVENT,
 }
 """Types of the records of a `State`, by its fields."""
 MEMBER_FIELDS = ("runs", "nodes", "links", "masses", "lines", "parts")
@@ -72,7 +84,7 @@ class Members:
     first : [member, piece] PIECE
         Pieces that are known at t = 0.
     fit : float
-        Largest miss of the pieces at t = 0, as of `Known`, relative to the velocity scale.
+        Largest miss of the pieces at t = 0, as of `InitialLines`, relative to the velocity scale.
     carried : float
         Stated error of the run from whose state this one goes on, relative to the velocity scale.
 
@@ -86,26 +98,26 @@ class Members:
         self.row = row
         self.request = request
         self.clock, jumps = family_clock(row, request.until)
-        known = Known(row, self.clock, jumps, request)
+        known = InitialLines(row, self.clock, jumps, request)
         laid = layout.lay_out(row, self.clock, request, known.lines, known.outside)
         self.first = np.concatenate(known.log, axis=1)
         self.fit = known.fit
         self.carried = known.carried
         runs, nodes, links, masses, lines, parts = laid
-        self.runs = as_family(runs, RUN, row)
-        self.nodes = as_family(nodes, NODE, row)
-        self.links = as_family(links, LINK, row)
-        self.masses = as_family(masses, MASS, row)
-        self.lines = as_family(lines, LINE, row)
-        self.parts = as_family(parts, PART, row)
-        unknowns = N * int(self.nodes["links"].max())
+        self.runs = records_of_family(runs, RUN, row)
+        self.nodes = records_of_family(nodes, NODE, row)
+        self.links = records_of_family(links, LINK, row)
+        self.masses = records_of_family(masses, MASS, row)
+        self.lines = records_of_family(lines, LINE, row)
+        self.parts = records_of_family(parts, GROUP_PART, row)
+        unknowns = N * int(self.nodes["link_count"].max())
         arrays: dict[str, Any] = {name: self.records(name)[0] for name in MEMBER_FIELDS}
         arrays["log"] = np.zeros(ROOM + 2 * self.first.shape[1], PIECE)
-        arrays["turns"] = np.zeros(TURNS, TURN)
+        arrays["contact_log"] = np.zeros(TURNS, CONTACT_EVENT)
         arrays["matrix"] = np.zeros((unknowns, unknowns + 1))
         state = State(**arrays)
         self.batch = Batch[State](
-            march.follow,
+            march.run_nodes,
             state,
             RECORD_TYPES,
             is_compiled=True,
@@ -188,16 +200,16 @@ class Members:
         """Set the largest number of steps of the run in the batch."""
         runs: Any = self.batch.state.runs
         if self.batch.is_compiled:
-            runs["limit"] = limit
+            runs["max_steps"] = limit
         else:
-            runs[0].limit = limit
+            runs[0].max_steps = limit
 
     def _expected_steps(self, run: Run) -> int | None:
         """Estimated number of steps of a run to a given time; None where a proof ends it."""
         reached = min(node.now for node in self.batch.objects("nodes"))
-        if run.extra != NEVER or reached <= 0:
+        if run.ticks_after_proof != NEVER or reached <= 0:
             return None
-        expected = int(run.steps * (float(run.end) / reached)) + 1
+        expected = int(run.steps * (float(run.end_tick) / reached)) + 1
         return min(self.request.limit, expected)
 
     def _run_slice(self) -> Stop:
@@ -212,7 +224,7 @@ class Members:
                 f"a run of more than {pieces} pieces of waves",
                 self._remedy(),
             )
-            batch.lengthen("log", "turns")
+            batch.lengthen("log", "contact_log")
             stop = Stop(batch.run())
         return stop
 

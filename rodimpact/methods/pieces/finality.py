@@ -36,34 +36,38 @@ TRUNCATION_SHARE = 1e-3
 """Velocity over the tolerance of pieces, below which it may be their truncation error."""
 
 
-def look(state: State, tick: int) -> None:
+def check_finality(state: State, tick: int) -> None:
     """Decide at a tick that every node has reached whether the run is over, or when to look again.
 
-    `run.proved` is set with the proof; `run.check` is the tick of the next look.
+    `run.proved_tick` is set with the proof; `run.next_proof_tick` is the tick of the next look.
     """
     run = state.runs[0]
     parts = state.parts
-    if run.proved == NONE or run.held:  # joined bodies go on changing
+    if run.proved_tick == NONE or run.has_bonds:  # joined bodies go on changing
         for l in range(len(state.lines)):
-            if state.lines[l].head != NONE:
-                if run.stop == Stop.CAP:
+            if state.lines[l].read_piece != NONE:
+                if run.stop_reason == Stop.CAP:
                     lines.rewind(state.lines, state.log, l)
-                lines.move_on(state.lines, state.log, l, tick)
-        survey(state, tick)
-        if run.surveyed == NONE:
+                lines.advance_to(state.lines, state.log, l, tick)
+        update_groups(state, tick)
+        if run.last_proof_tick == NONE:
             for i in range(len(parts)):
-                parts[i].initial = parts[i].mean
-        elif run.check < NEVER and run.stop == Stop.NONE and tick < run.end:
+                parts[i].initial_velocity = parts[i].group_velocity
+        elif (
+            run.next_proof_tick < NEVER
+            and run.stop_reason == Stop.NONE
+            and tick < run.end_tick
+        ):
             time = time_until_over(run, state.links, parts)
-            ticks = int(min(time / run.tick, 0.5 * NEVER)) + 1
-            run.check = tick + max(run.proof_interval, ticks)
+            ticks = int(min(time / run.tick_duration, 0.5 * NEVER)) + 1
+            run.next_proof_tick = tick + max(run.proof_interval, ticks)
             if time == 0:
-                run.proved = tick
-                run.check = NEVER
-                run.end = min(run.end, tick + run.extra)
-        run.surveyed = tick
-    if tick >= run.end:
-        run.stop = Stop.DONE.value
+                run.proved_tick = tick
+                run.next_proof_tick = NEVER
+                run.end_tick = min(run.end_tick, tick + run.ticks_after_proof)
+        run.last_proof_tick = tick
+    if tick >= run.end_tick:
+        run.stop_reason = Stop.DONE.value
 
 
 def time_until_over(run: Run, links: Links, parts: Parts) -> float:
@@ -71,7 +75,7 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
 
     It is 0 if no contact can close again, or nothing changes any more.
     """
-    slow = REST_RTOL * run.scale + TRUNCATION_SHARE * run.tolerance
+    slow = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance
     over = True
     quiet = True
     longest = 0.0
@@ -84,14 +88,15 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
         quiet = quiet and is_quiet(link, left, slow) and is_quiet(link, right, slow)
         time = time_until_apart(link, left, right, slow)
         pressed = link.status != Status.OPEN and (
-            link.law > Law.IMPACT or link.force[N] * link.ease > run.graze
+            link.law > Law.IMPACT
+            or link.force[N] * link.effective_mobility > run.graze_velocity
         )
         over = over and time == 0 and not pressed
         if link.status == Status.OPEN and time < math.inf:
             longest = max(longest, time)
     if over or quiet:
         return 0.0
-    return max(longest, run.tick)
+    return max(longest, run.tick_duration)
 
 
 def time_until_apart(
@@ -99,80 +104,92 @@ def time_until_apart(
 ) -> float:
     """Return the time until a contact between two groups may be proved not to close again, s."""
     least = -math.inf
-    if left.plain and right.plain:
-        least = right.low - left.high
-    apart = left.deviation[1] - right.deviation[0] - link.overlap
-    reach = bound(left, left.slack[1]) + bound(right, right.slack[0])
+    if left.ends_follow_waves and right.ends_follow_waves:
+        least = right.min_wave - left.max_wave
+    apart = left.end_deviations[1] - right.end_deviations[0] - link.overlap
+    reach = max_deviation(left, left.compliance_integrals[1]) + max_deviation(
+        right, right.compliance_integrals[0]
+    )
     return proof.separation_time(
-        right.speed - left.speed, least, apart, reach * reach, slow
+        right.reference_velocity - left.reference_velocity,
+        least,
+        apart,
+        reach * reach,
+        slow,
     )
 
 
 def is_quiet(link: Link, group: GroupPart, slow: float) -> bool:
     """Return whether a group moves evenly, and the overlap of a contact with it is constant."""
     rate = link.closing[N] - link.mobility * link.force[N]
-    return bool(group.high - group.low <= slow and abs(rate) <= slow)
+    return bool(group.max_wave - group.min_wave <= slow and abs(rate) <= slow)
 
 
-def bound(group: GroupPart, slack: float) -> float:
+def max_deviation(group: GroupPart, slack: float) -> float:
     """Return the largest deviation of an end of a group from the mean motion at any time, m."""
-    return math.sqrt(2 * group.bound * slack)
+    return math.sqrt(2 * group.reference_energy * slack)
 
 
-def survey(state: State, tick: int) -> None:
+def update_groups(state: State, tick: int) -> None:
     """Set the motion of all groups at a tick that every node has reached."""
     parts = state.parts
     for first in range(len(parts)):
         group = parts[first]
-        last = first + group.parts
-        if group.parts == 0:
+        last = first + group.part_count
+        if group.part_count == 0:
             continue
         momentum = 0.0
         total = 0.0
         for k in range(first, last):
             update_part(state, parts[k], 0.0, tick)
-            momentum += parts[k].mass * parts[k].own
+            momentum += parts[k].mass * parts[k].mean_velocity
             total += parts[k].mass
         if total > 0:
-            group.mean = momentum / total
-        group.speed = group.mean
-        if group.held != NONE:
+            group.group_velocity = momentum / total
+        group.reference_velocity = group.group_velocity
+        if group.anchor_line != NONE:
             # the group comes to the velocity that the line from outside carries
-            piece = state.log[state.lines[group.held].head]
-            y = 2 * (tick - piece.start) / (piece.stop - piece.start) - 1
-            group.speed = lines.at(piece, y)
-        off = group.mean - group.speed
-        group.bound = total * (off * off) / 2
-        group.low = group.speed
-        group.high = group.speed
+            piece = state.log[state.lines[group.anchor_line].read_piece]
+            y = 2 * (tick - piece.start) / (piece.end - piece.start) - 1
+            group.reference_velocity = lines.at(piece, y)
+        off = group.group_velocity - group.reference_velocity
+        group.reference_energy = total * (off * off) / 2
+        group.min_wave = group.reference_velocity
+        group.max_wave = group.reference_velocity
         for k in range(first, last):
-            update_part(state, parts[k], group.mean, tick)
-            group.bound += parts[k].energy
+            update_part(state, parts[k], group.group_velocity, tick)
+            group.reference_energy += parts[k].vibration_energy
         set_ends(state, first, last, total)
 
 
 def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
     """Set the mean velocity of a part, its energy about a velocity, and moments of its waves."""
-    part.energy = 0.0
+    part.vibration_energy = 0.0
     if part.kind == Part.MASS:
-        part.own = state.masses[part.index].speed[0]
-        part.energy = part.mass * ((part.own - speed) * (part.own - speed)) / 2
+        part.mean_velocity = state.masses[part.index].velocity[0]
+        part.vibration_energy = (
+            part.mass
+            * ((part.mean_velocity - speed) * (part.mean_velocity - speed))
+            / 2
+        )
     elif part.kind == Part.SEGMENT:
         transit = state.lines[2 * part.index].delay
         squares = 0.0
         for way in range(2):
-            head = state.lines[2 * part.index + way].head
+            head = state.lines[2 * part.index + way].read_piece
             whole, tilt, _, square = lines.moments(
                 state.log, head, tick - transit, transit, speed
             )
-            part.wave[way] = whole
-            part.tilt[way] = tilt
+            part.wave_integrals[way] = whole
+            part.wave_moments[way] = tilt
             squares += square
-        part.own = speed + (part.wave[0] + part.wave[1]) / 4
-        part.energy = part.mass * squares / 8
+        part.mean_velocity = (
+            speed + (part.wave_integrals[0] + part.wave_integrals[1]) / 4
+        )
+        part.vibration_energy = part.mass * squares / 8
     elif part.kind == Part.JOINT:
         joint = state.links[part.index]
-        part.energy = joint.stiffness * (joint.overlap * joint.overlap) / 2
+        part.vibration_energy = joint.stiffness * (joint.overlap * joint.overlap) / 2
 
 
 def set_ends(state: State, first: int, last: int, total: float) -> None:
@@ -182,16 +199,16 @@ def set_ends(state: State, first: int, last: int, total: float) -> None:
     and of its holder. At the start and at the stop of a part the mass fractions beyond it are g and
     w, as seen from the left or the right end.
     """
-    second = state.runs[0].tick
+    second = state.runs[0].tick_duration
     parts = state.parts
     group = parts[first]
-    held = group.held != NONE
+    held = group.anchor_line != NONE
     passed = 0.0
     segments = 0
     others = 0
     for side in range(2):
-        group.deviation[side] = 0.0
-        group.slack[side] = 0.0
+        group.end_deviations[side] = 0.0
+        group.compliance_integrals[side] = 0.0
     for k in range(first, last):
         part = parts[k]
         before = passed
@@ -213,57 +230,65 @@ def set_ends(state: State, first: int, last: int, total: float) -> None:
             compliance = part.compliance
             if part.kind == Part.SEGMENT:
                 l = 2 * part.index + side
-                low, high = extremes(state.lines, state.log, l, group.low, group.high)
-                group.low = low
-                group.high = high
+                low, high = wave_bounds(
+                    state.lines, state.log, l, group.min_wave, group.max_wave
+                )
+                group.min_wave = low
+                group.max_wave = high
                 transit = second * state.lines[2 * part.index].delay
-                group.deviation[side] += sign * stretch(part, g, w) * transit
-                group.slack[side] += compliance * (g * g + g * w + w * w) / 3
+                group.end_deviations[side] += (
+                    sign * strain_integral(part, g, w) * transit
+                )
+                group.compliance_integrals[side] += (
+                    compliance * (g * g + g * w + w * w) / 3
+                )
             elif part.kind == Part.JOINT:
                 joint = state.links[part.index]
                 if compliance > 0:
-                    group.deviation[side] -= sign * joint.overlap * g
+                    group.end_deviations[side] -= sign * joint.overlap * g
                 else:
                     # a dashpot stretches by no more than the momentum that passes it, over c
                     c = joint.damping
                     largest = max(passed, total - passed)
                     compliance = DASHPOT_FACTOR * largest / (c * c)
-                group.slack[side] += compliance * (g * g)
+                group.compliance_integrals[side] += compliance * (g * g)
             elif part.kind == Part.ENDLESS:
-                group.slack[side] = compliance
+                group.compliance_integrals[side] = compliance
     for k in range(first, last):
         if parts[k].kind == Part.WALL:
             # a wall reflects waves about its velocity
-            low = min(group.low, 2 * group.speed - group.high)
-            group.high = max(group.high, 2 * group.speed - group.low)
-            group.low = low
+            low = min(group.min_wave, 2 * group.reference_velocity - group.max_wave)
+            group.max_wave = max(
+                group.max_wave, 2 * group.reference_velocity - group.min_wave
+            )
+            group.min_wave = low
     alone = segments <= 1 and others == 0
-    group.plain = alone or last - first == 1
+    group.ends_follow_waves = alone or last - first == 1
 
 
-def stretch(part: GroupPart, g: float, w: float) -> float:
+def strain_integral(part: GroupPart, g: float, w: float) -> float:
     """Return the integral of strain g dx over the transit time, with g linear from g to w.
 
     As dx is c dt, strain dx is (b - a)/2 dt. The wave that a sent last is at the left end now, the
     wave that b sent last at the right end.
     """
-    mean = part.wave[1] - part.wave[0]
-    slope = part.tilt[1] + part.tilt[0]
+    mean = part.wave_integrals[1] - part.wave_integrals[0]
+    slope = part.wave_moments[1] + part.wave_moments[0]
     return float((g + w) * mean + (w - g) * slope) / 8
 
 
-def extremes(
+def wave_bounds(
     all_lines: Lines, log: Log, l: int, low: float, high: float
 ) -> tuple[float, float]:
     """Return bounds of the waves under way in a line, and of two velocities."""
-    i = all_lines[l].head
+    i = all_lines[l].read_piece
     while i != NONE:
         piece = log[i]
         swing = 0.0
         if piece.degree > 0:
             for m in range(1, N + 1):
-                swing += abs(piece.coefficient[m])
-        low = min(low, piece.coefficient[0] - swing)
-        high = max(high, piece.coefficient[0] + swing)
-        i = piece.after
+                swing += abs(piece.coefficients[m])
+        low = min(low, piece.coefficients[0] - swing)
+        high = max(high, piece.coefficients[0] + swing)
+        i = piece.next
     return low, high

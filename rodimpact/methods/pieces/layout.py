@@ -14,7 +14,19 @@ from ..link import FIELDS, Law, initial_gap
 from ..record_lists import blank
 from ..scales import largest
 from ..states import Status
-from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
+from .records import (
+    GROUP_PART,
+    LINE,
+    LINK,
+    MASS,
+    NEVER,
+    NODE,
+    NONE,
+    PIECE,
+    RUN,
+    SMOOTH,
+    Part,
+)
 from .series import POINTS, N
 
 FLOORS_PER_TRANSIT = 128
@@ -55,17 +67,17 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
     """A piece with these coefficients."""
     piece = blank(1, PIECE)[0]
     piece.start = start
-    piece.stop = stop
-    piece.order = SMOOTH
-    piece.after = NONE
+    piece.end = stop
+    piece.break_order = SMOOTH
+    piece.next = NONE
     piece.degree = 0
     if len(values) > 1:
         piece.degree = N
-    piece.coefficient = [*values, *([0.0] * (POINTS - len(values)))]
+    piece.coefficients = [*values, *([0.0] * (POINTS - len(values)))]
     return piece
 
 
-def under_way(velocity: Any, stretch: Any, T: Any) -> list[Any]:
+def initial_waves(velocity: Any, stretch: Any, T: Any) -> list[Any]:
     """Waves in a segment of one velocity in the frame and one strain, that times the wave speed."""
     return [
         piece_of(-T, 0, [velocity - stretch]),
@@ -73,7 +85,7 @@ def under_way(velocity: Any, stretch: Any, T: Any) -> list[Any]:
     ]
 
 
-def steady(value: Any) -> Any:
+def constant_wave(value: Any) -> Any:
     """A constant wave from outside."""
     return piece_of(0, NEVER, [value])
 
@@ -111,11 +123,11 @@ def lay_out(
         count = number_history_lines(links, masses, count)
     lines = make_lines(clock, known, count)
     run = make_run(row, clock, request, shortest, known)
-    if any(part.kind >= Part.WALL and part.parts != 1 for part in parts):
-        run.held = 1
-    needs_more = run.held or request.keep  # else the run ends with its proof
+    if any(part.kind >= Part.WALL and part.part_count != 1 for part in parts):
+        run.has_bonds = 1
+    needs_more = run.has_bonds or request.keep  # else the run ends with its proof
     if request.until is None and needs_more:
-        run.extra = 2 * longest_of(row, clock, shortest)
+        run.ticks_after_proof = 2 * longest_of(row, clock, shortest)
     return [[run], nodes, links, masses, lines, parts]
 
 
@@ -147,42 +159,42 @@ def make_run(
         0  # hard breaks in the shortest transit, on the line that has them most densely
     )
     for pieces, hard, ticks in known:
-        run.pieces += pieces
+        run.piece_count += pieces
         if hard > 0:
             breaks = np.maximum(breaks, np.floor(hard * (shortest / ticks)))
     reference = clock.reference / clock.tick
-    run.tick = clock.tick
-    run.scale = clock.scale
+    run.tick_duration = clock.tick
+    run.velocity_scale = clock.scale
     run.tolerance = request.tolerance * clock.scale
     floors = FLOORS_PER_TRANSIT + FLOORS_PER_BREAK * breaks
-    run.floor = np.maximum(shortest // floors, MIN_FLOOR)
-    run.shortest = shortest
-    run.graze = GRAZE_VELOCITY * clock.scale
-    run.window = np.maximum(np.rint(reference * EVENT_WINDOW), 1)
-    run.end = clock.last_tick
-    run.limit = request.limit
-    run.keep = 0
+    run.min_break_spacing = np.maximum(shortest // floors, MIN_FLOOR)
+    run.shortest_transit = shortest
+    run.graze_velocity = GRAZE_VELOCITY * clock.scale
+    run.event_window = np.maximum(np.rint(reference * EVENT_WINDOW), 1)
+    run.end_tick = clock.last_tick
+    run.max_steps = request.limit
+    run.keeps_history = 0
     if request.keep:
-        run.keep = 1
-    run.first_rough = NONE
+        run.keeps_history = 1
+    run.first_averaged_tick = NONE
     set_proof(run, row, shortest, np.rint(reference))
-    run.extra = NEVER
+    run.ticks_after_proof = NEVER
     if request.until is None:
-        run.extra = 0
+        run.ticks_after_proof = 0
     return run
 
 
 def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
     """Set when a run looks for its proof of finality; times are ticks."""
-    run.proved = NONE
-    run.surveyed = NONE
+    run.proved_tick = NONE
+    run.last_proof_tick = NONE
     run.proof_interval = np.maximum(shortest, longest // PROOFS_PER_TRANSIT)
-    run.check = run.proof_interval
+    run.next_proof_tick = run.proof_interval
     if has_external_drive(row.system):
-        run.check = NEVER
-    run.held = 1
+        run.next_proof_tick = NEVER
+    run.has_bonds = 1
     if all(law.opens for law in row.system.contacts):
-        run.held = 0
+        run.has_bonds = 0
 
 
 def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
@@ -190,21 +202,21 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
     n = len(row.segments)
     nodes = blank(n + 1, NODE)
     for k, node in enumerate(nodes):
-        node.mass = row.first[k]
-        node.first = k + node.mass
-        node.links = row.first[k + 1] - row.first[k] + 1
-        node.source = [2 * k - 2, 2 * k + 1]
-        node.target = [2 * k - 1, 2 * k]
+        node.first_mass = row.first[k]
+        node.first_link = k + node.first_mass
+        node.link_count = row.first[k + 1] - row.first[k] + 1
+        node.incoming_lines = [2 * k - 2, 2 * k + 1]
+        node.outgoing_lines = [2 * k - 1, 2 * k]
         for side in range(2):
             if 0 < k + side <= n:
                 node.mobility[side] = 1 / row.segments[k + side - 1].impedance
-        node.length = np.maximum(shortest // PIECES_PER_TRANSIT, MIN_FIRST_PIECE)
+        node.next_ticks = np.maximum(shortest // PIECES_PER_TRANSIT, MIN_FIRST_PIECE)
     for side in range(2):
         end = nodes[side * n]
-        end.source[side] = outside[side]
-        end.target[side] = NONE
+        end.incoming_lines[side] = outside[side]
+        end.outgoing_lines[side] = NONE
         if outside[side] == NONE:
-            end.mirror = 1
+            end.is_free_end = 1
         if row.boundaries[side][0] == "absorbing":  # bonded to an endless rod
             end.mobility[side] = end.mobility[1 - side]
     return nodes
@@ -214,17 +226,17 @@ def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]
     """Links, with their laws; `ease` is the velocity that 1 N makes in this time, s."""
     links = blank(len(row.links), LINK)
     for node in nodes:
-        for q in range(node.links):
-            i = node.first + q
+        for q in range(node.link_count):
+            i = node.first_link + q
             link = links[i]
             set_law(link, row.links[i], i)
             set_mobility(link, node, q)
             set_ease(link, node, q, row.masses, time)
             if link.law == Law.IMPACT:
-                link.resting_force = clock.scale / link.ease
+                link.resting_force = clock.scale / link.effective_mobility
             elif link.law == Law.OWN:
-                link.near = DIFFERENCE_STEP * clock.scale * time
-                link.near_rate = DIFFERENCE_STEP * clock.scale
+                link.overlap_step = DIFFERENCE_STEP * clock.scale * time
+                link.rate_step = DIFFERENCE_STEP * clock.scale
     return links
 
 
@@ -232,14 +244,14 @@ def set_law(link: Any, row_link: Any, i: int) -> None:
     """Set the law of link i from that of the row, its numbers and its status."""
     link.left_group = NONE
     link.right_group = NONE
-    link.first = NONE
-    link.last = NONE
-    link.apart = NONE
-    link.order = SMOOTH
-    link.opened = 1
+    link.first_force_tick = NONE
+    link.last_force_tick = NONE
+    link.last_opening_tick = NONE
+    link.break_order = SMOOTH
+    link.starts_episode = 1
     link.function = i
     link.status = Status.BOND.value
-    link.touch = Status.OPEN.value
+    link.logged_status = Status.OPEN.value
     for name in FIELDS:
         setattr(link, name, getattr(row_link, name))
     link.overlap = -initial_gap(row_link)
@@ -256,7 +268,7 @@ def set_mobility(link: Any, node: Any, q: int) -> None:
     if q == 0:
         left = node.mobility[0]
     right = 0.0
-    if q == node.links - 1:
+    if q == node.link_count - 1:
         right = node.mobility[1]
     link.mobility = left + right
 
@@ -268,12 +280,12 @@ def set_ease(link: Any, node: Any, q: int, masses: list[Any], time: Any) -> None
     """
     first = max(q - 1, 0)
     stop = q + 1
-    if q == node.links - 1:  # no mass on the right
+    if q == node.link_count - 1:  # no mass on the right
         stop = q
     ease = link.mobility
     for m in range(first, stop):
-        ease = ease + time / masses[node.mass + m]
-    link.ease = ease
+        ease = ease + time / masses[node.first_mass + m]
+    link.effective_mobility = ease
 
 
 def make_masses(row: Any, clock: Clock) -> list[Any]:
@@ -281,7 +293,7 @@ def make_masses(row: Any, clock: Clock) -> list[Any]:
     masses = blank(len(row.masses), MASS)
     for m, mass in enumerate(masses):
         mass.mass = row.masses[m]
-        mass.speed = [row.mass_velocity[m] - clock.frame] * POINTS
+        mass.velocity = [row.mass_velocity[m] - clock.frame] * POINTS
     return masses
 
 
@@ -292,14 +304,14 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
     """
     l = first
     for link in links:
-        link.kept = l
+        link.history_line = l
         l += 1
         if link.law >= Law.JOINT:
             l += 1
         if link.law == Law.YIELD:
             l += 1
     for mass in masses:
-        mass.line = l
+        mass.history_line = l
         l += 1
     return l
 
@@ -308,17 +320,17 @@ def make_lines(clock: Clock, known: Any, count: int) -> list[Any]:
     """Lines; their pieces at t = 0 stand at the beginning of the log, line by line."""
     lines = blank(count, LINE)
     for history_line in lines[len(known) :]:
-        history_line.first = NONE
-        history_line.head = NONE
-        history_line.tail = NONE
+        history_line.first_piece = NONE
+        history_line.read_piece = NONE
+        history_line.last_piece = NONE
     first = 0
     for l, (pieces, hard, _) in enumerate(known):
         line = lines[l]
-        line.first = first
-        line.head = first
+        line.first_piece = first
+        line.read_piece = first
         first += pieces
-        line.tail = first - 1
-        line.hard = hard
+        line.last_piece = first - 1
+        line.unread_breaks = hard
     for l in range(2 * len(clock.transits)):
         lines[l].delay = clock.transits[l // 2]
     return lines
@@ -330,8 +342,8 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
     head = 0  # first part of the group
     add_ground(parts, head, row.boundaries[0][0], outside[0])
     for k, node in enumerate(nodes):
-        for q in range(node.links):
-            i = node.first + q
+        for q in range(node.link_count):
+            i = node.first_link + q
             link = links[i]
             if link.law >= Law.RIGID:
                 link.left_group = head
@@ -340,8 +352,8 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
             elif link.law == Law.JOINT:
                 compliance = joint_compliance(link.stiffness)
                 add_part(parts, head, Part.JOINT.value, i, 0.0, compliance)
-            if q < node.links - 1:
-                m = node.mass + q
+            if q < node.link_count - 1:
+                m = node.first_mass + q
                 add_part(parts, head, Part.MASS.value, m, row.masses[m], 0.0)
         if k < len(row.segments):
             segment = row.segments[k]
@@ -362,21 +374,21 @@ def add_part(
     parts: list[Any], head: int, kind: int, index: int, mass: Any, compliance: Any
 ) -> None:
     """Add a part to the group that begins with part `head`."""
-    part = blank(1, PART)[0]
+    part = blank(1, GROUP_PART)[0]
     part.kind = kind
     part.index = index
     part.mass = mass
     part.compliance = compliance
-    part.held = NONE
+    part.anchor_line = NONE
     parts.append(part)
-    parts[head].parts += 1
+    parts[head].part_count += 1
 
 
 def add_ground(parts: list[Any], head: int, kind: str, line: int) -> None:
     """Add the wall or endless rod that holds an end of the row, with its line."""
     if kind == "velocity":
         add_part(parts, head, Part.WALL.value, NONE, 0.0, 0.0)
-        parts[head].held = line
+        parts[head].anchor_line = line
     elif kind == "absorbing":
         add_part(parts, head, Part.ENDLESS.value, NONE, 0.0, UNHELD_COMPLIANCE)
-        parts[head].held = line
+        parts[head].anchor_line = line

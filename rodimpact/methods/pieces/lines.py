@@ -5,51 +5,54 @@ from . import series
 from .records import HARD, NONE, SMOOTH, Lines, Log, Node, Piece, Run
 from .series import POINTS, WEIGHTS, MutableValues, N, Values, X
 
-EXACT = 1e-4
+CONTINUITY_RTOL = 1e-4
 """Jump of a wave over the tolerance, below which the wave counts as continuous."""
 
 
 def at(piece: Piece, y: float) -> float:
     """Return the value of a piece at y, from -1 to 1; y beyond these is taken for round-off."""
     if piece.degree == 0:
-        return piece.coefficient[0]
-    return series.value(piece.coefficient, min(1.0, max(-1.0, y)))
+        return piece.coefficients[0]
+    return series.value(piece.coefficients, min(1.0, max(-1.0, y)))
 
 
-def move_on(lines: Lines, log: Log, l: int, tick: int) -> None:
-    """Let the head of a line be the piece that arrives at a tick, or the last one."""
+def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
+    """Let the read piece of a line be the one that arrives at a tick, or the last one."""
     line = lines[l]
-    while log[line.head].after != NONE and log[line.head].stop + line.delay <= tick:
-        line.head = log[line.head].after
-        if log[line.head].order <= HARD:
-            line.hard -= 1
+    while (
+        log[line.read_piece].next != NONE
+        and log[line.read_piece].end + line.delay <= tick
+    ):
+        line.read_piece = log[line.read_piece].next
+        if log[line.read_piece].break_order <= HARD:
+            line.unread_breaks -= 1
 
 
 def rewind(lines: Lines, log: Log, l: int) -> None:
-    """Let the head of a line be its first piece again: its readers may be at different ticks."""
+    """Let the read piece of a line be its first one: its readers may be at different ticks."""
     line = lines[l]
-    line.head = line.first
-    line.hard = 0
-    i = log[line.first].after
+    line.read_piece = line.first_piece
+    line.unread_breaks = 0
+    i = log[line.first_piece].next
     while i != NONE:
-        if log[i].order <= HARD:
-            line.hard += 1
-        i = log[i].after
+        if log[i].break_order <= HARD:
+            line.unread_breaks += 1
+        i = log[i].next
 
 
 def known_until(lines: Lines, log: Log, l: int) -> int:
     """Return the tick until which the arriving wave is known."""
-    return int(log[lines[l].tail].stop + lines[l].delay)
+    return int(log[lines[l].last_piece].end + lines[l].delay)
 
 
 def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
     """Return the tick of the next hard break that arrives after a tick, or the end."""
     delay = lines[l].delay
-    i = log[lines[l].head].after
+    i = log[lines[l].read_piece].next
     while i != NONE and log[i].start + delay < end:
-        if log[i].order <= HARD and log[i].start + delay > tick:
+        if log[i].break_order <= HARD and log[i].start + delay > tick:
             return int(log[i].start + delay)
-        i = log[i].after
+        i = log[i].next
     return end
 
 
@@ -57,9 +60,9 @@ def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
     """Return the order of the break that arrives at a tick; at t = 0 anything may jump."""
     if tick == 0:
         return 0
-    piece = log[lines[l].head]
+    piece = log[lines[l].read_piece]
     if piece.start + lines[l].delay == tick:
-        return int(piece.order)
+        return int(piece.break_order)
     return SMOOTH
 
 
@@ -68,20 +71,18 @@ def sample(
 ) -> None:
     """Set f to the arriving wave at the points of a piece; at its end to the limit from before."""
     begin = tick - lines[l].delay
-    piece = log[lines[l].head]
-    if piece.degree == 0 and begin + ticks <= piece.stop:
+    piece = log[lines[l].read_piece]
+    if piece.degree == 0 and begin + ticks <= piece.end:
         for j in range(POINTS):
-            f[j] = piece.coefficient[0]
+            f[j] = piece.coefficients[0]
         return
     for j in range(POINTS):
         u = 0.5 * (X[j] + 1) * ticks  # since `begin`
         while (
-            piece.after != NONE
-            and begin + u > piece.stop
-            and piece.stop < begin + ticks
+            piece.next != NONE and begin + u > piece.end and piece.end < begin + ticks
         ):
-            piece = log[piece.after]
-        y = 2 * ((begin - piece.start) + u) / (piece.stop - piece.start) - 1
+            piece = log[piece.next]
+        y = 2 * ((begin - piece.start) + u) / (piece.end - piece.start) - 1
         f[j] = at(piece, y)
 
 
@@ -100,11 +101,11 @@ def moments(
     while i != NONE and log[i].start < begin + ticks:
         piece = log[i]
         low = max(begin, piece.start)
-        high = min(begin + ticks, piece.stop)
+        high = min(begin + ticks, piece.end)
         if high > low:
             for j in range(N):
                 u = 0.5 * (X[j + 1] + 1) * (high - low)
-                y = 2 * ((low - piece.start) + u) / (piece.stop - piece.start) - 1
+                y = 2 * ((low - piece.start) + u) / (piece.end - piece.start) - 1
                 v = at(piece, y) - speed
                 y = 2 * ((low - begin) + u) / ticks - 1
                 w = (high - low) / ticks * WEIGHTS[j] * v
@@ -112,7 +113,7 @@ def moments(
                 tilt += w * y
                 bend += w * (1.5 * y * y - 0.5)
                 square += w * v
-        i = piece.after
+        i = piece.next
     return whole, tilt, bend, square
 
 
@@ -122,11 +123,11 @@ def project(
     """Set f to the parabola nearest to the arriving wave: same momentum, never more energy."""
     line = lines[l]
     begin = tick - line.delay
-    whole, tilt, bend, _ = moments(log, line.head, begin, ticks, 0.0)
+    whole, tilt, bend, _ = moments(log, line.read_piece, begin, ticks, 0.0)
     series.set_parabola(f, whole, tilt, bend)
 
 
-def put(
+def append_piece(
     run: Run,
     lines: Lines,
     log: Log,
@@ -141,32 +142,32 @@ def put(
     A constant wave stays one piece as long as it is constant: a front is a piece of degree 0. If
     the new piece only goes on with it, NONE is returned.
     """
-    i = int(run.pieces)
+    i = int(run.piece_count)
     line = lines[l]
-    old = line.tail
+    old = line.last_piece
     if old == NONE:
-        line.first = i
-        line.head = i
-    elif degree == 0 and log[old].degree == 0 and log[old].coefficient[0] == c[0]:
-        log[old].stop = stop
+        line.first_piece = i
+        line.read_piece = i
+    elif degree == 0 and log[old].degree == 0 and log[old].coefficients[0] == c[0]:
+        log[old].end = stop
         return NONE
     else:
-        log[old].after = i
+        log[old].next = i
     piece = log[i]
     piece.start = tick
-    piece.stop = stop
-    piece.order = SMOOTH
-    piece.after = NONE
+    piece.end = stop
+    piece.break_order = SMOOTH
+    piece.next = NONE
     piece.line = l
     piece.degree = degree
     for m in range(POINTS):
-        piece.coefficient[m] = c[m]
-    line.tail = i
-    run.pieces = i + 1
+        piece.coefficients[m] = c[m]
+    line.last_piece = i
+    run.piece_count = i + 1
     return i
 
 
-def append(
+def append_values(
     run: Run,
     lines: Lines,
     log: Log,
@@ -176,7 +177,7 @@ def append(
     f: Values,
     c: MutableValues,
 ) -> int:
-    """Append the piece with the values f at its points, as `put` does, with c as scratch."""
+    """Append the piece with the values f at its points; c is scratch, else as `append_piece`."""
     lines = borrowed(lines)
     log = borrowed(log)
     degree = 0
@@ -186,7 +187,7 @@ def append(
     if not series.is_constant(f):
         degree = N
         series.coefficients(f, c)
-    return put(run, lines, log, l, tick, tick + ticks, degree, c)
+    return append_piece(run, lines, log, l, tick, tick + ticks, degree, c)
 
 
 def send(
@@ -197,14 +198,21 @@ def send(
     A constant wave that starts to change makes a hard break, however smooth the start is. So no
     piece of any node reaches across the arrival of this wave, and nothing moves before it arrives.
     """
-    old = lines[l].tail
-    i = append(run, lines, log, l, node.now, ticks, node.leaving, node.series)
+    old = lines[l].last_piece
+    i = append_values(
+        run, lines, log, l, node.now, ticks, node.outgoing, node.scratch_series
+    )
     if i != NONE and order <= HARD:
-        log[i].order = order
+        log[i].break_order = order
         classify_break(run, lines, log, old, i)
-    if i != NONE and log[i].order > HARD and log[old].degree == 0 and log[i].degree > 0:
-        log[i].order = HARD
-        lines[l].hard += 1
+    if (
+        i != NONE
+        and log[i].break_order > HARD
+        and log[old].degree == 0
+        and log[i].degree > 0
+    ):
+        log[i].break_order = HARD
+        lines[l].unread_breaks += 1
 
 
 def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
@@ -215,26 +223,26 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
     """
     before = log[old]
     new = log[i]
-    s0 = 0.5 * run.shortest / (before.stop - before.start)
-    s1 = 0.5 * run.shortest / (new.stop - new.start)
+    s0 = 0.5 * run.shortest_transit / (before.end - before.start)
+    s1 = 0.5 * run.shortest_transit / (new.end - new.start)
     jump = 0.0
     slope = 0.0
     bend = 0.0
     sign = 1.0
     for m in range(POINTS):
         q = m * m
-        b = before.coefficient[m]
-        c = sign * new.coefficient[m]
+        b = before.coefficients[m]
+        c = sign * new.coefficients[m]
         jump += c - b
         slope -= q * (c * s1 + b * s0)
         bend += q * (q - 1) / 6 * (c * s1 * s1 - b * s0 * s0)
         sign = -sign
-    if abs(jump) <= EXACT * run.tolerance:
-        new.order = max(new.order, 1)
+    if abs(jump) <= CONTINUITY_RTOL * run.tolerance:
+        new.break_order = max(new.break_order, 1)
         if abs(slope) + abs(bend) <= 4 * run.tolerance:
-            new.order = SMOOTH
-    if new.order <= HARD:
-        lines[new.line].hard += 1
+            new.break_order = SMOOTH
+    if new.break_order <= HARD:
+        lines[new.line].unread_breaks += 1
 
 
 def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
@@ -242,19 +250,21 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
     side = 0
     if node.mobility[1] > 0:
         side = 1
-    source = node.source[side]
-    target = node.target[side]
-    move_on(lines, log, source, node.now)
-    piece = log[lines[source].head]
+    source = node.incoming_lines[side]
+    target = node.outgoing_lines[side]
+    advance_to(lines, log, source, node.now)
+    piece = log[lines[source].read_piece]
     delay = lines[source].delay
-    old = lines[target].tail
-    stop = piece.stop + delay
-    i = put(run, lines, log, target, node.now, stop, piece.degree, piece.coefficient)
+    old = lines[target].last_piece
+    stop = piece.end + delay
+    i = append_piece(
+        run, lines, log, target, node.now, stop, piece.degree, piece.coefficients
+    )
     if i != NONE and node.now == 0:
         # the first piece meets the wave that is under way at t = 0
-        log[i].order = 0
+        log[i].break_order = 0
         classify_break(run, lines, log, old, i)
     elif i != NONE and node.now == piece.start + delay:
-        log[i].order = piece.order
-        lines[target].hard += piece.order <= HARD
+        log[i].break_order = piece.break_order
+        lines[target].unread_breaks += piece.break_order <= HARD
     return int(stop)

@@ -14,18 +14,18 @@ from . import events, finality, lines, nodes, series
 from .records import HARD, NEVER, NONE, Lines, Log, Node, Nodes, Run, State
 from .series import N
 
-FLIPS = 1000
+MAX_STATUS_CHANGES = 1000
 """Changes of status at one instant; more are chattering, and the piece goes on without an event."""
-SHORTEST = 16
+MIN_PIECE_TICKS = 16
 """Ticks of a piece that is accepted whatever its truncation error."""
 ROWS_PER_LINK = 4
 """Rows of the log of pieces that a link may add in a step."""
 
 
-def follow(state: State) -> int:
-    """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks more.
+def run_nodes(state: State) -> int:
+    """Run to `end_tick`, or to the proof that nothing meets any more and `ticks_after_proof` more.
 
-    All state is in the records: a run that has no room left goes on once it has more.
+    All is in the state: a run whose log is full goes on with a longer one.
 
     Returns
     -------
@@ -41,31 +41,33 @@ def follow(state: State) -> int:
         borrowed(state.lines),
         borrowed(state.parts),
         borrowed(state.log),
-        borrowed(state.turns),
+        borrowed(state.contact_log),
         borrowed(state.matrix),
     )
     step_rows = 2 + ROWS_PER_LINK * len(state.links) + len(state.masses)
-    step_turns = len(state.links) + FLIPS
-    run.stop = Stop.NONE.value
-    while run.stop == Stop.NONE:
+    step_turns = len(state.links) + MAX_STATUS_CHANGES
+    run.stop_reason = Stop.NONE.value
+    while run.stop_reason == Stop.NONE:
         earliest = state.nodes[earliest_node(state.nodes)]
-        due = run.surveyed == NONE or earliest.now >= min(run.end, run.check)
-        if not due and run.steps >= run.limit:
-            run.stop = Stop.CAP.value
+        due = run.last_proof_tick == NONE or earliest.now >= min(
+            run.end_tick, run.next_proof_tick
+        )
+        if not due and run.steps >= run.max_steps:
+            run.stop_reason = Stop.CAP.value
         elif not due and (
-            run.pieces + step_rows > len(state.log)
-            or run.turns + step_turns > len(state.turns)
+            run.piece_count + step_rows > len(state.log)
+            or run.contact_event_count + step_turns > len(state.contact_log)
         ):
-            run.stop = Stop.FULL.value
-        if due or run.stop == Stop.CAP:
-            finality.look(state, min(earliest.now, run.end))
-        elif run.stop == Stop.NONE:
+            run.stop_reason = Stop.FULL.value
+        if due or run.stop_reason == Stop.CAP:
+            finality.check_finality(state, min(earliest.now, run.end_tick))
+        elif run.stop_reason == Stop.NONE:
             run.steps += 1
-            if earliest.mirror:
+            if earliest.is_free_end:
                 earliest.now = lines.reflect(run, state.lines, state.log, earliest)
             elif not advance(state, earliest):
-                run.stop = Stop.STUCK.value
-    return int(run.stop)
+                run.stop_reason = Stop.STUCK.value
+    return int(run.stop_reason)
 
 
 def earliest_node(nodes: Nodes) -> int:
@@ -86,9 +88,9 @@ def advance(state: State, node: Node) -> bool:
     log = state.log
     tick = node.now
     for side in range(2):
-        lines.move_on(all_lines, log, node.source[side], tick)
-    left = lines.order_at(all_lines, log, node.source[0], tick)
-    right = lines.order_at(all_lines, log, node.source[1], tick)
+        lines.advance_to(all_lines, log, node.incoming_lines[side], tick)
+    left = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
+    right = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
     end = horizon(state, node, left <= HARD or right <= HARD)
     full, worst, where, which, status = solve(state, node, end - tick)
     if full == 0:
@@ -99,47 +101,49 @@ def advance(state: State, node: Node) -> bool:
         if status == Status.PLASTIC:
             rounding = 0.0  # the force stays below that at which the contact yields
         ticks = max(1, int(0.5 * (where + 1) * full + rounding))
-        if full - ticks <= run.window and links[which].status == Status.OPEN:
+        if full - ticks <= run.event_window and links[which].status == Status.OPEN:
             ticks = full  # it closes together with the waves that arrive at the end
-        if ticks < full and node.rough:
+        if ticks < full and node.is_averaging:
             # means over the shorter time, or momentum would be lost
             take_inputs(all_lines, log, node, ticks)
-            nodes.collocate(run, links, masses, node, ticks * run.tick, state.matrix)
+            nodes.collocate(
+                run, links, masses, node, ticks * run.tick_duration, state.matrix
+            )
         elif ticks < full:
             nodes.restrict_piece(links, masses, node, 2 * ticks / full - 1)
     # a piece is limited if something else than its truncation error sets its duration
-    limited = node.rough == 1 or (full == end - tick and full < node.length)
-    if node.rough == 0 and full > SHORTEST:
-        run.roughest = max(run.roughest, worst)
-    if node.rough == 0 and limited:
+    limited = node.is_averaging == 1 or (full == end - tick and full < node.next_ticks)
+    if node.is_averaging == 0 and full > MIN_PIECE_TICKS:
+        run.max_truncation_error = max(run.max_truncation_error, worst)
+    if node.is_averaging == 0 and limited:
         # a run at another tolerance takes the same step, and does not show its error;
         # values decide when an event is, integrals all else
         error = nodes.remainder(links, node, which == NONE)
-        run.shared = max(run.shared, ticks / run.shortest * error)
+        run.shared_error = max(run.shared_error, ticks / run.shortest_transit * error)
     nodes.forbid_pulling(links, node)
     send_leaving(state, node, ticks, left, right)
-    events.record(state, node, ticks)
-    if node.rough:
-        run.rough += 1
-        if run.first_rough == NONE:
-            run.first_rough = tick
+    events.record_piece(state, node, ticks)
+    if node.is_averaging:
+        run.averaged_steps += 1
+        if run.first_averaged_tick == NONE:
+            run.first_averaged_tick = tick
     if which != NONE:
         for side in range(2):
             node.incoming[side][0] = node.incoming[side][N]
-        events.happen(state, node, tick + ticks, which, status)
-        if status == Status.OPEN and run.check < NEVER:
+        events.apply_transition(state, node, tick + ticks, which, status)
+        if status == Status.OPEN and run.next_proof_tick < NEVER:
             # the next look for a proof is at a tick that no node has passed
-            run.check = tick + ticks
+            run.next_proof_tick = tick + ticks
             for i in range(len(state.nodes)):
-                run.check = max(run.check, state.nodes[i].now)
+                run.next_proof_tick = max(run.next_proof_tick, state.nodes[i].now)
     node.now = tick + ticks
     growth = 4.0
     if worst > 0:
         growth = min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
     wanted = int(full * max(0.25, growth)) + 1
     if limited:
-        wanted = max(node.length, wanted)
-    node.length = wanted
+        wanted = max(node.next_ticks, wanted)
+    node.next_ticks = wanted
     return True
 
 
@@ -153,39 +157,42 @@ def horizon(state: State, node: Node, broken: bool) -> int:
     all_lines = state.lines
     log = state.log
     tick = node.now
-    left = node.source[0]
-    right = node.source[1]
+    left = node.incoming_lines[0]
+    right = node.incoming_lines[1]
     known = min(
-        run.end,
+        run.end_tick,
         lines.known_until(all_lines, log, left),
         lines.known_until(all_lines, log, right),
     )
-    if run.check > tick:
-        known = min(known, run.check)
-    end = min(known, tick + node.length)
+    if run.next_proof_tick > tick:
+        known = min(known, run.next_proof_tick)
+    end = min(known, tick + node.next_ticks)
     end = lines.next_break(all_lines, log, left, tick, end)
     end = lines.next_break(all_lines, log, right, tick, end)
-    floor_end = min(known, tick + run.floor)
+    floor_end = min(known, tick + run.min_break_spacing)
     if end < floor_end:
         dense = is_dense(run, all_lines, log, left, tick)
         if is_dense(run, all_lines, log, right, tick) or dense:
-            node.rough = 1
+            node.is_averaging = 1
             return int(floor_end)
-    node.rough = 0
+    node.is_averaging = 0
     if broken:
         # after a break a piece is at most twice as long as the incoming piece
         for side in range(2):
-            source = node.source[side]
+            source = node.incoming_lines[side]
             if lines.order_at(all_lines, log, source, tick) <= HARD:
-                piece = log[all_lines[source].head]
-                end = min(end, tick + 2 * (piece.stop - piece.start))
+                piece = log[all_lines[source].read_piece]
+                end = min(end, tick + 2 * (piece.end - piece.start))
     return end
 
 
 def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
     """Return whether more hard breaks are under way in a line than the floor allows."""
     unread = lines.known_until(all_lines, log, l) - tick
-    return bool(all_lines[l].hard * run.floor > 2 * max(unread, run.shortest))
+    return bool(
+        all_lines[l].unread_breaks * run.min_break_spacing
+        > 2 * max(unread, run.shortest_transit)
+    )
 
 
 def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int, int]:
@@ -211,24 +218,31 @@ def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int,
     tried = ticks
     error_before = 0.0
     while True:
-        h = ticks * run.tick
+        h = ticks * run.tick_duration
         take_inputs(state.lines, state.log, node, ticks)
         worst = -1.0
         if nodes.collocate(run, links, masses, node, h, state.matrix):
-            worst = nodes.roughness(links, masses, node)
-        if worst >= 0 and (worst <= run.tolerance or node.rough or ticks <= SHORTEST):
+            worst = nodes.truncation_error(links, masses, node)
+        if worst >= 0 and (
+            worst <= run.tolerance or node.is_averaging or ticks <= MIN_PIECE_TICKS
+        ):
             where, which, status = nodes.next_event(run, links, node, h)
             start = 0.5
             if which != NONE and links[which].status == Status.OPEN:
-                start = run.window  # it closes with what arrives at the start
+                start = run.event_window  # it closes with what arrives at the start
             if which == NONE or 0.5 * (where + 1) * ticks >= start:
                 return ticks, worst, where, which, status
             flips += 1
-            if flips > FLIPS:
+            if flips > MAX_STATUS_CHANGES:
                 return ticks, worst, 1.0, NONE, 0
-            if flips % (8 + node.links * node.links) == 0 and ticks > SHORTEST:
-                ticks = max(SHORTEST, ticks // 10)  # no status lasts as long: a graze
-            events.happen(state, node, node.now, which, status)
+            if (
+                flips % (8 + node.link_count * node.link_count) == 0
+                and ticks > MIN_PIECE_TICKS
+            ):
+                ticks = max(
+                    MIN_PIECE_TICKS, ticks // 10
+                )  # no status lasts as long: a graze
+            events.apply_transition(state, node, node.now, which, status)
         elif ticks <= 1:
             return 0, worst, 1.0, NONE, 0
         else:
@@ -244,8 +258,8 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
     log = borrowed(log)
     now = node.now
     for side in range(2):
-        source = node.source[side]
-        if node.rough:
+        source = node.incoming_lines[side]
+        if node.is_averaging:
             lines.project(all_lines, log, source, now, ticks, node.incoming[side])
         else:
             lines.sample(all_lines, log, source, now, ticks, node.incoming[side])
@@ -281,19 +295,21 @@ def send_leaving(state: State, node: Node, ticks: int, left: int, right: int) ->
     links = state.links
     over = left
     back = right
-    for q in range(node.links):
-        over = contact_laws.break_order(links[node.first + q], over) + 1
-        opposite = links[node.first + node.links - 1 - q]
+    for q in range(node.link_count):
+        over = contact_laws.break_order(links[node.first_link + q], over) + 1
+        opposite = links[node.first_link + node.link_count - 1 - q]
         back = contact_laws.break_order(opposite, back) + 1
     for side in range(2):
-        if node.target[side] == NONE:
+        if node.outgoing_lines[side] == NONE:
             continue
         nodes.set_leaving(links, node, side)
         if side == 0:
             order = min(left, back - 1)
         else:
             order = min(right, over - 1)
-        if node.rough:
-            series.flatten(node.leaving)
+        if node.is_averaging:
+            series.flatten(node.outgoing)
             order = 0
-        lines.send(run, state.lines, state.log, node.target[side], node, ticks, order)
+        lines.send(
+            run, state.lines, state.log, node.outgoing_lines[side], node, ticks, order
+        )

@@ -40,10 +40,10 @@ from .accuracy import (
     left_open,
     stated,
 )
+from .clock_setup import is_even, own_laws
 from .driver import Members
 from .layout import RunRequest
 from .records import Part
-from .rows import is_even, own_laws
 from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
@@ -69,7 +69,7 @@ def solve(
         check_scales(row)
     fine = Members(row, RunRequest(until, tolerance_of(rtol), max_events, keep=True))
     fine.go(report=report)
-    if fine.runs["stop"][0, 0] == Stop.STUCK:
+    if fine.runs["stop_reason"][0, 0] == Stop.STUCK:
         nodes = record_lists.as_objects(fine.nodes[0])
         stuck = min(nodes, key=lambda node: node.now)
         seconds = float(fine.clock.tick * stuck.now)
@@ -129,7 +129,7 @@ def solve_family(
     members = np.flatnonzero(~refused)
     fine = Members(row, RunRequest(until, tolerance, max_events, keep=False))
     fine.run_all(members, should_stop)
-    is_stuck = fine.runs["stop"][:, 0] == Stop.STUCK
+    is_stuck = fine.runs["stop_reason"][:, 0] == Stop.STUCK
     columns = _columns_of(fine, refused.ravel() | is_stuck)
     if "accuracy" in also:
         errors = stated_errors(fine, members, COARSER * tolerance, should_stop)
@@ -187,23 +187,23 @@ def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     ended = one.ended(0)
     run = ended.run
     transits = [int(transit) for transit in one.clock.transits]
-    clock = clock_of(row, transits, run.tick, scale=float(one.clock.scale))
+    clock = clock_of(row, transits, run.tick_duration, scale=float(one.clock.scale))
     tick = clock.tick
-    end = min(int(state.nodes["now"].min()), run.end)
+    end = min(int(state.nodes["now"].min()), run.end_tick)
     stopped_by = totals.why_stopped(run, until is not None)
     t_end = end * tick
     if until is not None and stopped_by == "until":
         t_end = until
     t_final = totals.last_of(run, ended.link, t_end, 2 * clock.longest * tick)
     t_proved = math.nan
-    if run.proved >= 0:
-        t_proved = run.proved * tick
+    if run.proved_tick >= 0:
+        t_proved = run.proved_tick * tick
     status = totals.status_of(run, ended.link, row.system, stopped_by, t_end, t_final)
     status += totals.stated(runs.largest_error(accuracy), goal)
     status += totals.simplifications_text(run)
     status += _struck_together(row)
     status += rounding(clock.transit_error, clock.worst)
-    status += strain_warning(_largest_strain(row, state.log[: run.pieces]))
+    status += strain_warning(_largest_strain(row, state.log[: run.piece_count]))
     signals = cache(partial(signals_of, row, clock, end, state))
     before, after = _body_velocities(one)
     vibration = _floats(vibration_of(one))
@@ -234,7 +234,7 @@ def _largest_strain(row: Row, log: Any) -> float:
     wave_speeds = np.zeros(len(row.segments))
     for s, segment in enumerate(row.segments):
         wave_speeds[s] = float(segment.wave_speed)
-    velocities = np.abs(waves["coefficient"]).sum(axis=1)
+    velocities = np.abs(waves["coefficients"]).sum(axis=1)
     strains = velocities / wave_speeds[waves["line"] // 2]
     return float(strains.max(initial=0.0))
 
@@ -308,13 +308,15 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     parts = family.parts
     shape = row.system.shape
     run = family.runs[:, 0].reshape(shape)
-    frame_after = row.frame + row.system.gravity * run["surveyed"] * run["tick"]
+    frame_after = (
+        row.frame + row.system.gravity * run["last_proof_tick"] * run["tick_duration"]
+    )
     before = []
     after = []
-    for head in np.flatnonzero(parts["parts"][0] > 0):
+    for head in np.flatnonzero(parts["part_count"][0] > 0):
         group = parts[:, head].reshape(shape)
-        before.append(group["initial"] + row.frame)
-        after.append(group["mean"] + frame_after)
+        before.append(group["initial_velocity"] + row.frame)
+        after.append(group["group_velocity"] + frame_after)
     return before, after
 
 
@@ -326,7 +328,7 @@ def vibration_of(family: Members) -> list[Any]:
     indices = parts["index"][0].tolist()
     part_energies = {}
     for p, key in enumerate(zip(kinds, indices, strict=True)):
-        part_energies[key] = parts["energy"][:, p]
+        part_energies[key] = parts["vibration_energy"][:, p]
     energies = list[Any]()
     for body, span, m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
         first, last = span
@@ -346,8 +348,8 @@ def _columns_of(family: Members, refused: Any) -> Columns:
     run = family.runs[:, 0]
     zero_or_nan = np.where(refused, math.nan, 0.0)
     before, after = _body_velocities(family)
-    final = (run["proved"] >= 0) & ~refused
-    is_capped = run["stop"] == Stop.CAP
+    final = (run["proved_tick"] >= 0) & ~refused
+    is_capped = run["stop_reason"] == Stop.CAP
     return family_columns(
         row.system,
         before=[zero_or_nan + velocity for velocity in before],
@@ -361,7 +363,7 @@ def _columns_of(family: Members, refused: Any) -> Columns:
 
 def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
     """Totals of every contact in SI units, [contact] by member."""
-    tick = family.runs[:, 0]["tick"]
+    tick = family.runs[:, 0]["tick_duration"]
     contacts: dict[str, list[Any]] = {
         "impulse": [],
         "peak_force": [],
@@ -370,9 +372,9 @@ def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
     }
     for i in family.row.contact_link:
         link = family.links[:, i]
-        peak = np.where(link["law"] == Law.IMPACT, math.nan, link["peak"])
+        peak = np.where(link["law"] == Law.IMPACT, math.nan, link["peak_force"])
         contacts["impulse"].append(zero_or_nan + link["impulse"])
         contacts["peak_force"].append(zero_or_nan + peak)
-        contacts["duration"].append(zero_or_nan + link["pressed"] * tick)
+        contacts["duration"].append(zero_or_nan + link["force_ticks"] * tick)
         contacts["episodes"].append(link["episodes"].copy())
     return contacts

@@ -64,20 +64,20 @@ def elastic_share(link: Link) -> float:
 def set_forces(links: Links, node: Node) -> int:
     """Set the given forces, number the unknown ones and set them to 0; return their number."""
     n = 0
-    for q in range(node.links):
-        link = links[node.first + q]
-        link.unknown = NONE
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
+        link.unknown_index = NONE
         acts = (
             link.status >= Status.PRESS or link.law == Law.BOND or link.law == Law.JOINT
         )
-        if acts and (node.links > 1 or overlap_changes(link)):
-            link.unknown = n
+        if acts and (node.link_count > 1 or overlap_changes(link)):
+            link.unknown_index = n
             n += 1
         for j in range(POINTS):
             link.force[j] = 0.0
             if link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT:
                 link.force[j] = node.incoming[link.law - Law.PUSH_LEFT][j]
-            elif link.unknown == NONE and (
+            elif link.unknown_index == NONE and (
                 link.law == Law.BOND or link.status == Status.PRESS
             ):
                 # two rods, nothing else
@@ -98,15 +98,15 @@ def integrate(rate: Values, h: float, f: MutableValues) -> None:
 
 def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
     """Set velocities, closing rates and overlaps, which follow from the forces."""
-    for i in range(node.links - 1):
-        before = links[node.first + i]
-        behind = links[node.first + i + 1]
-        body = masses[node.mass + i]
+    for i in range(node.link_count - 1):
+        before = links[node.first_link + i]
+        behind = links[node.first_link + i + 1]
+        body = masses[node.first_mass + i]
         for j in range(POINTS):
-            node.rate[j] = (before.force[j] - behind.force[j]) / body.mass
-        integrate(node.rate, h, body.speed)
-    for q in range(node.links):
-        link = links[node.first + q]
+            node.scratch_values[j] = (before.force[j] - behind.force[j]) / body.mass
+        integrate(node.scratch_values, h, body.velocity)
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
         share = 0.0
         if overlap_changes(link):
             share = elastic_share(link)
@@ -114,16 +114,16 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
             if q == 0:
                 v = node.incoming[0][j]
             else:
-                v = masses[node.mass + q - 1].speed[j]
-            if q == node.links - 1:
+                v = masses[node.first_mass + q - 1].velocity[j]
+            if q == node.link_count - 1:
                 w = node.incoming[1][j]
             else:
-                w = masses[node.mass + q].speed[j]
+                w = masses[node.first_mass + q].velocity[j]
             link.closing[j] = v - w
             link.overlaps[j] = link.overlap
-            node.rate[j] = share * (v - w - link.mobility * link.force[j])
+            node.scratch_values[j] = share * (v - w - link.mobility * link.force[j])
         if share != 0:
-            integrate(node.rate, h, link.overlaps)
+            integrate(node.scratch_values, h, link.overlaps)
 
 
 def linearise(link: Link, h: float, first: bool) -> float:
@@ -141,7 +141,9 @@ def linearise(link: Link, h: float, first: bool) -> float:
         closing = link.closing[j]
         if first:
             u = 0.5 * h * (X[j] + 1)
-            d = link.overlap + u * (link.rate + 0.5 * u * link.bend)
+            d = link.overlap + u * (
+                link.overlap_rate + 0.5 * u * link.overlap_acceleration
+            )
         F, by_overlap, by_closing = contact_laws.force(link, d, closing)
         link.by_overlap[j] = by_overlap
         link.by_closing[j] = by_closing
@@ -157,12 +159,12 @@ def set_equations(
     links: Links, masses: Masses, node: Node, h: float, G: Matrix, n: int
 ) -> None:
     """Set the equations of a Newton step: its changes of forces fulfil the tangent laws."""
-    for q in range(node.links):
-        link = links[node.first + q]
-        if link.unknown == NONE:
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
+        if link.unknown_index == NONE:
             continue
-        for p in range(node.links):
-            column = links[node.first + p].unknown
+        for p in range(node.link_count):
+            column = links[node.first_link + p].unknown_index
             if column != NONE:
                 change = closing_by_impulse(masses, node, q, p)
                 set_block(link, change, p == q, h, G, N * column)
@@ -170,7 +172,7 @@ def set_equations(
             own = link.force[j + 1]
             if link.status == Status.REST:
                 own = 0.0
-            G[N * link.unknown + j][N * n] = (
+            G[N * link.unknown_index + j][N * n] = (
                 link.base[j + 1]
                 + link.by_overlap[j + 1] * link.overlaps[j + 1]
                 + link.by_closing[j + 1] * link.closing[j + 1]
@@ -183,9 +185,9 @@ def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
     left = 0.0
     right = 0.0
     if q > 0:
-        left = 1 / masses[node.mass + q - 1].mass
-    if q < node.links - 1:
-        right = 1 / masses[node.mass + q].mass
+        left = 1 / masses[node.first_mass + q - 1].mass
+    if q < node.link_count - 1:
+        right = 1 / masses[node.first_mass + q].mass
     if p == q:
         return -left - right
     if p == q - 1:
@@ -215,7 +217,7 @@ def set_block(
     if by_impulse == 0:
         coupled = 0
     for j in range(N):
-        row = G[N * link.unknown + j]
+        row = G[N * link.unknown_index + j]
         stages = STAGES[j]
         twice = TWICE[j]
         a = link.by_closing[j + 1] * by_closing - link.by_overlap[j + 1] * by_force
@@ -236,19 +238,19 @@ def take_step(
     difference of large numbers. It is then computed from the force, as integrating the closing
     rate would lose digits.
     """
-    for q in range(node.links):
-        link = links[node.first + q]
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
         stages = N
-        if link.unknown == NONE:
+        if link.unknown_index == NONE:
             stages = 0
         for j in range(stages):
-            link.force[j + 1] += G[N * link.unknown + j][N * n]
+            link.force[j + 1] += G[N * link.unknown_index + j][N * n]
     update_motion(links, masses, node, h)
-    for q in range(node.links):
-        link = links[node.first + q]
-        if link.unknown != NONE and overlap_changes(link):
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
+        if link.unknown_index != NONE and overlap_changes(link):
             for j in range(1, POINTS):
-                if link.by_overlap[j] * run.scale * h > abs(link.force[j]):
+                if link.by_overlap[j] * run.velocity_scale * h > abs(link.force[j]):
                     damped = link.by_closing[j] * link.closing[j]
                     elastic = link.force[j] - link.base[j] - damped
                     link.overlaps[j] = elastic / link.by_overlap[j]
@@ -272,9 +274,9 @@ def collocate(
         if steps == MAX_NEWTON_STEPS or not residual < 1e300:
             return False
         residual = 0.0
-        for q in range(node.links):
-            link = links[node.first + q]
-            if link.unknown != NONE:
+        for q in range(node.link_count):
+            link = links[node.first_link + q]
+            if link.unknown_index != NONE:
                 missed = linearise(link, h, steps == 0)
                 if contact_laws.is_nonlinear(link):
                     if steps == 0:
@@ -284,13 +286,13 @@ def collocate(
         series.eliminate(G, N * n, 2 * N)
         take_step(run, links, masses, node, h, G, n)
         steps += 1
-    for q in range(node.links):
-        link = links[node.first + q]
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
         if link.status == Status.REST:
             # its force is known at the stages alone, and extrapolated to the start
             for j in range(N):
                 link.force[0] += START[j] * link.force[j + 1]
-        elif link.unknown != NONE:
+        elif link.unknown_index != NONE:
             force, by_overlap, by_closing = contact_laws.force(
                 link, link.overlap, link.closing[0]
             )
@@ -307,13 +309,13 @@ def forbid_pulling(links: Links, node: Node) -> None:
     least as large as the swing, and J the integral of F over the piece of duration h,
     F := (F + m) J/(J + m h) is never negative and has the integral J.
     """
-    for q in range(node.links):
-        link = links[node.first + q]
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
         largest = series.largest(link.force)
         smallest = series.smallest(link.force)
         if link.status >= Status.PRESS and smallest < POSITIVE_RTOL * largest:
-            series.coefficients(link.force, node.series)
-            deepest = -series.minimum(node.series)
+            series.coefficients(link.force, node.scratch_series)
+            deepest = -series.minimum(node.scratch_series)
             swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
             impulse = series.integral(link.force)
             if swing > 0:
@@ -330,14 +332,14 @@ def set_leaving(links: Links, node: Node, side: int) -> None:
     To the left goes a - 2 F/Z with the force of the first link, to the right b + 2 F/Z with that
     of the last.
     """
-    link = links[node.first + side * (node.links - 1)]
+    link = links[node.first_link + side * (node.link_count - 1)]
     velocity_by_force = (4 * side - 2) * node.mobility[side]
     incoming = node.incoming[side]
     for j in range(POINTS):
-        node.leaving[j] = incoming[j] + velocity_by_force * link.force[j]
+        node.outgoing[j] = incoming[j] + velocity_by_force * link.force[j]
 
 
-def roughness(links: Links, masses: Masses, node: Node) -> float:
+def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     """Return the truncation error of a piece, m/s: the largest tail of its series.
 
     The series are those of incoming and leaving waves, of velocities of masses, and of forces.
@@ -345,23 +347,30 @@ def roughness(links: Links, masses: Masses, node: Node) -> float:
     """
     worst = 0.0
     for side in range(2):
-        link = links[node.first + side * (node.links - 1)]
+        link = links[node.first_link + side * (node.link_count - 1)]
         velocity = 1.0
         if link.law == Law.PUSH_LEFT + side:
-            velocity = 2 * link.ease  # the input is a force, not a wave
-        worst = max(worst, series.tail(node.incoming[side]) * velocity)
+            velocity = 2 * link.effective_mobility  # the input is a force, not a wave
+        worst = max(worst, series.truncation_estimate(node.incoming[side]) * velocity)
         if node.mobility[side] > 0:
             set_leaving(links, node, side)
-            worst = max(worst, series.tail(node.leaving))
-    for i in range(node.links - 1):
-        worst = max(worst, series.tail(masses[node.mass + i].speed))
-    count = node.links
+            worst = max(worst, series.truncation_estimate(node.outgoing))
+    for i in range(node.link_count - 1):
+        worst = max(
+            worst, series.truncation_estimate(masses[node.first_mass + i].velocity)
+        )
+    count = node.link_count
     if count == 1:
         count = 0  # the force between two rods is seen in the leaving waves
     for q in range(count):
-        link = links[node.first + q]
+        link = links[node.first_link + q]
         if overlap_changes(link):
-            worst = max(worst, PIECE_PER_TRANSIT * link.ease * series.tail(link.force))
+            worst = max(
+                worst,
+                PIECE_PER_TRANSIT
+                * link.effective_mobility
+                * series.truncation_estimate(link.force),
+            )
     return worst
 
 
@@ -372,50 +381,50 @@ def remainder(links: Links, node: Node, integrated: bool) -> float:
         largest = max(largest, series.remainder(node.incoming[side], integrated))
         if node.mobility[side] > 0:
             set_leaving(links, node, side)
-            largest = max(largest, series.remainder(node.leaving, integrated))
+            largest = max(largest, series.remainder(node.outgoing, integrated))
     return largest
 
 
-def crossing(node: Node, j: int) -> float:
+def find_crossing(node: Node, j: int) -> float:
     """Return the place at which an event function falls below 0, or -1 if it does so at once.
 
-    `node.rate` has its values at the points; the first negative one is that at point j.
+    `node.scratch_values` has its values at the points; the first negative one is that at point j.
     """
-    series.coefficients(node.rate, node.series)
+    series.coefficients(node.scratch_values, node.scratch_series)
     low = X[j - 1]
     zero = -1.0
-    if node.rate[j - 1] <= 0:
+    if node.scratch_values[j - 1] <= 0:
         low += FIRST_RISE * (X[j] - X[j - 1])
-    if series.value(node.series, low) > 0:
-        zero = series.first_zero(node.series, low, X[j])
+    if series.value(node.scratch_series, low) > 0:
+        zero = series.first_zero(node.scratch_series, low, X[j])
     elif j > 1:
         zero = X[j - 1]
     return zero
 
 
-def dip(node: Node, depth: float) -> float:
+def find_dip(node: Node, depth: float) -> float:
     """Return the place at which an event function falls below 0 between two points.
 
     It is 2 if the function does not, or by less than `depth`. A contact may close or let go for a
     shorter time than points are apart.
     """
     zero = 2.0
-    least = series.smallest(node.rate)
-    if least < POSITIVE_RTOL * series.largest(node.rate):
+    least = series.smallest(node.scratch_values)
+    if least < POSITIVE_RTOL * series.largest(node.scratch_values):
         j = 0
-        while node.rate[j] > least:
+        while node.scratch_values[j] > least:
             j += 1
         low = X[max(j - 1, 0)]
-        series.coefficients(node.rate, node.series)
+        series.coefficients(node.scratch_values, node.scratch_series)
         monotonic = False  # from the end of the piece at which it is lowest
         if j == 0:
-            monotonic = series.slope_at_end(node.series, -1.0) >= 0
+            monotonic = series.slope_at_end(node.scratch_series, -1.0) >= 0
         elif j == N:
-            monotonic = series.slope_at_end(node.series, 1.0) <= 0
+            monotonic = series.slope_at_end(node.scratch_series, 1.0) <= 0
         if not monotonic:
-            bottom = series.lowest(node.series, low, X[min(j + 1, N)])
-            if bottom > low and series.value(node.series, bottom) < -depth:
-                zero = series.first_zero(node.series, low, bottom)
+            bottom = series.lowest(node.scratch_series, low, X[min(j + 1, N)])
+            if bottom > low and series.value(node.scratch_series, bottom) < -depth:
+                zero = series.first_zero(node.scratch_series, low, bottom)
     return zero
 
 
@@ -429,9 +438,9 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> tuple[float, int
     where = 1.0
     which = NONE
     status = 0
-    length = 0.01 * run.scale * h
-    for q in range(node.links):
-        link = links[node.first + q]
+    length = 0.01 * run.velocity_scale * h
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
         for i in range(contact_laws.guards(link)):
             next_status = 0
             for j in range(POINTS):
@@ -441,31 +450,41 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> tuple[float, int
                     link.overlaps[j],
                     link.closing[j],
                     link.force[j],
-                    run.scale,
+                    run.velocity_scale,
                     length,
                 )
-                node.rate[j] = value
+                node.scratch_values[j] = value
             overlap = contact_laws.follows_overlap(link, i)
             ignored = ROUND_OFF
-            if overlap and node.rate[N] > 0:
+            if overlap and node.scratch_values[N] > 0:
                 # a force that starts softly is a polynomial that swings a little below 0
-                ignored = max(ignored, run.graze * run.shortest * run.tick / length)
+                ignored = max(
+                    ignored,
+                    run.graze_velocity
+                    * run.shortest_transit
+                    * run.tick_duration
+                    / length,
+                )
             j = 1
-            while j < POINTS and node.rate[j] >= -ignored:
+            while j < POINTS and node.scratch_values[j] >= -ignored:
                 j += 1
-            depth = max(ignored, run.tolerance / run.scale)
+            depth = max(ignored, run.tolerance / run.velocity_scale)
             zero = 2.0
-            if node.rate[0] < -depth and not overlap and link.status != Status.REST:
+            if (
+                node.scratch_values[0] < -depth
+                and not overlap
+                and link.status != Status.REST
+            ):
                 zero = -1.0  # perhaps for a shorter time than to the first point
             elif j == POINTS:
-                zero = dip(node, depth)
+                zero = find_dip(node, depth)
             else:
-                zero = crossing(node, j)
+                zero = find_crossing(node, j)
             if zero > 1:
                 continue
             if which == NONE or zero < where:
                 where = zero
-                which = node.first + q
+                which = node.first_link + q
                 status = next_status
     return where, which, status
 
@@ -473,11 +492,13 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> tuple[float, int
 def restrict_piece(links: Links, masses: Masses, node: Node, y: float) -> None:
     """Restrict all series of a piece to the part up to y."""
     for side in range(2):
-        series.restrict(node.incoming[side], y, node.series)
-    for q in range(node.links):
-        link = links[node.first + q]
-        series.restrict(link.force, y, node.series)
-        series.restrict(link.overlaps, y, node.series)
-        series.restrict(link.closing, y, node.series)
+        series.restrict(node.incoming[side], y, node.scratch_series)
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
+        series.restrict(link.force, y, node.scratch_series)
+        series.restrict(link.overlaps, y, node.scratch_series)
+        series.restrict(link.closing, y, node.scratch_series)
         if q > 0:
-            series.restrict(masses[node.mass + q - 1].speed, y, node.series)
+            series.restrict(
+                masses[node.first_mass + q - 1].velocity, y, node.scratch_series
+            )

@@ -34,7 +34,7 @@ def place_of(wave: Any, tick: float) -> int:
 
 def share_of(piece: Any, tick: float) -> float:
     """Place of a tick in a piece, from -1 to 1."""
-    return min(1.0, 2 * ((tick - piece.start) / (piece.stop - piece.start)) - 1)
+    return min(1.0, 2 * ((tick - piece.start) / (piece.end - piece.start)) - 1)
 
 
 def value_at(wave: Any, tick: float) -> float:

@@ -32,12 +32,14 @@ class Part(IntEnum):
     SEGMENT = 0
     MASS = 1
     JOINT = 2
-    WALL = 3  # from here on what holds the group
+    WALL = 3  # from here on what anchors the group
     ENDLESS = 4
 
 
 SMOOTH = 99  # order of a break where no derivative jumps
-HARD = 2  # order up to which a break ends a piece: that of the derivative that jumps
+HARD = (
+    2  # largest order of a break that ends a piece; the order is that of the derivative
+)
 NONE = -1  # no piece, no line, no link, no tick
 NEVER = 1 << 61  # tick that is never reached
 
@@ -46,110 +48,114 @@ class Piece:
     """A polynomial in time that a line carries: a row of the log."""
 
     start: Tick
-    stop: Tick
-    order: int  # lowest derivative that jumps at the start; SMOOTH if none does
+    end: Tick
+    break_order: int  # lowest derivative that jumps at the start; SMOOTH if none does
     degree: int  # 0 or N
-    line: int  # its line
-    after: int  # next piece of the same line in the log, NONE behind the last one
-    coefficient: Series  # Chebyshev series from the start to the stop, m/s or N or m
+    line: int  # line that carries it
+    next: int  # row of the next piece of the same line, NONE at the last one
+    coefficients: Series  # Chebyshev series from the start to the end, m/s or N or m
 
 
 class Line:
     """What leaves one end of a segment and arrives at the other, or what comes from outside."""
 
     delay: Tick  # transit time
-    first: int  # first piece in the log
-    head: int  # piece that arrives now
-    tail: int  # last piece so far
-    hard: int  # hard breaks that were sent and have not arrived
+    first_piece: int  # row in the log
+    read_piece: int  # row of the piece that arrives now
+    last_piece: int  # row of the last piece so far
+    unread_breaks: int  # hard breaks that were sent and have not arrived
 
 
 class Node:
     """The chain of links and masses between two rods, solved up to its own time `now`."""
 
-    now: Tick  # all before is solved
-    length: Tick  # wanted duration of the next piece
-    first: int  # its first link
-    links: int  # number of its links
-    mass: int  # its first mass
-    mirror: int  # 1: a free end, which reflects waves as they are
-    rough: int  # 1: hard breaks come too densely to be followed one by one
-    source: SideLines  # lines that arrive
-    target: SideLines  # lines that leave
+    now: Tick
+    next_ticks: Tick  # wanted duration of the next piece
+    first_link: int
+    link_count: int
+    first_mass: int  # there is one mass less than there are links
+    is_free_end: int  # 1: it reflects waves as they are
+    is_averaging: int  # 1: hard breaks come too densely to be followed one by one
+    incoming_lines: SideLines
+    outgoing_lines: SideLines
     mobility: Sides  # 1/Z of the rods, s/kg; 0 where there is none
 
     # Over the piece that is being solved, at its points
     incoming: SideSeries  # waves that arrive, m/s
-    leaving: Series  # a wave that leaves, m/s
-    rate: Series  # scratch: derivatives, or values of a guard
-    series: Series  # scratch: coefficients
+    outgoing: Series  # a wave that leaves, m/s
+    scratch_values: Series  # derivatives, or values of an event function
+    scratch_series: Series  # coefficients
 
 
 class Link(link.Link):
     """What acts between two neighbours of a chain: a bond, a joint, or a contact."""
 
     status: int  # `Status`
-    order: int  # order of the break that its own event makes
+    break_order: int  # order of the break that its last event makes
     function: int  # number of the law of the user
-    near: float  # step of the derivative of that law by the overlap, m
-    near_rate: float  # and by its rate, m/s
+    overlap_step: float  # step of the difference quotient of that law by the overlap, m
+    rate_step: float  # the same by the rate of the overlap, m/s
     resting_force: float  # scale of forces between bodies that rest, N
     mobility: float  # sum of 1/Z of the rod ends beside it, s/kg
-    knot: int  # number of the next force at which a yielding contact changes its hardening
+    next_knot: int  # number of the next force at which a yielding contact changes its hardening
 
     # State at the end of the last piece
-    overlap: float  # m
-    rate: float  # its derivative, m/s
-    bend: float  # its second derivative, m/s^2
-    ease: (
-        float  # velocity that a force of 1 N makes in about the shortest transit, s/kg
+    overlap: float  # d, m
+    overlap_rate: float  # d', m/s
+    overlap_acceleration: float  # d'', m/s^2
+    effective_mobility: (
+        float  # velocity by a force of 1 N in the shortest transit, s/kg
     )
-    rate_after: float  # closing velocity that an impact leaves, m/s
-    kept: int  # first of the lines that keep force, overlap and closing velocity
-    left_group: (
-        int  # first part of the group on the left; NONE for a link that cannot open
+    closing_after: float  # closing velocity that an impact leaves, m/s
+    history_line: (
+        int  # first of the lines that keep force, overlap and closing velocity
     )
-    right_group: int  # and on the right
-    touch: int  # `Status` that was logged last: OPEN, GRAZE or PRESS
-    unknown: int  # number of its force among the unknown ones, NONE if it is given
+    left_group: int  # first part of the group on the left; NONE if the link cannot open
+    right_group: int  # first part of the group on the right
+    logged_status: int  # `Status` that was logged last: OPEN, GRAZE or PRESS
+    unknown_index: (
+        int  # number of its force among the unknown ones, NONE if it is given
+    )
 
     # Totals
     impulse: float  # N s
-    peak: float  # largest force, N
-    peak_error: float  # its estimated error, N
-    first: Tick  # first contact, NONE before
-    last: Tick  # end of the last force
-    apart: Tick  # last opening
-    opened: int  # 1: the next force begins another episode
-    pressed: Tick  # total time with force
-    faint: Tick  # time since it closed, with a force that is none yet
+    peak_force: float  # N
+    peak_force_error: float  # estimate, N
+    first_force_tick: Tick  # NONE before the first force
+    last_force_tick: Tick  # end of the last force
+    last_opening_tick: Tick
+    starts_episode: int  # 1: the next force begins another episode
+    force_ticks: Tick  # total time with force
+    faint_ticks: Tick  # time since it closed, without a force that counts
     episodes: int
 
-    # Over the piece that is being solved, at its points
-    overlaps: Series  # m
-    closing: Series  # closing velocity without its own force, m/s
-    force: Series  # N
-    by_overlap: Series  # derivative of the force by the overlap, N/m
-    by_closing: Series  # and by `closing`, N s/m
-    base: Series  # force less both derivatives times their variables, N
+    # Over the piece that is being solved, at its points: F = base + by_overlap d + by_closing c
+    overlaps: Series  # d, m
+    closing: Series  # c, closing velocity without its own force, m/s
+    force: Series  # F, N
+    by_overlap: Series  # dF/dd, N/m
+    by_closing: Series  # dF/dc, N s/m
+    base: Series  # N
 
 
 class Mass:
     """A rigid mass between two links of a node."""
 
     mass: float  # kg
-    speed: Series  # velocity over the piece, m/s; its first value is the state
-    line: int  # line that keeps its velocity
+    velocity: Series  # over the piece, m/s; its first value is the state
+    history_line: int  # line that keeps its velocity
 
 
-class Turn:
+class ContactEvent:
     """A row of the log of contacts: one is touched, presses or opens, or bodies strike."""
 
     tick: Tick
     link: int
-    touch: int  # `Status`: OPEN, GRAZE or PRESS
+    status: int  # `Status`: OPEN, GRAZE or PRESS
     impulse: float  # impulse of an impact, N s; 0 for other contacts
-    closing: float  # mean of the closing velocities before and after it, m/s
+    mean_closing: (
+        float  # mean of the closing velocities before and after an impact, m/s
+    )
 
 
 class GroupPart:
@@ -157,58 +163,62 @@ class GroupPart:
 
     kind: int  # `Part`
     index: int  # number of the segment, mass or link
-    parts: int  # parts of the group, at its first one; 0 at the others
-    held: int  # line of the wall, or of the endless rod, that holds the group
+    part_count: int  # parts of the group, at its first one; 0 at the others
+    anchor_line: int  # line of the wall, or of the endless rod, that anchors the group
     mass: float  # kg
     compliance: float  # change of length by a force, m/N
-    own: float  # mean velocity, m/s
-    energy: float  # energy about the mean velocity of the group, J
-    wave: Sides  # integrals of both waves of a segment over y from -1 to 1, m/s
-    tilt: Sides  # the same, times y
+    mean_velocity: float  # m/s
+    vibration_energy: float  # energy about the velocity of the group, J
+    wave_integrals: Sides  # of both waves of a segment over y from -1 to 1, m/s
+    wave_moments: Sides  # of both waves times y, m/s
 
     # Motion of the group, at its first part
-    initial: float  # velocity of the centre of mass at t = 0, m/s
-    mean: float  # and now
-    speed: float  # velocity about which the group swings: `mean`, or that of what holds it, m/s
-    low: float  # bounds of the waves under way, m/s
-    high: float
-    plain: int  # 1: its ends move with no velocities but those of the waves
-    bound: float  # energy about `speed`, J
-    deviation: Sides  # displacement of the ends from that motion, m
-    slack: Sides  # squared displacement of the ends over twice the energy, at most, m/N
+    initial_velocity: float  # velocity of the centre of mass at t = 0, m/s
+    group_velocity: float  # velocity of the centre of mass now, m/s
+    reference_velocity: float  # `group_velocity`, or the velocity of the anchor, m/s
+    min_wave: float  # bounds of the waves under way, m/s
+    max_wave: float
+    ends_follow_waves: int  # 1: its ends move with no velocities but those of the waves
+    reference_energy: float  # energy about `reference_velocity`, J
+    end_deviations: Sides  # displacement of the ends from the reference motion, m
+    compliance_integrals: (
+        Sides  # squared displacement over twice the energy, at most, m/N
+    )
 
 
 class Run:
     """What a run is asked for, and what it has come to."""
 
-    tick: float  # s
-    scale: float  # scale of velocities, m/s
-    tolerance: float  # largest tail of a series, m/s
-    floor: Tick  # duration of pieces where hard breaks come too densely
-    window: Tick  # an event so close to an arrival is taken with it
-    shortest: Tick  # shortest transit time
-    end: Tick
-    limit: int  # largest number of steps
-    keep: int  # 1: forces, overlaps and velocities of masses are kept
-    proved: Tick  # instant of the proof of finality, NONE before
-    held: int  # 1: bodies are joined to others, a wall or an endless rod
-    surveyed: Tick  # last look for a proof, NONE before the first
-    check: Tick  # next look, NEVER where nothing is to be proved
-    proof_interval: Tick  # least time between two looks
-    extra: Tick  # time to go on after the proof
+    tick_duration: float  # s
+    velocity_scale: float  # m/s
+    tolerance: float  # largest truncation error of a piece, m/s
+    min_break_spacing: Tick  # duration of pieces where hard breaks come too densely
+    event_window: Tick  # an event so close to an arrival is taken with it
+    shortest_transit: Tick
+    end_tick: Tick
+    max_steps: int
+    keeps_history: int  # 1: forces, overlaps and velocities of masses are kept
+    proved_tick: Tick  # instant of the proof of finality, NONE before
+    has_bonds: int  # 1: bodies are joined to others, a wall or an endless rod
+    last_proof_tick: Tick  # NONE before the first attempt of a proof
+    next_proof_tick: Tick  # NEVER where nothing is to be proved
+    proof_interval: Tick  # least time between two attempts
+    ticks_after_proof: Tick  # time to go on after the proof
 
     # Progress
-    pieces: int  # rows of the log of pieces
-    turns: int  # rows of the log of contacts
+    piece_count: int  # rows of the log of pieces
+    contact_event_count: int  # rows of the log of contacts
     steps: int
-    rough: int  # steps in which breaks were too dense
-    first_rough: Tick  # start of the first of them, NONE before
-    roughest: float  # largest tail of a series that was accepted, m/s
-    shared: float  # largest error of a piece that is as long at any tolerance, m/s
-    rested: int  # impacts after which bodies rest on each other
-    stop: int  # `Stop`
-    graze: (
-        float  # velocity, m/s: a force that makes less in the shortest transit is none
+    averaged_steps: int  # steps in which breaks were too dense
+    first_averaged_tick: Tick  # start of the first of them, NONE before
+    max_truncation_error: float  # largest one that was accepted, m/s
+    shared_error: (
+        float  # largest error of a piece that is as long at any tolerance, m/s
+    )
+    resting_impacts: int  # impacts after which bodies rest on each other
+    stop_reason: int  # `Stop`
+    graze_velocity: (
+        float  # m/s: a force that makes less in the shortest transit is none
     )
 
 
@@ -218,7 +228,7 @@ Masses: TypeAlias = Sequence[Mass]
 Lines: TypeAlias = Sequence[Line]
 Parts: TypeAlias = Sequence[GroupPart]
 Log: TypeAlias = Sequence[Piece]
-Turns: TypeAlias = Sequence[Turn]
+ContactLog: TypeAlias = Sequence[ContactEvent]
 
 
 class State(NamedTuple):
@@ -228,11 +238,11 @@ class State(NamedTuple):
     nodes: Nodes  # from left to right
     links: Links  # node by node
     masses: Masses
-    lines: Lines  # two a segment, those from outside, then those that keep what happens
+    lines: Lines  # two a segment, those from outside, then those that keep the history
     parts: Parts  # group by group
     log: Log  # pieces of all lines
-    turns: Turns
-    matrix: Matrix  # scratch: equations of a Newton step
+    contact_log: ContactLog
+    matrix: Matrix  # scratch: equations of a Newton iteration
 
 
 PIECE = dtype_of(Piece)
@@ -240,6 +250,6 @@ LINE = dtype_of(Line)
 NODE = dtype_of(Node)
 LINK = dtype_of(Link)
 MASS = dtype_of(Mass)
-TURN = dtype_of(Turn)
-PART = dtype_of(GroupPart)
+CONTACT_EVENT = dtype_of(ContactEvent)
+GROUP_PART = dtype_of(GroupPart)
 RUN = dtype_of(Run)

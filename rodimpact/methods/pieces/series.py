@@ -94,7 +94,7 @@ def integral(f: Values) -> float:
     return s
 
 
-def tail(f: Values) -> float:
+def truncation_estimate(f: Values) -> float:
     """Return the size of the last two coefficients of the series with the values f at the points.
 
     It measures the truncation error.

@@ -31,8 +31,8 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     """
     run = state.runs[0]
     bodies = row.system.bodies
-    lines = _lines(state.log[: run["pieces"]], len(state.lines))
-    turns = state.turns[: run["turns"]]
+    lines = _lines(state.log[: run["piece_count"]], len(state.lines))
+    turns = state.contact_log[: run["contact_event_count"]]
     fall = clock.gravity * clock.tick * np.array([0.0, end])
     frame = Pieces.through([0, end], clock.frame + fall)
     masses = _masses(row, end, lines, frame, state, turns)
@@ -91,7 +91,7 @@ def _masses(
             speed = float(row.boundaries[m - count][1])
             masses[body] = Pieces.through([0, end], np.full(2, speed)) - frame
         elif m >= 0:
-            velocity = lines[state.masses["line"][m]]
+            velocity = lines[state.masses["history_line"][m]]
             if starts_with_blow or end == 0:
                 before = float(row.mass_velocity[m]) - float(row.frame)
                 velocity = _at_once(velocity, 0, before)
@@ -123,17 +123,17 @@ def _lines(log: Any, count: int) -> list[Pieces]:
         pieces = log[start:stop]
         line = NOTHING
         if len(pieces):
-            coefficients = pieces["coefficient"]
+            coefficients = pieces["coefficients"]
             if not pieces["degree"].any():
                 coefficients = coefficients[:, :1]
-            line = Pieces(pieces["start"], coefficients, pieces["stop"][-1])
+            line = Pieces(pieces["start"], coefficients, pieces["end"][-1])
         lines.append(line)
     return lines
 
 
 def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
     """Force, gap and closing velocity of a link, and the episodes that its turns bound."""
-    kept = link["kept"]
+    kept = link["history_line"]
     force = lines[kept]
     if link["law"] < Law.JOINT:
         return ContactSignal(force, NOTHING, NOTHING, ())
@@ -148,12 +148,12 @@ def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> Contact
     for blow_tick in np.unique(blow_ticks):
         together = blows[blow_ticks == blow_tick]
         impulse = together["impulse"].sum()
-        work = (together["impulse"] * together["closing"]).sum()
+        work = (together["impulse"] * together["mean_closing"]).sum()
         force = _at_once(force, int(blow_tick), float(impulse) / tick)
         closing = _at_once(closing, int(blow_tick), float(work / impulse))
     if link["law"] < Law.RIGID:
         return ContactSignal(force, gap, closing, ())
-    episodes = episodes_of(turns["tick"], turns["touch"], tick)
+    episodes = episodes_of(turns["tick"], turns["status"], tick)
     return ContactSignal(force, gap, closing, episodes)
 
 
@@ -188,14 +188,14 @@ def _outside(
     if kind == "velocity" and isinstance(value, float):
         speed = Pieces([0], [value])
     elif kind == "velocity":
-        speed = lines[node["source"][side]] + frame
-    elif kind == "force" and node["links"] > 1:
-        speed = lines[state.masses["line"][-side]] + frame
+        speed = lines[node["incoming_lines"][side]] + frame
+    elif kind == "force" and node["link_count"] > 1:
+        speed = lines[state.masses["history_line"][-side]] + frame
     else:  # the end of a rod: half the sum of the waves that leave and arrive
         inner = 1 - side
-        source = node["source"][inner]
+        source = node["incoming_lines"][inner]
         arriving = lines[source].later(int(state.lines["delay"][source]))
-        leaving = lines[node["target"][inner]]
+        leaving = lines[node["outgoing_lines"][inner]]
         speed = leaving.times(0.5) + arriving.times(0.5) + frame
-    push = lines[state.links["kept"][-side]]
+    push = lines[state.links["history_line"][-side]]
     return BoundaryAction(row.boundary_name(side), push, speed)

@@ -16,47 +16,47 @@ MISSED_GOAL_FACTOR = 10.0
 def tally_of(link: Any, tick: float, now: int) -> ContactTally:
     """Totals of the contact that a link is, in SI units, in a run that has come to a tick."""
     is_impact = link.law == Law.IMPACT
-    peak = link.peak
+    peak = link.peak_force
     if is_impact:
         peak = math.nan
     first = math.nan
     last = math.nan
-    if link.first >= 0:
-        first = link.first * tick
-        last = link.last * tick
-        if link.touch == Status.PRESS and not is_impact:  # the force still acts
+    if link.first_force_tick >= 0:
+        first = link.first_force_tick * tick
+        last = link.last_force_tick * tick
+        if link.logged_status == Status.PRESS and not is_impact:  # the force still acts
             last = now * tick
     return ContactTally(
-        link.impulse, peak, link.pressed * tick, first, last, link.episodes
+        link.impulse, peak, link.force_ticks * tick, first, last, link.episodes
     )
 
 
 def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     """Time of the end of the last contact, s, as of `last_contact`; nan without a proof."""
-    if run.proved < 0:
+    if run.proved_tick < 0:
         return math.nan
     ends = []
     for link in links:
         if link.law >= Law.RIGID and link.episodes > 0:
             struck = link.law == Law.IMPACT and link.status == Status.OPEN
-            force_end = link.last * run.tick
-            if link.touch == Status.PRESS and not struck:
+            force_end = link.last_force_tick * run.tick_duration
+            if link.logged_status == Status.PRESS and not struck:
                 force_end = math.nan
             opening = math.nan
-            is_open = link.touch == Status.OPEN or struck
-            if is_open and link.apart >= 0:
-                opening = link.apart * run.tick
+            is_open = link.logged_status == Status.OPEN or struck
+            if is_open and link.last_opening_tick >= 0:
+                opening = link.last_opening_tick * run.tick_duration
             ends.append((force_end, opening))
     return last_contact(ends, end, round_trip)
 
 
 def why_stopped(run: Any, asked: bool) -> str:
     """The reason why a run ended, in one word; `asked` says whether it had a given end."""
-    if run.stop == Stop.CAP:
+    if run.stop_reason == Stop.CAP:
         return "max_events"
     if asked:
         return "until"
-    if run.proved >= 0:
+    if run.proved_tick >= 0:
         return "final"
     return "clock"
 
@@ -76,7 +76,7 @@ def status_of(
         End of the run, and of the last contact, as of `last_of`, s.
     """
     proof = ""
-    if run.proved >= 0:
+    if run.proved_tick >= 0:
         has_contact = any(link.episodes > 0 for link in links)
         proof = proof_sentence(has_contact, t_final)
     work = f"{run.steps} steps of nodes"
@@ -94,14 +94,14 @@ def stated(worst: float, goal: float) -> str:
 def simplifications_text(run: Any) -> str:
     """Sentences of the status on breaks too dense to follow, and on rigid bodies that rest."""
     text = ""
-    if run.rough:
-        start = format_si(run.first_rough * run.tick, "s")
+    if run.averaged_steps:
+        start = format_si(run.first_averaged_tick * run.tick_duration, "s")
         text += (
             f" From {start} on, waves jump more than "
-            f"{run.shortest // run.floor} times in the shortest transit time. Such waves are "
-            "smoothed, which keeps their momentum."
+            f"{run.shortest_transit // run.min_break_spacing} times in the shortest transit time. "
+            "Such waves are smoothed, which keeps their momentum."
         )
-    if run.rested:
+    if run.resting_impacts:
         text += (
             " Rigid bodies that parted very slowly were set at rest against each other."
         )
@@ -111,14 +111,14 @@ def simplifications_text(run: Any) -> str:
 def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
     """Path and sentence of the error where no forces in a node satisfy the laws of its links."""
     time = format_si(seconds, "s")
-    if node.links > 1 and node.mobility[0] == 0 and node.mobility[1] == 0:
+    if node.link_count > 1 and node.mobility[0] == 0 and node.mobility[1] == 0:
         return (
             "contacts",
             f"two walls squeeze a rigid mass at {time}; give one of its contacts a compliant law",
         )
     path = "contacts"
     for k, link in enumerate(row.contact_link):
-        if node.first <= link < node.first + node.links:
+        if node.first_link <= link < node.first_link + node.link_count:
             path = f"contacts.{k}"
     return (
         path,

@@ -19,7 +19,7 @@ from ..clock import (
 from ..compiling import Functions
 from ..row import Row
 from ..scales import largest, scale_without_rods, smallest, velocities_of
-from .known import jumps_of, segments_of, varies
+from .initial_lines import jumps_of, segments_of, varies
 
 
 def own_laws(row: Row) -> Functions:

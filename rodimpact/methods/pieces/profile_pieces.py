@@ -8,7 +8,7 @@ from numpy.polynomial import chebyshev
 
 from ...model import Polynomials, Samples, Steps
 from ..signals import ROUND_OFF, Floats, Ints, Pieces, each_once
-from .lines import EXACT
+from .lines import CONTINUITY_RTOL
 from .records import HARD, PIECE, SMOOTH
 from .series import POINTS, SERIES, N, X
 
@@ -110,7 +110,7 @@ def in_pieces(
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
     least = min(ROUND_OFF, fit) * np.abs(signal.coefficients).max()
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
-    jumps = changes > EXACT * tolerance + least
+    jumps = changes > CONTINUITY_RTOL * tolerance + least
     borders = _borders_of_rest(signal, edges, least)
     fitted = _fit_longest(signal, edges, jumps | borders[1:], fit)
     first = fitted.first
@@ -129,11 +129,11 @@ def in_pieces(
     order = np.where(borders[inner], np.minimum(order, HARD), order)
     pieces = np.zeros(len(series), PIECE)
     pieces["start"] = starts
-    pieces["stop"] = stops
-    pieces["order"] = SMOOTH
-    pieces["order"][1:] = order
+    pieces["end"] = stops
+    pieces["break_order"] = SMOOTH
+    pieces["break_order"][1:] = order
     pieces["degree"] = np.where(series[:, 1:].any(axis=1), N, 0)
-    pieces["coefficient"] = series
+    pieces["coefficients"] = series
     return pieces, fitted.miss
 
 
@@ -218,8 +218,8 @@ def _through(
 def backwards(pieces: Any) -> Any:
     """Pieces with time reversed."""
     back = pieces[::-1].copy()
-    back["start"] = -pieces["stop"][::-1]
-    back["stop"] = -pieces["start"][::-1]
-    back["order"] = [SMOOTH, *pieces["order"][:0:-1]]
-    back["coefficient"] *= (-1.0) ** np.arange(POINTS)
+    back["start"] = -pieces["end"][::-1]
+    back["end"] = -pieces["start"][::-1]
+    back["break_order"] = [SMOOTH, *pieces["break_order"][:0:-1]]
+    back["coefficients"] *= (-1.0) ** np.arange(POINTS)
     return back

@@ -11,7 +11,7 @@ from ..clock import Clock
 from ..row import Row
 from ..scales import wave_of_strain
 from ..signals import Ints, Pieces
-from . import layout, waves
+from . import layout, profile_pieces
 from .layout import RunRequest
 from .records import HARD, NONE, PIECE
 
@@ -49,7 +49,7 @@ def varies(*profiles: Any) -> bool:
     return any(isinstance(value, Steps | Samples | Polynomials) for value in profiles)
 
 
-def as_family(objects: list[Any], record: Any, row: Row) -> Any:
+def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
     """Objects whose fields hold a number, or one for each member, as records [member, i]."""
     records = np.zeros((*row.system.shape, len(objects)), record)
     for i, source in enumerate(objects):
@@ -80,7 +80,7 @@ class OutsideSignal(NamedTuple):
     slope: Any  # m/s^2
 
 
-class Known:
+class InitialLines:
     """Pieces of all lines that begin at t = 0 or before.
 
     Attributes
@@ -123,9 +123,9 @@ class Known:
         first = sum(count for count, _, _ in self.lines)
         n = pieces.shape[1]
         pieces["line"] = l
-        pieces["after"] = [*range(first + 1, first + n), NONE]
-        hard = int(np.sum(pieces["order"][0, 1:] <= HARD))
-        duration = int(pieces["stop"][0, -1] - pieces["start"][0, 0])
+        pieces["next"] = [*range(first + 1, first + n), NONE]
+        hard = int(np.sum(pieces["break_order"][0, 1:] <= HARD))
+        duration = int(pieces["end"][0, -1] - pieces["start"][0, 0])
         self.log.append(pieces)
         self.lines.append((n, hard, duration))
         return l
@@ -139,7 +139,7 @@ class Known:
         fit = tolerance
         if any(isinstance(profile, Polynomials) for profile, _ in profiles):
             fit = EXACT_FIT * scale  # keeps the waves of an earlier run
-        pieces, miss = waves.in_pieces(signal, start, stop, tolerance, fit)
+        pieces, miss = profile_pieces.in_pieces(signal, start, stop, tolerance, fit)
         self.fit = max(self.fit, miss / scale)
         for profile, factor in profiles:
             if isinstance(profile, Samples):
@@ -156,19 +156,19 @@ class Known:
         c = self._row.segments[s].wave_speed
         if not varies(rod.velocity, rod.strain):
             velocity = rod.velocity - frame
-            for piece in layout.under_way(velocity, rod.strain * c, transit):
-                self._add(as_family([piece], PIECE, self._row))
+            for piece in layout.initial_waves(velocity, rod.strain * c, transit):
+                self._add(records_of_family([piece], PIECE, self._row))
             return
         ticks_of = self._ticks_in_segment(s, begin)
-        v = waves.signal_of(rod.velocity, rod.length, ticks_of)
-        strain = waves.signal_of(rod.strain, rod.length, ticks_of)
+        v = profile_pieces.signal_of(rod.velocity, rod.length, ticks_of)
+        strain = profile_pieces.signal_of(rod.strain, rod.length, ticks_of)
         profiles = ((rod.velocity, 1.0), (rod.strain, c))
         T = int(transit)
         # The part of a at x reaches the right end at T - x/c: it left the left end x/c before
         # t = 0, so that time runs against x.
         wave = (v + strain.times(-c)).plus(-frame).later(0)
         pieces = self._fit_pieces(wave, 0, T, *profiles)
-        self._add(waves.backwards(pieces)[None])
+        self._add(profile_pieces.backwards(pieces)[None])
         # The part of b at x left the right end T - x/c before t = 0.
         wave = (v + strain.times(c)).plus(-frame).later(-T)
         pieces = self._fit_pieces(wave, -T, 0, *profiles)
@@ -223,7 +223,7 @@ class Known:
             if side == 1:
                 line = 2 * len(row.segments) - 1
             # The wave that leaves the end at t = 0 would go on in the endless rod.
-            last_series = self.log[line][:, -1]["coefficient"]
+            last_series = self.log[line][:, -1]["coefficients"]
             start = last_series.sum(axis=1).reshape(row.system.shape)
             return OutsideSignal(wave_of_strain(row, side), start, 0.0)
         return OutsideSignal(1.0, 0.0, 0.0)
@@ -238,8 +238,8 @@ class Known:
             middle = signal.start + value + half
             piece = layout.piece_of(0, stop, [middle, half])
         else:
-            piece = layout.steady(start)
-        return as_family([piece], PIECE, self._row)
+            piece = layout.constant_wave(start)
+        return records_of_family([piece], PIECE, self._row)
 
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
         """Pieces of a profile over time, [member, piece]."""
@@ -251,7 +251,7 @@ class Known:
         def ticks_of(t: Any) -> Ints:
             return np.rint(t / tick).astype(np.int64)
 
-        drive = waves.signal_of(value, until, ticks_of)
+        drive = profile_pieces.signal_of(value, until, ticks_of)
         drive = drive.times(float(signal.factor)).plus(float(signal.start))
         if signal.slope:
             fall = np.array([0.0, signal.slope * stop * tick])
