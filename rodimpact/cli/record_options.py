@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 from .. import Bridge, Case, Rod, Signal, read_signals
 from ..model.frozen import nearest
 from ..model.numbering import body_names
-from ..records.bridge import ALONG
+from ..records.bridge import GAUGES_ALONG
 from ..units import shown
 from .arguments import Arguments, add_number
 from .messages import option_of
@@ -151,7 +151,7 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
         help="unit of all channels, or of one",
     )
     bridge = parser.add_argument_group("strain from the volts of a bridge")
-    bridge.add_argument("--bridge", choices=tuple(ALONG))
+    bridge.add_argument("--bridge", choices=tuple(GAUGES_ALONG))
     for name, dimension in BRIDGE_NUMBERS.items():
         add_number(bridge, option_of(name), dimension, "")
 

@@ -6,7 +6,8 @@ from ..methods.registry import check_function
 from ..model import Rod, System
 from ..model.arguments import integer, of_kind, scalar
 from ..model.frozen import FrozenDataclass, Problems, invalid_argument, quantity
-from ..records.comparison import Bounds, plateau
+from ..records.comparison import Bounds
+from ..records.pulses import plateau
 from ..records.signal import Signal, bounds_of
 from ..units import shown
 

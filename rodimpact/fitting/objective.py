@@ -17,7 +17,7 @@ from ..model import System
 from ..model.frozen import InvalidModel
 from ..model.quantities import Floats
 from ..records import filters
-from ..records.comparison import misfit_of
+from ..records.comparison import TimeSeries, misfit_of
 from ..records.signal import Signal
 from ..results.solution import Solution
 from .measured import Measured
@@ -244,8 +244,8 @@ class Objective:
             gain_index = self._index[GAIN, k]
             sample_times = curves[k].x[1:-1]
             misfit = misfit_of(
-                (record.signal.times, record.signal.values),
-                (sample_times, curves[k](sample_times)),
+                TimeSeries(record.signal.times, record.signal.values),
+                TimeSeries(sample_times, curves[k](sample_times)),
                 (float(self.low[shift_index]), float(self.high[shift_index])),
                 (float(self.low[gain_index]), float(self.high[gain_index])),
             )

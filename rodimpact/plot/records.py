@@ -12,7 +12,8 @@ from ..fitting.result import Fit
 from ..methods.signals import Floats
 from ..model.arguments import integer, of_kind
 from ..model.frozen import invalid_argument
-from ..records.comparison import Bounds, Misfit, gain_unit, plateau
+from ..records.comparison import Bounds, Misfit, gain_unit
+from ..records.pulses import plateau
 from ..records.reduction import Reduction
 from ..records.signal import Signal
 from ..units import TIMES

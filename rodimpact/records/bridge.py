@@ -7,8 +7,9 @@ from ..model.frozen import FrozenDataclass, Problems, invalid_argument, quantity
 from ..units import shown
 from .signal import Signal
 
-ALONG = {"quarter": 1, "half": 2, "full": 2}
-"""Gauges along the bar, for each bridge."""
+GAUGES_ALONG = {"quarter": 1, "half": 2, "full": 2}
+"""Number of gauges along the bar, for each bridge."""
+VOLTS_EXAMPLE = "read_signals('shot.csv', rate=1e7, units='V')['CH1']"
 
 
 class Bridge(FrozenDataclass):
@@ -59,7 +60,7 @@ class Bridge(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         if isinstance(self.gain, float) and self.gain == 0:
             problems.append(("gain", "must not be 0"))
-        one_of("kind", self.kind, ALONG)
+        one_of("kind", self.kind, GAUGES_ALONG)
         if self.kind == "full" and self.poisson_ratio is None:
             message = (
                 "is missing; a full bridge needs it, two gauges lie across the bar"
@@ -72,9 +73,12 @@ class Bridge(FrozenDataclass):
     @property
     def strain_per_volt(self) -> float:
         """Strain along the bar per volt at the output of the amplifier, 1/V."""
-        nu, n = self.poisson_ratio, float(ALONG[self.kind])
+        nu = self.poisson_ratio
+        n = float(GAUGES_ALONG[self.kind])
         if nu is not None:
-            n = 1 + nu if self.kind == "half" else n * (1 + nu)
+            # one gauge of a half bridge lies across, two of a full bridge
+            gauges_along = 1 if self.kind == "half" else 2
+            n = gauges_along * (1 + nu)
         return 4 / (n * self.gauge_factor * self.excitation * self.gain)
 
     def strain(self, volts: Signal) -> Signal:
@@ -85,15 +89,11 @@ class Bridge(FrozenDataclass):
         ValueError
             If the signal is not in volts.
         """
-        of_kind(
-            "volts",
-            volts,
-            Signal,
-            "read_signals('shot.csv', rate=1e7, units='V')['CH1']",
-        )
+        of_kind("volts", volts, Signal, VOLTS_EXAMPLE)
         if volts.unit != "V":
-            got = volts.unit or "pure numbers"
-            raise invalid_argument(
-                "volts", f"must be a signal in V, got {shown(volts.name)} in {got}"
-            )
+            unit = "pure numbers"
+            if volts.unit:
+                unit = volts.unit
+            message = f"must be a signal in V, got {shown(volts.name)} in {unit}"
+            raise invalid_argument("volts", message)
         return volts.replace(values=volts.values * self.strain_per_volt, unit="")

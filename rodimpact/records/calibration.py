@@ -9,7 +9,7 @@ and cross-section with the speed V causes the strain V/(2 c0).
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,14 +19,17 @@ from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, check_progress
 from ..storage.tables import align
-from .bars import EXAMPLE, BarGauge, Compression, Side, sides_of
+from .bar_gauge import GAUGE_EXAMPLE, BarGauge
+from .bar_reading import Compression, instrumented_bars
+from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .signal import Signal
 
-SLACK = 0.1  # of a travel time: how far the wave speed that was given may be off
-FAINT = 0.15  # of a pulse: what is above it counts
-PASSES = (
-    3  # of finding a wave speed, on which the dispersion that finds it depends a little
-)
+TRAVEL_RANGE_RTOL = 0.1
+"""Bounds the error of the travel times of the given bars, over these times."""
+PULSE_RTOL = 0.15
+"""Smallest strain that counts to a pulse, over its largest."""
+SPEED_ITERATIONS = 3
+"""Steps to a wave speed: dispersion, which predicts the pulse, depends on the wave speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,42 +83,50 @@ class Calibration:
         """Table with a column for each bar, then the reflection at the joint."""
         rows = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
         for k, title in enumerate(("input bar", "output bar")):
-            bending, speed = self.bending[k], self.bars[k].segments[0].wave_speed
+            speed = self.bars[k].segments[0].wave_speed
+            bending = self.bending[k]
+            bending_text = "-"
+            if bending is not None:
+                bending_text = f"{100 * bending:.1f} %"
             rows.append(
                 [
                     title,
                     f"{speed:.1f} +- {self.speed_errors[k]:.1f} m/s",
                     f"{self.gains[k]:.4f} +- {self.gain_errors[k]:.4f}",
                     f"{100 * self.noise[k]:.2f} %",
-                    "-" if bending is None else f"{100 * bending:.1f} %",
+                    bending_text,
                 ]
             )
-        return align(list(zip(*rows, strict=True))) + (
+        columns = list(zip(*rows, strict=True))
+        return align(columns) + (
             f"\nreflected at the joint: {100 * self.reflected:.2f} % of the incident strain; "
             f"expected from the impedances: {100 * self.expected:.2f} %"
         )
 
 
-def with_gains(known: Calibration, sides: tuple[Side, ...]) -> tuple[Side, ...]:
-    """Sides of a shot with the gains of a calibration applied."""
-    corrected = []
-    for side, gain in zip(sides, known.gains, strict=True):
-        corrected.append(side._replace(strains=gain * side.strains))
-    return tuple(corrected)
+def with_gains(calibration: Calibration, bars: InstrumentedBars) -> InstrumentedBars:
+    """Bars of a shot with the gains of a calibration applied."""
+    input_gain, output_gain = calibration.gains
+    return InstrumentedBars(
+        _amplified(bars.input, input_gain), _amplified(bars.output, output_gain)
+    )
 
 
 def with_one_error(
-    known: Calibration, sides: tuple[Side, ...]
-) -> Iterator[tuple[Side, ...]]:
-    """Sides in which one gain or one wave speed is changed by its standard error."""
-    for i, side in enumerate(sides):
-        gain = 1 + known.gain_errors[i] / known.gains[i]
-        faster = with_speed(side.rod, side.speed + known.speed_errors[i])
-        for changed in (
-            side._replace(strains=gain * side.strains),
-            side._replace(rod=faster),
-        ):
-            yield (*sides[:i], changed, *sides[i + 1 :])
+    calibration: Calibration, bars: InstrumentedBars
+) -> Iterator[InstrumentedBars]:
+    """Bars in which one gain or one wave speed is changed by its standard error."""
+    for k, name in enumerate(InstrumentedBars._fields):
+        gain_factor = 1 + calibration.gain_errors[k] / calibration.gains[k]
+        yield bars._replace(**{name: _amplified(bars[k], gain_factor)})
+        speed = bars[k].speed + calibration.speed_errors[k]
+        faster = bars[k]._replace(rod=with_speed(bars[k].rod, speed))
+        yield bars._replace(**{name: faster})
+
+
+def _amplified(bar: InstrumentedBar, gain: float) -> InstrumentedBar:
+    """A bar with its strains multiplied by a gain."""
+    return bar._replace(strains=gain * bar.strains)
 
 
 def calibrate(
@@ -178,67 +189,44 @@ def calibrate(
     problems: Problems = []
     check_progress(problems, progress)
     raise_if_problems(problems)
-    for name, given in (
-        ("input_gauges", input_gauges),
-        ("output_gauges", output_gauges),
-    ):
-        of_kind(
-            name, given, BarGauge, EXAMPLE
-        )  # each gauge of a bar is calibrated alone
-    first, second = sides_of(input_gauges, output_gauges, bars, compression)
-    # the pulse comes back to the output gauge from the far end of its bar
-    back = 2 * (float(second.rod.length) - float(second.distances[0]))
-    passed_second = _passing(second)
+    # each gauge of a bar is calibrated alone
+    of_kind("input_gauges", input_gauges, BarGauge, GAUGE_EXAMPLE)
+    of_kind("output_gauges", output_gauges, BarGauge, GAUGE_EXAMPLE)
+    bars_as_given = instrumented_bars(input_gauges, output_gauges, bars, compression)
     with Progress(progress, "calibrate", "travel times") as report:
-        second, error2 = _timed(
-            second, back, second, lambda now: -now.carried(passed_second, back)
-        )
+        output = _with_output_speed(bars_as_given.output)
         report(1, 2)
-        # from the input gauge it goes through the rest of both bars to the output gauge
-        pulse = np.interp(
-            second.times, first.times, _passing(first), left=0.0, right=0.0
-        )
-        path, rest = float(first.distances[0]), float(second.distances[0])
-        first, own = _timed(
-            first,
-            path,
-            second,
-            lambda now: second.carried(
-                now._replace(dt=second.dt).carried(pulse, path), rest
-            ),
-        )
+        first = _with_input_speed(bars_as_given.input, output)
         report(2, 2)
-    other = (
-        error2 / second.speed * rest / second.speed
-    )  # s, by which the second bar may be off
-    error1 = math.hypot(own, first.speed**2 / path * other)
-    # strain that comes back from the joint over the incident one, by least squares
-    sent = first.carried(_passing(first), 2 * path)
-    where = np.abs(sent) > FAINT * np.abs(sent).max()
-    back_again = (first.strains[0] - _passing(first))[where]
-    reflected = float(sent[where] @ back_again / (sent[where] @ sent[where]))
-    Z1, Z2 = (side.stiffness / side.speed for side in (first, second))
-    struck, passed = first.front.plateau, second.front.plateau
-    gain = 1.0
+    input_bar = first.bar
+    output_bar = output.bar
+    incident = input_bar.first_pulse.plateau
+    transmitted = output_bar.first_pulse.plateau
+    input_gain = 1.0
     if striker_speed is not None:
         V = scalar("striker_speed", striker_speed, "m/s", "positive")
-        gain = V / (2 * first.speed) / struck
-    transmitted = 2 * Z2 / (Z1 + Z2) * first.stiffness / second.stiffness
-    gains = gain, gain * transmitted * struck / passed
-    noise = _noise(first) / struck, _noise(second) / passed
-    errors = [
-        share / math.sqrt(max(1.0, side.front.width / side.dt)) * gain
-        for share, side, gain in zip(noise, (first, second), gains, strict=True)
-    ]
+        input_gain = V / (2 * input_bar.speed) / incident
+    Z1 = input_bar.impedance
+    Z2 = output_bar.impedance
+    transmission = 2 * Z2 / (Z1 + Z2) * input_bar.stiffness / output_bar.stiffness
+    output_gain = input_gain * transmission * incident / transmitted
+    input_noise = _noise(input_bar) / incident
+    output_noise = _noise(output_bar) / transmitted
     return Calibration(
-        (first.rod, second.rod),
-        gains,
-        (error1, error2),
-        (errors[0], errors[1]),
-        reflected,
-        (Z2 - Z1) / (Z1 + Z2),
-        noise,
-        (_bending(input_gauges, first), _bending(output_gauges, second)),
+        bars=(input_bar.rod, output_bar.rod),
+        gains=(input_gain, output_gain),
+        speed_errors=(first.speed_error, output.speed_error),
+        gain_errors=(
+            _gain_error(input_bar, input_gain, input_noise),
+            _gain_error(output_bar, output_gain, output_noise),
+        ),
+        reflected=_reflected_ratio(input_bar),
+        expected=(Z2 - Z1) / (Z1 + Z2),
+        noise=(input_noise, output_noise),
+        bending=(
+            _bending(input_gauges, input_bar),
+            _bending(output_gauges, output_bar),
+        ),
     )
 
 
@@ -250,60 +238,130 @@ def with_speed(rod: Rod, speed: float) -> Rod:
     return rod.replace(segments=[segment.replace(material=changed)])
 
 
-def _noise(side: Side) -> float:
-    """Standard deviation before the pulse."""
-    return float(side.strains[0, : side.quiet].std())
+class _Timed(NamedTuple):
+    """A bar with its measured wave speed, and the standard error of the speed, m/s."""
+
+    bar: InstrumentedBar
+    speed_error: float
 
 
-def _timed(
-    side: Side, path: float, seen: Side, predicted: Callable[[Side], Floats]
-) -> tuple[Side, float]:
-    """A bar with the wave speed by which a prediction comes when the record of `seen` has it.
+def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
+    """Time the pulse that comes back to the output gauge from the far end of its bar."""
+    path = 2 * (float(output_bar.rod.length) - float(output_bar.distances[0]))
+    passing = _passing(output_bar)
 
-    The standard error of the arrival is s sqrt(2)/sqrt(sum of slope^2), with s the noise.
+    def returned(bar: InstrumentedBar) -> Floats:
+        return -bar.propagated(passing, path)
+
+    return _fit_wave_speed(output_bar, path, output_bar, returned)
+
+
+def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
+    """Time the pulse from the input gauge through the rest of both bars to the output gauge."""
+    output_bar = output.bar
+    input_path = float(input_bar.distances[0])
+    output_path = float(output_bar.distances[0])
+    passing = _passing(input_bar)
+    pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
+
+    def transmitted(bar: InstrumentedBar) -> Floats:
+        at_joint = bar._replace(dt=output_bar.dt).propagated(pulse, input_path)
+        return output_bar.propagated(at_joint, output_path)
+
+    timed = _fit_wave_speed(input_bar, input_path, output_bar, transmitted)
+    # error of the travel time in the output bar, s
+    output_delay = (
+        output.speed_error / output_bar.speed * output_path / output_bar.speed
+    )
+    from_output = timed.bar.speed**2 / input_path * output_delay
+    return timed._replace(speed_error=math.hypot(timed.speed_error, from_output))
+
+
+def _fit_wave_speed(
+    bar: InstrumentedBar,
+    path: float,
+    recording: InstrumentedBar,
+    predict: Callable[[InstrumentedBar], Floats],
+) -> _Timed:
+    """Fit the wave speed of a bar so that a pulse arrives when it is in the record.
+
+    The pulse, predicted for a wave speed, runs along `path`, m, of the bar and is recorded by the
+    gauge of `recording`. The standard error of the arrival is s sqrt(2)/sqrt(sum of slope^2), with
+    s the noise.
     """
-    for _ in range(PASSES):
-        travel = path / side.speed
-        lag = predicted(side)
-        there = np.flatnonzero(np.abs(lag) > FAINT * np.abs(lag).max())
-        low, high = seen.times[there[[0, -1]]] + SLACK * travel * np.array([-1, 1])
-        if high > seen.times[-1]:
-            message = (
-                f"the record ends at {seen.times[-1]:.4g} s, before the pulse returns"
-            )
-            raise invalid_argument(
-                "output_gauges",
-                f"{message} from the far end; record up to {high:.4g} s",
-            )
-        found = (
-            Signal(seen.strains[0], seen.times)
-            .window(low, high)
-            .misfit(Signal(lag, seen.times), shift=(-SLACK * travel, SLACK * travel))
+    record = Signal(recording.strains[0], recording.times)
+    for _ in range(SPEED_ITERATIONS):
+        travel = path / bar.speed
+        predicted = predict(bar)
+        size = np.abs(predicted)
+        pulse = np.flatnonzero(size > PULSE_RTOL * size.max())
+        first = pulse[0]
+        last = pulse[-1]
+        slack = TRAVEL_RANGE_RTOL * travel
+        low = recording.times[first] - slack
+        high = recording.times[last] + slack
+        _check_record_end(recording, high)
+        misfit = record.window(low, high).misfit(
+            Signal(predicted, recording.times), shift=(-slack, slack)
         )
-        if found.at_limit:
-            message = (
-                f"the travel time is more than {100 * SLACK:g} % off the expected one"
-            )
+        if misfit.at_limit:
+            percent = 100 * TRAVEL_RANGE_RTOL
+            message = f"the travel time is more than {percent:g} % off the expected one"
             raise invalid_argument(
                 "bars", f"{message}; correct wave speed, length or distances"
             )
-        side = side._replace(rod=with_speed(side.rod, path / (travel + found.shift)))
-    slopes = np.diff(lag)[there[0] : there[-1]] / seen.dt
-    late = _noise(seen) * math.sqrt(2) / math.sqrt(float(slopes @ slopes))
-    return side, late * side.speed**2 / path
+        faster = with_speed(bar.rod, path / (travel + misfit.shift))
+        bar = bar._replace(rod=faster)
+    slopes = np.diff(predicted)[first:last] / recording.dt
+    arrival_error = _noise(recording) * math.sqrt(2) / math.sqrt(float(slopes @ slopes))
+    return _Timed(bar, arrival_error * bar.speed**2 / path)
 
 
-def _passing(side: Side) -> Floats:
+def _check_record_end(recording: InstrumentedBar, needed: float) -> None:
+    """InvalidModel if the record of a gauge ends before a time, s."""
+    end = recording.times[-1]
+    if needed > end:
+        message = f"the record ends at {end:.4g} s, before the pulse returns"
+        remedy = f"from the far end; record up to {needed:.4g} s"
+        raise invalid_argument("output_gauges", f"{message} {remedy}")
+
+
+def _reflected_ratio(input_bar: InstrumentedBar) -> float:
+    """Strain reflected at the joint over the incident strain, by least squares."""
+    incident = _passing(input_bar)
+    returned = input_bar.propagated(incident, 2 * float(input_bar.distances[0]))
+    size = np.abs(returned)
+    pulse = size > PULSE_RTOL * size.max()
+    expected = returned[pulse]
+    recorded = (input_bar.strains[0] - incident)[pulse]
+    return float(expected @ recorded / (expected @ expected))
+
+
+def _noise(bar: InstrumentedBar) -> float:
+    """Standard deviation before the pulse."""
+    return float(bar.strains[0, : bar.rest_samples].std())
+
+
+def _gain_error(bar: InstrumentedBar, gain: float, noise: float) -> float:
+    """Standard error of a gain: that of the mean of the plateau; `noise` is over the plateau."""
+    plateau_samples = max(1.0, bar.first_pulse.width / bar.dt)
+    return noise / math.sqrt(plateau_samples) * gain
+
+
+def _passing(bar: InstrumentedBar) -> Floats:
     """The record of a pulse that passes for the first time, zero after it."""
-    past = side.front.start + side.front.width + 2 * side.front.rise
-    passing: Floats = np.where(side.times < past, side.strains[0], 0.0)
+    pulse = bar.first_pulse
+    end = pulse.start + pulse.width + 2 * pulse.rise
+    passing: Floats = np.where(bar.times < end, bar.strains[0], 0.0)
     return passing
 
 
-def _bending(gauge: BarGauge, side: Side) -> float | None:
+def _bending(gauge: BarGauge, bar: InstrumentedBar) -> float | None:
     """Largest bending strain while the pulse passes, over its plateau."""
-    if (bending := gauge.bending) is None:
+    bending = gauge.bending
+    if bending is None:
         return None
-    start, width, _, plateau = side.front
-    passing = bending.baseline(bending.start, start).window(start, start + width)
-    return float(np.abs(passing.values).max() / abs(plateau))
+    pulse = bar.first_pulse
+    from_rest = bending.baseline(bending.start, pulse.start)
+    passing = from_rest.window(pulse.start, pulse.start + pulse.width)
+    return float(np.abs(passing.values).max() / abs(pulse.plateau))

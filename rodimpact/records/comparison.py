@@ -1,49 +1,36 @@
-"""Timing of a pulse, and misfit between two signals."""
+"""Misfit between a prediction and a record, with the best shift and scale."""
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from ..model.quantities import Floats
+from .pulses import plateau
 
 Bounds: TypeAlias = float | tuple[float, float]
-Record: TypeAlias = tuple[Floats, Floats]  # times and values
+Range: TypeAlias = tuple[float, float]
+"""Lower and upper bound."""
 
-NEAR_TOP = 0.7  # of the largest sample: from here on samples belong to the plateau
-MOST_LAGS = (
-    1 << 16
-)  # samples of a record and its shifts, among which the best is chosen
-FAINT = 1e-12  # of the power of a model: less is round-off
-REFINED = 4  # of the best shifts of a sample each
-AT_LIMIT = 1e-3  # of the range between two limits
+MAX_GRID_SAMPLES = 1 << 16
+"""Samples of a record and its shifts, at most, among which the best shifts are sought."""
+NEGLIGIBLE_POWER_RTOL = 1e-12
+"""Bounds the power of a shifted model over that of the whole model: less is round-off."""
+REFINED_SHIFTS = 4
+"""Number of the best shifts by whole samples that are refined."""
+AT_BOUND_RTOL = 1e-3
+"""Bounds the distance of a value from a bound, over the range between both bounds."""
 
 
-class Pulse(NamedTuple):
-    """Timing of a pulse.
+class TimeSeries(NamedTuple):
+    """Values over times, s; linear between them."""
 
-    Attributes
-    ----------
-    start : float
-        Time at which the pulse exceeds a tenth of the plateau, s.
-    width : float
-        Duration above half of the plateau, s.
-    rise : float
-        Time from 10 % to 90 % of the plateau, s.
-    plateau : float
-        Median of the samples above 0.7 of the largest, with its sign, in the unit of the signal.
+    times: Floats
+    values: Floats
 
-    Examples
-    --------
-    >>> import rodimpact as ri
-    >>> pulse = ri.Signal([0.0, 0.0, -2.0, -2.0, -2.0, 0.0, 0.0], dt=1e-6, unit="N").pulse()
-    >>> round(pulse.width * 1e6, 6), round(pulse.rise * 1e6, 6), pulse.plateau
-    (3.0, 0.8, -2.0)
-    """
-
-    start: float
-    width: float
-    rise: float
-    plateau: float
+    def at(self, times: Floats) -> Any:
+        """Values at other times; beyond its ends the first and the last value hold."""
+        return np.interp(times, self.times, self.values)
 
 
 class Misfit(NamedTuple):
@@ -76,47 +63,6 @@ class Misfit(NamedTuple):
     at_limit: tuple[str, ...] = ()
 
 
-def pulse_of(times: Floats, values: Floats) -> Pulse:
-    """Timing of the pulse with the largest sample; ValueError if the record cuts the pulse off."""
-    sign = 1.0 if values.max() >= -values.min() else -1.0
-    v = np.concatenate(
-        ([-np.inf], sign * values, [-np.inf])
-    )  # below any level beyond the ends
-    t = np.concatenate(([np.nan], times, [np.nan]))
-    top = int(v.argmax())
-
-    def stretch(level: float) -> tuple[slice, float, float]:
-        """Samples about the top down to a level, and when the pulse rises above it and falls."""
-        below = np.flatnonzero(v < level)
-        i, j = below[np.searchsorted(below, top) + np.array([-1, 0])]
-        up = np.interp(level, v[i : i + 2], t[i : i + 2])
-        down = np.interp(-level, -v[j - 1 : j + 1], t[j - 1 : j + 1])
-        return slice(i + 1, j), float(up), float(down)
-
-    level = plateau(v[stretch(NEAR_TOP * v[top])[0]])
-    _, start, _ = stretch(0.1 * level)
-    above, up, down = stretch(0.5 * level)
-    if not np.isfinite([start, up, down]).all():
-        raise ValueError(
-            "the record cuts the pulse off: before the pulse the signal must be below a tenth of "
-            "its plateau, after it below half; use a longer window, or subtract the baseline"
-        )
-    high = above.start + int(np.argmax(v[above] >= 0.9 * level))
-    reach = float(
-        np.interp(0.9 * level, v[high - 1 : high + 1], t[high - 1 : high + 1])
-    )
-    return Pulse(start, down - up, reach - start, sign * level)
-
-
-def plateau(values: Floats) -> float:
-    """Absolute median of the samples above 0.7 of the largest; ValueError if all samples are 0."""
-    height = values if values.max() >= -values.min() else -values
-    largest = height.max()
-    if largest <= 0:
-        raise ValueError("there is no pulse: the signal is 0 everywhere")
-    return float(np.median(height[height > NEAR_TOP * largest]))
-
-
 def gain_unit(measured: str, predicted: str) -> str:
     """Unit of the factor from the prediction to the record; "" if both have the same unit.
 
@@ -127,82 +73,140 @@ def gain_unit(measured: str, predicted: str) -> str:
     """
     if measured == predicted:
         return ""
-    return f"{measured or 1}/{predicted}" if predicted else measured
+    if not predicted:
+        return measured
+    if not measured:
+        return f"1/{predicted}"
+    return f"{measured}/{predicted}"
 
 
 def misfit_of(
-    record: Record,
-    model: Record,
-    shift: tuple[float, float] | None,
-    scale: tuple[float, float] | None,
+    record: TimeSeries,
+    model: TimeSeries,
+    shift_range: Range | None,
+    scale_range: Range | None,
 ) -> Misfit:
-    """Misfit with the best shift and scale within their bounds."""
-    times, values = record
-    level = plateau(values)
-
-    def at(shift: float) -> tuple[float, float]:
-        """Misfit with the best scale, and that scale."""
-        m = np.interp(times - shift, *model)
-        best = float(_best_scale(m @ values, m @ m, scale))
-        return float(np.sqrt(np.mean((best * m - values) ** 2))) / level, best
-
-    # a free shift is one with which the two overlap
-    low, high = shift or (times[0] - model[0][-1], times[-1] - model[0][0])
-    best, near = low, 0.0
+    """Misfit with the best shift and scale within their bounds; None: without bounds."""
+    comparison = _Comparison(record, model, plateau(record.values), scale_range)
+    if shift_range is None:
+        # the two must overlap
+        low = record.times[0] - model.times[-1]
+        high = record.times[-1] - model.times[0]
+    else:
+        low, high = shift_range
+    shift = low
+    near_bound = 0.0
     if high > low:
-        from scipy.optimize import minimize_scalar
+        step = _grid_step(record, model, high - low)
+        shift = _best_shift(comparison, low, high, step)
+        near_bound = step
+        if shift_range is not None:
+            near_bound = AT_BOUND_RTOL * (high - low)
+    best = comparison.with_shift(shift)
+    at_limit = []
+    if _is_at_bound(shift, low, high, near_bound):
+        at_limit.append("shift")
+    if scale_range is not None:
+        least, most = scale_range
+        if _is_at_bound(best.scale, least, most, AT_BOUND_RTOL * (most - least)):
+            at_limit.append("scale")
+    return Misfit(best.rms, shift, best.scale, tuple(at_limit))
 
-        # of all shifts by whole samples those that suit best; the sums of products for all shifts
-        # at once are a correlation, by Fourier transforms
-        length = times[-1] - times[0]
-        step = float(
-            max(
-                min(np.diff(times).min(), np.diff(model[0]).min()),
-                (length + high - low) / MOST_LAGS,
-            )
+
+class _Scaled(NamedTuple):
+    """Misfit of a shifted model with its best scale; the smaller one comes first."""
+
+    rms: float
+    scale: float
+
+
+@dataclass(frozen=True)
+class _Comparison:
+    """A record, a model to be shifted and scaled, and the bounds of the scale."""
+
+    record: TimeSeries
+    model: TimeSeries
+    plateau: float
+    scale_range: Range | None
+
+    def with_shift(self, shift: float) -> _Scaled:
+        """Misfit of the model later by `shift`, s, with the best scale."""
+        values = self.record.values
+        shifted = self.model.at(self.record.times - shift)
+        scale = float(self.best_scale(shifted @ values, shifted @ shifted))
+        residuals = scale * shifted - values
+        rms = float(np.sqrt(np.mean(residuals**2)))
+        return _Scaled(rms / self.plateau, scale)
+
+    def best_scale(self, product: Any, power: Any) -> Any:
+        """Scale by least squares: (model . record)/(model . model); 1 for a model of zeros."""
+        divisor = np.where(power > 0, power, 1.0)
+        best = np.where(power > 0, product / divisor, 1.0)
+        if self.scale_range is None:
+            return best
+        return np.clip(best, *self.scale_range)
+
+
+def _grid_step(record: TimeSeries, model: TimeSeries, span: float) -> float:
+    """The shorter time step of both, s; longer if a span of shifts has too many of them."""
+    shortest = min(np.diff(record.times).min(), np.diff(model.times).min())
+    length = record.times[-1] - record.times[0]
+    return float(max(shortest, (length + span) / MAX_GRID_SAMPLES))
+
+
+def _best_shift(comparison: _Comparison, low: float, high: float, step: float) -> float:
+    """The shift from `low` to `high` with the smallest misfit."""
+    from scipy.optimize import minimize_scalar
+
+    times = comparison.record.times
+    options = {"xatol": 1e-9 * (times[-1] - times[0])}
+    on_grid = _best_shifts_on_grid(comparison, low, high, step)
+    refined = []
+    for shift in on_grid:
+        solution = minimize_scalar(
+            lambda x: comparison.with_shift(x).rms,
+            method="bounded",
+            options=options,
+            bounds=(max(shift - step, low), min(shift + step, high)),
         )
-        n, lags = int(length / step) + 1, int((high - low) / step) + 1
-        y = np.interp(times[0] + step * np.arange(n), times, values)
-        m = np.interp(times[0] - high + step * np.arange(n + lags - 1), *model)
-        size = 1 << (len(m) - 1).bit_length()
-        cross = np.fft.irfft(
-            np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size)), size
-        )[:lags]
-        sums = np.concatenate(([0.0], np.cumsum(m * m)))
-        power = sums[n : n + lags] - sums[:lags]
-        power[power <= FAINT * sums[-1]] = 0.0
-        c = _best_scale(cross, power, scale)
-        error = np.concatenate(([np.inf], c * c * power - 2 * c * cross, [np.inf]))
-        least = np.flatnonzero((error[1:-1] <= error[:-2]) & (error[1:-1] <= error[2:]))
-        chosen = least[np.argsort(error[least + 1], kind="stable")[:REFINED]]
-        shifts = [float(min(max(high - j * step, low), high)) for j in chosen]
-        options = {"xatol": 1e-9 * length}
-        refined = [
-            float(
-                minimize_scalar(
-                    lambda x: at(x)[0],
-                    method="bounded",
-                    options=options,
-                    bounds=(max(s - step, low), min(s + step, high)),
-                ).x
-            )
-            for s in shifts
-        ]
-        best = min([*refined, *shifts], key=at)
-        near = step if shift is None else AT_LIMIT * (high - low)
-    found, factor = at(best)
-    limits = {"shift": (best, low, high, near)}
-    if scale is not None:
-        limits["scale"] = (factor, *scale, AT_LIMIT * (scale[1] - scale[0]))
-    told = tuple(
-        name
-        for name, (x, least, most, apart) in limits.items()
-        if least < most and not least + apart < x < most - apart
-    )
-    return Misfit(found, best, factor, told)
+        refined.append(float(solution.x))
+    return min([*refined, *on_grid], key=comparison.with_shift)
 
 
-def _best_scale(cross: Any, power: Any, scale: tuple[float, float] | None) -> Any:
-    """What multiplies a model best: of its products with the record and with itself."""
-    best = np.where(power > 0, cross / np.where(power > 0, power, 1.0), 1.0)
-    return best if scale is None else np.clip(best, *scale)
+def _best_shifts_on_grid(
+    comparison: _Comparison, low: float, high: float, step: float
+) -> list[float]:
+    """The best local minima of the misfit among the shifts ``high - j step``.
+
+    With the model m, the record y and the scale c the squared misfit is
+    ``c^2 sum(m^2) - 2 c sum(m y) + sum(y^2)``. The products with all shifts of the model at once
+    are a correlation, by Fourier transforms.
+    """
+    times = comparison.record.times
+    n = int((times[-1] - times[0]) / step) + 1
+    n_shifts = int((high - low) / step) + 1
+    y = comparison.record.at(times[0] + step * np.arange(n))
+    m = comparison.model.at(times[0] - high + step * np.arange(n + n_shifts - 1))
+    size = 1 << (len(m) - 1).bit_length()
+    spectrum = np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size))
+    product = np.fft.irfft(spectrum, size)[:n_shifts]
+    sums = np.concatenate(([0.0], np.cumsum(m * m)))
+    power = sums[n : n + n_shifts] - sums[:n_shifts]
+    power[power <= NEGLIGIBLE_POWER_RTOL * sums[-1]] = 0.0
+    c = comparison.best_scale(product, power)
+    inside = c * c * power - 2 * c * product
+    error = np.concatenate(([np.inf], inside, [np.inf]))
+    is_least = (error[1:-1] <= error[:-2]) & (error[1:-1] <= error[2:])
+    least = np.flatnonzero(is_least)
+    order = np.argsort(error[least + 1], kind="stable")
+    shifts = []
+    for j in least[order[:REFINED_SHIFTS]]:
+        shift = min(max(high - j * step, low), high)
+        shifts.append(float(shift))
+    return shifts
+
+
+def _is_at_bound(value: float, low: float, high: float, near: float) -> bool:
+    """Whether a value that is free to vary lies at one of its bounds."""
+    is_inside = low + near < value < high - near
+    return low < high and not is_inside

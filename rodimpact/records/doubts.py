@@ -14,16 +14,22 @@ import numpy as np
 
 from ..model.quantities import Floats
 from ..units import format_si
-from .bars import QUIET, BarGauge, Side
-from .comparison import NEAR_TOP, Pulse, pulse_of
+from .bar_gauge import BarGauge
+from .curve import Curve
+from .instrumented_bar import InstrumentedBar, InstrumentedBars
+from .pulses import PLATEAU_RATIO, Pulse, pulse_of
+from .shot import Shifts
 
-OPPOSITE_LEAST_RATIO = 0.6
+MIN_COMPARED_SAMPLES = 16
+"""Samples at which two records of a pulse are compared, at least."""
+
+MIN_OPPOSITE_RATIO = 0.6
 """Bounds the strain of a gauge over that of the gauge opposite to it, on average over a pulse.
 
 Bending of a tenth of the axial strain leaves 0.8; a bridge or gain that is wrong by a factor of two
 leaves 0.5, a dead gauge 0.
 """
-STATION_LEAST_RATIO = 0.8
+MIN_STATION_RATIO = 0.8
 """Bounds the smaller over the larger strain of one pulse at two distances on a bar.
 
 Such gauges differ by some percent, and by a tenth each if bending is not cancelled.
@@ -33,27 +39,27 @@ TRAVEL_RTOL = 0.05
 
 Wave speeds from tables are off by 2 or 3 %, and distances by 1 % with the length of a gauge.
 """
-TENTH = 0.1
+START_RATIO = 0.1
 """The part of its plateau at which `Pulse.start` is."""
-TENTHS_BEFORE = 2.5
+FOOT_TIME_RATIO = 2.5
 """Bounds the time from the begin of a pulse to a tenth of its plateau, over that from there to a
 fifth: a straight rise needs 1, one with the square of time 2.4."""
-SLOWEST_SPECIMEN = 500.0
+SLOWEST_SPECIMEN_SPEED = 500.0
 """Bounds the time of a wave in the specimen: a foam has some 500 m/s, every metal is faster."""
-REFLECTED_LEAST = 0.1
+MIN_REFLECTED_RATIO = 0.1
 """Bounds the reflected over the incident strain: a weaker wave does not stand out of the ringing
 that follows a pulse in a bar."""
-FIRST_WAVE_LEAST = 0.4
+MIN_FIRST_WAVE_RATIO = 0.4
 """Bounds the first part of the reflected wave over its largest: a smaller one may be ringing."""
 SHIFT_LIMIT_RTOL = 0.01
 """Bounds the distance of a shift from the limit of its search, over that limit."""
-BALANCE_LIMIT = 0.15
+IMBALANCE_LIMIT = 0.15
 """Bounds the median of |F1 - F2| over the plateau, over that of (|F1| + |F2|)/2, so 2 is the most.
 
 Shots in equilibrium stay below a tenth.
 """
 INPUT_FORCE_RTOL = 0.02
-"""Bounds the error of F1 over the incident force, which adds to `BALANCE_LIMIT`.
+"""Bounds the error of F1 over the incident force, which adds to `IMBALANCE_LIMIT`.
 
 F1 is the difference of two waves, whose strains are right to 1 or 2 %. Between bars and a soft
 specimen it is much smaller than either of them.
@@ -85,37 +91,29 @@ class DoubtfulReduction(UserWarning):
     """
 
 
-class Faces(NamedTuple):
-    """Forces and velocity at the faces of the specimen, [time]."""
-
-    length: float  # length of the specimen, m
-    input_force: Floats  # N, compression is positive
-    output_force: Floats
-    input_velocity: Floats  # m/s, towards the specimen
-
-
 def doubts_of(
-    sides: tuple[Side, ...], faces: Faces, shifts: tuple[float, float], limit: float
+    bars: InstrumentedBars, curve: Curve, shifts: Shifts, limit: float
 ) -> tuple[str, ...]:
     """Sentences on all doubts about a shot, aligned by `shifts` within `limit`, s.
 
-    The sides hold the strains as recorded, without the gains of a calibration.
+    The bars hold the strains as recorded, without the gains of a calibration.
     """
     doubts: list[str] = []
-    for side in sides:
-        doubts += _unlike_opposite_gauges(side)
-        doubts += _unlike_stations(side)
-        doubts += _second_gauge_off_time(side)
-    first, second = sides
-    doubts += _reflected_wave_off_time(first)
-    doubts += _transmitted_wave_off_time(first, second, faces.length)
+    for bar in bars:
+        doubts += _unlike_opposite_gauges(bar)
+        doubts += _unlike_stations(bar)
+        doubts += _second_gauge_off_time(bar)
+    doubts += _reflected_wave_off_time(bars.input)
+    doubts += _transmitted_wave_off_time(bars, curve.specimen.length)
     doubts += _shifts_at_limit(shifts, limit)
-    doubts += _forces_out_of_balance(faces, first.stiffness / first.speed)
+    doubts += _forces_out_of_balance(curve, bars.input.impedance)
     return tuple(doubts)
 
 
-def _bar_name(side: Side) -> str:
-    return "output bar" if side.leaving else "input bar"
+def _bar_name(bar: InstrumentedBar) -> str:
+    if bar.is_output:
+        return "output bar"
+    return "input bar"
 
 
 def _percent(ratio: float) -> str:
@@ -125,76 +123,83 @@ def _percent(ratio: float) -> str:
 # Gauges of one bar that disagree
 
 
-def _unlike_opposite_gauges(side: Side) -> Iterator[str]:
+def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
     """Compare the gauges on opposite sides of the bar over the first pulse."""
-    for gauge, front in zip(side.gauges, side.fronts, strict=True):
+    for gauge, pulse in zip(bar.gauges, bar.first_pulses, strict=True):
         if gauge.opposite is None:
             continue
-        one, other = _in_first_pulse(gauge, front)
-        mean = (one + other) / 2
-        one_share = float(one @ mean)
-        other_share = float(other @ mean)
-        if one_share > other_share:
+        pair = _in_first_pulse(gauge, pulse)
+        mean = (pair.signal + pair.opposite) / 2
+        signal_share = float(pair.signal @ mean)
+        opposite_share = float(pair.opposite @ mean)
+        if signal_share > opposite_share:
             weaker = "opposite"
             stronger = "signal"
-            ratio = other_share / one_share
+            ratio = opposite_share / signal_share
         else:
             weaker = "signal"
             stronger = "opposite"
-            ratio = one_share / other_share
-        if ratio < OPPOSITE_LEAST_RATIO:
+            ratio = signal_share / opposite_share
+        if ratio < MIN_OPPOSITE_RATIO:
             yield (
-                f"of the gauges on opposite sides of the {_bar_name(side)}, "
+                f"of the gauges on opposite sides of the {_bar_name(bar)}, "
                 f"{format_si(gauge.distance, 'm', 3)} from the specimen, `{weaker}` records "
                 f"{_percent(ratio)} of the strain of `{stronger}`; at least "
-                f"{_percent(OPPOSITE_LEAST_RATIO)} is expected; check its bridge and gain, or give "
+                f"{_percent(MIN_OPPOSITE_RATIO)} is expected; check its bridge and gain, or give "
                 f"the record of `{stronger}` alone, ri.BarGauge({stronger}, distance)"
             )
 
 
-def _in_first_pulse(gauge: BarGauge, front: Pulse) -> tuple[Floats, Floats]:
+class _OppositeStrains(NamedTuple):
+    """Records on both sides of a bar, without their levels at rest."""
+
+    signal: Floats
+    opposite: Floats
+
+
+def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
     """Both records of a gauge during the first pulse, from the rest before it."""
     assert gauge.opposite is not None
     times = gauge.signal.times
-    before = times < front.start - front.rise
-    pulse = (times >= front.start) & (times <= front.start + front.width)
-    one = gauge.signal.values - gauge.signal.values[before].mean()
-    other = gauge.opposite.values - gauge.opposite.values[before].mean()
-    return one[pulse], other[pulse]
+    before = times < pulse.start - pulse.rise
+    inside = (times >= pulse.start) & (times <= pulse.start + pulse.width)
+    signal = gauge.signal.values - gauge.signal.values[before].mean()
+    opposite = gauge.opposite.values - gauge.opposite.values[before].mean()
+    return _OppositeStrains(signal[inside], opposite[inside])
 
 
-def _unlike_stations(side: Side) -> Iterator[str]:
+def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
     """Compare the first pulse at two distances, while no other wave is at either gauge."""
-    if len(side.distances) < 2:
+    if len(bar.distances) < 2:
         return
-    first, second = side.distances
+    first, second = bar.distances
     apart = abs(first - second)
-    carried = side.carried(side.strains[0], apart)
-    arrival = side.foot + apart / side.speed
-    until = arrival + _alone_at_second_gauge(side)
-    alone = (side.times >= arrival) & (side.times < until)
-    if alone.sum() < QUIET:
+    propagated = bar.propagated(bar.strains[0], apart)
+    arrival = bar.pulse_start + apart / bar.speed
+    until = arrival + _alone_at_second_gauge(bar)
+    is_alone = (bar.times >= arrival) & (bar.times < until)
+    if is_alone.sum() < MIN_COMPARED_SAMPLES:
         return
-    recorded = side.strains[1][alone]
-    expected = carried[alone]
+    recorded = bar.strains[1][is_alone]
+    expected = propagated[is_alone]
     ratio = float(recorded @ expected) / float(expected @ expected)
-    most = 1 / STATION_LEAST_RATIO
-    if not STATION_LEAST_RATIO <= ratio <= most:
+    most = 1 / MIN_STATION_RATIO
+    if not MIN_STATION_RATIO <= ratio <= most:
         yield (
-            f"of the two gauges of the {_bar_name(side)}, the one "
+            f"of the two gauges of the {_bar_name(bar)}, the one "
             f"{format_si(second, 'm', 3)} from the specimen records {_percent(ratio)} of the pulse "
             f"that passes the one at {format_si(first, 'm', 3)}; at least "
-            f"{_percent(STATION_LEAST_RATIO)} and at most {_percent(most)} is expected; check "
+            f"{_percent(MIN_STATION_RATIO)} and at most {_percent(most)} is expected; check "
             "bridges and gains of both"
         )
 
 
-def _alone_at_second_gauge(side: Side) -> float:
+def _alone_at_second_gauge(bar: InstrumentedBar) -> float:
     """Time for which the first pulse is alone at the second gauge, s."""
-    distance = float(side.distances[1])
-    if side.leaving:
-        distance = float(side.rod.length) - distance
-    return 2 * distance / side.speed
+    distance = float(bar.distances[1])
+    if bar.is_output:
+        distance = float(bar.rod.length) - distance
+    return 2 * distance / bar.speed
 
 
 # Waves that arrive too early or too late
@@ -209,14 +214,14 @@ class _Onset(NamedTuple):
 
 def _onset(times: Floats, strain: Floats, pulse: Pulse) -> _Onset:
     """The time from a tenth to a fifth of the plateau bounds the time before the tenth."""
-    fifth = 2 * TENTH * abs(pulse.plateau)
+    fifth = 2 * START_RATIO * abs(pulse.plateau)
     above = (times > pulse.start) & (np.abs(strain) >= fifth)
     next_tenth = float(times[np.argmax(above)]) - pulse.start
-    return _Onset(pulse.start - TENTHS_BEFORE * next_tenth, pulse.start)
+    return _Onset(pulse.start - FOOT_TIME_RATIO * next_tenth, pulse.start)
 
 
-def _first_onset(side: Side, gauge: int = 0) -> _Onset:
-    return _onset(side.times, side.strains[gauge], side.fronts[gauge])
+def _first_onset(bar: InstrumentedBar, gauge: int = 0) -> _Onset:
+    return _onset(bar.times, bar.strains[gauge], bar.first_pulses[gauge])
 
 
 class _Delay(NamedTuple):
@@ -240,54 +245,55 @@ def _delay(before: _Onset, after: _Onset) -> _Delay:
     )
 
 
-def _second_gauge_off_time(side: Side) -> Iterator[str]:
+def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
     """Compare the time from the first gauge of a bar to the second with their distance."""
-    if len(side.distances) < 2:
+    if len(bar.distances) < 2:
         return
-    apart = abs(float(side.distances[1] - side.distances[0]))
-    delay = _delay(_first_onset(side, 0), _first_onset(side, 1))
-    if delay.contradicts(apart / side.speed):
+    apart = abs(float(bar.distances[1] - bar.distances[0]))
+    delay = _delay(_first_onset(bar, 0), _first_onset(bar, 1))
+    if delay.contradicts(apart / bar.speed):
         yield (
             f"the pulse takes {format_si(delay.middle, 's', 3)} from the first gauge of the "
-            f"{_bar_name(side)} to the second; their distance, {format_si(apart, 'm', 3)}, "
-            f"and the bar speed, {side.speed:.0f} m/s, say "
-            f"{format_si(apart / side.speed, 's', 3)}; check both distances (the delay fits "
-            f"{format_si(delay.middle * side.speed, 'm', 3)} between the gauges) and the bar speed"
+            f"{_bar_name(bar)} to the second; their distance, {format_si(apart, 'm', 3)}, "
+            f"and the bar speed, {bar.speed:.0f} m/s, say "
+            f"{format_si(apart / bar.speed, 's', 3)}; check both distances (the delay fits "
+            f"{format_si(delay.middle * bar.speed, 'm', 3)} between the gauges) and the bar speed"
         )
 
 
-def _reflected_wave_off_time(side: Side) -> Iterator[str]:
+def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
     """Compare the time from the incident to the reflected wave at a single input gauge."""
-    if len(side.distances) > 1:
+    if len(bar.distances) > 1:
         return
-    reflected = _reflected_onset(side)
+    reflected = _reflected_onset(bar)
     if reflected is None:
         return
-    distance = float(side.distances[0])
-    travel = 2 * distance / side.speed
-    delay = _delay(_first_onset(side), reflected)
+    distance = float(bar.distances[0])
+    travel = 2 * distance / bar.speed
+    delay = _delay(_first_onset(bar), reflected)
     if delay.contradicts(travel):
-        fitting = delay.middle * side.speed / 2
+        fitting = delay.middle * bar.speed / 2
         yield (
             f"the reflected wave arrives {format_si(delay.middle, 's', 3)} after the incident "
             f"wave; the distance of the input gauge, {format_si(distance, 'm', 3)}, and the bar "
-            f"speed, {side.speed:.0f} m/s, say {format_si(travel, 's', 3)}; check the distance "
+            f"speed, {bar.speed:.0f} m/s, say {format_si(travel, 's', 3)}; check the distance "
             f"(the delay fits {format_si(fitting, 'm', 3)}) and the bar speed, which "
             "ri.calibrate measures"
         )
 
 
-def _reflected_onset(side: Side) -> _Onset | None:
+def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
     """Onset of the first wave at the input gauge before one returns from the struck end.
 
     None without a wave that stands out, or if the record cuts it off.
     """
-    passed = side.front.start + side.front.width + side.front.rise
-    returned = side.foot + 2 * float(side.rod.length) / side.speed
-    between = (side.times > passed) & (side.times < returned)
-    strain = side.strains[0][between]
-    times = side.times[between]
-    faint = np.abs(strain) < REFLECTED_LEAST * abs(side.front.plateau)
+    incident = bar.first_pulse
+    passed = incident.start + incident.width + incident.rise
+    returned = bar.pulse_start + 2 * float(bar.rod.length) / bar.speed
+    between = (bar.times > passed) & (bar.times < returned)
+    strain = bar.strains[0][between]
+    times = bar.times[between]
+    faint = np.abs(strain) < MIN_REFLECTED_RATIO * abs(incident.plateau)
     # the fall of the incident wave is not yet the reflected one
     fallen = np.logical_or.accumulate(faint)
     if faint[fallen].all():
@@ -295,7 +301,7 @@ def _reflected_onset(side: Side) -> _Onset | None:
     strain = strain[fallen]
     times = times[fallen]
     size = np.abs(strain)
-    first = int(np.argmax(size >= FIRST_WAVE_LEAST * size.max()))
+    first = int(np.argmax(size >= MIN_FIRST_WAVE_RATIO * size.max()))
     # a second wave of the other sign, as the specimen unloads, may be the larger one
     turned = strain[first:] * strain[first] < 0
     if turned.any():
@@ -309,20 +315,20 @@ def _reflected_onset(side: Side) -> _Onset | None:
     return _onset(times, strain, pulse)
 
 
-def _transmitted_wave_off_time(
-    first: Side, second: Side, length: float
-) -> Iterator[str]:
+def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterator[str]:
     """Compare the time from the input gauge to the output gauge with their distances."""
-    before = float(first.distances[0])
-    behind = float(second.distances[0])
-    travel = before / first.speed + behind / second.speed
-    delay = _delay(_first_onset(first), _first_onset(second))
-    if delay.contradicts(travel, length / SLOWEST_SPECIMEN):
+    before = float(bars.input.distances[0])
+    behind = float(bars.output.distances[0])
+    input_speed = bars.input.speed
+    output_speed = bars.output.speed
+    travel = before / input_speed + behind / output_speed
+    delay = _delay(_first_onset(bars.input), _first_onset(bars.output))
+    if delay.contradicts(travel, length / SLOWEST_SPECIMEN_SPEED):
         yield (
             f"the transmitted wave arrives {format_si(delay.middle, 's', 3)} after the incident "
             f"wave; the distances of the gauges from the specimen, {format_si(before, 'm', 3)} and "
-            f"{format_si(behind, 'm', 3)}, and the bar speeds, {first.speed:.0f} m/s and "
-            f"{second.speed:.0f} m/s, say {format_si(travel, 's', 3)}; check the distances, that "
+            f"{format_si(behind, 'm', 3)}, and the bar speeds, {input_speed:.0f} m/s and "
+            f"{output_speed:.0f} m/s, say {format_si(travel, 's', 3)}; check the distances, that "
             "both records have one zero of time, and the bar speeds, which ri.calibrate measures"
         )
 
@@ -330,10 +336,10 @@ def _transmitted_wave_off_time(
 # Alignment and forces
 
 
-def _shifts_at_limit(shifts: tuple[float, float], limit: float) -> Iterator[str]:
+def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
     if limit == 0:
         return
-    for wave, shift in zip(("reflected", "transmitted"), shifts, strict=True):
+    for wave, shift in shifts._asdict().items():
         if abs(shift) >= (1 - SHIFT_LIMIT_RTOL) * limit:
             yield (
                 f"the alignment moves the {wave} wave by {format_si(shift, 's', 3)}, the limit of "
@@ -342,16 +348,16 @@ def _shifts_at_limit(shifts: tuple[float, float], limit: float) -> Iterator[str]
             )
 
 
-def _forces_out_of_balance(faces: Faces, impedance: float) -> Iterator[str]:
+def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
     """Compare the forces on both faces while the output force is on its plateau."""
-    size = np.abs(faces.output_force)
-    plateau = size >= NEAR_TOP * size.max()
-    input_force = faces.input_force[plateau]
-    output_force = faces.output_force[plateau]
+    size = np.abs(curve.output_force)
+    plateau = size >= PLATEAU_RATIO * size.max()
+    input_force = curve.input_force[plateau]
+    output_force = curve.output_force[plateau]
     mean = float(np.median(np.abs(input_force) + np.abs(output_force))) / 2
     difference = float(np.median(np.abs(input_force - output_force)))
-    incident_force = (faces.input_force + impedance * faces.input_velocity) / 2
-    limit = BALANCE_LIMIT * mean + INPUT_FORCE_RTOL * np.abs(incident_force).max()
+    incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
+    limit = IMBALANCE_LIMIT * mean + INPUT_FORCE_RTOL * np.abs(incident_force).max()
     if difference > limit:
         yield (
             f"the forces on the two faces differ by {_percent(difference / mean)} of their mean "

@@ -14,18 +14,18 @@ from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..units import format_si
 
-MOST_SAMPLES = 10**7
+MAX_SAMPLES = 10**7
 """Samples of a record with its margins, at most."""
-LOWEST = 1e-9
+MIN_FREQUENCY_STEP = 1e-9
 """Frequency of a low pass times the time step, at least: a lower one ends in round-off."""
-SHORTEST_MEAN = 1e-6
+MIN_MEAN_STEPS = 1e-6
 """Duration of a mean over a step, at least; round-off would dominate shorter means."""
 
 
 def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
     """Gaussian filter whose gain falls to 1/sqrt(2) at a frequency, Hz."""
     # 7.5 standard deviations
-    tail = math.ceil(min(1 / dt / frequency, MOST_SAMPLES))
+    tail = math.ceil(min(1 / dt / frequency, MAX_SAMPLES))
     half = math.log(2) / 2
 
     def gain(f: Floats) -> Floats:
@@ -44,8 +44,8 @@ def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats
     """Response of a Butterworth amplifier at rest before, exact for lines between samples."""
     from scipy import signal
 
-    if frequency * dt < LOWEST:
-        lowest = format_si(LOWEST / dt, "Hz")
+    if frequency * dt < MIN_FREQUENCY_STEP:
+        lowest = format_si(MIN_FREQUENCY_STEP / dt, "Hz")
         raise invalid_argument(
             "frequency", f"must be {lowest} or more, got {frequency}"
         )
@@ -65,7 +65,7 @@ LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
 
 def averaged(values: Floats, times: Floats, duration: float) -> Floats:
     """Means over a duration centred at each sample, exact for straight lines; steps may differ."""
-    if duration < SHORTEST_MEAN * np.diff(times).min():
+    if duration < MIN_MEAN_STEPS * np.diff(times).min():
         return values
     from scipy.interpolate import make_interp_spline
 
@@ -80,7 +80,7 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
 
 def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
     """The pulse after a distance, m, along a `waves.Bar`, without the travel time of long waves."""
-    tail = math.ceil(min(3 * abs(distance) / bar.wave_speed / dt, MOST_SAMPLES))
+    tail = math.ceil(min(3 * abs(distance) / bar.wave_speed / dt, MAX_SAMPLES))
 
     def gain(f: Floats) -> Any:
         return first_mode(f, distance, bar)
@@ -110,8 +110,8 @@ def _filter(
     from scipy import fft
 
     margin = tail + len(values) // 4 + 64
-    if len(values) + 3 * margin > MOST_SAMPLES:
-        message = f"{dt!r} makes the filtered record longer than {MOST_SAMPLES} samples"
+    if len(values) + 3 * margin > MAX_SAMPLES:
+        message = f"{dt!r} makes the filtered record longer than {MAX_SAMPLES} samples"
         remedy = "use resampled(dt) with a longer dt, or a shorter distance"
         raise invalid_argument("dt", f"{message}; {remedy}")
     count = fft.next_fast_len(len(values) + 3 * margin, real=True)

@@ -74,7 +74,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
         )
     heads = _with_units_below(rows)
     if heads is None:
-        heads = [_head_of(cell) for cell in rows[-1]]
+        heads = list(map(_head_of, rows[-1]))
     names = [head.name for head in heads]
     for name in names:
         if names.count(name) > 1:
@@ -102,8 +102,10 @@ def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
     for unit in below:
         if known_units.conversion(unit) is None:
             return None
-    names = [_head_of(cell).name for cell in rows[-2]]
-    return [Head(name, unit) for name, unit in zip(names, below, strict=True)]
+    heads = []
+    for cell, unit in zip(rows[-2], below, strict=True):
+        heads.append(Head(_head_of(cell).name, unit))
+    return heads
 
 
 def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
@@ -122,17 +124,17 @@ def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
 def _head_of(cell: str) -> Head:
     """Name and unit from a cell: ``incident [mV]``, ``incident_mV``, ``incident / mV``."""
     text = cell.strip(" \"'")
-    found = IN_BRACKETS.fullmatch(text)
-    if found and found[1]:
-        return Head(one_line(found[1]), spelt(found[2].strip()))
-    if found:
-        return Head(one_line(found[2]), "")
-    found = AT_THE_END.fullmatch(text)
-    if found and found[1]:
-        unit = spelt(found[2])
+    match = IN_BRACKETS.fullmatch(text)
+    if match and match[1]:
+        return Head(one_line(match[1]), spelt(match[2].strip()))
+    if match:
+        return Head(one_line(match[2]), "")
+    match = AT_THE_END.fullmatch(text)
+    if match and match[1]:
+        unit = spelt(match[2])
         si = known_units.conversion(unit)
         if si and known_units.dimension_of(si.unit) in MEASURED and unit != "1":
-            return Head(one_line(found[1]), unit)
+            return Head(one_line(match[1]), unit)
     return Head(one_line(text), "")
 
 

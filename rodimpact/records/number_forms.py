@@ -48,7 +48,7 @@ class NumberForm(NamedTuple):
         if '"' in line:
             with suppress(csv.Error):  # a cell without an end
                 row = next(csv.reader([line], delimiter=self.delimiter), [])
-        return [cell.strip() for cell in row]
+        return list(map(str.strip, row))
 
     def count_numbers(self, line: str) -> int:
         """How many numbers the line has; 0 if it has anything else."""
@@ -135,11 +135,12 @@ def _forms_from(
     lines: list[str], start: int, forms: list[NumberForm]
 ) -> list[NumberForm]:
     """Forms by which the rows from a line on, or all that follow, have equally many numbers."""
-    rows = [line for line in lines[start : start + 2 * FIRST_ROWS] if line.strip()]
+    rows = list(filter(str.strip, lines[start : start + 2 * FIRST_ROWS]))
     matching = []
     for form in forms:
         count = form.count_numbers(lines[start])
-        if count and all(form.count_numbers(row) == count for row in rows[:FIRST_ROWS]):
+        counts = set(map(form.count_numbers, rows[:FIRST_ROWS]))
+        if count and counts <= {count}:
             matching.append(form)
     return matching
 
@@ -150,7 +151,9 @@ def _chosen(
     """One of the forms that match the first rows; FileFormatError if they leave it open."""
     line = lines[start]
     # a line of one number is that number only if no form finds more
-    several = [form for form in matching if form.count_numbers(line) > 1] or matching
+    several = [form for form in matching if form.count_numbers(line) > 1]
+    if not several:
+        several = matching
     if several[0] == COMMAS:
         last_head = ""
         for head in lines[:start]:
@@ -163,7 +166,7 @@ def _chosen(
                 'decimal comma; give decimal="." or decimal=","'
             )
         return COMMAS
-    # where the first rows are whole numbers, later ones tell the decimal sign
+    # If the first rows are whole numbers, later ones show the decimal sign.
     sign = "."
     if survey.last_comma >= start:
         sign = ","

@@ -25,20 +25,20 @@ from ..storage.reading import FileFormatError, open_regular
 from ..storage.tables import TIMES
 from ..storage.writing import PathLike
 from ..units import shown
-from .signal import EVEN, Signal, signal_of
+from .signal import EQUAL_STEP_RTOL, Signal, signal_of
 from .table import Table
 
-GAP_STEPS = 1.5
-"""Steps from which on samples are missing."""
-HELD_SAMPLES = 8
-"""Samples in a row at the largest value from which on a recorder may be at its limit."""
-HELD_RATIO = 4
-"""How many times as many samples are held at the limit as at any other value."""
-UNEVEN_SHARE = 0.1
-"""Share of steps off the usual one from which on times are uneven on purpose."""
+MIN_GAP_RATIO = 1.5
+"""Smallest time step between which samples are missing, over the usual step."""
+MIN_CLIPPED_SAMPLES = 8
+"""Equal samples in a row at the largest value, at least, of a recorder at its limit."""
+MIN_CLIPPED_RATIO = 4
+"""Equal samples in a row at the largest value, over those at any other value, at least."""
+MIN_UNEVEN_RATIO = 0.1
+"""Smallest part of the steps that differ from the usual one if times are uneven on purpose."""
 BLOCK_SAMPLES = 1 << 16
 """Samples that are searched for runs of equal ones at a time."""
-TIMES_FILE = 4
+MEMORY_RATIO = 4
 """Bytes of memory for each byte of a table."""
 
 Ints: TypeAlias = NDArray[np.intp]
@@ -150,7 +150,7 @@ def read_signals(
     with open_regular(path) as file:
         memory.check_file(
             file.name,
-            TIMES_FILE * os.fstat(file.fileno()).st_size,
+            MEMORY_RATIO * os.fstat(file.fileno()).st_size,
             "cut it into shorter records",
         )
         try:
@@ -177,10 +177,12 @@ def _signals(
     time_column = None
     if rate is None:
         time_column = _time_column(table, time)
-    elif named := _named_times(table):
-        raise FileFormatError(
-            f"has a column of times, {shown(named[0])}; leave rate out"
-        )
+    else:
+        time_columns = _named_times(table)
+        if time_columns:
+            raise FileFormatError(
+                f"has a column of times, {shown(time_columns[0])}; leave rate out"
+            )
     channels = {name: j for j, name in enumerate(table.names) if j != time_column}
     if time_column is not None:
         times = _times(table, time_column, time_unit)
@@ -189,10 +191,10 @@ def _signals(
         times = np.arange(float(rows))
         times /= rate
     times.flags.writeable = False
-    own_units = _units_of(channels, units)
+    user_units = _units_of(channels, units)
     signals = {}
     for name, j in channels.items():
-        unit = own_units.get(name)
+        unit = user_units.get(name)
         if unit is None:
             unit = table.units[j]
         doubt = _clipping(table, j)
@@ -210,19 +212,22 @@ def _named_times(table: Table) -> list[str]:
 
 def _time_column(table: Table, time: str | None) -> int:
     """Index of the column of times; FileFormatError if that is not a single one."""
-    found = _named_times(table)
+    candidates = _named_times(table)
+    expected = "time"
     if table.names[0] == "1":  # without heads the times are the first column
-        found = ["1"]
+        candidates = ["1"]
     if time is not None:
-        found = [time]
-    if len(found) != 1 or found[0] not in table.names or len(table.names) < 2:
+        candidates = [time]
+        expected = time
+    is_one = len(candidates) == 1 and candidates[0] in table.names
+    if not is_one or len(table.names) < 2:
         heads = ", ".join(map(shown, table.names[:8]))
         raise FileFormatError(
-            f"must have one column called {shown(time or 'time')} and another one, has "
+            f"must have one column called {shown(expected)} and another one, has "
             f"{heads}; give the head of one as time=, or give rate=, the sampling rate in "
             "Hz"
         )
-    return table.names.index(found[0])
+    return table.names.index(candidates[0])
 
 
 def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
@@ -256,7 +261,9 @@ def _take_in_si(
 def _times(table: Table, column: int, unit: str | None) -> Floats:
     """Times in s, increasing and without gaps."""
     name = shown(table.names[column])
-    times, si = _take_in_si(table, column, unit or table.units[column], "time_unit")
+    if not unit:
+        unit = table.units[column]
+    times, si = _take_in_si(table, column, unit, "time_unit")
     if si != "s":
         raise FileFormatError(
             f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', 'us', "
@@ -279,10 +286,10 @@ def _times(table: Table, column: int, unit: str | None) -> Floats:
         "and give rate",
     )
     usual = np.median(steps)
-    late = steps > GAP_STEPS * usual
+    late = steps > MIN_GAP_RATIO * usual
     steps -= usual
     np.abs(steps, out=steps)
-    if np.mean(steps > EVEN * usual) < UNEVEN_SHARE:
+    if np.mean(steps > EQUAL_STEP_RTOL * usual) < MIN_UNEVEN_RATIO:
         refuse_if(
             late, "samples are missing; cut the record there, or fill in the samples"
         )
@@ -298,15 +305,15 @@ def _clipping(table: Table, column: int) -> str:
     longest_start = 0
     longest_other = 0
     for starts, lengths in _runs(values):
-        held = values[starts]
-        at_limit = ((held == low) | (held == high)) & (held != values[0])
+        level = values[starts]
+        at_limit = ((level == low) | (level == high)) & (level != values[0])
         lengths_at_limit = np.where(at_limit, lengths, 0)
         k = int(lengths_at_limit.argmax())
         if lengths_at_limit[k] > longest:
             longest = int(lengths[k])
             longest_start = int(starts[k])
         longest_other = max(longest_other, int(np.where(at_limit, 0, lengths).max()))
-    if longest < max(HELD_SAMPLES, HELD_RATIO * longest_other):
+    if longest < max(MIN_CLIPPED_SAMPLES, MIN_CLIPPED_RATIO * longest_other):
         return ""
     return (
         f"column {shown(table.names[column])} stays at {values[longest_start]:.6g} for "
@@ -318,7 +325,7 @@ def _clipping(table: Table, column: int) -> str:
 def _runs(values: Floats) -> Iterator[tuple[Ints, Ints]]:
     """Starts and lengths of runs of equal samples, block by block."""
     count = len(values)
-    begin = 0  # of the run that goes on from the block before
+    begin = 0  # start of the run that goes on from the block before
     for start in range(0, count, BLOCK_SAMPLES):
         # a block ends with the first sample of the next one
         block = values[start : start + BLOCK_SAMPLES + 1]

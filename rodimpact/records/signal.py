@@ -34,9 +34,13 @@ from ..storage.extras import optional
 from ..storage.tables import heading, write_table
 from ..units import shown
 from . import filters
-from .comparison import Bounds, Misfit, Pulse, misfit_of, pulse_of
+from .comparison import Bounds, Misfit, Range, TimeSeries, misfit_of
+from .pulses import Pulse, pulse_of
 
-EVEN = 0.05  # of a step: how far times may be off equal steps, as printed digits leave them
+EQUAL_STEP_RTOL = 0.05
+"""Bounds the distance of times from equal steps, over a step: times are rounded in files."""
+RECORD_END_RTOL = 1e-9
+"""Bounds the distance of a time beyond an end of a record, over the length of the record."""
 
 
 class Signal(Frozen):
@@ -98,14 +102,17 @@ class Signal(Frozen):
         unit: str = "",
         name: str = "",
     ) -> None:
-        for field, word in (("unit", unit), ("name", name)):
-            if not isinstance(word, str) or not word.isprintable():
-                raise invalid_argument(field, f"must be a word, got {shown(word)}")
-        if (si := units.conversion(unit)) and si.factor != 1:
+        _check_word("unit", unit)
+        _check_word("name", name)
+        conversion = units.conversion(unit)
+        if conversion is not None and conversion.factor != 1:
+            si_unit = "units"
+            if conversion.unit:
+                si_unit = conversion.unit
+            message = f"must be an SI unit, got {shown(unit)}; give the values in "
+            factor = float(conversion.factor)
             raise invalid_argument(
-                "unit",
-                f"must be an SI unit, got {shown(unit)}; give the values in "
-                f"{si.unit or 'units'}, multiplied by {float(si.factor):g}",
+                "unit", f"{message}{si_unit}, multiplied by {factor:g}"
             )
         v = _samples("values", values, unit)
         if (times is None) == (dt is None):
@@ -150,12 +157,10 @@ class Signal(Frozen):
         """
         count = len(self.times) - 1
         step = (self.end - self.start) / count
-        off = (
-            np.abs(self.times - (self.start + step * np.arange(count + 1)))
-            > EVEN * step
-        )
-        if off.any():
-            i = int(off.argmax())
+        equal = self.start + step * np.arange(count + 1)
+        is_off = np.abs(self.times - equal) > EQUAL_STEP_RTOL * step
+        if is_off.any():
+            i = int(is_off.argmax())
             raise ValueError(
                 f"{self._title}: the samples are not at equal steps (sample {i} is at "
                 f"{float(self.times[i])!r} s); use resampled(dt)"
@@ -164,7 +169,9 @@ class Signal(Frozen):
 
     @property
     def _title(self) -> str:
-        return f"signal {self.name!r}" if self.name else "signal"
+        if self.name:
+            return f"signal {self.name!r}"
+        return "signal"
 
     def __len__(self) -> int:
         return len(self.values)
@@ -172,9 +179,10 @@ class Signal(Frozen):
     def at(self, t: ArrayLike) -> Number:
         """Values at times in s; ValueError outside of the record."""
         t = array("t", t, "s")
-        room = 1e-9 * (self.end - self.start)
+        slack = RECORD_END_RTOL * (self.end - self.start)
+        inside = (t >= self.start - slack) & (t <= self.end + slack)
         message = f"must be from {self.start!r} to {self.end!r} s, as the signal is, got {{0!r}}"
-        demand((t >= self.start - room) & (t <= self.end + room), "t", message, t)
+        demand(inside, "t", message, t)
         return float_or_array(np.interp(t, self.times, self.values))
 
     def resampled(
@@ -195,10 +203,10 @@ class Signal(Frozen):
         if times is None:
             step = scalar("dt", dt, "s", "positive")
             count = (self.end - self.start) / step * (1 + 1e-12)
-            if not 1 <= count < filters.MOST_SAMPLES:
+            if not 1 <= count < filters.MAX_SAMPLES:
                 message = f"{step} makes {count + 1:.3g} samples of {self._title}"
                 raise invalid_argument(
-                    "dt", f"{message}; give a dt that makes 2 to {filters.MOST_SAMPLES}"
+                    "dt", f"{message}; give a dt that makes 2 to {filters.MAX_SAMPLES}"
                 )
             times = self.start + step * np.arange(int(count) + 1)
         return self.replace(values=self.at(times), times=times)
@@ -223,26 +231,14 @@ class Signal(Frozen):
         ValueError
             If the samples are not at equal steps, or a time is negative or too long.
         """
-        step, counts = self.dt, []
-        for name, given in (("before", before), ("after", after)):
-            count = scalar(name, given, "s") / step
-            if not 0 <= count < filters.MOST_SAMPLES:
-                message = (
-                    f"must be 0 or more, and at most {filters.MOST_SAMPLES} samples"
-                )
-                raise invalid_argument(name, f"{message}, got {given}")
-            counts.append(math.ceil(count * (1 - 1e-12)))
-        ahead, behind = counts
-        times = np.concatenate(
-            (
-                self.start - step * np.arange(ahead, 0, -1),
-                self.times,
-                self.end + step * np.arange(1, behind + 1),
-            )
-        )
-        return self.replace(
-            values=np.pad(self.values, (ahead, behind), "edge"), times=times
-        )
+        step = self.dt
+        n_before = _number_of_steps("before", before, step)
+        n_after = _number_of_steps("after", after, step)
+        times_before = self.start - step * np.arange(n_before, 0, -1)
+        times_after = self.end + step * np.arange(1, n_after + 1)
+        times = np.concatenate((times_before, self.times, times_after))
+        values = np.pad(self.values, (n_before, n_after), "edge")
+        return self.replace(values=values, times=times)
 
     def baseline(self, start: float, end: float) -> Signal:
         """Return the signal minus its mean from start to end, s."""
@@ -250,7 +246,8 @@ class Signal(Frozen):
 
     def _within(self, start: float, end: float) -> Any:
         """Which samples lie between these times."""
-        low, high = scalar("start", start, "s"), scalar("end", end, "s")
+        low = scalar("start", start, "s")
+        high = scalar("end", end, "s")
         inside = (self.times >= low) & (self.times <= high)
         if inside.sum() < 2:
             message = f"fewer than two samples lie from {low!r} to {high!r} s"
@@ -388,9 +385,10 @@ class Signal(Frozen):
             averaged = filters.averaged(self.values, self.times, length / c)
             signal = self.replace(values=averaged)
         if bandwidth is not None:
-            signal = signal.low_pass(
-                bandwidth, "first-order" if order == 1 else "second-order"
-            )
+            kind: Literal["first-order", "second-order"] = "first-order"
+            if order == 2:
+                kind = "second-order"
+            signal = signal.low_pass(bandwidth, kind)
         return signal * scalar("scale", scale, "") + scalar("offset", offset, self.unit)
 
     def pulse(self) -> Pulse:
@@ -452,20 +450,22 @@ class Signal(Frozen):
         of_kind("other", other, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         if scale is not None:
             self._same_unit(other, "compared with a fixed scale; leave scale out")
-        pair = (self.times, self.values), (other.times, other.values)
         return misfit_of(
-            *pair, bounds_of("shift", shift, "s"), bounds_of("scale", scale, "")
+            TimeSeries(self.times, self.values),
+            TimeSeries(other.times, other.values),
+            bounds_of("shift", shift, "s"),
+            bounds_of("scale", scale, ""),
         )
 
     def _same_unit(self, other: Signal, done: str) -> None:
         if self.unit != other.unit:
-            mine, theirs = self.unit or "pure numbers", other.unit or "pure numbers"
             raise ValueError(
-                f"{self._title} is in {mine} and {other._title} in {theirs}; they cannot be {done}"
+                f"{self._title} is in {_unit_text(self.unit)} and {other._title} in "
+                f"{_unit_text(other.unit)}; they cannot be {done}"
             )
 
     def _operand(self, other: Any, done: str) -> Any:
-        """What is added: a number in `unit`, or the values of a signal of the same times."""
+        """The addend: a number in `unit`, or the values of a signal at the same times."""
         if not isinstance(other, Signal):
             return _single_number(other, self.unit)
         self._same_unit(other, done)
@@ -508,17 +508,22 @@ class Signal(Frozen):
             If the file exists and `force` is false. InvalidModel If the name of the signal cannot
             be a head of the table.
         """
-        heads = heading("time", "s"), heading(self.name or "signal", self.unit)
-        write_table(path, heads, [(self.times, self.values)], force=force)
+        name = self.name if self.name else "signal"
+        headers = (heading("time", "s"), heading(name, self.unit))
+        write_table(path, headers, [(self.times, self.values)], force=force)
 
     def to_xarray(self) -> Any:
         """Return an xarray DataArray over ``time``, with units (extra ``xarray``)."""
         xarray = optional("xarray", "xarray")
         time = ("time", self.times, {"long_name": "time", "units": "s"})
-        said = {"long_name": self.name or "signal", "units": self.unit or "1"}
-        return xarray.DataArray(
-            self.values, {"time": time}, "time", self.name or None, said
-        )
+        attributes = {"long_name": "signal", "units": "1"}
+        name = None
+        if self.name:
+            name = self.name
+            attributes["long_name"] = name
+        if self.unit:
+            attributes["units"] = self.unit
+        return xarray.DataArray(self.values, {"time": time}, "time", name, attributes)
 
     @classmethod
     def from_xarray(cls, data: Any) -> Signal:
@@ -533,15 +538,18 @@ class Signal(Frozen):
             raise invalid_argument(
                 "data", f"must be a DataArray of one dimension, got {shown(data)}"
             )
-        over = data[data.dims[0]]
-        times, second = units.in_si(over.values, over.attrs.get("units"))
+        axis = data[data.dims[0]]
+        times, time_unit = units.in_si(axis.values, axis.attrs.get("units"))
         values, unit = units.in_si(data.values, data.attrs.get("units"))
-        if second != "s":
-            given = shown(over.attrs["units"])
+        if time_unit != "s":
+            message = "must be times, with .attrs['units'] = 's'"
             raise invalid_argument(
-                data.dims[0], f"must be times, with .attrs['units'] = 's', got {given}"
+                data.dims[0], f"{message}, got {shown(axis.attrs['units'])}"
             )
-        return cls(values, times, unit=unit, name=str(data.name or ""))
+        name = ""
+        if data.name:
+            name = str(data.name)
+        return cls(values, times, unit=unit, name=name)
 
 
 def signal_of(values: Floats, times: Floats, unit: str, name: str) -> Signal:
@@ -565,26 +573,48 @@ def _single_number(number: Any, unit: str) -> float:
     return checked.item()
 
 
-def _samples(path: str, given: Any, unit: str) -> Array:
+def _samples(name: str, numbers: Any, unit: str) -> Array:
     """Samples as a read-only array."""
-    samples = array(path, given, unit, "any")
+    samples = array(name, numbers, unit, "any")
     if samples.ndim != 1 or samples.size < 2:
         raise invalid_argument(
-            path, f"must be a list of two or more numbers, got {shown(given)}"
+            name, f"must be a list of two or more numbers, got {shown(numbers)}"
         )
     samples.flags.writeable = False
     return samples
 
 
-def bounds_of(name: str, given: Any, unit: str) -> tuple[float, float] | None:
-    """Lower and upper bound: of a number, of two, or None if it is free."""
-    if given is None:
+def _check_word(name: str, word: Any) -> None:
+    """InvalidModel if an argument is no text that can be printed."""
+    if not isinstance(word, str) or not word.isprintable():
+        raise invalid_argument(name, f"must be a word, got {shown(word)}")
+
+
+def _unit_text(unit: str) -> str:
+    """Name of a unit in messages."""
+    if unit:
+        return unit
+    return "pure numbers"
+
+
+def _number_of_steps(name: str, duration: Any, step: float) -> int:
+    """Number of time steps, s, that cover a duration, s, which is an argument."""
+    count = scalar(name, duration, "s") / step
+    if not 0 <= count < filters.MAX_SAMPLES:
+        message = f"must be 0 or more, and at most {filters.MAX_SAMPLES} samples"
+        raise invalid_argument(name, f"{message}, got {duration}")
+    return math.ceil(count * (1 - 1e-12))
+
+
+def bounds_of(name: str, bounds: Any, unit: str) -> Range | None:
+    """Lower and upper bound; a single number is both, None is free."""
+    if bounds is None:
         return None
-    ends = array(name, given, unit, "any")
+    ends = array(name, bounds, unit, "any")
     if ends.ndim == 0:
         return ends.item(), ends.item()
     if ends.shape != (2,) or ends[0] > ends[1]:
         raise invalid_argument(
-            name, f"must be a number, or (low, high), got {shown(given)}"
+            name, f"must be a number, or (low, high), got {shown(bounds)}"
         )
     return float(ends[0]), float(ends[1])

@@ -202,6 +202,7 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Kink": [lambda: ri.Kink(0.1, 0.2, 0.0)],
     "Law": [lambda: ri.Law(linear)],
     "Material": [lambda: METAL],
+    "MeanCurve": [lambda: ri.mean_of_shots([reduction(), reduction()], 5)],
     "Measured": [measured],
     "Misfit": [lambda: VOLTS.misfit(VOLTS)],
     "Moved": [lambda: ri.Moved(1.0)],
@@ -220,7 +221,6 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Rod": [lambda: ROD],
     "Samples": [lambda: ri.Samples([1.0, 2.0])],
     "Segment": [lambda: ri.Segment(0.1, 1e-4, METAL)],
-    "Shots": [lambda: ri.mean_of_shots([reduction(), reduction()], 5)],
     "Signal": [lambda: VOLTS],
     "Solution": [exact_solution, piecewise_solution, grid_solution, refined_solution],
     "Specimen": [lambda: ri.Specimen(5e-3, area=5e-5)],
@@ -248,8 +248,8 @@ ABLE = {"Solution.field_error": [refined_solution]}
 RETURNED = {
     "Atlas", "Axis", "Calibration", "ClosedForm", "ContactHistory", "ContactTally",
     "Descent", "EnergyLedger", "Episode", "Exact", "ExtremeStress", "FieldError", "Fit",
-    "Fitted", "Gauge", "Gradient", "Kink", "Misfit", "Outcome", "Page", "Pulse", "Reduction",
-    "Regions", "RingDown", "Shots", "Solution", "StressPeak", "SweepResult",
+    "Fitted", "Gauge", "Gradient", "Kink", "MeanCurve", "Misfit", "Outcome", "Page", "Pulse",
+    "Reduction", "Regions", "RingDown", "Solution", "StressPeak", "SweepResult",
     "design.PulseDesign", "rigid.RigidCollision", "rigid.StackDrop", "theory.PairCollision",
 }  # fmt: skip
 """Classes that the package returns. Users read their attributes and do not construct them."""

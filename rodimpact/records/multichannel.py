@@ -59,18 +59,19 @@ def write_signals(
     ['time [s],force [N]', '0.0,0.0', '0.5,2.0', '1.0,0.0']
     """
     times = _times_of(signals)
-    problems: Problems = [
-        ("signals", said) for name in signals if (said := misnamed(name))
-    ]
+    problems: Problems = []
+    headers = [heading("time", "s")]
+    columns = [times]
+    for name, signal in signals.items():
+        fault = misnamed(name)
+        if fault:
+            problems.append(("signals", fault))
+        else:
+            headers.append(heading(name, signal.unit))
+            columns.append(signal.values)
     if problems:
         raise InvalidModel(problems)
-    heads = [
-        heading("time", "s"),
-        *(heading(name, s.unit) for name, s in signals.items()),
-    ]
-    write_table(
-        path, heads, [[times, *(s.values for s in signals.values())]], force=force
-    )
+    write_table(path, headers, [columns], force=force)
 
 
 def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
@@ -96,9 +97,10 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     """
     _times_of(signals)
     xarray = optional("xarray", "xarray")
-    return xarray.Dataset(
-        {name: signal.to_xarray() for name, signal in signals.items()}
-    )
+    variables = {}
+    for name, signal in signals.items():
+        variables[name] = signal.to_xarray()
+    return xarray.Dataset(variables)
 
 
 def signals_from_xarray(data: Any) -> dict[str, Signal]:
@@ -129,9 +131,10 @@ def signals_from_xarray(data: Any) -> dict[str, Signal]:
     """
     if not hasattr(data, "data_vars"):
         raise invalid_argument("data", f"must be an xarray Dataset, got {shown(data)}")
-    return {
-        str(name): Signal.from_xarray(each) for name, each in data.data_vars.items()
-    }
+    signals = {}
+    for name, variable in data.data_vars.items():
+        signals[str(name)] = Signal.from_xarray(variable)
+    return signals
 
 
 def _times_of(signals: Any) -> Floats:

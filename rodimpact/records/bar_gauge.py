@@ -1,0 +1,70 @@
+"""A strain gauge on a bar: its record, and its distance from the specimen."""
+
+import numpy as np
+
+from ..model.arguments import of_kind
+from ..model.frozen import FrozenDataclass, Problems, quantity
+from .signal import Signal
+
+SIGNAL_EXAMPLE = "bridge.strain(volts)"
+GAUGE_EXAMPLE = "ri.BarGauge(bridge.strain(volts), distance=0.5)"
+
+
+class BarGauge(FrozenDataclass):
+    """A strain gauge on a bar, what it recorded, and how far it is from the specimen.
+
+    Parameters
+    ----------
+    signal : Signal
+        Record of strain, or of volts if a `gain` is given. The time steps are equal, and the bar is
+        at rest before the pulse.
+    distance : float
+        From the gauge to the face of the bar at the specimen, m.
+    opposite : Signal, optional
+        Record of the gauge on the opposite side of the bar, at the same times. Bending drops out of
+        the mean of both records.
+    gain : float
+        Strain for each unit of the signal.
+
+    Raises
+    ------
+    InvalidModel
+        If an argument is invalid; the error names every invalid argument.
+
+    Examples
+    --------
+    >>> BarGauge(Signal([0.0, -1e-3, 0.0], dt=1e-6), distance=0.5).distance
+    0.5
+    """
+
+    signal: Signal
+    distance: float = quantity("m", "non-negative", scalar=True)
+    opposite: Signal | None = None
+    gain: float = quantity("", default=1.0, scalar=True)
+
+    def _check(self, problems: Problems) -> None:
+        of_kind("signal", self.signal, Signal, SIGNAL_EXAMPLE)
+        if self.opposite is not None:
+            of_kind("opposite", self.opposite, Signal, SIGNAL_EXAMPLE)
+        if self.signal.unit and np.array_equal(self.gain, 1):
+            message = f"must be strain, got {self.signal.unit}"
+            problems.append(
+                ("signal", f"{message}; give bridge.strain(volts), or a gain")
+            )
+        if not problems:
+            _ = self.strain  # the opposite gauge must have the same times and unit
+
+    @property
+    def strain(self) -> Signal:
+        """Mean strain of the cross-section, with the sign of the signal."""
+        signal = self.signal
+        if self.opposite is not None:
+            signal = (signal + self.opposite) / 2
+        return (signal * self.gain).replace(unit="")
+
+    @property
+    def bending(self) -> Signal | None:
+        """Bending strain: half the difference of both sides; None if only one side has a gauge."""
+        if self.opposite is None:
+            return None
+        return ((self.signal - self.opposite) / 2 * self.gain).replace(unit="")

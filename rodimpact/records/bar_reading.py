@@ -1,0 +1,174 @@
+"""Check the bars and gauges of a shot, and sample all gauges of a bar at the same times."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from ..model import Rod, System
+from ..model.arguments import of_kind, one_of
+from ..model.frozen import invalid_argument
+from ..model.quantities import Floats
+from ..units import shown
+from .bar_gauge import GAUGE_EXAMPLE, BarGauge
+from .instrumented_bar import InstrumentedBar, InstrumentedBars
+from .pulses import Pulse, pulse_of
+from .signal import Signal
+
+Compression: TypeAlias = Literal["negative", "positive"]
+SIGN_OF_COMPRESSION = {"negative": -1.0, "positive": 1.0}
+"""Factor from a record to compressive strain, by the sign of compressions in the record."""
+MIN_REST_SAMPLES = 16
+"""Samples before the pulse, at least, from which baseline and noise are taken."""
+REST_END = 1.5
+"""Time from the end of the rest to a tenth of the plateau of the pulse, over its rise time."""
+SMOOTHED_SAMPLES = 5
+"""Samples of a mean by which the first pulse is found: one sample of noise is no pulse."""
+FIRST_PULSE_RATIO = 0.4
+"""Bounds the strain of the first pulse over the largest strain of the record."""
+
+
+def instrumented_bars(
+    input_gauges: Any, output_gauges: Any, bars: Any, compression: Any
+) -> InstrumentedBars:
+    """Both bars with the records of their gauges."""
+    one_of("compression", compression, SIGN_OF_COMPRESSION)
+    rods = bars
+    if not isinstance(bars, tuple | list):
+        rods = (bars, bars)
+    if len(rods) != 2 or not all(map(_is_uniform, rods)):
+        message = "must be a uniform Rod, two uniform Rods, or a Calibration"
+        raise invalid_argument("bars", f"{message}, got {shown(bars)}")
+    first, second = rods
+    return InstrumentedBars(
+        _instrumented_bar("input_gauges", input_gauges, first, False, compression),
+        _instrumented_bar("output_gauges", output_gauges, second, True, compression),
+    )
+
+
+def _is_uniform(rod: Any) -> bool:
+    """Whether it is a single rod of one section and one material."""
+    if not isinstance(rod, Rod) or len(rod.segments) != 1:
+        return False
+    return not rod.segments[0].tapered and not System([rod]).shape
+
+
+class _Record(NamedTuple):
+    """One gauge, its first pulse, and its compressive strain at the times of its bar."""
+
+    gauge: BarGauge
+    first_pulse: Pulse
+    strain: Floats
+
+
+def _instrumented_bar(
+    name: str, gauges: Any, rod: Rod, is_output: bool, compression: str
+) -> InstrumentedBar:
+    """A bar with the records of its gauges, which are the argument `name`."""
+    checked = _checked_gauges(name, gauges, rod)
+    signals = [gauge.strain for gauge in checked]
+    times = _common_times(name, signals)
+    records = []
+    for gauge, signal in zip(checked, signals, strict=True):
+        strain = np.asarray(signal.at(np.minimum(times.values, times.end)))
+        compressive = SIGN_OF_COMPRESSION[compression] * strain
+        pulse = _first_pulse(name, times.values, compressive, compression)
+        records.append(_Record(gauge, pulse, compressive))
+    records.sort(key=lambda record: record.first_pulse.start)
+    rest_samples = _rest_samples(name, times, records[0].first_pulse)
+    distances = []
+    strains = []
+    for record in records:
+        distances.append(record.gauge.distance)
+        strains.append(record.strain - record.strain[:rest_samples].mean())
+    return InstrumentedBar(
+        rod=rod,
+        is_output=is_output,
+        gauges=tuple(record.gauge for record in records),
+        first_pulses=tuple(record.first_pulse for record in records),
+        distances=np.array(distances),
+        strains=np.array(strains),
+        times=times.values,
+        dt=times.dt,
+        rest_samples=rest_samples,
+    )
+
+
+def _checked_gauges(name: str, gauges: Any, rod: Rod) -> list[BarGauge]:
+    """The one gauge or two of a bar."""
+    checked: list[Any] = [gauges]
+    if isinstance(gauges, tuple | list):
+        checked = list(gauges)
+    distances = set()
+    for gauge in checked:
+        of_kind(name, gauge, BarGauge, GAUGE_EXAMPLE)
+        distances.add(gauge.distance)
+        if gauge.distance >= float(rod.length):
+            message = f"a gauge is {gauge.distance:g} m from the specimen"
+            raise invalid_argument(
+                name, f"{message}, but the bar is only {float(rod.length):g} m long"
+            )
+    if not 1 <= len(checked) <= 2 or len(distances) < len(checked):
+        raise invalid_argument(name, "must be one gauge, or two at different distances")
+    return checked
+
+
+class _Times(NamedTuple):
+    """The times at which all gauges of a bar are sampled, s."""
+
+    values: Floats
+    dt: float
+    end: float  # last time that all records contain
+
+
+def _common_times(name: str, strains: list[Signal]) -> _Times:
+    """Times that all records of a bar contain, at the steps of the first one."""
+    dt = strains[0].dt
+    start = max(strain.start for strain in strains)
+    end = min(strain.end for strain in strains)
+    if end - start < 2 * MIN_REST_SAMPLES * dt:
+        raise invalid_argument(name, "the records of the gauges do not overlap in time")
+    steps = int((end - start) / dt * (1 + 1e-12))
+    return _Times(start + dt * np.arange(steps + 1), dt, end)
+
+
+def _rest_samples(name: str, times: _Times, pulse: Pulse) -> int:
+    """Number of samples before the first pulse of a bar."""
+    start = float(times.values[0])
+    count = int((pulse.start - REST_END * pulse.rise - start) / times.dt)
+    if count < MIN_REST_SAMPLES:
+        message = f"the record begins {pulse.start - start:.3g} s before the pulse"
+        remedy = f"{MIN_REST_SAMPLES} samples before it are needed for the baseline"
+        raise invalid_argument(name, f"{message}; {remedy}")
+    return count
+
+
+def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> Pulse:
+    """Timing of the first pulse of a record, which is cut off where this pulse is over.
+
+    `strain` is positive in compression if `compression`, the sign in the records, is right.
+    """
+    values = strain - np.median(strain[:MIN_REST_SAMPLES])
+    window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES
+    smooth = np.convolve(values, window, "same")
+    is_high = np.abs(smooth) > FIRST_PULSE_RATIO * np.abs(values).max()
+    first = int(np.argmax(is_high))
+    if smooth[first] <= 0:
+        (other,) = SIGN_OF_COMPRESSION.keys() - {compression}
+        raise invalid_argument(
+            name,
+            "must begin with a compression; give "
+            f'compression="{other}" if the signs differ',
+        )
+    below = np.flatnonzero(smooth[first:] <= 0)
+    past = len(values)
+    if below.size:
+        past = first + int(below[0]) + 1
+    # how the pulse ends does not matter here
+    ended = np.append(values[:past], 0.0)
+    dt = times[1] - times[0]
+    try:
+        return pulse_of(times[0] + dt * np.arange(past + 1), ended)
+    except ValueError as error:
+        raise invalid_argument(name, str(error)) from None

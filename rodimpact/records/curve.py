@@ -1,0 +1,69 @@
+"""What follows from the waves at both faces of a specimen by linear formulae."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..model.arguments import array
+from ..model.frozen import invalid_argument
+from ..model.quantities import Floats
+from ..units import shown
+from .specimen import Specimen
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Columns of `Reduction` that are linear in the gauge strains; shape (n,) each."""
+
+    times: Floats
+    strain: Floats
+    strain_rate: Floats
+    input_force: Floats
+    output_force: Floats
+    input_velocity: Floats
+    output_velocity: Floats
+    specimen: Specimen
+
+    @property
+    def stress(self) -> Floats:
+        """Nominal stress from the transmitted wave alone, Pa, shape (n,)."""
+        return self.output_force / self.specimen.section
+
+    @property
+    def loading(self) -> slice:
+        """Samples up to the largest strain."""
+        return slice(0, int(self.strain.argmax()) + 1)
+
+    def at_strain(self, strain: Any, column: Floats) -> Floats:
+        """A column while loading, at strains instead of times.
+
+        Parameters
+        ----------
+        strain : float or array
+            Strains; below the first and above the largest strain of the shot, its first and its
+            last value hold.
+        column : array, shape (n,)
+            One of the columns, such as ``reduction.stress``.
+
+        Raises
+        ------
+        InvalidModel
+            If the column has not as many numbers as `times`.
+        """
+        strains = array("strain", strain, "", "any")
+        numbers = array("column", column, "")
+        if numbers.shape != self.times.shape:
+            message = f"must be a column of {len(self.times)} numbers, such as .stress"
+            raise invalid_argument("column", f"{message}, got {shown(column)}")
+        reached = np.maximum.accumulate(self.strain[self.loading])
+        interpolated: Floats = np.interp(strains, reached, numbers[self.loading])
+        return interpolated
+
+
+def integral(rate: Floats, times: Floats) -> Floats:
+    """Integral from the first time on, by trapezia."""
+    from scipy.integrate import cumulative_trapezoid
+
+    total: Floats = cumulative_trapezoid(rate, times, initial=0)
+    return total

@@ -1,0 +1,130 @@
+"""Reduce a shot: from the gauges of two bars to stress, strain and energy of the specimen."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from ..model.arguments import of_kind, scalar
+from ..model.bodies import Rod
+from ..model.frozen import Problems, invalid_argument, raise_if_problems
+from ..progress import Progress, ProgressFunction, check_progress
+from .bar_reading import Compression, instrumented_bars
+from .calibration import Calibration, with_gains
+from .doubts import DoubtfulReduction, doubts_of
+from .reduction import Reduction
+from .separation import separated_until
+from .shot import Shot
+from .specimen import Specimen
+
+MIN_CURVE_SAMPLES = 16
+"""Samples of a curve, at least."""
+
+
+def reduce(
+    input_gauges: Any,
+    output_gauges: Any,
+    bars: Rod | tuple[Rod, Rod] | Calibration,
+    specimen: Specimen,
+    *,
+    compression: Compression = "negative",
+    align_within: float = 0.0,
+    progress: bool | ProgressFunction = True,
+) -> Reduction:
+    """Stress, strain and energy of a specimen from the gauges of its two bars.
+
+    Parameters
+    ----------
+    input_gauges, output_gauges : BarGauge or two of them
+        Gauges of the input bar, which the striker hits, and of the output bar. Two gauges on a bar
+        separate waves that overlap at each gauge.
+    bars : Rod, (Rod, Rod) or Calibration
+        Input and output bar, or one rod if both are alike. In a round bar with a Poisson ratio,
+        waves disperse as in the exact first mode. The lengths give the times at which waves return
+        from the far ends.
+    specimen : Specimen
+    compression : str
+        Sign of a strain that compresses in the records: ``"negative"`` or ``"positive"``.
+    align_within : float
+        Largest shift of the reflected and of the transmitted wave, s. The shifts make the forces on
+        both faces equal and, if the specimen has a `youngs_modulus`, the initial slope equal to it.
+        0: only distances and wave speeds align the waves.
+    progress : bool or function
+        Whether a bar may show how far long work is. A function is called with the number of curves
+        that are done, and of all, None where that is not known.
+
+    Returns
+    -------
+    Reduction
+
+    Raises
+    ------
+    InvalidModel
+        If an argument is invalid, or a record does not begin with rest and then a compression.
+    ValueError
+        If the incident and the reflected wave overlap at the only gauge of the bar.
+
+    Warns
+    -----
+    DoubtfulReduction
+        For each of `Reduction.doubts`.
+
+    Examples
+    --------
+    The incident strain, 1e-3, is transmitted fully: the force is E A 1e-3, the specimen strain 0.
+
+    >>> import rodimpact as ri
+    >>> shape = 1e-3 * np.clip(np.minimum(np.arange(400) - 100, 250 - np.arange(400)) / 10, 0, 1)
+    >>> incident = ri.Signal(-shape, dt=1e-6)
+    >>> transmitted = incident.shifted(2e-4).extended(before=2e-4)
+    >>> bar = ri.Rod(1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000))
+    >>> found = ri.reduce(ri.BarGauge(incident, 0.5), ri.BarGauge(transmitted, 0.5), bar,
+    ...                   ri.Specimen(5e-3, area=1e-4))
+    >>> round(found.stress.max() / 1e6), bool(abs(found.strain).max() < 1e-12)
+    (200, True)
+    """
+    problems: Problems = []
+    check_progress(problems, progress)
+    raise_if_problems(problems)
+    of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
+    limit = scalar("align_within", align_within, "s", "non-negative")
+    calibration = None
+    rods: Any = bars
+    if isinstance(bars, Calibration):
+        calibration = bars
+        rods = calibration.bars
+    recorded = instrumented_bars(input_gauges, output_gauges, rods, compression)
+    # The curve lasts from the arrival at the specimen as long as the waves are separated.
+    travel = float(recorded.input.distances[0]) / recorded.input.speed
+    start = recorded.input.pulse_start + travel
+    end = min(separated_until(bar) for bar in recorded)
+    dt = recorded.input.dt
+    count = int((end - start) / dt)
+    if count < MIN_CURVE_SAMPLES:
+        message = (
+            f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on "
+            "the records do not separate the waves; use longer records or bars, and "
+            "check the distances"
+        )
+        raise invalid_argument("input_gauges", message)
+    corrected = recorded
+    if calibration is not None:
+        corrected = with_gains(calibration, recorded)
+    shot = Shot(corrected, specimen, start + dt * np.arange(count, dtype=float))
+    with Progress(progress, "reduce", "curves") as report:
+        if limit:
+            shot = shot.aligned(limit, report)
+        curve = shot.curve()
+        bands = shot.bands(curve, calibration, report)
+    doubts = doubts_of(recorded, curve, shot.shifts, limit)
+    for doubt in doubts:
+        warnings.warn(doubt, DoubtfulReduction, stacklevel=2)
+    return Reduction(
+        **vars(curve),
+        stress_band=bands.stress,
+        strain_band=bands.strain,
+        one_sample=shot.one_sample(curve),
+        shifts=shot.shifts,
+        disperses=all(bar.mode for bar in recorded),
+        doubts=doubts,
+    )

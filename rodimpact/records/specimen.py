@@ -1,0 +1,54 @@
+"""A specimen between two bars."""
+
+import math
+from dataclasses import KW_ONLY
+
+from ..model.arguments import flag
+from ..model.frozen import FrozenDataclass, Problems, quantity
+
+
+class Specimen(FrozenDataclass):
+    """A specimen between two bars.
+
+    Parameters
+    ----------
+    length : float
+        L0 before the shot, m.
+    area, diameter : float
+        A0, m^2, or the diameter of a round specimen, m: one of the two.
+    youngs_modulus : float, optional
+        Of the initial elastic part, Pa; `reduce` can align the waves with it.
+    incompressible : bool
+        Whether the volume of the specimen is constant; true stress and strain need this.
+
+    Raises
+    ------
+    InvalidModel
+        If an argument is invalid; the error names every invalid argument.
+
+    Examples
+    --------
+    >>> copper = Specimen(length=3.2e-3, diameter=6.34e-3, incompressible=True)
+    >>> round(copper.section * 1e6, 2)
+    31.57
+    """
+
+    length: float = quantity("m", "positive", scalar=True)
+    _: KW_ONLY
+    area: float | None = quantity("m^2", "positive", default=None, scalar=True)
+    diameter: float | None = quantity("m", "positive", default=None, scalar=True)
+    youngs_modulus: float | None = quantity("Pa", "positive", default=None, scalar=True)
+    incompressible: bool = False
+
+    def _check(self, problems: Problems) -> None:
+        if (self.area is None) == (self.diameter is None):
+            problems.append(("area", "give either area or diameter"))
+        flag("incompressible", self.incompressible)
+
+    @property
+    def section(self) -> float:
+        """A0, m^2."""
+        if self.area is not None:
+            return self.area
+        assert self.diameter is not None
+        return math.pi * self.diameter**2 / 4
