@@ -130,7 +130,8 @@ def _common_times(name: str, strains: list[Signal]) -> _Times:
     if end - start < 2 * MIN_REST_SAMPLES * dt:
         raise invalid_argument(name, "the records of the gauges do not overlap in time")
     steps = int((end - start) / dt * (1 + 1e-12))
-    return _Times(start + dt * np.arange(steps + 1), dt, end)
+    values = start + dt * np.arange(steps + 1, dtype=float)
+    return _Times(values, dt, end)
 
 
 def _rest_samples(name: str, times: _Times, pulse: Pulse) -> int:

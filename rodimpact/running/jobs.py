@@ -10,7 +10,7 @@ import os
 import pickle
 import threading
 from collections import deque
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     Executor,
@@ -138,7 +138,7 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
     return size
 
 
-def cut(spans: list[Span], size: int) -> Iterator[Span]:
+def cut(spans: Sequence[Span], size: int) -> Iterator[Span]:
     """Cut spans at multiples of a size."""
     for start, stop in spans:
         while start < stop:

@@ -21,7 +21,7 @@ from .saved_result import SavedResult
 
 SCHEMA = 1
 OUTPUTS = ("plot", "save")
-MOST_BYTES = 10**7
+MAX_CASE_BYTES = 10**7
 """Size of a case file, at most. Python takes up to a hundred bytes of memory for each."""
 
 
@@ -105,10 +105,10 @@ def _check_options(problems: Problems, options: Any) -> None:
     if not isinstance(options, Mapping):
         add_problem(problems, "solve", "must be arguments of ri.solve by name", options)
         return
-    known = defaults_of(Options)
-    unknown = [name for name in options if name not in known]
+    arguments = defaults_of(Options)
+    unknown = [name for name in options if name not in arguments]
     for name in unknown:
-        message = f"is no option of ri.solve; {nearest(name, known)}"
+        message = f"is no option of ri.solve; {nearest(name, arguments)}"
         problems.append((f"solve.{shown(name)}", message))
     if unknown:
         return

@@ -8,7 +8,7 @@ found at once; then the file is refused.
 import math
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -73,11 +73,13 @@ def case_from(
     library = read_materials(top.table("materials"))
     row = top.entries(System)
     bodies = [read_body(table, library) for table in top.tables("bodies")]
-    row |= read_contacts(top, bodies, library)
+    contacts = read_contacts(top, bodies, library)
+    row["gaps"] = contacts.gaps
+    row["contacts"] = contacts.laws
     row["ends"] = read_ends(top.table("ends"))
     system = None
     if bodies:
-        row["bodies"] = [body or ANY_ROD for body in bodies]
+        row["bodies"] = list(map(_body_or_any_rod, bodies))
         system = top.make(System, SYSTEM_KEYS, **row)
     else:
         top.note("bodies", "is missing; describe each body in a [[bodies]] table")
@@ -92,8 +94,25 @@ def case_from(
     check_grids(top, system)
     if system is None or reading.mistakes:
         raise InvalidModel(list(reading.mistakes.items()))
-    varied = [grid.varied for grid in reading.grids.values() if grid.varied]
+    varied = []
+    for grid in reading.grids.values():
+        if grid.varied is not None:
+            varied.append(grid.varied)
     return Case(system, options, output, source, tuple(varied), tuple(gauges), result)
+
+
+def _body_or_any_rod(body: Body | None) -> Body:
+    """The body; a rod stands in for one of an unknown kind."""
+    if body is None:
+        return ANY_ROD
+    return body
+
+
+def _material_or_steel(material: Material | None) -> Material:
+    """The material; steel stands in for one with mistakes."""
+    if material is None:
+        return materials.steel
+    return material
 
 
 def check_schema(top: Table) -> None:
@@ -114,27 +133,29 @@ def read_materials(group: Table) -> Materials:
         table = group.table(name)
         numbers = table.entries(Material)
         shown_name = table.get("name", name)
-        material = table.make(Material, name=shown_name, **numbers) or materials.steel
+        made = table.make(Material, name=shown_name, **numbers)
+        material = _material_or_steel(made)
         damping = read_damping(table)
         if damping:
-            material = table.make(material.damped, DAMPING_KEYS, **damping)
+            damped = table.make(material.damped, DAMPING_KEYS, **damping)
+            material = _material_or_steel(damped)
         table.close()
-        library[name] = material or materials.steel
+        library[name] = material
     return library
 
 
 def read_damping(table: Table) -> dict[str, Any]:
-    """What `Material.damped` takes; empty if no loss factor is given."""
-    keys = [key for key in DAMPING if table.gives(key)]
-    if not keys:
+    """Arguments of `Material.damped`; empty if no loss factor is given."""
+    gives_factor = table.gives("loss_factor")
+    gives_frequency = table.gives("loss_frequency")
+    if not (gives_factor or gives_frequency):
         return {}
     if table.gives("viscosity"):
         message = "give either viscosity or loss_factor and loss_frequency, not both"
         table.note("viscosity", message)
-    loss_factor, frequency = DAMPING.values()
     return {
-        "loss_factor": table.number("loss_factor", loss_factor),
-        "frequency": table.number("loss_frequency", frequency),
+        "loss_factor": table.number("loss_factor", DAMPING["loss_factor"]),
+        "frequency": table.number("loss_frequency", DAMPING["loss_frequency"]),
     }
 
 
@@ -145,8 +166,8 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
         return materials.steel
     material = with_grids(Table(table.reading, f"materials.{name}", {}), library[name])
     if key == "material":  # it may also vary in this body alone
-        own = Table(table.reading, table.where(key), {})
-        material = with_grids(own, material)
+        in_body = Table(table.reading, table.where(key), {})
+        material = with_grids(in_body, material)
     return material
 
 
@@ -157,12 +178,20 @@ def with_grids(table: Table, material: Material) -> Material:
         if table.gives(key):
             changes[key] = table.number(key, field)
     if changes:
-        material = table.make(material.replace, **changes) or material
+        material = replace_in(table, material, **changes)
     if table.gives(SPEED):
         speed = np.asarray(table.number(SPEED, FIELDS[SPEED]))
         modulus = material.density * speed * abs(speed)
-        material = table.make(material.replace, youngs_modulus=modulus) or material
+        material = replace_in(table, material, youngs_modulus=modulus)
     return material
+
+
+def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
+    """The material with other numbers; unchanged, with the mistakes noted, if they allow none."""
+    changed = table.make(material.replace, **numbers)
+    if changed is None:
+        return material
+    return changed  # type: ignore[no-any-return]
 
 
 def read_body(table: Table, library: Materials) -> Body | None:
@@ -178,26 +207,29 @@ def read_body(table: Table, library: Materials) -> Body | None:
     if None not in entries.get("segments", ()):
         body = table.make(BODIES[kind], **entries)
     table.close()
-    return body or STAND_INS[kind]
+    if body is None:
+        return STAND_INS[kind]
+    return body
 
 
 def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
-    """What the constructor of a rod takes for its shape; None for a segment with mistakes."""
+    """Arguments of a rod for its shape; None for a segment with mistakes."""
     if not table.has("segments"):
         return read_segment(table, library)
-    others = [key for key in SEGMENT_KEYS if table.has(key)]
-    if others:
+    segment_keys = list(filter(table.has, SEGMENT_KEYS))
+    if segment_keys:
         keys = "length, area, material and polar_moment"
         table.note("segments", f"give either segments or {keys}, not both")
     segments = []
     for piece in table.tables("segments"):
-        segments.append(piece.make(Segment, **read_segment(piece, library)))
+        entries = read_segment(piece, library)
+        segments.append(piece.make(Segment, **entries))
         piece.close()
     return {"segments": segments}
 
 
 def read_segment(table: Table, library: Materials) -> dict[str, Any]:
-    """What the constructor of a segment takes."""
+    """Arguments of a segment."""
     entries = table.entries(Segment)
     entries["material"] = read_material(table, library)
     if table.has("lateral_inertia"):
@@ -208,9 +240,16 @@ def read_segment(table: Table, library: Materials) -> dict[str, Any]:
     return entries
 
 
+class Contacts(NamedTuple):
+    """Gaps and laws of all contacts, from the left."""
+
+    gaps: list[Any]
+    laws: list[ContactLaw]
+
+
 def read_contacts(
     top: Table, bodies: list[Body | None], library: Materials
-) -> dict[str, Any]:
+) -> Contacts:
     """Gaps and contact laws, as the constructor of a system takes them."""
     tables = top.tables("contacts")
     if not top.has("contacts"):
@@ -219,9 +258,12 @@ def read_contacts(
     gaps = []
     laws = []
     for i, table in enumerate(tables):
-        gaps.append(table.number("gap", GAP) if table.gives("gap") else 0.0)
+        gap = 0.0
+        if table.gives("gap"):
+            gap = table.number("gap", GAP)
+        gaps.append(gap)
         laws.append(read_law(table, bodies[i : i + 2], library))
-    return {"gaps": gaps, "contacts": laws}
+    return Contacts(gaps, laws)
 
 
 def read_law(table: Table, pair: list[Body | None], library: Materials) -> ContactLaw:
@@ -237,7 +279,8 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
             table.note("stiffness", message)
     law: ContactLaw | None
     if rounded:
-        law = table.make(Hertz.from_radii, **read_faces(table, pair, library))
+        faces = read_faces(table, pair, library)
+        law = table.make(Hertz.from_radii, **faces)
         table.close()
     else:
         law = table.build(CONTACT_LAWS[name])
@@ -245,7 +288,9 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
     whole_pair = len(pair) == 2 and None not in pair
     if isinstance(law, Rigid) and law.restitution is not None and not whole_pair:
         return ANY_LAW  # whether a restitution belongs there is unknown
-    return law or ANY_LAW
+    if law is None:
+        return ANY_LAW
+    return law
 
 
 def read_faces(
@@ -255,18 +300,18 @@ def read_faces(
     faces: dict[str, Any] = {}
     bodies = [*pair, None, None]
     for side, body, touching in zip(SIDES, bodies, (-1, 0), strict=False):
-        radius = f"{side}_radius"
-        faces[radius] = math.inf
-        if table.gives(radius):
-            faces[radius] = table.number(radius, FACE_RADIUS)
-        stuff = f"{side}_material"
-        faces[stuff] = None  # rigid
-        if table.has(stuff):
-            faces[stuff] = read_material(table, library, stuff)
+        radius_key = f"{side}_radius"
+        faces[radius_key] = math.inf
+        if table.gives(radius_key):
+            faces[radius_key] = table.number(radius_key, FACE_RADIUS)
+        material_key = f"{side}_material"
+        faces[material_key] = None  # rigid
+        if table.has(material_key):
+            faces[material_key] = read_material(table, library, material_key)
         elif body is None:
-            faces[stuff] = materials.steel
+            faces[material_key] = materials.steel
         elif isinstance(body, Rod):
-            faces[stuff] = body.segments[touching].material
+            faces[material_key] = body.segments[touching].material
     return faces
 
 
@@ -274,13 +319,15 @@ def read_ends(sides: Table) -> list[End]:
     """The ends of the row; a free one stands in for one with mistakes."""
     ends: list[End] = []
     for side in SIDES:
-        end = None
+        end: End | None = None
         if sides.has(side):
             table = sides.table(side)
             kind = table.word("kind", ENDS)
             if kind:
                 end = table.build(ENDS[kind])
-        ends.append(end or FREE)
+        if end is None:
+            end = FREE
+        ends.append(end)
     sides.close()
     return ends
 
@@ -336,7 +383,7 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
 def check_grids(top: Table, system: System | None) -> None:
     """Note grids of unknown numbers, and grids that change nothing."""
     reading = top.reading
-    # in a table that could not be read, nobody knows the numbers
+    # The numbers of a table that could not be read are unknown.
     unread = [re.sub(r"\.(kind|law)$", "", path) + "." for path in reading.mistakes]
     for path in reading.grids:
         if path not in reading.numbers and not path.startswith(tuple(unread)):
@@ -344,7 +391,9 @@ def check_grids(top: Table, system: System | None) -> None:
             top.note(path, f"is no number that can vary; {near}")
     if system is None or reading.mistakes:  # stand-ins may not vary
         return
-    shape = system.shape or (0,) * len(reading.grids)
+    shape = system.shape
+    if not shape:
+        shape = (0,) * len(reading.grids)
     for size, grid in zip(shape, reading.grids.values(), strict=True):
         if grid.varied is None or size != grid.varied.values.size:
             top.note(grid.path, "changes nothing in this row")

@@ -38,6 +38,8 @@ POLYNOMIAL_KEYS = {
     "^values": "polynomials",
 }
 """Keys of a profile of polynomials, where the model has other names."""
+SAME_NAMES: Mapping[str, str] = {}
+"""Names of a table whose keys are those of the model."""
 CURVE_KEYS = ("smooth", "error")
 """Keys of a profile of samples that say how the curve runs between them."""
 
@@ -72,7 +74,9 @@ class Table:
 
     def where(self, key: str) -> str:
         """Path of an entry."""
-        return f"{self.path}.{key}" if self.path else key
+        if not self.path:
+            return key
+        return f"{self.path}.{key}"
 
     def note(
         self, key: str, message: str, word: Any = "", choices: Collection[str] = ()
@@ -131,7 +135,9 @@ class Table:
             return math.inf
         if value is None:
             choices = ", ".join(units.UNITS.get(field.dimension, ()))
-            hint = f" or text with one of {choices}" if choices else ""
+            hint = ""
+            if choices:
+                hint = f" or text with one of {choices}"
             self.note(key, f"is missing; give a number in SI units{hint}")
             return math.nan
         hint = PROFILES.get(field.along, "")
@@ -162,9 +168,12 @@ class Table:
             return None
         numbers = []
         for i, value in enumerate(values):
-            place = f"{key}.{i}"
-            grid = self.grid(place) if vary else None
-            numbers.append(self.quantity(place, grid or value, dimension))
+            item = f"{key}.{i}"
+            if vary:
+                grid = self.grid(item)
+                if grid is not None:
+                    value = grid
+            numbers.append(self.quantity(item, value, dimension))
         return numbers
 
     def profile(self, key: str, field: QuantityField) -> Any:
@@ -194,7 +203,9 @@ class Table:
             jumps = table.numbers("at", field.along)
             profile = table.make(Steps, values=values, at=jumps)
         table.close()
-        return profile or 1.0  # any number: the mistakes are noted
+        if profile is None:
+            return 1.0  # any number: the mistakes are noted
+        return profile
 
     def word(
         self, key: str, choices: Collection[str], default: str | None = None
@@ -233,12 +244,14 @@ class Table:
 
     def build(self, kind: Any, **entries: Any) -> Any:
         """The object that this table describes, with these entries besides its numbers; or None."""
-        built = self.make(kind, **(self.entries(kind) | entries))
+        numbers = self.entries(kind)
+        numbers.update(entries)
+        built = self.make(kind, **numbers)
         self.close()
         return built
 
     def make(
-        self, kind: Any, names: Mapping[str, str] | None = None, /, **entries: Any
+        self, kind: Any, names: Mapping[str, str] = SAME_NAMES, /, **entries: Any
     ) -> Any:
         """An object of the model; None, with its mistakes noted here, if they allow none.
 
@@ -248,7 +261,7 @@ class Table:
             return kind(**entries)
         except InvalidModel as error:
             for path, message in error.problems:
-                for pattern, name in (names or {}).items():
+                for pattern, name in names.items():
                     path = re.sub(pattern, name, path)
                 self.note(path, message)
             return None

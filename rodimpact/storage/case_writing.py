@@ -9,11 +9,11 @@ from ..model import System
 from ..model.bodies import Material, Rod
 from ..model.frozen import invalid_argument
 from ..units import shown
-from .case import MOST_BYTES, SCHEMA, Case
+from .case import MAX_CASE_BYTES, SCHEMA, Case
 from .saved_result import SavedResult
 from .writing import PathLike, file_name, write_bytes
 
-A_LINE = 6
+MAX_ITEMS_PER_LINE = 6
 """Items of a list in one line, at most."""
 
 
@@ -61,8 +61,10 @@ def write_case(case: Case | System) -> str:
     materials = _name_materials(system, described)
     parts = [toml_table(f"schema = {SCHEMA}", {"gravity": described.get("gravity")})]
     for key, material in materials.items():
-        named = None if key == material.name else material.name
-        entries = material.to_dict() | {"name": named}
+        entries = material.to_dict()
+        entries["name"] = None
+        if key != material.name:
+            entries["name"] = material.name
         parts.append(toml_table(f"[materials.{_key(key)}]", entries))
     for body in described["bodies"]:
         parts.append(toml_table("[[bodies]]", body | {"segments": None}))
@@ -73,7 +75,9 @@ def write_case(case: Case | System) -> str:
     for side, end in described.get("ends", {}).items():
         parts.append(toml_table(f"[ends.{side}]", end))
     for gauge in case.gauges:
-        entries = gauge._asdict() | {"name": gauge.name or None}
+        entries = gauge._asdict()
+        if not gauge.name:
+            entries["name"] = None
         parts.append(toml_table("[[gauges]]", entries))
     if case.solve:
         parts.append(toml_table("[solve]", case.solve))
@@ -106,7 +110,7 @@ def save_case(path: PathLike, case: Case, *, force: bool = False) -> None:
     ------
     InvalidModel
         As `write_case`; also if the name does not end in ``.toml``, and if the file would have more
-        than `MOST_BYTES`.
+        than `MAX_CASE_BYTES`.
     FileExistsError
         If the file is there and `force` is false.
     OSError
@@ -114,10 +118,10 @@ def save_case(path: PathLike, case: Case, *, force: bool = False) -> None:
     """
     check_case_name(path)
     data = write_case(case).encode()
-    if len(data) > MOST_BYTES:
+    if len(data) > MAX_CASE_BYTES:
         message = (
             f"has too many numbers for a case file: {len(data)} bytes, and at most "
-            f"{MOST_BYTES} are read. Give profiles of fewer samples; instead of a state of "
+            f"{MAX_CASE_BYTES} are read. Give profiles of fewer samples; instead of a state of "
             "system_at save the solution that has it"
         )
         raise invalid_argument("system", message)
@@ -138,7 +142,7 @@ def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Mate
     A key is the name of the material, with a number behind if another material has that name.
     """
     named: dict[str, Material] = {}
-    keys: dict[int, str] = {}  # by id, as many segments share one object
+    keys: dict[int, str] = {}  # keys by the id of the object, which many segments share
     for body, table in zip(system.bodies, described["bodies"], strict=True):
         if not isinstance(body, Rod):
             continue
@@ -153,7 +157,8 @@ def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Mate
 
 def _free_key(named: dict[str, Material], material: Material) -> str:
     """Key of a material among those that are named, which it joins."""
-    key, number = material.name, 1
+    key = material.name
+    number = 1
     while named.setdefault(key, material) != material:
         number += 1
         key = f"{material.name} {number}"
@@ -163,7 +168,8 @@ def _free_key(named: dict[str, Material], material: Material) -> str:
 def _result_tables(result: SavedResult) -> list[str]:
     """Tables of [result]."""
     words = result._asdict()
-    numbers, accuracy = words.pop("numbers"), words.pop("accuracy")
+    numbers = words.pop("numbers")
+    accuracy = words.pop("accuracy")
     return [
         toml_table("[result]", words),
         toml_table("[result.numbers]", numbers),
@@ -182,7 +188,9 @@ def toml_table(header: str, entries: Mapping[str, Any]) -> str:
 
 def _key(name: str) -> str:
     """A key, in quotes where it is no plain word."""
-    return name if re.fullmatch("[A-Za-z0-9_-]+", name) else _toml(name)
+    if re.fullmatch("[A-Za-z0-9_-]+", name):
+        return name
+    return _toml(name)
 
 
 def _toml(value: Any) -> str:
@@ -191,7 +199,7 @@ def _toml(value: Any) -> str:
         # an array or a number of NumPy
         value = value.tolist()
     if isinstance(value, bool):
-        return "true" if value else "false"
+        return str(value).lower()
     if isinstance(value, str):
         # a string of JSON is one of TOML, but for DEL
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
@@ -199,10 +207,12 @@ def _toml(value: Any) -> str:
         entries = [f"{_key(key)} = {_toml(item)}" for key, item in value.items()]
         return "{" + ", ".join(entries) + "}"
     if isinstance(value, list | tuple):
-        items = [_toml(item) for item in value]
-        if len(items) <= A_LINE:
+        items = list(map(_toml, value))
+        if len(items) <= MAX_ITEMS_PER_LINE:
             return "[" + ", ".join(items) + "]"
-        starts = range(0, len(items), A_LINE)
-        lines = [", ".join(items[start : start + A_LINE]) for start in starts]
+        starts = range(0, len(items), MAX_ITEMS_PER_LINE)
+        lines = [
+            ", ".join(items[start : start + MAX_ITEMS_PER_LINE]) for start in starts
+        ]
         return "[\n  " + ",\n  ".join(lines) + "\n]"
     return repr(value)

@@ -67,7 +67,7 @@ from collections.abc import Mapping
 
 from ..model.frozen import invalid_argument
 from ..units import shown
-from .case import MOST_BYTES
+from .case import MAX_CASE_BYTES
 from .case import Case as Case
 from .case import GaugePlace as GaugePlace
 from .case_reading import case_from as case_from
@@ -112,12 +112,12 @@ def read_case(
     name = file_name(path)
     try:
         with open_regular(name) as file:
-            raw = file.read(MOST_BYTES + 1)
+            raw = file.read(MAX_CASE_BYTES + 1)
     except OSError as error:
         raise invalid_argument(name, f"cannot be read: {error.strerror}") from None
-    if len(raw) > MOST_BYTES:
+    if len(raw) > MAX_CASE_BYTES:
         raise invalid_argument(
-            name, f"has more than {MOST_BYTES} bytes; is it a case file?"
+            name, f"has more than {MAX_CASE_BYTES} bytes; is it a case file?"
         )
     try:
         text = raw.decode("utf-8-sig")

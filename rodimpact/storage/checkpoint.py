@@ -11,7 +11,7 @@ import time
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,11 +19,14 @@ from ..units import shown_path
 from .reading import FileFormatError, read_npz
 from .writing import PASSING, Arrays, PathLike, check_target, file_name, write_npz
 
-KIND, NAME = "part of a sweep", "members-{}.npz"  # with the first of them
-EVERY, SHARE = (
-    1.0,
-    0.02,
-)  # s, or this share of the time so far: work that a crash undoes
+KIND = "part of a sweep"
+"""Kind of the files."""
+FILE_NAME = "members-{}.npz"
+"""Name of a file, with the index of its first member."""
+SAVE_INTERVAL = 1.0
+"""Time between two files, s, at least; a crash undoes the work since the last one."""
+SAVE_TIME_RATIO = 0.02
+"""Time between two files over the time so far, at least."""
 
 
 class DamagedChunks(UserWarning):
@@ -80,20 +83,23 @@ class Checkpoint:
         sweep: Mapping[str, Any],
     ) -> None:
         self.size = size
-        self.columns: Arrays = {
-            name: np.empty((size, *beyond), kind)
-            for name, (kind, beyond) in columns.items()
-        }
-        self.path = None if path is None else Path(file_name(path))
+        self.columns: Arrays = {}
+        for name, (dtype, shape) in columns.items():
+            self.columns[name] = np.empty((size, *shape), dtype)
+        self.path: Path | None = None
+        if path is not None:
+            self.path = Path(file_name(path))
         self._sweep = json.loads(json.dumps(sweep))
         self._began = self._saved = time.monotonic()
         self.done = np.zeros(size, dtype=bool)
         self._new = np.zeros(size, dtype=bool)  # members that are not on the disk
         for file in self._files():
-            for start, part in self._read(file):
-                self._take(start, start + len(part["status"]), part)
+            chunk = self._read(file)
+            if chunk is not None:
+                stop = chunk.start + len(chunk.columns["status"])
+                self._take(chunk.start, stop, chunk.columns)
 
-    def missing(self) -> list[tuple[int, int]]:
+    def missing(self) -> list[Span]:
         """Spans of the members that are not done."""
         return spans(~self.done)
 
@@ -113,58 +119,60 @@ class Checkpoint:
                 f"cannot make the directory {shown_path(self.path)}: {error.strerror}"
             )
             raise type(error)(message) from None
-        check_target(
-            self.path / NAME.format(0), force=True
-        )  # before anything is computed
-        files = sorted(x for x in self.path.iterdir() if not x.name.startswith(PASSING))
-        for file in files:
-            if not file.match(NAME.format("*")):
+        # fail before anything is computed
+        check_target(self.path / FILE_NAME.format(0), force=True)
+        files = []
+        for file in sorted(self.path.iterdir()):
+            if file.name.startswith(PASSING):
+                continue
+            files.append(file)
+            if not file.match(FILE_NAME.format("*")):
                 raise FileFormatError(
                     f"{self.path}: is no checkpoint of a sweep, it holds {file.name!r}; name a "
                     "new or an empty directory"
                 )
         return files
 
-    def _read(self, file: Path) -> list[tuple[int, Arrays]]:
-        """First member in a file, and the columns from there on; nothing if it is damaged."""
+    def _read(self, file: Path) -> _Chunk | None:
+        """Members in a file; None if it is damaged."""
         try:
-            document, part = read_npz(file, {KIND: lambda *read: read})
+            document, columns = read_npz(file, {KIND: lambda *content: content})
         except FileFormatError as error:
             message = f"{error}; it is put aside, and its members are run again"
             warnings.warn(message, DamagedChunks, stacklevel=4)
             file.replace(file.with_name(PASSING + file.name))
-            return []
-        there, here = document["sweep"], self._sweep
-        if different := [key for key in here if there.get(key) != here[key]]:
+            return None
+        saved_sweep = document["sweep"]
+        different = []
+        for key, entry in self._sweep.items():
+            if saved_sweep.get(key) != entry:
+                different.append(key)
+        if different:
             raise FileFormatError(
                 f"{self.path}: holds another sweep, with another {' and '.join(different)}; name "
                 "a new directory"
             )
-        return [(document["start"], part)]
+        return _Chunk(document["start"], columns)
 
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
         """Take the results of some members, and save what has come for a while."""
         self._take(start, stop, part)
         self._new[start:stop] = True
         now = time.monotonic()
-        if now - self._saved >= max(EVERY, SHARE * (now - self._began)):
+        interval = max(SAVE_INTERVAL, SAVE_TIME_RATIO * (now - self._began))
+        if now - self._saved >= interval:
             self.close()
 
     def close(self) -> None:
-        """Bring to the disk what is not there."""
+        """Write the members that are not on the disk."""
         for start, stop in spans(self._new):
             if self.path is None:
                 break
             part = {name: column[start:stop] for name, column in self.columns.items()}
             document = {"sweep": self._sweep, "start": start}
             try:
-                write_npz(
-                    self.path / NAME.format(f"{start:08}"),
-                    KIND,
-                    document,
-                    part,
-                    force=True,
-                )
+                file = self.path / FILE_NAME.format(f"{start:08}")
+                write_npz(file, KIND, document, part, force=True)
             except OSError as error:
                 remedy = "what is done is kept, and the same sweep goes on from there"
                 raise type(error)(f"{error}; {remedy}") from error
@@ -172,7 +180,21 @@ class Checkpoint:
         self._saved = time.monotonic()
 
 
-def spans(members: Any) -> list[tuple[int, int]]:
-    """First of each run of members that are true, and the one after its last."""
+class Span(NamedTuple):
+    """Consecutive members."""
+
+    start: int
+    stop: int  # the one after the last member
+
+
+class _Chunk(NamedTuple):
+    """Results of consecutive members."""
+
+    start: int  # the first member
+    columns: Arrays
+
+
+def spans(members: Any) -> list[Span]:
+    """Runs of members that are true."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], members, [0]))))
-    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
+    return [Span(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]

@@ -50,7 +50,7 @@ class _Describer:
         if isinstance(value, np.ndarray):
             return self.place_of(value)
         if isinstance(value, list | tuple):
-            return [self.describe(item) for item in value]
+            return list(map(self.describe, value))
         if isinstance(value, float) and not math.isfinite(value):
             return str(float(value))
         if isinstance(value, str) and value in NOT_IN_JSON:
@@ -75,12 +75,12 @@ class _Describer:
         """Place of an array in the column of its type; an array has one place in all."""
         if id(array) not in self.places:
             column = array.dtype.str[1:]
-            place = {
+            position = {
                 "array": column,
                 "start": self.sizes[column],
                 "shape": list(array.shape),
             }
-            self.places[id(array)] = array, place
+            self.places[id(array)] = (array, position)
             self.columns[column].append(array.ravel())
             self.sizes[column] += array.size
         return self.places[id(array)][1]
@@ -90,7 +90,9 @@ def describe(content: Any) -> tuple[dict[str, Any], Arrays]:
     """Document and arrays from which `restore` makes an equal object."""
     describer = _Describer()
     document = {"content": describer.describe(content)}
-    arrays = {name: np.concatenate(each) for name, each in describer.columns.items()}
+    arrays = {}
+    for name, parts in describer.columns.items():
+        arrays[name] = np.concatenate(parts)
     return document, arrays
 
 
@@ -104,7 +106,7 @@ def restore(document: Mapping[str, Any], arrays: Arrays) -> Any:
 
     def restored(value: Any) -> Any:
         if isinstance(value, list):
-            return [restored(item) for item in value]
+            return list(map(restored, value))
         if isinstance(value, str):
             return NOT_IN_JSON.get(value, value)
         if not isinstance(value, dict):

@@ -42,7 +42,9 @@ class Grid:
         self.path = path
         self.text = text
         self.varied: Varied | None = None
-        self._shape = shape  # of the array: -1 along the axis of this grid, else 1
+        self._shape = (
+            shape  # shape of the array: -1 along the axis of this grid, else 1
+        )
 
     def array(self, dimension: str) -> Number:
         """Values of the number along the axis of this grid; ValueError if it is no grid."""
@@ -53,18 +55,21 @@ class Grid:
 
 def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid]:
     """Return the grids by their paths, the k-th along axis k; InvalidModel for anything else."""
-    texts: Any = {} if vary is None else vary
-    if not isinstance(texts, Mapping) or not all(isinstance(p, str) for p in texts):
+    texts: Any = vary
+    if vary is None:
+        texts = {}
+    is_mapping = isinstance(texts, Mapping)
+    if not is_mapping or not all(isinstance(path, str) for path in texts):
         message = "must name numbers by their paths, each with a grid"
         raise invalid_argument("vary", f"{message}, got {shown(texts)}")
     if len(texts) > MAX_AXES:
         message = f"is one of {len(texts)} numbers; at most {MAX_AXES} vary at once"
         raise invalid_argument(list(texts)[MAX_AXES], message)
     grids = {}
-    for axis, (path, text) in enumerate(texts.items()):
+    for axis, path in enumerate(texts):
         shape = [1] * len(texts)
         shape[axis] = -1
-        grids[path] = Grid(path, text, shape)
+        grids[path] = Grid(path, texts[path], shape)
     return grids
 
 
@@ -72,7 +77,9 @@ def grid_values(text: Any, dimension: str) -> Floats:
     """All values of a grid, shape (n,), in SI units; ValueError unless a text in `FORM`."""
     if isinstance(text, str) and ":" not in text:
         return np.array([units.parse(number, dimension) for number in text.split(",")])
-    spaced = SPACED.fullmatch(text) if isinstance(text, str) else None
+    spaced = None
+    if isinstance(text, str):
+        spaced = SPACED.fullmatch(text)
     if spaced is None or not 1 <= int(spaced["count"]) <= MOST_MEMBERS:
         message = f"must be {FORM}, with 1 to {MOST_MEMBERS} values"
         raise ValueError(f"{message}; got {shown(text)}")

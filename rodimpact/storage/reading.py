@@ -20,7 +20,7 @@ from ..units import shown_path
 from ..version import __version__
 from .writing import (
     FORMAT,
-    MOST_DOCUMENT,
+    MAX_DOCUMENT_BYTES,
     SCHEMA,
     Arrays,
     PathLike,
@@ -28,16 +28,19 @@ from .writing import (
     file_name,
 )
 
-MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
+MAX_HEADER_BYTES = 1 << 12
+"""Bytes before the numbers of an array, at most; usually 128."""
 ADVICE = "load it on a larger machine"
-TAKEN = 24  # bytes that Python takes for a character of a document of brackets alone
+BYTES_PER_CHARACTER = 24
+"""Memory that Python takes for a character of a document, at most: one of brackets alone."""
 OLD_SOLUTION = (
     "holds the arrays of a single solution, as an earlier version of rodimpact saved them. A "
     'solution is saved as its case now: solve its system again, and save("run.toml"). Without the '
     "system, load the file with the version that saved it, and write the text "
     "rodimpact.write_case(solution.system) to a file"
 )
-PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others swell without bounds
+COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""Compressions of arrays; others expand without bounds."""
 
 
 class FileFormatError(ValueError):
@@ -60,7 +63,10 @@ class FileFormatError(ValueError):
         text("message", message, "is empty")
         text("path", path, "run.toml")
         self.problems = [(path, message)]
-        super().__init__(f"{path}: {message}" if path else message)
+        sentence = message
+        if path:
+            sentence = f"{path}: {message}"
+        super().__init__(sentence)
 
 
 def open_regular(path: PathLike) -> BinaryIO:
@@ -111,12 +117,10 @@ def read_npz(
             raise FileFormatError(str(error), os.fspath(path)) from None
         except MemoryError:
             raise
-        except (
-            Exception
-        ) as error:  # zipfile, zlib and numpy raise a dozen kinds for a damaged file
-            reason = f"{type(error).__name__}: {error}"[
-                :200
-            ]  # some repeat what they read
+        except Exception as error:
+            # zipfile, zlib and numpy raise a dozen kinds for a damaged file; some of the messages
+            # repeat the data
+            reason = f"{type(error).__name__}: {error}"[:200]
             message = (
                 f"is not a whole NPZ file of plain arrays that fit together ({reason})"
             )
@@ -128,23 +132,21 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
     foreign = FileFormatError("is an NPZ file, but not one that rodimpact saved")
     if "document.npy" not in archive.namelist():
         raise foreign
-    text = str(_array(archive, "document", MOST_DOCUMENT))
-    memory.check_file(archive.filename, TAKEN * len(text), ADVICE)
+    text = str(_array(archive, "document", MAX_DOCUMENT_BYTES))
+    memory.check_file(archive.filename, BYTES_PER_CHARACTER * len(text), ADVICE)
     try:
         document = json.loads(text)
         if document["format"] != FORMAT:
             raise foreign
-        schema, kind, version = (
-            document["schema"],
-            document["kind"],
-            document["rodimpact"],
-        )
-        known = schema == SCHEMA and kind in readers
+        schema = document["schema"]
+        kind = document["kind"]
+        version = document["rodimpact"]
+        is_readable = schema == SCHEMA and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
     if kind == "solution":
         raise FileFormatError(OLD_SOLUTION)
-    if not known:
+    if not is_readable:
         raise FileFormatError(
             f"is a {kind!r} of schema {schema!r}, saved by rodimpact {version}; this is rodimpact "
             f"{__version__}, which reads schema {SCHEMA}. Load it with the version that saved it"
@@ -154,16 +156,14 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
 
 def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     """The arrays that the document names, each as it was written."""
-    sizes = {
-        name: np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
-        for name, entry in entries.items()
-    }
-    size = sum(sizes.values())
-    memory.check_file(archive.filename, size, ADVICE)
+    sizes = {}
+    expected_names = {"document.npy"}
+    for name, entry in entries.items():
+        sizes[name] = np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
+        expected_names.add(f"{name}.npy")
+    memory.check_file(archive.filename, sum(sizes.values()), ADVICE)
     mismatch = "is damaged: {} is not what the document says"
-    for name in {*archive.namelist()} ^ {
-        f"{name}.npy" for name in (*entries, "document")
-    }:
+    for name in expected_names.symmetric_difference(archive.namelist()):
         raise FileFormatError(mismatch.format(name))
     arrays = {}
     for name, entry in entries.items():
@@ -176,9 +176,9 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
 def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
     """An array of at most so many bytes, or ValueError."""
     packed = archive.getinfo(f"{name}.npy")
-    if packed.compress_type not in PACKINGS:
+    if packed.compress_type not in COMPRESSIONS:
         raise ValueError(f"{name} is packed in a way that NPZ files are not")
-    if packed.file_size > most + MOST_HEADER:
+    if packed.file_size > most + MAX_HEADER_BYTES:
         raise ValueError(f"{name} has {packed.file_size} bytes and should have {most}")
     with archive.open(packed) as file:
         if np.lib.format.read_magic(file) != (1, 0):

@@ -11,8 +11,8 @@ from ..model.numbering import body_names, contact_names
 from ..units import format_si
 from .tables import align, as_json, clean, joules
 
-MOST_EPISODES = 12
-"""Episodes that a table lists."""
+MAX_LISTED_EPISODES = 12
+"""Episodes that a table lists, at most."""
 ENERGIES = {
     "kinetic": "moving as a whole",
     "vibrational_kinetic": "vibration",
@@ -71,7 +71,8 @@ def solution_table(solution: Any) -> str:
     if 0 < solution.t_final < math.inf:
         run.insert(0, ["last contact ended at", format_si(solution.t_final, "s")])
     blocks = _tables(outcome)
-    if episodes := _episodes_table(solution):
+    episodes = _episodes_table(solution)
+    if episodes:
         blocks.append(episodes)
     blocks += [align(run), _sentences(outcome)]
     return "\n\n".join(blocks)
@@ -163,7 +164,8 @@ def _tables(outcome: Any) -> list[str]:
 
 def _bodies_table(outcome: Any) -> str:
     """Masses, velocities and vibration of the bodies."""
-    before, after = outcome.velocities_before, outcome.velocities_after
+    before = outcome.velocities_before
+    after = outcome.velocities_after
     velocities = [*before, *after]
     largest = max(map(abs, velocities))
     spread = clean(max(velocities) - min(velocities), largest)
@@ -208,20 +210,23 @@ def _contacts_table(outcome: Any) -> str:
 def _energy_table(outcome: Any) -> str:
     """Energies before and after, and the works and losses between."""
     vibration = ENERGIES["inner"]
-    pairs: dict[str, tuple[float, ...]] = {
+    pairs: dict[str, tuple[float, float]] = {
         ENERGIES["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
         vibration: (sum(outcome.vibration_before), sum(outcome.vibration_after)),
         ENERGIES["contact"]: (outcome.contact_energy_before, outcome.contact_energy),
     }
-    totals = tuple(map(sum, zip(*pairs.values(), strict=True)))
+    total_before = sum(before for before, _ in pairs.values())
+    total_after = sum(after for _, after in pairs.values())
     if not any(pairs[ENERGIES["contact"]]):
         del pairs[ENERGIES["contact"]]
-    pairs["total"] = totals
-    total_scale = max(totals)
+    pairs["total"] = (total_before, total_after)
+    total_scale = max(total_before, total_after)
     rows = [["energy", "before", _then(outcome)]]
-    for name, pair in pairs.items():
-        scale = _vibration_scale(outcome) if name == vibration else total_scale
-        rows.append([name, *(joules(energy, scale) for energy in pair)])
+    for name, (before, after) in pairs.items():
+        scale = total_scale
+        if name == vibration:
+            scale = _vibration_scale(outcome)
+        rows.append([name, joules(before, scale), joules(after, scale)])
     exchanged = {
         "work of moving walls": outcome.wall_work,
         "work of driven ends": outcome.drive_work,
@@ -267,8 +272,8 @@ def _episodes_table(solution: Any) -> str:
     if not rows:
         return ""
     head = ["contact", "force from", "force ends", "gap opens"]
-    table = align([head, *rows[:MOST_EPISODES]])
-    hidden = len(rows) - MOST_EPISODES
+    table = align([head, *rows[:MAX_LISTED_EPISODES]])
+    hidden = len(rows) - MAX_LISTED_EPISODES
     if hidden > 0:
         table += f"\n... and {hidden} more"
     return table
@@ -325,8 +330,12 @@ def _outcome_entries(outcome: Any) -> dict[str, Any]:
         contacts.append(contact)
     reason = outcome.why_no_restitution()
     entries: dict[str, Any] = {"bodies": bodies, "contacts": contacts}
-    entries["restitution"] = None if reason else outcome.restitution
-    entries["restitution_undefined"] = reason or None
+    if reason:
+        entries["restitution"] = None
+        entries["restitution_undefined"] = reason
+    else:
+        entries["restitution"] = outcome.restitution
+        entries["restitution_undefined"] = None
     for field in fields(outcome):
         if field.type is float:
             entries[field.name] = getattr(outcome, field.name)

@@ -17,7 +17,8 @@ from ..methods.run import (
 )
 from ..model.frozen import Problems, add_problem, nearest, raise_if_problems
 
-ENERGY, COUNT = "energy", "count"
+ENERGY = "energy"
+COUNT = "count"
 BY_BODY = {"velocity_after": VELOCITY, "vibration_after": ENERGY}
 BY_CONTACT = {
     "impulse": IMPULSE,
@@ -109,8 +110,15 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
         if not error >= 0:
             add_problem(problems, f"accuracy.{name}", "must not be negative", error)
     raise_if_problems(problems)
-    words = {name: table[name] for name in (*WORDS, "final")}
-    return SavedResult(**words, numbers=numbers, accuracy=accuracy)
+    return SavedResult(
+        version=table["version"],
+        method=table["method"],
+        stopped_by=table["stopped_by"],
+        status=table["status"],
+        final=table["final"],
+        numbers=numbers,
+        accuracy=accuracy,
+    )
 
 
 def names_of_numbers(bodies: int) -> list[str]:
@@ -126,13 +134,13 @@ def _check_keys(
     problems: Problems,
     path: str,
     table: Mapping[str, Any],
-    known: Collection[str],
+    allowed: Collection[str],
     required: Collection[str],
 ) -> None:
     """Note keys of a table that are unknown, and those that are missing."""
     for key in table:
-        if key not in known:
-            problems.append((path + key, f"unknown key; {nearest(key, known)}"))
+        if key not in allowed:
+            problems.append((path + key, f"unknown key; {nearest(key, allowed)}"))
     for key in required:
         if key not in table:
             problems.append((path + key, "is missing"))
@@ -142,7 +150,7 @@ def _read_numbers(
     problems: Problems,
     name: str,
     table: Mapping[str, Any],
-    known: Collection[str],
+    allowed: Collection[str],
     required: Collection[str] = (),
 ) -> dict[str, float]:
     """Numbers of the table of this name in [result]; they may be infinite or nan."""
@@ -151,7 +159,7 @@ def _read_numbers(
         if name in table:
             add_problem(problems, name, "must be a table of numbers", group)
         return {}
-    _check_keys(problems, f"{name}.", group, known, required)
+    _check_keys(problems, f"{name}.", group, allowed, required)
     numbers: dict[str, float] = {}
     for key, value in group.items():
         try:

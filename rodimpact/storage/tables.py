@@ -15,15 +15,15 @@ from ..model.frozen import invalid_argument
 from ..units import format_si, shown
 from .writing import PathLike, written
 
-LONGEST = 60
+MAX_COLUMN_NAME = 60
 """Characters of the name of a column, at most."""
 TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
 """Names of columns of times."""
-_NAME = re.compile(rf"(?!.*  )\w[\w .:()/-]{{0,{LONGEST - 1}}}(?<![ _/])")
+_NAME = re.compile(rf"(?!.*  )\w[\w .:()/-]{{0,{MAX_COLUMN_NAME - 1}}}(?<![ _/])")
 SCHEMA_VERSION = 1
-"""Of JSON for programs."""
+"""Version of the JSON for programs."""
 
-ROUND_OFF = 2.0**-44
+ZERO_IN_TABLE_RTOL = 2.0**-44
 """A table shows values below this fraction of their scale as 0. A wave is known to 2^-48 of the
 velocities for each end it has passed."""
 
@@ -53,7 +53,9 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
     columns = []
     for i, column in enumerate(zip(*rows, strict=True)):
         width = max(map(len, column))
-        side = "<" if i in left else ">"
+        side = ">"
+        if i in left:
+            side = "<"
         columns.append([f"{cell:{side}{width}}" for cell in column])
     lines = []
     for cells in zip(*columns, strict=True):
@@ -63,7 +65,7 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
 
 def clean(value: float, scale: float) -> float:
     """A value for a table: 0 if it is only round-off beside `scale`; nothing is beside infinity."""
-    if abs(value) <= ROUND_OFF * scale < math.inf:
+    if abs(value) <= ZERO_IN_TABLE_RTOL * scale < math.inf:
         return 0.0
     return value
 
@@ -78,12 +80,14 @@ def as_html(text: str) -> str:
 
 def misnamed(column: object) -> str:
     """Say why a column cannot have this name: it would not be read as it was written."""
-    is_name = isinstance(column, str) and _NAME.fullmatch(column)
-    if is_name and not TIMES.fullmatch(str(column)):
-        return ""
+    if isinstance(column, str):
+        is_time = TIMES.fullmatch(column)
+        if _NAME.fullmatch(column) and not is_time:
+            return ""
     return (
         "a column is named by letters, digits, single blanks and _ . : ( ) / -, a letter or digit "
-        f"first, no _ or / last, {LONGEST} at most, and not as times are; got {shown(column)}"
+        f"first, no _ or / last, {MAX_COLUMN_NAME} at most, and not as times are; got "
+        f"{shown(column)}"
     )
 
 
@@ -95,14 +99,18 @@ def heading(column: str, unit: str) -> str:
     >>> heading("incident", "V"), heading("strain", "")
     ('incident [V]', 'strain [1]')
     """
-    if column != "time" and (sentence := misnamed(column)):
-        raise invalid_argument("name", sentence)
+    if column != "time":
+        fault = misnamed(column)
+        if fault:
+            raise invalid_argument("name", fault)
     if re.search(r'[]["(),;]', unit):
         message = (
             f"a unit in a table has no brackets, commas or quotes; got {shown(unit)}"
         )
         raise invalid_argument("unit", message)
-    return f"{column} [{unit or 1}]"
+    if not unit:
+        unit = "1"
+    return f"{column} [{unit}]"
 
 
 def write_table(
@@ -135,9 +143,9 @@ def as_json(**entries: Any) -> str:
 def finite(value: Any) -> Any:
     """The same for JSON, which has no infinite numbers and no nan: they become None."""
     if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
+        return dict(zip(value, map(finite, value.values()), strict=True))
     if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
+        return list(map(finite, value))
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

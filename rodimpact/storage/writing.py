@@ -27,16 +27,18 @@ Arrays: TypeAlias = dict[str, Any]
 FORMAT = "rodimpact"
 SCHEMA = 6
 """Version of what a saved file holds; readers refuse others."""
-MOST_DOCUMENT = 1 << 28
+MAX_DOCUMENT_BYTES = 1 << 28
 """Bytes of the document of a saved file, four to a character."""
 PASSING = ".rodimpact-"
-"""How names of files begin that are being written."""
+"""Begin of the names of files that are being written."""
 EXISTS = "it exists already; give force=True to replace it"
 
 
 def file_name(path: Any) -> str:
     """A path as text; InvalidModel for what is none, such as the number of an open file."""
-    name = os.fspath(path) if isinstance(path, str | os.PathLike) else None
+    name = None
+    if isinstance(path, str | os.PathLike):
+        name = os.fspath(path)
     if not isinstance(name, str) or "\0" in name:
         raise invalid_argument("path", f"must be the name of a file, got {shown(path)}")
     return name
@@ -136,9 +138,11 @@ def written(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
         else:
             _place(passing, target)
     except OSError as error:
-        reason = (
-            EXISTS if isinstance(error, FileExistsError) else error.strerror or error
-        )
+        reason = str(error)
+        if isinstance(error, FileExistsError):
+            reason = EXISTS
+        elif error.strerror:
+            reason = error.strerror
         raise type(error)(f"cannot write {os.fspath(path)!r}: {reason}") from error
     finally:
         with contextlib.suppress(OSError):
@@ -173,10 +177,19 @@ def write_npz(
 
     The document says what each array is, so that no reader unpacks anything else.
     """
-    head = {"format": FORMAT, "schema": SCHEMA, "rodimpact": __version__, "kind": kind}
-    what = {name: described(np.asanyarray(array)) for name, array in arrays.items()}
-    text = json.dumps({**head, **document, "arrays": what}, allow_nan=False)
-    if 4 * len(text) > MOST_DOCUMENT:
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "schema": SCHEMA,
+        "rodimpact": __version__,
+        "kind": kind,
+    }
+    content.update(document)
+    descriptions = {}
+    for name, array in arrays.items():
+        descriptions[name] = described(np.asanyarray(array))
+    content["arrays"] = descriptions
+    text = json.dumps(content, allow_nan=False)
+    if 4 * len(text) > MAX_DOCUMENT_BYTES:
         message = f"cannot write {os.fspath(path)!r}: the row has too many numbers for one file"
         raise OSError(message)
     with written(path, force=force) as file:
@@ -184,7 +197,7 @@ def write_npz(
 
 
 def described(array: Any) -> dict[str, Any]:
-    """What an array is, and a checksum of its numbers; JSON-ready."""
+    """Type, shape and checksum of an array; JSON-ready."""
     numbers = np.ascontiguousarray(array).ravel().view(np.uint8).data
     checksum = hashlib.blake2b(numbers, digest_size=8).hexdigest()
     return {"type": array.dtype.str, "shape": list(array.shape), "checksum": checksum}

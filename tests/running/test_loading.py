@@ -267,13 +267,13 @@ def test_the_state_of_a_smooth_wave_comes_back_equal(tmp_path):
 def test_a_case_that_no_reader_would_take_is_not_written(tmp_path, monkeypatch):
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
     size = len(ri.write_case(case_of(solution)).encode())
-    monkeypatch.setattr("rodimpact.storage.case_writing.MOST_BYTES", size - 1)
+    monkeypatch.setattr("rodimpact.storage.case_writing.MAX_CASE_BYTES", size - 1)
     with pytest.raises(
         ri.InvalidModel, match=f"system: .* {size} bytes.*fewer samples"
     ):
         solution.save(tmp_path / "run.toml")
     assert not list(tmp_path.iterdir())
-    monkeypatch.setattr("rodimpact.storage.case_writing.MOST_BYTES", size)
+    monkeypatch.setattr("rodimpact.storage.case_writing.MAX_CASE_BYTES", size)
     solution.save(tmp_path / "run.toml")
 
 

@@ -109,7 +109,7 @@ from rodimpact.methods.fronts import families
 from rodimpact.running import chunks
 from rodimpact.storage import checkpoint
 from test_checkpoint import MANY, family
-families.MAX_MEMBERS_PER_CALL, checkpoint.EVERY, checkpoint.SHARE = 4, 0.0, 0.0
+families.MAX_MEMBERS_PER_CALL, checkpoint.SAVE_INTERVAL, checkpoint.SAVE_TIME_RATIO = 4, 0.0, 0.0
 def progress(done, total):
     {then}
 chunks.JOBS_A_WORKER_TO_KEEP = 8
@@ -210,8 +210,8 @@ COLUMNS = [
 
 def parts(path, monkeypatch):
     """Files of a sweep, one a chunk."""
-    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
-    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
+    monkeypatch.setattr(checkpoint, "SAVE_INTERVAL", 0.0)
+    monkeypatch.setattr(checkpoint, "SAVE_TIME_RATIO", 0.0)
     result = ri.sweep(family(), workers=1, checkpoint=path)
     assert {*result.columns} == {*COLUMNS}
     files = sorted(path.iterdir())

@@ -150,7 +150,7 @@ def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
 ):
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
     monkeypatch.setattr("rodimpact.storage.writing.os.fsync", lambda file: None)
-    for name in ("EVERY", "SHARE"):  # a file a chunk
+    for name in ("SAVE_INTERVAL", "SAVE_TIME_RATIO"):  # a file a chunk
         monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)
     rng, whole, folder = (
         np.random.default_rng(seed),

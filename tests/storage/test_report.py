@@ -136,7 +136,7 @@ def test_solution_table_tells_when_contacts_press_and_open(unequal):
 def test_a_long_list_of_episodes_is_cut_and_counted():
     cradle = ri.solve(ri.System([rod(0.1, 1.0), *[rod(0.1)] * 20]))
     assert sum(len(contact.episodes) for contact in cradle.contacts) == 20
-    assert f"... and {20 - report.MOST_EPISODES} more" in str(cradle)
+    assert f"... and {20 - report.MAX_LISTED_EPISODES} more" in str(cradle)
 
 
 def test_json_is_complete_and_exact(unequal):

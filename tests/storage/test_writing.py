@@ -135,7 +135,7 @@ def test_a_link_that_points_nowhere_is_written_through(tmp_path):
 def test_a_document_that_no_reader_would_take_is_not_written(tmp_path, monkeypatch):
     rod = ri.Rod([0.4], area=1e-4, material=ri.materials.steel, velocity=1.0)
     family = ri.sweep(ri.System([rod, ri.Wall()]))
-    monkeypatch.setattr(writing, "MOST_DOCUMENT", 100)
+    monkeypatch.setattr(writing, "MAX_DOCUMENT_BYTES", 100)
     with pytest.raises(OSError, match="too many numbers"):
         family.save(tmp_path / "a.npz")
     assert os.listdir(tmp_path) == []
