@@ -315,7 +315,7 @@ class Animation:
         raise_if_problems(problems)
         write = films.WRITERS[films.check_film(path)]
         with (
-            writing.written(path, force=force) as file,
+            writing.open_for_writing(path, force=force) as file,
             Progress(progress, "film", "frames") as report,
         ):
             write(file, self, report)

@@ -27,7 +27,7 @@ from ..results.outcome import OnlyContact
 from ..results.solution import Solution
 from ..storage.extras import optional
 from ..storage.family_file import describe, restore
-from ..storage.writing import PathLike, write_npz, written
+from ..storage.writing import PathLike, open_for_writing, write_npz
 from ..units import shown
 from .columns import (
     ENDED,
@@ -308,7 +308,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         FileExistsError
             If the file is there and `force` is false.
         """
-        with written(path, force=force) as file:
+        with open_for_writing(path, force=force) as file:
             file.writelines(f"{line}\n".encode() for line in self.csv_lines())
 
     def to_dataframe(self) -> Any:

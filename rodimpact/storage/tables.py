@@ -13,7 +13,7 @@ from typing import Any
 
 from ..model.frozen import invalid_argument
 from ..units import format_si, shown
-from .writing import PathLike, written
+from .writing import PathLike, open_for_writing
 
 MAX_COLUMN_NAME = 60
 """Characters of the name of a column, at most."""
@@ -121,7 +121,7 @@ def write_table(
     force: bool = False,
 ) -> None:
     """Write a table of numbers with all their digits, as CSV; rows come in blocks of columns."""
-    with written(path, force=force) as file:
+    with open_for_writing(path, force=force) as file:
         file.write(f"{','.join(heads)}\n".encode())
         for columns in blocks:
             cells = [map(repr, column.tolist()) for column in columns]

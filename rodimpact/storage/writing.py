@@ -116,12 +116,12 @@ def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
     OSError
         Or a subclass, with a sentence, if the file cannot be written; an existing one is unharmed.
     """
-    with written(path, force=force) as file:
+    with open_for_writing(path, force=force) as file:
         file.write(data)
 
 
 @contextlib.contextmanager
-def written(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
+def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
     """Open a file to be written piece by piece; it appears when all is written, or not at all.
 
     Parameters and errors are those of `write_bytes`.
@@ -192,7 +192,7 @@ def write_npz(
     if 4 * len(text) > MAX_DOCUMENT_BYTES:
         message = f"cannot write {os.fspath(path)!r}: the row has too many numbers for one file"
         raise OSError(message)
-    with written(path, force=force) as file:
+    with open_for_writing(path, force=force) as file:
         np.savez_compressed(file, document=np.array(text), **arrays)
 
 

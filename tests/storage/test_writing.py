@@ -11,7 +11,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact.storage import writing
-from rodimpact.storage.writing import check_target, write_bytes, written
+from rodimpact.storage.writing import check_target, open_for_writing, write_bytes
 
 
 @pytest.fixture(params=["links", "no links"])
@@ -29,7 +29,7 @@ def test_a_file_that_appears_meanwhile_is_kept(tmp_path, file_system):
     target = tmp_path / "a"
 
     def write_slowly():
-        with written(target) as file:
+        with open_for_writing(target) as file:
             file.write(b"mine")
             target.write_bytes(b"another's")
 
@@ -41,7 +41,7 @@ def test_a_file_that_appears_meanwhile_is_kept(tmp_path, file_system):
 
 def test_a_file_that_appears_meanwhile_is_replaced_with_force(tmp_path):
     target = tmp_path / "a"
-    with written(target, force=True) as file:
+    with open_for_writing(target, force=True) as file:
         file.write(b"mine")
         target.write_bytes(b"another's")
     assert target.read_bytes() == b"mine"
@@ -54,7 +54,7 @@ def test_of_many_writers_one_writes(tmp_path, file_system):
 
     def write(number):
         try:
-            with written(tmp_path / "a") as file:
+            with open_for_writing(tmp_path / "a") as file:
                 together.wait()
                 file.write(bytes([number]) * 1000)
             written_by.append(number)
@@ -73,8 +73,8 @@ def test_of_many_writers_one_writes(tmp_path, file_system):
 
 WAITING = """
 import sys
-from rodimpact.storage.writing import written
-with written("a") as file:
+from rodimpact.storage.writing import open_for_writing
+with open_for_writing("a") as file:
     file.write(b"half")
     print("ready", flush=True)
     sys.stdin.readline()
