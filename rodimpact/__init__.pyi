@@ -52,6 +52,7 @@ from .model.profiles import Polynomials as Polynomials
 from .model.profiles import Samples as Samples
 from .model.profiles import Steps as Steps
 from .model.system import System as System
+from .records.alignment import Alignment as Alignment
 from .records.bar_gauge import BarGauge as BarGauge
 from .records.bridge import Bridge as Bridge
 from .records.calibration import Calibration as Calibration
@@ -70,6 +71,7 @@ from .records.reducing import reduce as reduce
 from .records.reduction import Reduction as Reduction
 from .records.signal import Signal as Signal
 from .records.specimen import Specimen as Specimen
+from .records.verdict import Verdict as Verdict
 from .results.contacts import ContactHistory as ContactHistory
 from .results.energy import EnergyLedger as EnergyLedger
 from .results.extreme_stress import ExtremeStress as ExtremeStress

@@ -15,7 +15,10 @@ STATUSES = {
     MISTAKE: (
         "a mistake in the call or in the case, or a file that exists, without --force"
     ),
-    INCOMPLETE: "a run stopped before what was asked; what is known is printed",
+    INCOMPLETE: (
+        "a run stopped before what was asked; what is known is printed. With --strict: a "
+        "reduction has doubts"
+    ),
     UNVERIFIED: "verification failed",
     INTERRUPTED: "interrupted by Ctrl-C",
 }

@@ -6,6 +6,10 @@ rodimpact reduce CASE.toml RECORD.csv --length 3.2mm --diameter 6.34mm
 The case file contains the two bars as neighbouring rods with their lengths; the case
 that planned the shot can be used. The specimen is between the two rods. Each rod has
 one or two gauges. The name of a gauge is the name of its channel in the record.
+
+The first lines are a verdict: equilibrium, peak stress, strain rate and energy, then
+each doubt about the shot with its number and a remedy. With --strict the exit status
+is 3 if there is a doubt.
 """
 
 import argparse
@@ -16,7 +20,7 @@ from .. import BarGauge, Case, DoubtfulReduction, Reduction, Signal, Specimen, r
 from ..storage.tables import as_json
 from . import record_options
 from .arguments import Arguments, add_number, figure_writer
-from .exit_status import CommandResult
+from .exit_status import DONE, INCOMPLETE, CommandResult
 from .record_options import GaugePositions
 
 
@@ -24,11 +28,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The bars, the record and its form, the specimen, the waves, and the outputs."""
     record_options.add_case_and_record(parser)
     parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
+    parser.add_argument(
+        "--strict", action="store_true", help="exit status 3 if a doubt is told"
+    )
     specimen = parser.add_argument_group("the specimen")
     add_number(specimen, "--length", "length", "length before the shot", required=True)
     add_number(specimen, "--diameter", "length", "diameter, if round; or give")
     add_number(specimen, "--area", "area", "cross-sectional area")
     add_number(specimen, "--youngs-modulus", "pressure", "of its elastic part")
+    add_number(specimen, "--wave-speed", "velocity", "of waves in it")
     specimen.add_argument(
         "--incompressible",
         action="store_true",
@@ -45,7 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         waves,
         "--align-within",
         "time",
-        "largest shift of the reflected and the transmitted wave",
+        "largest shift of the reflected and the transmitted wave, by which forces balance "
+        "in the elastic start; later the balance can be worse, the result shows it",
         default=0.0,
     )
     record_options.add_record_options(parser)
@@ -61,6 +70,7 @@ def run(args: Arguments) -> CommandResult:
         area=args.area,
         diameter=args.diameter,
         youngs_modulus=args.youngs_modulus,
+        wave_speed=args.wave_speed,
         incompressible=args.incompressible,
     )
     bodies = {position.body for position in positions.values()}
@@ -81,6 +91,8 @@ def run(args: Arguments) -> CommandResult:
     status = args.write(
         csv=reduction.to_csv, save=figure_writer(lambda plot: plot.reduction(reduction))
     )
+    if args.strict and reduction.doubts and status == DONE:
+        status = INCOMPLETE
     if args.json:
         return CommandResult(_json(reduction), status)
     return CommandResult(str(reduction), status)
@@ -142,8 +154,15 @@ def _json(reduction: Reduction) -> str:
     columns = {}
     for name, signal in reduction.signals.items():
         columns[name] = signal.values.tolist()
+    verdict = reduction.verdict._asdict()
+    del verdict["sentences"]
+    alignment = None
+    if reduction.alignment is not None:
+        alignment = reduction.alignment._asdict()
     return as_json(
+        verdict=verdict,
         shifts=reduction.shifts,
+        alignment=alignment,
         doubts=list(reduction.doubts),
         time=reduction.times.tolist(),
         **columns,

@@ -1,4 +1,4 @@
-"""What follows from the waves at both faces of a specimen by linear formulae."""
+"""Stress, strain, forces and velocities of a specimen over time, from the waves at its faces."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +14,7 @@ from .specimen import Specimen
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Columns of `Reduction` that are linear in the gauge strains; shape (n,) each."""
+    """Columns that are linear in the gauge strains, shape (n,) each, and what follows from them."""
 
     times: Floats
     strain: Floats
@@ -29,6 +29,15 @@ class Curve:
     def stress(self) -> Floats:
         """Nominal stress from the transmitted wave alone, Pa, shape (n,)."""
         return self.output_force / self.specimen.section
+
+    @property
+    def energy(self) -> Floats:
+        """Energy absorbed by the specimen, the integral of F1 v1 - F2 v2, J, shape (n,)."""
+        power = (
+            self.input_force * self.input_velocity
+            - self.output_force * self.output_velocity
+        )
+        return integral(power, self.times)
 
     @property
     def loading(self) -> slice:

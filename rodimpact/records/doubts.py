@@ -14,7 +14,9 @@ import numpy as np
 
 from ..model.quantities import Floats
 from ..units import format_si
+from .alignment import Alignment
 from .bar_gauge import BarGauge
+from .comparison import TimeSeries, misfit_of
 from .curve import Curve
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .pulses import PLATEAU_RATIO, Pulse, pulse_of
@@ -51,6 +53,16 @@ MIN_REFLECTED_RATIO = 0.1
 that follows a pulse in a bar."""
 MIN_FIRST_WAVE_RATIO = 0.4
 """Bounds the first part of the reflected wave over its largest: a smaller one may be ringing."""
+ECHO_RTOL = 0.01
+"""Bounds the difference of a bar speed from that by which a pulse comes back from the far end."""
+ECHO_MISFIT = 0.1
+"""Misfit of a pulse that came back, over its plateau, at most: else it is another wave."""
+ECHO_SEARCH_RTOL = 0.1
+"""Bounds the difference of bar speeds that is searched for the pulse that comes back."""
+MIN_WORSE_IMBALANCE = 0.05
+"""Imbalance over all loading after an alignment, at least, to call it worse."""
+WORSE_IMBALANCE_RATIO = 1.5
+"""Imbalance over all loading after an alignment over that before, above which it is worse."""
 SHIFT_LIMIT_RTOL = 0.01
 """Bounds the distance of a shift from the limit of its search, over that limit."""
 IMBALANCE_LIMIT = 0.15
@@ -92,9 +104,12 @@ class DoubtfulReduction(UserWarning):
 
 
 def doubts_of(
-    bars: InstrumentedBars, curve: Curve, shifts: Shifts, limit: float
+    bars: InstrumentedBars,
+    curve: Curve,
+    shifts: Shifts,
+    alignment: Alignment | None,
 ) -> tuple[str, ...]:
-    """Sentences on all doubts about a shot, aligned by `shifts` within `limit`, s.
+    """Sentences on all doubts about a shot, which was aligned by `shifts`, s.
 
     The bars hold the strains as recorded, without the gains of a calibration.
     """
@@ -105,7 +120,10 @@ def doubts_of(
         doubts += _second_gauge_off_time(bar)
     doubts += _reflected_wave_off_time(bars.input)
     doubts += _transmitted_wave_off_time(bars, curve.specimen.length)
-    doubts += _shifts_at_limit(shifts, limit)
+    doubts += _echo_off_time(bars.output)
+    if alignment is not None:
+        doubts += _shifts_at_limit(shifts, alignment.limit)
+        doubts += _balance_made_worse(alignment)
     doubts += _forces_out_of_balance(curve, bars.input.impedance)
     return tuple(doubts)
 
@@ -333,12 +351,51 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
         )
 
 
+def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
+    """Time the transmitted pulse that comes back from the free far end of its bar.
+
+    E and density of the bar say a wave speed; the pulse that comes back measures it. Without such a
+    pulse (a record too short, a trap or a damper at the far end) nothing is said.
+    """
+    speed = _speed_of_echo(bar)
+    if speed is None or abs(speed / bar.speed - 1) <= ECHO_RTOL:
+        return
+    density = float(bar.rod.segments[0].material.density)
+    modulus = format_si(density * speed**2, "Pa", 4)
+    stress_error = _percent(abs((bar.speed / speed) ** 2 - 1))
+    yield (
+        f"the transmitted wave comes back from the far end of the output bar at {speed:.0f} m/s; "
+        f"Young's modulus and density of the bar say {bar.speed:.0f} m/s, so the stress may be "
+        f"wrong by {stress_error}; give youngs_modulus={modulus}, which is density times the "
+        "square of the measured speed, or correct the length of the bar"
+    )
+
+
+def _speed_of_echo(bar: InstrumentedBar) -> float | None:
+    """Speed of the first pulse on its way to the far end and back, m/s; None if it is not seen."""
+    path = 2 * (float(bar.rod.length) - float(bar.distances[0]))
+    travel = path / bar.speed
+    slack = ECHO_SEARCH_RTOL * travel
+    pulse = bar.first_pulse
+    pulse_end = pulse.start + pulse.width + 2 * pulse.rise
+    start = pulse.start + travel - slack
+    end = pulse_end + travel + slack
+    if pulse_end > start or end > bar.times[-1]:
+        return None
+    passing = np.where(bar.times < pulse_end, bar.strains[0], 0.0)
+    predicted = TimeSeries(bar.times, -bar.propagated(passing, path))
+    window = (bar.times >= start) & (bar.times <= end)
+    recorded = TimeSeries(bar.times[window], bar.strains[0][window])
+    misfit = misfit_of(recorded, predicted, (-slack, slack), None)
+    if misfit.rms > ECHO_MISFIT or misfit.scale <= 0 or misfit.at_limit:
+        return None
+    return path / (travel + misfit.shift)
+
+
 # Alignment and forces
 
 
 def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
-    if limit == 0:
-        return
     for wave, shift in shifts._asdict().items():
         if abs(shift) >= (1 - SHIFT_LIMIT_RTOL) * limit:
             yield (
@@ -346,6 +403,19 @@ def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
                 "its search, and would move it further; give a larger align_within than "
                 f"{format_si(limit, 's', 3)}, or correct distances and bar speeds"
             )
+
+
+def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
+    """Compare the balance over all loading before and after the alignment."""
+    before = alignment.imbalance_before
+    after = alignment.imbalance_after
+    if after > MIN_WORSE_IMBALANCE and after > WORSE_IMBALANCE_RATIO * before:
+        yield (
+            f"the alignment, which balances the elastic start alone, makes the balance over all "
+            f"loading worse: |F1 - F2| is {_percent(after)} of the mean force, "
+            f"{_percent(before)} without it; leave align_within out, or correct distances and bar "
+            "speeds"
+        )
 
 
 def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:

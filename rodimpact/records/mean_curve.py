@@ -10,8 +10,10 @@ import numpy as np
 from ..model.arguments import integer
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
-from ..units import shown
+from ..storage.tables import align
+from ..units import format_si, shown
 from .reduction import Reduction
+from .strain_table import strain_label, table_strains
 
 MAX_CURVE_POINTS = 10**6
 """Strains of a mean curve, at most."""
@@ -52,6 +54,33 @@ class MeanCurve(NamedTuple):
     strain_rate: Floats
     scatter: Floats
     shots: int
+
+    def __str__(self) -> str:
+        """Number of shots and peak of the mean stress, then a table at round strains."""
+        peak = int(self.stress.argmax())
+        at_peak = float(self.strain[peak])
+        strains = table_strains(at_peak, float(self.strain[-1]))
+        rows = [["strain", "strain rate", "mean stress", "scatter"]]
+        for strain in strains:
+            rate = float(np.interp(strain, self.strain, self.strain_rate))
+            stress = float(np.interp(strain, self.strain, self.stress))
+            scatter = float(np.interp(strain, self.strain, self.scatter))
+            rows.append(
+                [
+                    strain_label(strain, at_peak),
+                    f"{rate:.0f} 1/s",
+                    format_si(stress, "Pa", 4),
+                    format_si(scatter, "Pa", 2),
+                ]
+            )
+        title = (
+            f"mean of {self.shots} shots: peak stress {format_si(self.stress[peak], 'Pa', 4)} at "
+            f"{100 * at_peak:.3g} % of strain; scatter is the standard deviation from shot to shot"
+        )
+        return f"{title}\n{align(rows)}"
+
+    def __repr__(self) -> str:
+        return f"<MeanCurve of {self.shots} shots, strain up to {self.strain[-1]:.3g}>"
 
 
 def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:

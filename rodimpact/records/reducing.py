@@ -9,6 +9,7 @@ from ..model.arguments import of_kind, scalar
 from ..model.bodies import Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
+from .alignment import Alignment, loading_imbalance
 from .bar_reading import Compression, instrumented_bars
 from .calibration import Calibration, with_gains
 from .doubts import DoubtfulReduction, doubts_of
@@ -16,6 +17,7 @@ from .reduction import Reduction
 from .separation import separated_until
 from .shot import Shot
 from .specimen import Specimen
+from .verdict import verdict_of
 
 MIN_CURVE_SAMPLES = 16
 """Samples of a curve, at least."""
@@ -46,9 +48,11 @@ def reduce(
     compression : str
         Sign of a strain that compresses in the records: ``"negative"`` or ``"positive"``.
     align_within : float
-        Largest shift of the reflected and of the transmitted wave, s. The shifts make the forces on
-        both faces equal and, if the specimen has a `youngs_modulus`, the initial slope equal to it.
-        0: only distances and wave speeds align the waves.
+        Largest shift of the reflected and of the transmitted wave, s. The shifts balance the forces
+        on both faces up to half of the largest stress and, if the specimen has a `youngs_modulus`,
+        make the initial slope equal to it. Later they can make the balance worse:
+        `Reduction.alignment` has the balance over all loading before and after. 0: only distances
+        and wave speeds align the waves.
     progress : bool or function
         Whether a bar may show how far long work is. A function is called with the number of curves
         that are done, and of all, None where that is not known.
@@ -95,10 +99,11 @@ def reduce(
         rods = calibration.bars
     recorded = instrumented_bars(input_gauges, output_gauges, rods, compression)
     # The curve lasts from the arrival at the specimen as long as the waves are separated.
-    travel = float(recorded.input.distances[0]) / recorded.input.speed
-    start = recorded.input.pulse_start + travel
+    input_bar = recorded.input
+    travel = float(input_bar.distances[0]) / input_bar.speed
+    start = input_bar.pulse_start + travel
     end = min(separated_until(bar) for bar in recorded)
-    dt = recorded.input.dt
+    dt = input_bar.dt
     count = int((end - start) / dt)
     if count < MIN_CURVE_SAMPLES:
         message = (
@@ -112,11 +117,15 @@ def reduce(
         corrected = with_gains(calibration, recorded)
     shot = Shot(corrected, specimen, start + dt * np.arange(count, dtype=float))
     with Progress(progress, "reduce", "curves") as report:
+        alignment = None
         if limit:
+            before = loading_imbalance(shot.curve())
             shot = shot.aligned(limit, report)
+            after = loading_imbalance(shot.curve())
+            alignment = Alignment(limit, before, after)
         curve = shot.curve()
         bands = shot.bands(curve, calibration, report)
-    doubts = doubts_of(recorded, curve, shot.shifts, limit)
+    doubts = doubts_of(recorded, curve, shot.shifts, alignment)
     for doubt in doubts:
         warnings.warn(doubt, DoubtfulReduction, stacklevel=2)
     return Reduction(
@@ -125,6 +134,8 @@ def reduce(
         strain_band=bands.strain,
         one_sample=shot.one_sample(curve),
         shifts=shot.shifts,
+        verdict=verdict_of(curve, input_bar.impedance, input_bar.first_pulse.rise),
+        alignment=alignment,
         disperses=all(bar.mode for bar in recorded),
         doubts=doubts,
     )

@@ -11,13 +11,22 @@ from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..storage.tables import align
 from ..units import format_si
-from .curve import Curve, integral
+from .alignment import Alignment
+from .curve import Curve
 from .multichannel import signals_to_xarray, write_signals
 from .shot import Shifts
 from .signal import Signal
+from .strain_table import strain_label, table_strains
+from .verdict import Verdict
 
-TABLE_STRAINS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5)
-"""Strains of the printed table, as far as the shot reaches them."""
+TABLE_COLUMNS = {
+    "strain_rate": "strain rate",
+    "stress": "stress",
+    "stress_band": "+-",
+    "one_sample": "one sample",
+    "equilibrium": "(F1 - F2)/mean",
+}
+"""Columns of the printed table, with their heads."""
 MIN_TOTAL_FORCE_RATIO = 1e-2
 """Bounds |F1 + F2| over its largest value: the balance of smaller forces is not given."""
 
@@ -48,12 +57,17 @@ class Reduction(Curve):
     shifts : (reflected, transmitted)
         Times by which the reflected and the transmitted wave were moved earlier to align them, s.
     specimen : Specimen
+    verdict : Verdict
+        Equilibrium, peak stress, strain rate and energy; the first lines of ``print``.
+    alignment : Alignment or None
+        Balance of the forces before and after an alignment.
     disperses : bool
         Whether the waves were propagated with the exact first mode.
     doubts : tuple of str
         Where the records contradict what was given: gauges of one bar that disagree, waves that
-        arrive too early or too late, shifts at the limit of `align_within`, forces out of balance.
-        One sentence each, with its number and a remedy; empty for a shot without contradictions.
+        arrive too early or too late, an echo that contradicts the wave speed, shifts at the limit
+        of `align_within` or an alignment that makes the balance worse, forces out of balance. One
+        sentence each, with its number and a remedy; empty for a shot without contradictions.
 
     Examples
     --------
@@ -77,6 +91,8 @@ class Reduction(Curve):
     strain_band: Floats
     one_sample: Floats
     shifts: Shifts
+    verdict: Verdict
+    alignment: Alignment | None
     disperses: bool
     doubts: tuple[str, ...]
 
@@ -100,15 +116,6 @@ class Reduction(Curve):
         is_small = np.abs(total) < MIN_TOTAL_FORCE_RATIO * np.abs(total).max()
         total[is_small] = np.nan
         return 2 * (self.input_force - self.output_force) / total
-
-    @property
-    def energy(self) -> Floats:
-        """Energy absorbed by the specimen, the integral of F1 v1 - F2 v2, J, shape (n,)."""
-        power = (
-            self.input_force * self.input_velocity
-            - self.output_force * self.output_velocity
-        )
-        return integral(power, self.times)
 
     @property
     def true_strain(self) -> Floats:
@@ -165,33 +172,45 @@ class Reduction(Curve):
         return signals_to_xarray(self.signals)
 
     def __str__(self) -> str:
-        """Table of stress at several strains, then alignment, energy and doubts."""
-        strain = np.maximum.accumulate(self.strain[self.loading])
-        rows = [
-            ["strain", "strain rate", "stress", "+-", "one sample", "(F1 - F2)/mean"]
-        ]
-        shown_strains = [level for level in TABLE_STRAINS if level < strain[-1]]
-        for i in np.searchsorted(strain, [*shown_strains, strain[-1]]):
+        """The verdict and the doubts, a table of stress at several strains, and the method."""
+        lines = list(self.verdict.sentences)
+        lines += [f"doubtful: {doubt}" for doubt in self.doubts]
+        if self.alignment is not None:
+            lines.append(self.alignment.sentence(self.shifts))
+        lines += [align(self._rows()), self._method()]
+        return "\n".join(lines)
+
+    def _rows(self) -> list[list[str]]:
+        """Heads and rows of the table: loading, at round strains and at the peak."""
+        at_peak = self.verdict.strain_at_peak
+        strains = table_strains(at_peak, float(self.strain[self.loading][-1]))
+        columns = {}
+        for name in TABLE_COLUMNS:
+            columns[name] = self.at_strain(strains, getattr(self, name))
+        rows = [["strain", *TABLE_COLUMNS.values()]]
+        for i, strain in enumerate(strains):
+            balance = "-"
+            if np.isfinite(columns["equilibrium"][i]):
+                balance = f"{100 * columns['equilibrium'][i]:.1f} %"
             rows.append(
                 [
-                    f"{100 * self.strain[i]:.3g} %",
-                    f"{self.strain_rate[i]:.0f} 1/s",
-                    format_si(self.stress[i], "Pa", 4),
-                    format_si(self.stress_band[i], "Pa", 2),
-                    format_si(self.one_sample[i], "Pa", 2),
-                    f"{100 * self.equilibrium[i]:.1f} %",
+                    strain_label(strain, at_peak),
+                    f"{columns['strain_rate'][i]:.0f} 1/s",
+                    format_si(columns["stress"][i], "Pa", 4),
+                    format_si(columns["stress_band"][i], "Pa", 2),
+                    format_si(columns["one_sample"][i], "Pa", 2),
+                    balance,
                 ]
             )
-        way = "without dispersion"
+        return rows
+
+    def _method(self) -> str:
+        """How the waves were propagated, and for how long they are separated."""
+        propagation = "without dispersion"
         if self.disperses:
-            way = "with the exact first mode"
-        reflected = f"{1e6 * self.shifts.reflected:.3g} us"
-        transmitted = f"{1e6 * self.shifts.transmitted:.3g} us"
-        doubts = "".join(f"\ndoubtful: {doubt}" for doubt in self.doubts)
-        return align(rows) + (
-            f"\nstress from the transmitted wave; waves propagated {way}; reflected wave moved "
-            f"{reflected} earlier, transmitted wave {transmitted}\n"
-            f"energy absorbed: {format_si(self.energy[self.loading][-1], 'J', 3)}; the waves are "
-            f"separated until {1e6 * (self.times[-1] - self.times[0]):.4g} us after they arrive"
-            f"{doubts}"
+            propagation = "with the exact first mode"
+        duration = 1e6 * (self.times[-1] - self.times[0])
+        return (
+            f"stress from the transmitted wave; waves propagated {propagation}, and separated "
+            f"until {duration:.4g} us after they arrive"
         )

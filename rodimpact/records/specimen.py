@@ -17,7 +17,10 @@ class Specimen(FrozenDataclass):
     area, diameter : float
         A0, m^2, or the diameter of a round specimen, m: one of the two.
     youngs_modulus : float, optional
-        Of the initial elastic part, Pa; `reduce` can align the waves with it.
+        Modulus of the initial elastic part, Pa; `reduce` can align the waves with it.
+    wave_speed : float, optional
+        Speed of waves in the specimen, m/s. If equal forces on both faces are assumed, this gives
+        an estimate of the time until they are equal.
     incompressible : bool
         Whether the volume of the specimen is constant; true stress and strain need this.
 
@@ -38,6 +41,7 @@ class Specimen(FrozenDataclass):
     area: float | None = quantity("m^2", "positive", default=None, scalar=True)
     diameter: float | None = quantity("m", "positive", default=None, scalar=True)
     youngs_modulus: float | None = quantity("Pa", "positive", default=None, scalar=True)
+    wave_speed: float | None = quantity("m/s", "positive", default=None, scalar=True)
     incompressible: bool = False
 
     def _check(self, problems: Problems) -> None:

@@ -99,6 +99,28 @@ def test_it_says_what_is_doubtful_once(capsys):
     assert [f"doubtful: {doubt}" for doubt in printed["doubts"]] == doubts
 
 
+def test_a_doubt_is_status_3_with_strict(capsys):
+    near = ["--gauge", "incident=0:562mm", *GAUGES[2:]]
+    options = [*near, *ALL[len(GAUGES) :]]
+    assert reduced(*options, "--strict") == 3
+    assert "doubtful: " in capsys.readouterr().out
+    assert reduced(*ALL, "--strict") == 0
+    assert main(["reduce", "--help"]) == 0
+    assert "exit status 3" in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_first_lines_are_the_verdict(capsys):
+    assert reduced(*ALL) == 0
+    first, second, *_ = capsys.readouterr().out.splitlines()
+    assert first.startswith("equilibrium is reached at 1")
+    assert second.startswith("peak stress 64")
+    assert reduced(*ALL, "--json") == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["verdict"]["in_equilibrium"] is True
+    assert printed["verdict"]["peak_stress"] == max(printed["stress"])
+    assert printed["alignment"] is None
+
+
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [

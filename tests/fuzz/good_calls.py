@@ -106,7 +106,7 @@ def reduction():
     gauges = [
         ri.BarGauge(signal, d) for signal, d in zip(signals, (0.75, 0.5), strict=True)
     ]
-    return ri.reduce(*gauges, BAR, ri.Specimen(5e-3, area=5e-5))
+    return ri.reduce(*gauges, BAR, ri.Specimen(5e-3, area=5e-5), align_within=1e-6)
 
 
 @cache
@@ -214,6 +214,8 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Pulse": [VOLTS.pulse],
     "Pushed": [lambda: ri.Pushed(10.0)],
     "Reduction": [reduction],
+    "Verdict": [lambda: reduction().verdict],
+    "Alignment": [lambda: reduction().alignment],
     "Regions": [lambda: ri.regions_of(exact_solution())],
     "Rigid": [ri.Rigid],
     "RigidMass": [lambda: ri.RigidMass(1.0)],
@@ -246,10 +248,10 @@ ABLE = {"Solution.field_error": [refined_solution]}
 """Instances of methods that not every instance of the class in `INSTANCES` has."""
 
 RETURNED = {
-    "Atlas", "Axis", "Calibration", "ClosedForm", "ContactHistory", "ContactTally",
+    "Alignment", "Atlas", "Axis", "Calibration", "ClosedForm", "ContactHistory", "ContactTally",
     "Descent", "EnergyLedger", "Episode", "Exact", "ExtremeStress", "FieldError", "Fit",
     "Fitted", "Gauge", "Gradient", "Kink", "MeanCurve", "Misfit", "Outcome", "Page", "Pulse",
-    "Reduction", "Regions", "RingDown", "Solution", "StressPeak", "SweepResult",
+    "Reduction", "Regions", "RingDown", "Solution", "StressPeak", "SweepResult", "Verdict",
     "design.PulseDesign", "rigid.RigidCollision", "rigid.StackDrop", "theory.PairCollision",
 }  # fmt: skip
 """Classes that the package returns. Users read their attributes and do not construct them."""

@@ -1,0 +1,59 @@
+"""What the alignment of the waves of a shot did to the balance of its forces."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..units import format_si
+from .curve import Curve
+from .shot import Shifts
+
+
+class Alignment(NamedTuple):
+    """Search for the shifts that balance the forces while the start is elastic.
+
+    The imbalance over all loading is the mean of |F1 - F2| over the mean of (F1 + F2)/2.
+
+    Attributes
+    ----------
+    limit : float
+        Largest shift of the search, s.
+    imbalance_before, imbalance_after : float
+        Imbalance over all loading without the shifts, and with them.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
+    >>> shot = ri.solve(row, until=6e-4)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> found = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=5e-5), align_within=1e-6)
+    >>> found.alignment.limit, found.alignment.imbalance_before < 0.01
+    (1e-06, True)
+    """
+
+    limit: float
+    imbalance_before: float
+    imbalance_after: float
+
+    def sentence(self, shifts: Shifts) -> str:
+        """The shifts, their limit, and the balance over all loading before and after."""
+        return (
+            f"aligned by the elastic start alone, within {format_si(self.limit, 's', 3)}: "
+            f"reflected wave {format_si(shifts.reflected, 's', 3)} earlier, transmitted wave "
+            f"{format_si(shifts.transmitted, 's', 3)}; |F1 - F2| over all loading is "
+            f"{100 * self.imbalance_after:.1f} % of the mean force, "
+            f"{100 * self.imbalance_before:.1f} % without alignment"
+        )
+
+
+def loading_imbalance(curve: Curve) -> float:
+    """Mean of |F1 - F2| over the mean of (F1 + F2)/2, while loading."""
+    input_force = curve.input_force[curve.loading]
+    output_force = curve.output_force[curve.loading]
+    difference = np.abs(input_force - output_force).mean()
+    return float(difference / ((input_force + output_force).mean() / 2))

@@ -1,0 +1,215 @@
+"""The verdict on a shot: equilibrium, peak stress, strain rate and energy, in a few sentences.
+
+A specimen is in equilibrium where the forces on its two faces are equal. Before that, the stress
+from one face is no property of its material.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..model.quantities import Floats
+from ..units import format_si
+from .curve import Curve
+from .doubts import INPUT_FORCE_RTOL
+from .pulses import PLATEAU_RATIO
+
+EQUILIBRIUM_RTOL = 0.05
+"""Bounds |F1 - F2| over the mean of both forces, in equilibrium."""
+MIN_BALANCED_RATIO = 0.5
+"""Part of the plateau with balanced forces, at least, of a shot that reaches equilibrium."""
+SMOOTHING_RATIO = 0.25
+"""Duration of the means by which forces are compared, over the rise time of the incident wave."""
+EQUILIBRIUM_TRANSITS = 4.0
+"""Transit times of the specimen until its forces are nearly equal: 3 to 5 for most rise times."""
+
+
+class Verdict(NamedTuple):
+    """What a shot shows about its specimen; `Reduction.verdict`.
+
+    The plateau is the loading with a force on the output face of at least 0.7 of its peak.
+
+    Attributes
+    ----------
+    in_equilibrium : bool or None
+        Whether |F1 - F2| stays below 5 % of the mean force over half of the plateau or more. None
+        if equal forces were assumed, or if F1 is too small a difference of two waves to tell.
+    equilibrium_from : float
+        Strain from which the forces are balanced; nan if this is not known.
+    imbalance : float
+        Median of |F1 - F2| on the plateau, over the mean force; nan if equal forces were assumed.
+    peak_stress : float
+        Largest nominal stress while loading, Pa.
+    strain_at_peak : float
+        Nominal strain at this stress.
+    mean_strain_rate : float
+        Mean of the strain rate on the plateau, 1/s.
+    energy : float
+        Energy absorbed up to the largest strain, J.
+    sentences : tuple of str
+        The same for people; ``str(verdict)`` has one a line.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
+    >>> shot = ri.solve(row, until=6e-4)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> verdict = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=5e-5)).verdict
+    >>> verdict.in_equilibrium, round(verdict.peak_stress / 1e6)
+    (True, 339)
+    """
+
+    in_equilibrium: bool | None
+    equilibrium_from: float
+    imbalance: float
+    peak_stress: float
+    strain_at_peak: float
+    mean_strain_rate: float
+    energy: float
+    sentences: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "\n".join(self.sentences)
+
+
+def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
+    """Verdict on a curve with measured forces on both faces.
+
+    Parameters
+    ----------
+    curve : Curve
+    impedance : float
+        Impedance of the input bar, kg/s.
+    rise : float
+        Rise time of the incident wave, s.
+    """
+    plateau = _plateau(curve)
+    balance = _balance(curve, rise)
+    imbalance = float(np.median(balance.imbalance[plateau]))
+    resolution = _resolution(curve, plateau, impedance)
+    covered = balance.is_equal & plateau
+    is_balanced = covered.sum() >= MIN_BALANCED_RATIO * plateau.sum()
+    in_equilibrium: bool | None = bool(is_balanced)
+    equilibrium_from = math.nan
+    if resolution > EQUILIBRIUM_RTOL:
+        in_equilibrium = None
+        sentence = (
+            f"equilibrium cannot be judged: F1 is the difference of two waves, each right to "
+            f"{_percent(INPUT_FORCE_RTOL)}, so it is known to {_percent(resolution)} of the mean "
+            f"force only; |F1 - F2| is {_percent(imbalance)} of it on the plateau"
+        )
+    elif in_equilibrium:
+        first = int(covered.argmax())
+        while first > 0 and balance.is_equal[first - 1]:
+            first -= 1
+        equilibrium_from = float(curve.strain[first])
+        delay = curve.times[first] - curve.times[0]
+        sentence = (
+            f"equilibrium is reached at {_percent(equilibrium_from)} of strain, "
+            f"{format_si(delay, 's', 3)} after the wave arrives; |F1 - F2| is "
+            f"{_percent(imbalance)} of the mean force on the plateau"
+        )
+    else:
+        sentence = (
+            f"equilibrium is not reached: |F1 - F2| is {_percent(imbalance)} of the mean force on "
+            f"the plateau, and stays below {_percent(EQUILIBRIUM_RTOL)} for less than half of it; "
+            "use a shorter specimen or a slower rise of the pulse"
+        )
+    return _with_numbers(
+        curve, plateau, in_equilibrium, equilibrium_from, imbalance, sentence
+    )
+
+
+def verdict_of_equal_forces(curve: Curve) -> Verdict:
+    """Verdict on a curve for which equal forces on both faces were assumed."""
+    sentence = "equilibrium is assumed, not measured: one force stands for both faces"
+    wave_speed = curve.specimen.wave_speed
+    if wave_speed is None:
+        sentence += "; give Specimen(wave_speed=...) for an estimate of the time that this takes"
+    else:
+        time = EQUILIBRIUM_TRANSITS * curve.specimen.length / wave_speed
+        strain = float(np.interp(curve.times[0] + time, curve.times, curve.strain))
+        sentence += (
+            f"; it takes some {format_si(time, 's', 3)}, {EQUILIBRIUM_TRANSITS:g} transit times "
+            f"of the specimen, so expect it from {_percent(strain)} of strain on"
+        )
+    plateau = _plateau(curve)
+    return _with_numbers(curve, plateau, None, math.nan, math.nan, sentence)
+
+
+def _with_numbers(
+    curve: Curve,
+    plateau: Floats,
+    in_equilibrium: bool | None,
+    equilibrium_from: float,
+    imbalance: float,
+    sentence: str,
+) -> Verdict:
+    """The verdict with the numbers that need no equilibrium, and a sentence on it."""
+    loading = curve.loading
+    peak = int(curve.stress[loading].argmax())
+    strain_rate = float(curve.strain_rate[plateau].mean())
+    energy = float(curve.energy[loading][-1])
+    start = _percent(curve.strain[plateau][0])
+    end = _percent(curve.strain[plateau][-1])
+    numbers = (
+        f"peak stress {format_si(curve.stress[peak], 'Pa', 4)} at "
+        f"{_percent(curve.strain[peak])} of strain; mean strain rate {strain_rate:.0f} 1/s from "
+        f"{start} to {end} of strain; energy absorbed {format_si(energy, 'J', 3)}"
+    )
+    return Verdict(
+        in_equilibrium=in_equilibrium,
+        equilibrium_from=equilibrium_from,
+        imbalance=imbalance,
+        peak_stress=float(curve.stress[peak]),
+        strain_at_peak=float(curve.strain[peak]),
+        mean_strain_rate=strain_rate,
+        energy=energy,
+        sentences=(sentence, numbers),
+    )
+
+
+def _plateau(curve: Curve) -> Floats:
+    """Which samples are loading with a force near its peak."""
+    loading = np.arange(len(curve.times)) < curve.loading.stop
+    force = np.where(loading, curve.output_force, -np.inf)
+    is_high: Floats = force >= PLATEAU_RATIO * force.max()
+    return is_high
+
+
+class _Balance(NamedTuple):
+    """Balance of the forces over time."""
+
+    imbalance: Floats  # |F1 - F2| over the mean force
+    is_equal: Floats  # whether it is within the bound, while loading
+
+
+def _balance(curve: Curve, rise: float) -> _Balance:
+    """Balance of means over a part of the rise time, which noise disturbs less."""
+    dt = curve.times[1] - curve.times[0]
+    width = max(1, round(SMOOTHING_RATIO * rise / dt))
+    window = np.full(width, 1 / width)
+    difference = np.convolve(curve.input_force - curve.output_force, window, "same")
+    mean = np.convolve(curve.input_force + curve.output_force, window, "same") / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        imbalance = np.abs(difference / mean)
+    is_equal = (imbalance <= EQUILIBRIUM_RTOL) & (mean > 0)
+    is_equal[curve.loading.stop :] = False
+    return _Balance(imbalance, is_equal)
+
+
+def _resolution(curve: Curve, plateau: Floats, impedance: float) -> float:
+    """Error of F1, the difference of two waves, over the mean force on the plateau."""
+    incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
+    mean = np.median(curve.output_force[plateau])
+    return float(INPUT_FORCE_RTOL * np.abs(incident_force).max() / mean)
+
+
+def _percent(ratio: float) -> str:
+    return f"{100 * ratio:.3g} %"

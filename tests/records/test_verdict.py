@@ -1,0 +1,130 @@
+"""The first lines of a reduction say what the shot shows, and what contradicts it."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from records import shots
+from records.shots import BAR, SPECIMEN, STEEL
+
+import rodimpact as ri
+
+
+@pytest.fixture(scope="module")
+def shot():
+    return shots.pressure_bar_shot(until=1.2e-3)
+
+
+def reduced(shot, bar=BAR, specimen=SPECIMEN, seed=0, **options):
+    gauges = (shot.gauge(0, 0.75, seed=seed), shot.gauge(2, 0.75, seed=seed + 1))
+    return ri.reduce(*gauges, bar, specimen, **options)
+
+
+def bar_with(modulus):
+    material = STEEL.replace(youngs_modulus=modulus)
+    return BAR.replace(segments=[BAR.segments[0].replace(material=material)])
+
+
+def test_the_verdict_is_that_of_the_computed_specimen(shot):
+    result = reduced(shot)
+    verdict = result.verdict
+    assert str(result).startswith(str(verdict))
+    strain = shot.strain(result.times)
+    stress = shot.stress(result.times)
+    peak = int(stress.argmax())
+    assert verdict.peak_stress == pytest.approx(stress[peak], rel=0.01)
+    assert verdict.strain_at_peak == pytest.approx(strain[peak], rel=0.01)
+    work = np.trapezoid(stress[: peak + 1], strain[: peak + 1])
+    volume = SPECIMEN.section * SPECIMEN.length
+    assert verdict.energy == pytest.approx(work * volume, rel=0.02)
+    # the true forces on both faces balance from there on
+    assert verdict.in_equilibrium
+    assert 0.002 < verdict.equilibrium_from < 0.02
+    times = result.times[strain > 1.5 * verdict.equilibrium_from]
+    first, second = (contact.force(times) for contact in shot.solution.contacts)
+    assert np.median(np.abs(first - second) / second) < 0.05
+    plateau = stress[: peak + 1] >= 0.7 * stress[peak]
+    rate = np.gradient(strain, result.times)[: peak + 1][plateau].mean()
+    assert verdict.mean_strain_rate == pytest.approx(rate, rel=0.03)
+
+
+def test_no_doubt_is_told_about_good_shots(shot):
+    for seed in range(12):
+        result = reduced(shot, seed=2 * seed)
+        assert result.doubts == ()
+        assert result.verdict.in_equilibrium
+        assert "doubtful" not in str(result)
+
+
+def test_a_shot_out_of_equilibrium_is_told():
+    """Waves need 50 us to cross a soft long specimen; the pulse is over after 60 us."""
+    soft = ri.Material("soft", youngs_modulus=1e8, density=1000.0, poisson_ratio=0.3)
+    shot = shots.pressure_bar_shot(duration=30e-6, rise=20e-6, material=soft)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ri.DoubtfulReduction)
+        result = reduced(shot)
+    verdict = result.verdict
+    assert verdict.in_equilibrium is not True
+    assert math.isnan(verdict.equilibrium_from)
+    assert "equilibrium is reached" not in str(result)
+
+
+def test_a_soft_specimen_cannot_be_judged():
+    soft = ri.Material("soft", youngs_modulus=3e8, density=1100.0, poisson_ratio=0.3)
+    shot = shots.pressure_bar_shot(material=soft)
+    verdict = reduced(shot).verdict
+    assert verdict.in_equilibrium is None
+    assert "equilibrium cannot be judged: F1 is the difference" in str(verdict)
+
+
+@pytest.mark.parametrize("factor", [0.92, 0.97, 1.03, 1.1])
+def test_a_modulus_that_contradicts_the_echo_is_doubted(shot, factor):
+    """The remedy is taken: with the modulus that the doubt names there is none."""
+    with pytest.warns(ri.DoubtfulReduction):
+        doubts = reduced(shot, bar_with(2e11 * factor)).doubts
+    (doubt,) = [each for each in doubts if "comes back from the far end" in each]
+    number = doubt.split("youngs_modulus=")[1].split(" GPa")[0]
+    modulus = 1e9 * float(number)
+    assert modulus == pytest.approx(2e11, rel=2e-3)
+    assert reduced(shot, bar_with(modulus)).doubts == ()
+
+
+def test_an_alignment_shows_the_balance_over_all_loading(shot):
+    elastic = SPECIMEN.replace(youngs_modulus=6e9)
+    result = reduced(shot, specimen=elastic, align_within=3e-6)
+    assert result.alignment.limit == 3e-6
+    assert 0 < result.alignment.imbalance_after < 0.02
+    assert "aligned by the elastic start alone, within 3 us: reflected" in str(result)
+    assert reduced(shot).alignment is None
+
+
+def test_an_alignment_that_makes_the_balance_worse_is_doubted(shot):
+    """A modulus that is wrong by a factor of three pulls the waves apart."""
+    stiff = SPECIMEN.replace(youngs_modulus=2e9)
+    with pytest.warns(ri.DoubtfulReduction, match="makes the balance over all loading"):
+        result = reduced(shot, specimen=stiff, align_within=20e-6)
+    plain = reduced(shot)
+    first = plain.input_force[plain.loading]
+    second = plain.output_force[plain.loading]
+    imbalance = np.abs(first - second).mean() / ((first + second).mean() / 2)
+    assert result.alignment.imbalance_before == pytest.approx(imbalance)
+    assert result.alignment.imbalance_after > 0.05
+
+
+def test_the_table_has_round_strains_and_the_peak(shot):
+    result = reduced(shot)
+    lines = str(result).splitlines()
+    strains = [line.split("  ")[0] for line in lines if " 1/s " in line[:40]]
+    assert strains[:4] == ["0.5 %", "1 %", "2 %", "5 %"]
+    (peak,) = [line for line in lines if "(peak)" in line]
+    assert f"{result.verdict.peak_stress / 1e6:.4g} MPa" in peak
+
+
+def test_a_mean_is_printed_as_a_table(shot):
+    mean = ri.mean_of_shots([reduced(shot, seed=seed) for seed in (0, 2, 4)])
+    lines = str(mean).splitlines()
+    assert lines[0].startswith("mean of 3 shots: peak stress 42")
+    assert lines[1].split() == ["strain", "strain", "rate", "mean", "stress", "scatter"]
+    assert [line[:5] for line in lines[2:6]] == ["0.5 %", "1 %  ", "2 %  ", "5 %  "]
+    assert repr(mean).startswith("<MeanCurve of 3 shots")
