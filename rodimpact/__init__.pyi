@@ -58,6 +58,7 @@ from .records.bridge import Bridge as Bridge
 from .records.calibration import Calibration as Calibration
 from .records.calibration import calibrate as calibrate
 from .records.comparison import Misfit as Misfit
+from .records.cut_pulses import CutPulses as CutPulses
 from .records.doubts import DoubtfulReduction as DoubtfulReduction
 from .records.mean_curve import MeanCurve as MeanCurve
 from .records.mean_curve import mean_of_shots as mean_of_shots

@@ -6,6 +6,7 @@ case.
 
 import argparse
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from .. import Bridge, Case, Rod, Signal, read_signals
@@ -55,8 +56,15 @@ def gauge_positions(args: Arguments, case: Case | None) -> GaugePositions:
     """Positions of the gauges of the call, or else of the case."""
     if not args.gauge:
         return _positions_in_case(args, case)
+    return positions_in(args, case, "--gauge", args.gauge)
+
+
+def positions_in(
+    args: Arguments, case: Case | None, option: str, texts: list[str]
+) -> GaugePositions:
+    """Positions of gauges, which an option gives as texts of the form `GAUGE_FORM`."""
     positions: GaugePositions = {}
-    for text in args.gauge:
+    for text in texts:
         name, _, position_text = text.rpartition("=")
         number, _, x = position_text.partition(":")
         is_complete = all((name, number.strip().isdecimal(), x))
@@ -65,13 +73,13 @@ def gauge_positions(args: Arguments, case: Case | None) -> GaugePositions:
                 f"must be {GAUGE_FORM}, such as incident=1:0.5, each name once, got "
                 f"{shown(text)}"
             )
-            args.problems.append(("--gauge", message))
+            args.problems.append((option, message))
             continue
-        option = f"--gauge {name}"
-        position = GaugePosition(int(number), args.number(option, x, "length"))
+        path = f"{option} {name}"
+        position = GaugePosition(int(number), args.number(path, x, "length"))
         positions[name] = position
         if case is not None:
-            _check_position(args, option, position, x, case)
+            _check_position(args, path, position, x, case)
     return positions
 
 
@@ -125,7 +133,12 @@ def _rod_lengths(case: Case) -> dict[int, float]:
 def add_case_and_record(parser: argparse.ArgumentParser) -> None:
     """Add the case, the record, the positions of its gauges, and the outputs."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
-    parser.add_argument("record", metavar="RECORD.csv", help="the record, a text table")
+    parser.add_argument(
+        "record",
+        metavar="RECORD.csv",
+        nargs="+",
+        help="the record, a text table; or several, such as one for each channel",
+    )
     add_gauge_option(parser, "a channel of the record and the place of its gauge")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
@@ -164,21 +177,7 @@ def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:
     bridge = _bridge(args)
     if args.problems:
         return {}
-    try:
-        signals = args.build_or_add_problems(
-            read_signals,
-            args.record,
-            time=args.time,
-            time_unit=args.time_unit,
-            rate=args.rate,
-            units=_units(args.unit),
-            decimal=args.decimal,
-            names={"units": "--unit"},
-        )
-    except OSError as error:
-        reason = error.strerror if error.strerror else error
-        args.problems.append((args.record, f"cannot be read: {reason}"))
-        return {}
+    signals = _read_files(args)
     if not signals:
         return {}
     for name in wanted:
@@ -189,6 +188,44 @@ def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:
         elif bridge is not None:
             with args.naming(names={"volts": f"--bridge of {name}"}):
                 signals[name] = bridge.strain(signals[name])
+    return signals
+
+
+def _read_files(args: Arguments) -> dict[str, Signal]:
+    """Channels of all files of the record.
+
+    If there are several files, a channel bears the name of its file; of a file with several
+    channels, the name of the file, a point, and its own.
+    """
+    signals: dict[str, Signal] = {}
+    for path in args.record:
+        try:
+            channels = args.build_or_add_problems(
+                read_signals,
+                path,
+                time=args.time,
+                time_unit=args.time_unit,
+                rate=args.rate,
+                units=_units(args.unit),
+                decimal=args.decimal,
+                names={"units": "--unit"},
+            )
+        except OSError as error:
+            reason = error.strerror if error.strerror else error
+            args.problems.append((path, f"cannot be read: {reason}"))
+            return {}
+        if not channels:
+            return {}
+        if len(args.record) == 1:
+            return channels
+        stem = Path(path).stem
+        for name, signal in channels.items():
+            full_name = stem
+            if len(channels) > 1:
+                full_name = f"{stem}.{name}"
+            if full_name in signals:
+                args.add_problem(path, f"two files are called {stem}; rename one")
+            signals[full_name] = signal
     return signals
 
 

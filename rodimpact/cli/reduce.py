@@ -7,6 +7,10 @@ The case file contains the two bars as neighbouring rods with their lengths; the
 that planned the shot can be used. The specimen is between the two rods. Each rod has
 one or two gauges. The name of a gauge is the name of its channel in the record.
 
+Pulses that were cut out of their records are given one by one:
+    rodimpact reduce CASE.toml PULSES.csv --length 3.2mm --diameter 6.34mm
+    --incident i=0:0.381 --reflected r=0:0.381 --transmitted t=1:0.381 --clock own
+
 The first lines are a verdict: equilibrium, peak stress, strain rate and energy, then
 each doubt about the shot with its number and a remedy. With --strict the exit status
 is 3 if there is a doubt.
@@ -16,12 +20,25 @@ import argparse
 import warnings
 from typing import Any
 
-from .. import BarGauge, Case, DoubtfulReduction, Reduction, Signal, Specimen, reduce
+from .. import (
+    BarGauge,
+    Case,
+    CutPulses,
+    DoubtfulReduction,
+    Reduction,
+    Signal,
+    Specimen,
+    reduce,
+)
+from ..records.cut_pulses import CLOCKS
 from ..storage.tables import as_json
 from . import record_options
 from .arguments import Arguments, add_number, figure_writer
 from .exit_status import DONE, INCOMPLETE, CommandResult
 from .record_options import GaugePositions
+
+PULSES = ("incident", "reflected", "transmitted")
+"""Options for pulses that are cut out of their records."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +60,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="its volume is constant: add true stress and strain",
     )
     waves = parser.add_argument_group("the waves")
+    for name in PULSES:
+        waves.add_argument(
+            f"--{name}",
+            metavar=record_options.GAUGE_FORM,
+            help=f"the {name} pulse, cut out of its record: channel and gauge; all "
+            "three are in place of --gauge",
+        )
+    waves.add_argument(
+        "--clock",
+        choices=CLOCKS,
+        default="common",
+        help="times of the cut pulses: common, or own if each begins anew; then they "
+        "are aligned at their begin. Default: common",
+    )
     waves.add_argument(
         "--compression",
         choices=("negative", "positive"),
@@ -63,7 +94,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Arguments) -> CommandResult:
     """Check all arguments, reduce, write the files; table or JSON."""
     case = args.read_case()
-    positions = record_options.gauge_positions(args, case)
+    is_cut = any(getattr(args, name) is not None for name in PULSES)
+    if is_cut:
+        positions = _positions_of_pulses(args, case)
+    else:
+        positions = record_options.gauge_positions(args, case)
     specimen: Any = args.build_or_add_problems(
         Specimen,
         args.length,
@@ -75,7 +110,7 @@ def run(args: Arguments) -> CommandResult:
     )
     bodies = {position.body for position in positions.values()}
     first = min(bodies, default=0)
-    if bodies != {first, first + 1}:
+    if bodies != {first, first + 1} and not is_cut:
         args.problems.append(
             (
                 "--gauge",
@@ -96,6 +131,32 @@ def run(args: Arguments) -> CommandResult:
     if args.json:
         return CommandResult(_json(reduction), status)
     return CommandResult(str(reduction), status)
+
+
+def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
+    """Positions of the three pulses, by their channels; problems are added."""
+    positions: GaugePositions = {}
+    bodies = []
+    for name in PULSES:
+        text = getattr(args, name)
+        if text is None:
+            args.problems.append((f"--{name}", "is missing; give all three pulses"))
+            continue
+        for channel, position in record_options.positions_in(
+            args, case, f"--{name}", [text]
+        ).items():
+            positions[channel] = position
+            bodies.append(position.body)
+    if args.gauge:
+        args.problems.append(("--gauge", "give either gauges or three cut pulses"))
+    if len(bodies) == len(PULSES):
+        incident, reflected, transmitted = bodies
+        if reflected != incident or transmitted != incident + 1:
+            message = "must be on the body after that of the other two pulses"
+            args.problems.append(("--transmitted", message))
+        if len(positions) < len(PULSES):
+            args.problems.append(("--incident", "give three different channels"))
+    return positions
 
 
 def _check_units(
@@ -130,20 +191,33 @@ def _reduce(
                 input_gauges.append(BarGauge(signals[name], distance))
             else:
                 output_gauges.append(BarGauge(signals[name], position.x))
+    shot: dict[str, Any] = {
+        "input_gauges": input_gauges,
+        "output_gauges": output_gauges,
+    }
+    if args.incident is not None:
+        incident, reflected = input_gauges
+        (transmitted,) = output_gauges
+        with args.naming(f"--{PULSES[0]}"):
+            pulses = CutPulses(incident, reflected, transmitted, args.clock)
+        shot = {"pulses": pulses}
     names = {
         "bars": case.path,
         "": "--gauge",
         "input_gauges": "--gauge",
         "output_gauges": "--gauge",
+        "pulses": "--incident, --reflected, --transmitted",
+        "incident": "--incident",
+        "reflected": "--reflected",
+        "transmitted": "--transmitted",
     }
     with args.naming(names=names), warnings.catch_warnings():
         # the table and the JSON contain the same sentences
         warnings.simplefilter("ignore", DoubtfulReduction)
         return reduce(
-            input_gauges,
-            output_gauges,
-            bars,
-            specimen,
+            **shot,
+            bars=bars,
+            specimen=specimen,
             compression=args.compression,
             align_within=args.align_within,
         )

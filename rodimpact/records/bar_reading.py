@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -10,10 +11,10 @@ from ..model import Rod, System
 from ..model.arguments import of_kind, one_of
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
-from ..units import shown
+from ..units import format_si, shown
 from .bar_gauge import GAUGE_EXAMPLE, BarGauge
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
-from .pulses import Pulse, pulse_of
+from .pulses import Pulse, pulse_of, rest_end
 from .signal import Signal
 
 Compression: TypeAlias = Literal["negative", "positive"]
@@ -21,8 +22,6 @@ SIGN_OF_COMPRESSION = {"negative": -1.0, "positive": 1.0}
 """Factor from a record to compressive strain, by the sign of compressions in the record."""
 MIN_REST_SAMPLES = 16
 """Samples before the pulse, at least, from which baseline and noise are taken."""
-REST_END = 1.5
-"""Time from the end of the rest to a tenth of the plateau of the pulse, over its rise time."""
 SMOOTHED_SAMPLES = 5
 """Samples of a mean by which the first pulse is found: one sample of noise is no pulse."""
 FIRST_PULSE_RATIO = 0.4
@@ -34,17 +33,33 @@ def instrumented_bars(
 ) -> InstrumentedBars:
     """Both bars with the records of their gauges."""
     one_of("compression", compression, SIGN_OF_COMPRESSION)
+    rods = rods_of(bars)
+    return InstrumentedBars(
+        input=_instrumented_bar(
+            "input_gauges", input_gauges, rods.input, False, compression
+        ),
+        output=_instrumented_bar(
+            "output_gauges", output_gauges, rods.output, True, compression
+        ),
+    )
+
+
+class Rods(NamedTuple):
+    """The input bar and the output bar."""
+
+    input: Rod
+    output: Rod
+
+
+def rods_of(bars: Any) -> Rods:
+    """Both bars; InvalidModel unless they are one uniform rod or two."""
     rods = bars
     if not isinstance(bars, tuple | list):
         rods = (bars, bars)
     if len(rods) != 2 or not all(map(_is_uniform, rods)):
         message = "must be a uniform Rod, two uniform Rods, or a Calibration"
         raise invalid_argument("bars", f"{message}, got {shown(bars)}")
-    first, second = rods
-    return InstrumentedBars(
-        _instrumented_bar("input_gauges", input_gauges, first, False, compression),
-        _instrumented_bar("output_gauges", output_gauges, second, True, compression),
-    )
+    return Rods(*rods)
 
 
 def _is_uniform(rod: Any) -> bool:
@@ -76,13 +91,13 @@ def _instrumented_bar(
         pulse = _first_pulse(name, times.values, compressive, compression)
         records.append(_Record(gauge, pulse, compressive))
     records.sort(key=lambda record: record.first_pulse.start)
-    rest_samples = _rest_samples(name, times, records[0].first_pulse)
+    rest_samples = _rest_samples(name, times, records[0])
     distances = []
     strains = []
     for record in records:
         distances.append(record.gauge.distance)
         strains.append(record.strain - record.strain[:rest_samples].mean())
-    return InstrumentedBar(
+    bar = InstrumentedBar(
         rod=rod,
         is_output=is_output,
         gauges=tuple(record.gauge for record in records),
@@ -92,6 +107,32 @@ def _instrumented_bar(
         times=times.values,
         dt=times.dt,
         rest_samples=rest_samples,
+    )
+    return _from_arrival_at_face(bar)
+
+
+def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
+    """The bar with records that begin before the pulse is at the face, by more rest before them.
+
+    The wave in the output bar is at the face before it is at a gauge. The added samples are those
+    at rest again and again, so that level and noise stay the same.
+    """
+    if not bar.is_output:
+        return bar
+    at_face = bar.pulse_start - bar.distances.max() / bar.speed
+    missing = math.ceil((bar.times[0] - at_face) / bar.dt)
+    if missing <= 0:
+        return bar
+    count = missing + MIN_REST_SAMPLES
+    earlier = bar.times[0] - bar.dt * np.arange(count, 0, -1)
+    strains = []
+    for strain in bar.strains:
+        rest = np.resize(strain[: bar.rest_samples], count)
+        strains.append(np.concatenate((rest, strain)))
+    return bar._replace(
+        strains=np.array(strains),
+        times=np.concatenate((earlier, bar.times)),
+        rest_samples=bar.rest_samples + count,
     )
 
 
@@ -134,13 +175,18 @@ def _common_times(name: str, strains: list[Signal]) -> _Times:
     return _Times(values, dt, end)
 
 
-def _rest_samples(name: str, times: _Times, pulse: Pulse) -> int:
-    """Number of samples before the first pulse of a bar."""
-    start = float(times.values[0])
-    count = int((pulse.start - REST_END * pulse.rise - start) / times.dt)
+def _rest_samples(name: str, times: _Times, first: _Record) -> int:
+    """Number of samples at rest before the first pulse of a bar."""
+    values = first.strain - np.median(first.strain[:MIN_REST_SAMPLES])
+    end = rest_end(times.values, values, first.first_pulse)
+    count = int(np.searchsorted(times.values, end))
     if count < MIN_REST_SAMPLES:
-        message = f"the record begins {pulse.start - start:.3g} s before the pulse"
-        remedy = f"{MIN_REST_SAMPLES} samples before it are needed for the baseline"
+        duration = format_si(MIN_REST_SAMPLES * times.dt, "s", 3)
+        message = f"the record has {count} samples at rest before the pulse rises"
+        remedy = (
+            f"{MIN_REST_SAMPLES} are needed, {duration}, for its level and noise; record "
+            "earlier, or give cut pulses, ri.reduce(pulses=...)"
+        )
         raise invalid_argument(name, f"{message}; {remedy}")
     return count
 

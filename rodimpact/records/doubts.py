@@ -19,7 +19,7 @@ from .bar_gauge import BarGauge
 from .comparison import TimeSeries, misfit_of
 from .curve import Curve
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
-from .pulses import PLATEAU_RATIO, Pulse, pulse_of
+from .pulses import FOOT_TIME_RATIO, PLATEAU_RATIO, START_RATIO, Pulse, first_part
 from .shot import Shifts
 
 MIN_COMPARED_SAMPLES = 16
@@ -41,18 +41,11 @@ TRAVEL_RTOL = 0.05
 
 Wave speeds from tables are off by 2 or 3 %, and distances by 1 % with the length of a gauge.
 """
-START_RATIO = 0.1
-"""The part of its plateau at which `Pulse.start` is."""
-FOOT_TIME_RATIO = 2.5
-"""Bounds the time from the begin of a pulse to a tenth of its plateau, over that from there to a
-fifth: a straight rise needs 1, one with the square of time 2.4."""
 SLOWEST_SPECIMEN_SPEED = 500.0
 """Bounds the time of a wave in the specimen: a foam has some 500 m/s, every metal is faster."""
 MIN_REFLECTED_RATIO = 0.1
 """Bounds the reflected over the incident strain: a weaker wave does not stand out of the ringing
 that follows a pulse in a bar."""
-MIN_FIRST_WAVE_RATIO = 0.4
-"""Bounds the first part of the reflected wave over its largest: a smaller one may be ringing."""
 ECHO_RTOL = 0.01
 """Bounds the difference of a bar speed from that by which a pulse comes back from the far end."""
 ECHO_MISFIT = 0.1
@@ -318,16 +311,8 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
         return None
     strain = strain[fallen]
     times = times[fallen]
-    size = np.abs(strain)
-    first = int(np.argmax(size >= MIN_FIRST_WAVE_RATIO * size.max()))
-    # a second wave of the other sign, as the specimen unloads, may be the larger one
-    turned = strain[first:] * strain[first] < 0
-    if turned.any():
-        end = first + int(np.argmax(turned))
-        strain = np.append(strain[:end], 0.0)
-        times = times[: end + 1]
     try:
-        pulse = pulse_of(times, strain)
+        pulse = first_part(times, strain)
     except ValueError:
         return None
     return _onset(times, strain, pulse)

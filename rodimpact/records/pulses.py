@@ -8,6 +8,17 @@ from ..model.quantities import Floats
 
 PLATEAU_RATIO = 0.7
 """Smallest part of the largest sample that belongs to the plateau of a pulse."""
+MIN_FIRST_PART_RATIO = 0.4
+"""Largest strain of the first part of a wave over that of all, at least: less may be ringing."""
+START_RATIO = 0.1
+"""Part of its plateau at which `Pulse.start` is."""
+ONSET_RATIO = 0.01
+"""Part of its plateau at which a pulse begins, if noise is less."""
+ONSET_NOISE_RATIO = 3.0
+"""Strain at which a pulse begins over the standard deviation of the noise, at least."""
+FOOT_TIME_RATIO = 2.5
+"""Bounds the time from the begin of a pulse to a tenth of its plateau, over that from there to a
+fifth: a straight rise needs 1, one with the square of time 2.4."""
 
 
 class Pulse(NamedTuple):
@@ -46,7 +57,7 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
     t = np.concatenate(([np.nan], times, [np.nan]))
     top = _stretch_above(PLATEAU_RATIO * v.max(), t, v)
     level = plateau(v[top.samples])
-    foot = _stretch_above(0.1 * level, t, v)
+    foot = _stretch_above(START_RATIO * level, t, v)
     half = _stretch_above(0.5 * level, t, v)
     if not np.isfinite([foot.rises, half.rises, half.falls]).all():
         raise ValueError(
@@ -97,3 +108,51 @@ def _sign_of(values: Floats) -> float:
     if values.max() >= -values.min():
         return 1.0
     return -1.0
+
+
+def first_part(times: Floats, values: Floats) -> Pulse:
+    """Timing of the first pulse, where another one of the other sign may follow; as `pulse_of`.
+
+    As a specimen unloads, the second part of the reflected wave may be the larger one.
+    """
+    size = np.abs(values)
+    first = int(np.argmax(size >= MIN_FIRST_PART_RATIO * size.max()))
+    has_turned = values[first:] * values[first] < 0
+    if has_turned.any():
+        end = first + int(np.argmax(has_turned))
+        values = np.append(values[:end], 0.0)
+        times = times[: end + 1]
+    return pulse_of(times, values)
+
+
+def rest_end(times: Floats, values: Floats, pulse: Pulse) -> float:
+    """Time before which a record is at rest, s.
+
+    It lies before a tenth of the plateau by 2.5 times the duration from there to a fifth, and by
+    one sample at least.
+    """
+    dt = times[1] - times[0]
+    until_fifth = max(_time_at_fifth(times, values, pulse) - pulse.start, dt)
+    return float(pulse.start - FOOT_TIME_RATIO * until_fifth)
+
+
+def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float:
+    """Last time before a tenth of the plateau at which a pulse is not above its noise, s.
+
+    It is not above a hundredth of the plateau, or three standard deviations of the noise.
+    """
+    level = max(ONSET_RATIO * abs(pulse.plateau), ONSET_NOISE_RATIO * noise)
+    size = np.sign(pulse.plateau) * values
+    is_low = (times < pulse.start) & (size <= level)
+    if not is_low.any():
+        return float(times[0])
+    i = int(np.flatnonzero(is_low)[-1])
+    return float(np.interp(level, size[i : i + 2], times[i : i + 2]))
+
+
+def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:
+    """Time at which a pulse exceeds a fifth of its plateau after it exceeds a tenth, s."""
+    size = np.sign(pulse.plateau) * values
+    fifth = 2 * START_RATIO * abs(pulse.plateau)
+    i = int(np.argmax((times > pulse.start) & (size >= fifth)))
+    return float(np.interp(fifth, size[i - 1 : i + 1], times[i - 1 : i + 1]))

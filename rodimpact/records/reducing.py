@@ -10,8 +10,9 @@ from ..model.bodies import Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
 from .alignment import Alignment, loading_imbalance
-from .bar_reading import Compression, instrumented_bars
+from .bar_reading import Compression, instrumented_bars, rods_of
 from .calibration import Calibration, with_gains
+from .cut_pulses import CutPulses, gauges_of
 from .doubts import DoubtfulReduction, doubts_of
 from .reduction import Reduction
 from .separation import separated_until
@@ -24,11 +25,12 @@ MIN_CURVE_SAMPLES = 16
 
 
 def reduce(
-    input_gauges: Any,
-    output_gauges: Any,
-    bars: Rod | tuple[Rod, Rod] | Calibration,
-    specimen: Specimen,
+    input_gauges: Any = None,
+    output_gauges: Any = None,
+    bars: Rod | tuple[Rod, Rod] | Calibration | None = None,
+    specimen: Specimen | None = None,
     *,
+    pulses: CutPulses | None = None,
     compression: Compression = "negative",
     align_within: float = 0.0,
     progress: bool | ProgressFunction = True,
@@ -45,6 +47,9 @@ def reduce(
         waves disperse as in the exact first mode. The lengths give the times at which waves return
         from the far ends.
     specimen : Specimen
+    pulses : CutPulses, optional
+        Incident, reflected and transmitted pulse, each cut out of its record, in place of the
+        gauges.
     compression : str
         Sign of a strain that compresses in the records: ``"negative"`` or ``"positive"``.
     align_within : float
@@ -91,12 +96,18 @@ def reduce(
     check_progress(problems, progress)
     raise_if_problems(problems)
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
+    assert specimen is not None
     limit = scalar("align_within", align_within, "s", "non-negative")
     calibration = None
     rods: Any = bars
     if isinstance(bars, Calibration):
         calibration = bars
         rods = calibration.bars
+    if pulses is not None:
+        if input_gauges is not None or output_gauges is not None:
+            raise invalid_argument("pulses", "give either pulses or gauges, not both")
+        of_kind("pulses", pulses, CutPulses, "ri.CutPulses(incident, reflected, ...)")
+        input_gauges, output_gauges = gauges_of(pulses, rods_of(rods))
     recorded = instrumented_bars(input_gauges, output_gauges, rods, compression)
     # The curve lasts from the arrival at the specimen as long as the waves are separated.
     input_bar = recorded.input

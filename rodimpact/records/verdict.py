@@ -5,15 +5,18 @@ from one face is no property of its material.
 """
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model.quantities import Floats
 from ..units import format_si
 from .curve import Curve
 from .doubts import INPUT_FORCE_RTOL
 from .pulses import PLATEAU_RATIO
+
+Bools: TypeAlias = NDArray[np.bool_]
 
 EQUILIBRIUM_RTOL = 0.05
 """Bounds |F1 - F2| over the mean of both forces, in equilibrium."""
@@ -145,7 +148,7 @@ def verdict_of_equal_forces(curve: Curve) -> Verdict:
 
 def _with_numbers(
     curve: Curve,
-    plateau: Floats,
+    plateau: Bools,
     in_equilibrium: bool | None,
     equilibrium_from: float,
     imbalance: float,
@@ -175,11 +178,11 @@ def _with_numbers(
     )
 
 
-def _plateau(curve: Curve) -> Floats:
+def _plateau(curve: Curve) -> Bools:
     """Which samples are loading with a force near its peak."""
     loading = np.arange(len(curve.times)) < curve.loading.stop
     force = np.where(loading, curve.output_force, -np.inf)
-    is_high: Floats = force >= PLATEAU_RATIO * force.max()
+    is_high: Bools = force >= PLATEAU_RATIO * force.max()
     return is_high
 
 
@@ -187,7 +190,7 @@ class _Balance(NamedTuple):
     """Balance of the forces over time."""
 
     imbalance: Floats  # |F1 - F2| over the mean force
-    is_equal: Floats  # whether it is within the bound, while loading
+    is_equal: Bools  # whether it is within the bound, while loading
 
 
 def _balance(curve: Curve, rise: float) -> _Balance:
@@ -204,7 +207,7 @@ def _balance(curve: Curve, rise: float) -> _Balance:
     return _Balance(imbalance, is_equal)
 
 
-def _resolution(curve: Curve, plateau: Floats, impedance: float) -> float:
+def _resolution(curve: Curve, plateau: Bools, impedance: float) -> float:
     """Error of F1, the difference of two waves, over the mean force on the plateau."""
     incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
     mean = np.median(curve.output_force[plateau])

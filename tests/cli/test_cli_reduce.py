@@ -141,6 +141,66 @@ def test_mistakes_are_named_by_option(options, sentence, refuses):
     refuses(["reduce", "bars.toml", RECORD, *options], sentence)
 
 
+def cut_out(names=("incident", "reflected", "transmitted")):
+    """Files of the three pulses of the record, as strain, with the names of the pulses."""
+    bridge = ri.Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
+    record = ri.read_signals(RECORD)
+    windows = {
+        "incident": ("incident", -20e-6, 120e-6),
+        "reflected": ("incident", 130e-6, 270e-6),
+        "transmitted": ("transmitted", 130e-6, 270e-6),
+    }
+    for name in names:
+        channel, start, end = windows[name]
+        bridge.strain(record[channel].window(start, end)).to_csv(f"{name}.csv")
+    return [f"{name}.csv" for name in names]
+
+
+PULSES = [
+    *("--incident", "incident=0:381mm"),
+    *("--reflected", "reflected=0:381mm"),
+    *("--transmitted", "transmitted=1:381mm"),
+]
+
+
+def test_three_cut_pulses_in_files_of_their_own(capsys):
+    """They are the same shot as the whole record, where the pulses last."""
+    assert reduced(*ALL, "--json") == 0
+    whole = json.loads(capsys.readouterr().out)
+    options = [*PULSES, *SPECIMEN, "--compression", "positive"]
+    files = cut_out()
+    assert main(["reduce", "bars.toml", *files, *options, "--json"]) == 0
+    cut = json.loads(capsys.readouterr().out)
+    assert cut["verdict"]["peak_stress"] == pytest.approx(
+        whole["verdict"]["peak_stress"], rel=0.01
+    )
+    assert cut["verdict"]["energy"] == pytest.approx(
+        whole["verdict"]["energy"], rel=0.03
+    )
+    assert main(["reduce", "bars.toml", *files, *options, "--clock", "own"]) == 0
+    assert capsys.readouterr().out.startswith("equilibrium")
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (PULSES[:4], "--transmitted: is missing; give all three pulses"),
+        ([*PULSES, *GAUGES], "--gauge: give either gauges or three cut pulses"),
+        (
+            [*PULSES[:4], "--transmitted", "transmitted=0:381mm"],
+            "--transmitted: must be on the body after",
+        ),
+        (
+            [*PULSES[:2], "--reflected", "incident=0:381mm", *PULSES[4:]],
+            "--incident: give three different channels",
+        ),
+        ([*PULSES[:5], "transmitted=1"], "--transmitted: must be NAME=BODY:X"),
+    ],
+)
+def test_mistakes_of_cut_pulses_are_named_by_option(options, sentence, refuses):
+    refuses(["reduce", "bars.toml", *cut_out(), *options, *SPECIMEN], sentence)
+
+
 def test_a_planned_shot_is_reduced_with_its_own_case(capsys):
     ideal = BARS.replace("poisson_ratio = 0.33\n", "")  # bars that do not disperse
     Path("plan.toml").write_text(

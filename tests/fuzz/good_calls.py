@@ -170,6 +170,7 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Atlas": [atlas],
     "Axis": [lambda: family_result().axes[0]],
     "BarGauge": [lambda: bar_gauges()[0]],
+    "CutPulses": [lambda: ri.CutPulses(*[bar_gauges()[0]] * 3)],
     "Bonded": [ri.Bonded],
     "Bridge": [lambda: ri.Bridge("quarter", gauge_factor=2.0, excitation=5.0)],
     "Calibration": [calibration],
@@ -289,6 +290,9 @@ PAIR_OF_RODS = {
 CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     # model
     "BarGauge": lambda: {"signal": STRAIN, "distance": 0.5},
+    "CutPulses": lambda: dict.fromkeys(
+        ("incident", "reflected", "transmitted"), ri.BarGauge(STRAIN, 0.5)
+    ),
     "Bridge": lambda: {"kind": "quarter", "gauge_factor": 2.0, "excitation": 5.0},
     "Case": lambda: {"system": PAIR},
     "FileFormatError": lambda: {"message": "it is empty"},

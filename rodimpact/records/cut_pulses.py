@@ -1,0 +1,180 @@
+"""Incident, reflected and transmitted pulse, each cut out of its record.
+
+The pulses of the input gauge are set into one record, at the times at which the gauge saw them.
+Between them, where nothing was given, the strain is zero. From there on they are reduced as a
+record of one gauge is.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..model.arguments import of_kind, one_of
+from ..model.bodies import Rod
+from ..model.frozen import FrozenDataclass, Problems, invalid_argument
+from ..model.quantities import Floats
+from .bar_gauge import GAUGE_EXAMPLE, BarGauge
+from .bar_reading import Rods
+from .pulses import first_part, onset_of, rest_end
+from .signal import Signal
+
+CLOCKS = ("common", "own")
+MIN_LEVEL_SAMPLES = 4
+"""Samples at rest before a cut pulse, at least, from which its level is taken; else it is 0."""
+ADDED_REST_SAMPLES = 64
+"""Samples at rest that are put before the incident and the transmitted pulse."""
+MAX_END_RATIO = 0.2
+"""Last strain of the incident pulse over its plateau, at most, of a pulse that is over."""
+
+
+class CutPulses(FrozenDataclass):
+    """Incident, reflected and transmitted pulse, cut out of the records of two gauges.
+
+    Parameters
+    ----------
+    incident, reflected, transmitted : BarGauge
+        Each pulse with the distance of its gauge from the specimen. Incident and reflected pulse
+        are of one gauge. If a pulse begins with 4 samples at rest or more, their mean is its zero.
+    clock : str
+        ``"common"``: the times are those of the records, and distances and wave speeds align the
+        pulses. ``"own"``: each pulse has a time of its own; they are aligned so that they begin
+        together at the specimen.
+
+    Raises
+    ------
+    InvalidModel
+        If an argument is invalid; the error names every invalid argument.
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> shape = np.clip(np.minimum(np.arange(80) - 5, 75 - np.arange(80)) / 10, 0, 1)
+    >>> pulse = ri.Signal(-1e-3 * shape, dt=1e-6)
+    >>> gauges = [ri.BarGauge(factor * pulse, 0.5) for factor in (1.0, -0.4, 0.6)]
+    >>> pulses = ri.CutPulses(*gauges, clock="own")
+    >>> bar = ri.Rod(1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000))
+    >>> found = ri.reduce(pulses=pulses, bars=bar, specimen=ri.Specimen(5e-3, area=1e-4))
+    >>> round(found.stress.max() / 1e6)
+    120
+    """
+
+    incident: BarGauge
+    reflected: BarGauge
+    transmitted: BarGauge
+    clock: str = "common"
+
+    def _check(self, problems: Problems) -> None:
+        for name in ("incident", "reflected", "transmitted"):
+            of_kind(name, getattr(self, name), BarGauge, GAUGE_EXAMPLE)
+        one_of("clock", self.clock, CLOCKS)
+        if self.incident.distance != self.reflected.distance:
+            message = "must be that of the incident pulse, which the same gauge records"
+            problems.append(("reflected", f"its distance {message}"))
+
+
+class _Pulse(NamedTuple):
+    """A pulse from its level at rest, and its first sample above the rest."""
+
+    signal: Signal
+    rest: Floats  # samples before the pulse, without their level
+    onset: float  # s
+
+
+class GaugePair(NamedTuple):
+    """The gauge of the input bar and that of the output bar."""
+
+    input: BarGauge
+    output: BarGauge
+
+
+def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
+    """One record for each bar in which its pulses lie."""
+    incident = _pulse_from_rest("incident", pulses.incident)
+    reflected = _pulse_from_rest("reflected", pulses.reflected)
+    transmitted = _pulse_from_rest("transmitted", pulses.transmitted)
+    _check_end(incident)
+    input_travel = pulses.incident.distance / _speed_of(rods.input)
+    output_travel = pulses.transmitted.distance / _speed_of(rods.output)
+    reflected_signal = reflected.signal
+    transmitted_signal = transmitted.signal
+    if pulses.clock == "own":
+        delay = incident.onset + 2 * input_travel - reflected.onset
+        reflected_signal = reflected_signal.shifted(delay)
+        delay = incident.onset + input_travel + output_travel - transmitted.onset
+        transmitted_signal = transmitted_signal.shifted(delay)
+    if reflected_signal.start < incident.signal.start:
+        raise invalid_argument(
+            "pulses",
+            "the reflected pulse begins before the incident one; give clock='own' if each pulse "
+            "has a time of its own",
+        )
+    input_record = _joined(incident.signal, reflected_signal)
+    return GaugePair(
+        BarGauge(_with_rest(input_record, incident.rest), pulses.incident.distance),
+        BarGauge(
+            _with_rest(transmitted_signal, transmitted.rest),
+            pulses.transmitted.distance,
+        ),
+    )
+
+
+def _speed_of(rod: Rod) -> float:
+    """Bar speed, m/s."""
+    return float(rod.segments[0].wave_speed)
+
+
+def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
+    """The strain of a pulse from its level at rest, if it begins with one."""
+    strain = gauge.strain
+    try:
+        times = strain.times
+        values = np.append(strain.values, 0.0)
+        pulse = first_part(np.append(times, strain.end + strain.dt), values)
+    except ValueError as error:
+        raise invalid_argument(name, str(error)) from None
+    is_rest = strain.times < rest_end(strain.times, strain.values, pulse)
+    rest = strain.values[is_rest]
+    level = 0.0
+    noise = 0.0
+    if len(rest) >= MIN_LEVEL_SAMPLES:
+        level = float(rest.mean())
+        noise = float(rest.std())
+    else:
+        rest = np.zeros(0)
+    onset = onset_of(strain.times, strain.values - level, pulse, noise)
+    return _Pulse(strain - level, rest - level, onset)
+
+
+def _check_end(incident: _Pulse) -> None:
+    """InvalidModel if the incident pulse is cut off before it is over."""
+    values = np.abs(incident.signal.values)
+    ratio = float(values[-1] / values.max())
+    if ratio > MAX_END_RATIO:
+        raise invalid_argument(
+            "incident",
+            f"ends at {100 * ratio:.0f} % of its largest strain; cut it later, at most "
+            f"{100 * MAX_END_RATIO:.0f} % are left of a pulse that is over",
+        )
+
+
+def _joined(first: Signal, second: Signal) -> Signal:
+    """Both pulses in one record at the steps of the first one, zero between them."""
+    dt = first.dt
+    count = round((second.end - first.start) / dt)
+    times = first.start + dt * np.arange(count + 1)
+    values = np.interp(times, first.times, first.values, left=0.0, right=0.0)
+    values += np.interp(times, second.times, second.values, left=0.0, right=0.0)
+    return Signal(values, times)
+
+
+def _with_rest(signal: Signal, rest: Floats) -> Signal:
+    """The record with more rest before it: its own samples at rest again and again, or zeros."""
+    dt = signal.dt
+    times = signal.start - dt * np.arange(ADDED_REST_SAMPLES, 0, -1)
+    values = np.zeros(ADDED_REST_SAMPLES)
+    if rest.size:
+        values = np.resize(rest, ADDED_REST_SAMPLES)
+    return Signal(
+        np.concatenate((values, signal.values)),
+        np.concatenate((times, signal.times)),
+    )

@@ -1,0 +1,171 @@
+"""Three pulses cut out of their records, and records that begin just before their pulse."""
+
+import numpy as np
+import pytest
+from records import shots
+from records.shots import BAR, SPECIMEN
+
+import rodimpact as ri
+
+DISTANCE = 0.75
+TRAVEL = DISTANCE / shots.STEEL.wave_speed
+
+
+@pytest.fixture(scope="module")
+def shot():
+    return shots.pressure_bar_shot()
+
+
+def cut(gauge, start, end):
+    return gauge.replace(signal=gauge.signal.window(start, end))
+
+
+def cut_pulses(shot, rest=30e-6, seed=0):
+    """Incident, reflected and transmitted pulse with some rest before each."""
+    first = shot.gauge(0, DISTANCE, seed=2 * seed)
+    second = shot.gauge(2, DISTANCE, seed=2 * seed + 1)
+    return (
+        cut(first, TRAVEL - rest, TRAVEL + 215e-6),
+        cut(first, 3 * TRAVEL - rest, 3 * TRAVEL + 230e-6),
+        cut(second, 3 * TRAVEL - rest, 3 * TRAVEL + 230e-6),
+    )
+
+
+def errors_over_time(shot, result):
+    """Relative errors of stress and strain above 1 % of strain, while loading."""
+    strain = shot.strain(result.times)
+    stress = shot.stress(result.times)
+    loading = np.arange(len(strain)) <= strain.argmax()
+    is_plastic = loading & (strain > 0.01)
+    stress_error = result.stress[is_plastic] / stress[is_plastic] - 1
+    strain_error = (result.strain - strain)[is_plastic] / strain.max()
+    return np.sqrt(np.mean(stress_error**2)), np.abs(strain_error).max()
+
+
+def stress_error_at_strain(shot, result):
+    """Root mean square relative error of the stress at strains of 1.1 % and more."""
+    times = np.arange(2.9e-4, 7e-4, 1e-6)
+    strain = shot.strain(times)
+    up = slice(0, int(strain.argmax()) + 1)
+    strains = np.linspace(0.011, 0.97 * strain.max(), 200)
+    truth = np.interp(strains, strain[up], shot.stress(times)[up])
+    error = result.at_strain(strains, result.stress) / truth - 1
+    return np.sqrt(np.mean(error**2))
+
+
+@pytest.mark.parametrize("rest", [30e-6, 1e-6])
+def test_cut_pulses_with_the_times_of_the_records(shot, rest):
+    pulses = ri.CutPulses(*cut_pulses(shot, rest))
+    result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
+    stress_error, strain_error = errors_over_time(shot, result)
+    assert stress_error < 0.01
+    assert strain_error < 0.01
+    assert result.doubts == ()
+
+
+def test_the_band_of_cut_pulses_covers_the_truth(shot):
+    covered = []
+    for seed in range(8):
+        pulses = ri.CutPulses(*cut_pulses(shot, seed=seed))
+        result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
+        strain = shot.strain(result.times)
+        is_plastic = (strain > 0.01) & (np.arange(len(strain)) <= strain.argmax())
+        error = np.abs(result.stress - shot.stress(result.times))
+        covered.append(np.mean((error <= result.stress_band)[is_plastic]))
+    assert np.mean(covered) > 0.9
+
+
+def test_cut_pulses_with_times_of_their_own(shot):
+    """They begin together; the modulus of the specimen aligns them better."""
+    own = []
+    for gauge, offset in zip(cut_pulses(shot), (0.0, 3e-6, -7e-6), strict=True):
+        start = gauge.signal.start + offset
+        own.append(gauge.replace(signal=gauge.signal.shifted(-start)))
+    pulses = ri.CutPulses(*own, clock="own")
+    elastic = SPECIMEN.replace(youngs_modulus=6e9)
+    result = ri.reduce(pulses=pulses, bars=BAR, specimen=elastic, align_within=10e-6)
+    assert result.doubts == ()
+    assert stress_error_at_strain(shot, result) < 0.01
+    with pytest.raises(ri.InvalidModel, match="clock='own'"):
+        ri.reduce(pulses=ri.CutPulses(*own), bars=BAR, specimen=SPECIMEN)
+
+
+def test_gauges_with_a_gain_and_opposite_sides_are_cut_too(shot):
+    incident, reflected, transmitted = cut_pulses(shot)
+    plain = ri.CutPulses(incident, reflected, transmitted)
+    other = transmitted.replace(
+        signal=1.1 * transmitted.signal / 5,
+        opposite=0.9 * transmitted.signal / 5,
+        gain=5.0,
+    )
+    found = [
+        ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
+        for pulses in (plain, ri.CutPulses(incident, reflected, other))
+    ]
+    assert found[1].stress == pytest.approx(found[0].stress, rel=1e-9, abs=1.0)
+
+
+def test_mistakes_of_cut_pulses_are_named(shot):
+    incident, reflected, transmitted = cut_pulses(shot)
+    pulses = ri.CutPulses(incident, reflected, transmitted)
+    with pytest.raises(ri.InvalidModel, match="either pulses or gauges"):
+        ri.reduce(incident, None, BAR, SPECIMEN, pulses=pulses)
+    with pytest.raises(ri.InvalidModel, match="must be a CutPulses"):
+        ri.reduce(pulses=incident, bars=BAR, specimen=SPECIMEN)
+    with pytest.raises(ri.InvalidModel, match="that of the incident pulse"):
+        ri.CutPulses(incident, reflected.replace(distance=0.5), transmitted)
+    with pytest.raises(ri.InvalidModel, match="one of 'common', 'own'"):
+        ri.CutPulses(incident, reflected, transmitted, clock="none")
+    short = incident.replace(signal=incident.signal.window(0, TRAVEL + 100e-6))
+    with pytest.raises(ri.InvalidModel, match="of its largest strain"):
+        ri.reduce(
+            pulses=ri.CutPulses(short, reflected, transmitted),
+            bars=BAR,
+            specimen=SPECIMEN,
+        )
+
+
+def test_a_record_that_begins_after_its_wave_left_the_specimen(shot):
+    """A recorder of its own for the output bar begins 30 us before the pulse is there."""
+    first = shot.gauge(0, DISTANCE)
+    second = shot.gauge(2, DISTANCE, seed=1)
+    whole = ri.reduce(first, second, BAR, SPECIMEN)
+    late = cut(second, 3 * TRAVEL - 30e-6, 7e-4)
+    result = ri.reduce(first, late, BAR, SPECIMEN)
+    top = whole.stress.max()
+    assert np.abs(result.stress - whole.stress).max() < 0.01 * top
+
+
+def ramp_record(rest, rise, end):
+    """A slow ramp after some rest, with noise, and its equally slow fall."""
+    times = np.arange(0.0, end, 1e-6)
+    ramp = np.minimum((times - rest) / rise, (rest + 2.2 * rise - times) / rise)
+    rng = np.random.default_rng(0)
+    noise = 1e-6 * rng.standard_normal(len(times))
+    return ri.Signal(-1e-3 * np.clip(ramp, 0, 1) + noise, times)
+
+
+def test_as_much_rest_as_the_rise_is_enough():
+    """400 us of rest before a ramp of 400 us, which a stiff specimen transmits."""
+    record = ramp_record(400e-6, 400e-6, end=5e-3)
+    metal = ri.Material("metal", youngs_modulus=2e11, density=8e3)
+    bar = ri.Rod(8.0, area=1e-4, material=metal)
+    gauges = (ri.BarGauge(record, 3.9), ri.BarGauge(record.shifted(1.56e-3), 3.9))
+    result = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=1e-4))
+    assert result.stress.max() == pytest.approx(200e6, rel=0.02)
+
+
+@pytest.mark.parametrize("count", [14, 24])
+def test_the_samples_at_rest_are_counted(count):
+    """16 are needed, and no more than some samples before the rise are not counted."""
+    record = ramp_record(count * 1e-6, 40e-6, end=6e-4)
+    gauges = (ri.BarGauge(record, 0.75), ri.BarGauge(record.shifted(3e-4), 0.75))
+    if count == 24:
+        ri.reduce(*gauges, BAR, SPECIMEN)
+        return
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.reduce(*gauges, BAR, SPECIMEN)
+    (message,) = dict(caught.value.problems).values()
+    told = int(message.split("has ")[1].split(" ")[0])
+    assert count - 8 <= told < count
+    assert "16 are needed, 16 us" in message
