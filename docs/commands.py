@@ -1,4 +1,4 @@
-"""`%%sh` for cells of this manual: a command that fails stops the build, its text stays whole."""
+"""The cell magic `%%sh` of this manual: a command that fails stops the build."""
 
 import subprocess
 
@@ -7,8 +7,7 @@ from IPython.core.magic import register_cell_magic
 
 @register_cell_magic
 def sh(_line: str, cell: str) -> None:
-    """Run the cell in a shell and print what it prints, in one piece."""
-    done = subprocess.run(
-        ["sh", "-ec", cell], stdout=subprocess.PIPE, text=True, check=True
-    )
-    print(done.stdout, end="")  # noqa: T201
+    """Run the cell in a shell, and print all of its output in one piece."""
+    command = ["sh", "-ec", cell]
+    process = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    print(process.stdout, end="")  # noqa: T201

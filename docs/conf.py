@@ -1,8 +1,8 @@
-"""The manual: `sphinx-build -W -b html docs docs/_build`.
+"""Settings of the manual, which is built by `sphinx-build -W -b html docs docs/_build`.
 
-Every code cell of every page runs when the manual is built, and a cell that fails stops it. Nothing
-is asked of the network; RODIMPACT_DOCS_LINKS=1 links names of NumPy, SciPy and Matplotlib to their
-own manuals, which does.
+Every code cell of every page runs when the manual is built, and a cell that fails stops
+the build. The build needs no network unless RODIMPACT_DOCS_LINKS=1 is set, which links
+names of NumPy, SciPy and Matplotlib to their own manuals.
 """
 
 import contextlib
@@ -19,10 +19,9 @@ import rodimpact
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 os.environ["RODIMPACT_ROOT"] = str(HERE.parent)  # where cells find records and cases
-os.environ["TQDM_DISABLE"] = "1"  # pages show results, not bars
-os.environ["PATH"] = (
-    str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]
-)  # commands
+os.environ["TQDM_DISABLE"] = "1"  # pages show results, not progress bars
+commands = str(Path(sys.executable).parent)  # where cells find `rodimpact`
+os.environ["PATH"] = commands + os.pathsep + os.environ["PATH"]
 
 project = "rodimpact"
 release = version = rodimpact.__version__
@@ -37,37 +36,34 @@ extensions = [
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
 source_suffix = {
-    ".rst": "restructuredtext",
+    ".rst": "restructuredtext",  # autosummary makes such pages
     ".md": "myst-nb",
-}  # .rst is made by autosummary
+}
 
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_execution_in_temp = True
 nb_merge_streams = True
-nb_output_stderr = (
-    "remove"  # such as how long compiling takes; what fails stops the build
-)
+# Messages, such as how long compiling takes, are not shown. A failure stops the build.
+nb_output_stderr = "remove"
 nb_render_markdown_format = "myst"
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath"]
 html_math_renderer = "mathml"
 
 autosummary_generate = True
-autodoc_typehints = "none"  # docstrings say what they take, with units
+autodoc_typehints = "none"  # docstrings describe arguments, with units
 numpydoc_show_class_members = False
 
-links = {
-    name: (f"https://{place}", None)
-    for name, place in (
-        ("python", "docs.python.org/3"),
-        ("numpy", "numpy.org/doc/stable"),
-        ("scipy", "docs.scipy.org/doc/scipy"),
-        ("matplotlib", "matplotlib.org/stable"),
-    )
-}
-intersphinx_mapping = links if os.environ.get("RODIMPACT_DOCS_LINKS") else {}
+intersphinx_mapping = {}
+if os.environ.get("RODIMPACT_DOCS_LINKS"):
+    intersphinx_mapping = {
+        "python": ("https://docs.python.org/3", None),
+        "numpy": ("https://numpy.org/doc/stable", None),
+        "scipy": ("https://docs.scipy.org/doc/scipy", None),
+        "matplotlib": ("https://matplotlib.org/stable", None),
+    }
 
 templates_path = ["_templates"]
 html_theme = "pydata_sphinx_theme"
@@ -85,10 +81,11 @@ html_theme_options = {
     "show_toc_level": 2,
     "header_links_before_dropdown": 6,
 }
-html_sidebars = {"[!a]*": []}  # names have one of all names, other pages none
+# Pages of the API begin with "a" and have a sidebar of all names. Others have none.
+html_sidebars = {"[!a]*": []}
 
 
-def of_tuple(
+def skip_field_docs(
     _app: Sphinx,
     _what: str,
     _name: str,
@@ -96,10 +93,14 @@ def of_tuple(
     _skip: bool,
     _options: object,
 ) -> bool | None:
-    """Skip what Python says of a named tuple's fields; its docstring says more."""
-    return (
-        str(getattr(member, "__doc__", "")).startswith("Alias for field number") or None
-    )
+    """Skip the docstrings that Python gives to the fields of a named tuple.
+
+    The docstring of the tuple describes them. None leaves the decision to Sphinx.
+    """
+    text = str(getattr(member, "__doc__", ""))
+    if text.startswith("Alias for field number"):
+        return True
+    return None
 
 
 def public_signature(
@@ -111,24 +112,31 @@ def public_signature(
     signature: str | None,
     returns: str | None,
 ) -> tuple[str, str | None] | None:
-    """A result that is made by functions alone is shown without what it is made of."""
-    return ("", returns) if re.search(r"[(,] *_", signature or "") else None
+    """Hide the arguments of a class whose objects only functions make.
+
+    Such a class has an argument whose name begins with an underscore.
+    """
+    if signature is not None and re.search(r"[(,] *_", signature):
+        return ("", returns)
+    return None
 
 
-def write_box(app: Sphinx, failure: Exception | None) -> None:
-    """The textbook's unequal rods as a page that plays, for the first page of the manual."""
+def write_animation(app: Sphinx, failure: Exception | None) -> None:
+    """Write the textbook's unequal rods as an interactive page, which index.md shows."""
     from rodimpact.cli import main
 
-    if failure is None and app.builder.format == "html":
-        page = str(Path(app.outdir) / "_static" / "box.html")
-        case = str(HERE.parent / "validation" / "cases" / "unequal-rods.toml")
-        with contextlib.redirect_stdout(io.StringIO()):
-            if main(["export", case, "-o", page, "--force"]):
-                raise RuntimeError("the page of the first page could not be written")
+    if failure is not None or app.builder.format != "html":
+        return
+    page = Path(app.outdir) / "_static" / "box.html"
+    case = HERE.parent / "validation" / "cases" / "unequal-rods.toml"
+    with contextlib.redirect_stdout(io.StringIO()):
+        status = main(["export", str(case), "-o", str(page), "--force"])
+    if status:
+        raise RuntimeError(f"{page} could not be written")
 
 
 def setup(app: Sphinx) -> None:
-    """What happens while the manual is built."""
-    app.connect("autodoc-skip-member", of_tuple)
+    """Connect the functions above to the build."""
+    app.connect("autodoc-skip-member", skip_field_docs)
     app.connect("autodoc-process-signature", public_signature)
-    app.connect("build-finished", write_box)
+    app.connect("build-finished", write_animation)

@@ -1,6 +1,7 @@
-"""The figures of the tutorials, drawn anew: `python docs/page_figures.py`.
+"""Draw the figures of the tutorials: `python docs/page_figures.py`.
 
-A figure is what the code cell above it in its page shows; all cells of the page run in order.
+A figure is the picture that the code cell above it in its page shows. All cells of a page
+run in order.
 """
 
 import ast
@@ -10,7 +11,7 @@ import re
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import rodimpact as ri
 
@@ -23,37 +24,59 @@ CELL = re.compile(
 )
 
 
-def figures_of(page: str) -> Iterator[tuple[str, Any]]:
-    """Name of each committed figure of a page, and the picture that its cell shows.
+class Figure(NamedTuple):
+    """A committed figure of a page, and the picture that its cell shows."""
+
+    name: str
+    picture: Any
+
+
+def is_command(code: str) -> bool:
+    """Whether a cell begins with a command of a notebook or a shell."""
+    first_word = code.split(maxsplit=1)[0]
+    return "%" in first_word
+
+
+def run_statements(statements: list[ast.stmt], page: str, names: dict) -> None:
+    """Run the statements of a cell, without their output."""
+    code = compile(ast.Module(statements, []), page, "exec")
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(code, names)
+
+
+def figures_of(page: str) -> Iterator[Figure]:
+    """Run the cells of a page, and give its figures.
 
     Cells find the records of validation, and write, in the folder in which this runs.
     """
-    if not Path("validation").exists():
-        Path("validation").symlink_to(HERE.parent / "validation")
+    records = Path("validation")
+    if not records.exists():
+        records.symlink_to(HERE.parent / "validation")
     names: dict[str, Any] = {}
-    for cell in CELL.finditer((HERE / f"{page}.md").read_text(encoding="utf-8")):
-        if (
-            "%" in cell["code"].split(maxsplit=1)[0]
-        ):  # commands of a notebook or a shell
+    text = (HERE / f"{page}.md").read_text(encoding="utf-8")
+    for cell in CELL.finditer(text):
+        if is_command(cell["code"]):
             continue
-        lines = ast.parse(cell["code"]).body
-        shown = lines.pop() if cell["figure"] else None
-        with contextlib.redirect_stdout(io.StringIO()):
-            exec(compile(ast.Module(lines, []), page, "exec"), names)
-        if isinstance(shown, ast.Expr):
-            yield (
-                cell["figure"],
-                eval(compile(ast.Expression(shown.value), page, "eval"), names),
-            )
+        statements = ast.parse(cell["code"]).body
+        if cell["figure"] is None:
+            run_statements(statements, page, names)
+            continue
+        *before, last = statements
+        run_statements(before, page, names)
+        if isinstance(last, ast.Expr):
+            expression = compile(ast.Expression(last.value), page, "eval")
+            yield Figure(cell["figure"], eval(expression, names))
 
 
 def main() -> None:
-    """Draw every figure; what cells write lies in a folder that goes."""
+    """Draw every figure; cells write into a temporary folder."""
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        for name, picture in (figure for page in PAGES for figure in figures_of(page)):
-            path = HERE / "figures" / f"{name}.svg"
-            ri.plot.save(picture, path, force=True)
-            print(f"{path.stat().st_size / 1e3:6.1f} kB  {path.name}")  # noqa: T201
+        for page in PAGES:
+            for figure in figures_of(page):
+                path = HERE / "figures" / f"{figure.name}.svg"
+                ri.plot.save(figure.picture, path, force=True)
+                kilobytes = path.stat().st_size / 1e3
+                print(f"{kilobytes:6.1f} kB  {path.name}")  # noqa: T201
 
 
 if __name__ == "__main__":

@@ -90,3 +90,7 @@ def collisions(drawn, dpi=100):
         if box.x0 < -1 or box.x1 > figure.bbox.x1 + 1:
             found.append((name, "frame of the figure"))
     return found
+
+
+def texts_of(artists):
+    return [artist.get_text() for artist in artists]

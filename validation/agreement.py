@@ -16,6 +16,7 @@ a tolerance of 1e-10.
 import math
 
 import numpy as np
+from numpy.random import Generator, default_rng
 
 import rodimpact as ri
 
@@ -52,13 +53,15 @@ def impulses(solution: ri.Solution) -> np.ndarray:
 
 def pairs() -> Rows:
     """Pairs whose transit times are whole numbers, by fronts and characteristics."""
-    rng = np.random.default_rng(5)
+    rng = default_rng(5)
     restitution_errors = []
     impulse_errors = []
     for _ in range(PAIRS):
         T1, T2 = rng.integers(1, 12, 2).tolist()
         Z1, Z2 = rng.uniform(0.2, 5.0, 2).tolist()
-        system = ri.System([rod(T1, Z1, 1.0), rod(T2, Z2)])
+        first = rod(T1, Z1, 1.0)
+        second = rod(T2, Z2)
+        system = ri.System([first, second])
         exact = ri.solve(system, method="fronts").outcome
         outcome = ri.solve(system, method="characteristics").outcome
         restitution_errors.append(outcome.restitution - exact.restitution)
@@ -87,14 +90,14 @@ def touching_rows() -> Rows:
         yield case.zero("impulses, largest difference", impulse_errors, 1e-13)
 
 
-def random_transit_time(rng: np.random.Generator, whole_number: bool) -> float:
+def random_transit_time(rng: Generator, whole_number: bool) -> float:
     """A transit time between 1 and 6."""
     if whole_number:
         return float(rng.integers(1, 7))
     return rng.uniform(1.0, 6.0)
 
 
-def random_row(rng: np.random.Generator, whole_numbers: bool) -> ri.System:
+def random_row(rng: Generator, whole_numbers: bool) -> ri.System:
     """Two to four rods with gaps, walls at some ends."""
     bodies: list[ri.Rod | ri.Wall] = []
     for _ in range(rng.integers(2, 5)):
@@ -112,13 +115,17 @@ def random_row(rng: np.random.Generator, whole_numbers: bool) -> ri.System:
 
 def impulse_error(system: ri.System) -> float:
     """Largest error of an impulse over the largest impulse; nan where nothing meets."""
-    lengths = [body.length for body in system.bodies if isinstance(body, ri.Rod)]
-    until = 4 * max(lengths)
+    transit_times = []
+    for body in system.bodies:
+        if isinstance(body, ri.Rod):
+            transit_times.append(body.length)
+    until = 4 * max(transit_times)
     exact = impulses(ri.solve(system, until, "fronts"))
     computed = impulses(ri.solve(system, until, "characteristics"))
     if not exact.any():
         return math.nan
-    return float(np.abs(computed - exact).max() / exact.max())
+    largest_error = np.abs(computed - exact).max()
+    return float(largest_error / exact.max())
 
 
 def random_rows(whole_numbers: bool) -> Rows:
@@ -128,7 +135,7 @@ def random_rows(whole_numbers: bool) -> Rows:
     if whole_numbers:
         lengths = "whole numbers"
         bound = 1e-10
-    rng = np.random.default_rng(2)
+    rng = default_rng(2)
     errors = []
     for _ in range(RANDOM_ROWS):
         system = random_row(rng, whole_numbers)
@@ -147,13 +154,14 @@ def compliant_systems() -> dict[str, ri.System]:
     second = rod(1.0, 2.0)
     mass = ri.RigidMass(0.7, velocity=1.0)
     hertz = ri.Hertz(10.0)
-    joined = ri.System(
-        [mass, rod(0.4), second],
-        contacts=[hertz, ri.Joint(3.0)],
-    )
+    middle = rod(0.4)
+    contacts = [hertz, ri.Joint(3.0)]
+    joined = ri.System([mass, middle, second], contacts=contacts)
+    pair = [first, second]
+    spring = ri.Spring(10.0)
     return {
-        "two rods, Hertz contact": ri.System([first, second], contacts=[hertz]),
-        "two rods, spring": ri.System([first, second], contacts=[ri.Spring(10.0)]),
+        "two rods, Hertz contact": ri.System(pair, contacts=[hertz]),
+        "two rods, spring": ri.System(pair, contacts=[spring]),
         "a mass and two rods, Hertz contact and joint": joined,
     }
 
@@ -169,7 +177,9 @@ def on_grid() -> Rows:
         for cells in CELLS:
             solution = ri.solve(system, END, "finite-difference", cells=cells)
             errors.append(abs(impulses(solution)[0] - exact))
-        order = np.log(errors[0] / errors[-1]) / np.log(last / first)
+        error_ratio = errors[0] / errors[-1]
+        cell_ratio = last / first
+        order = np.log(error_ratio) / np.log(cell_ratio)
         case = Case(name, "characteristics: 2")
         quantity = f"order of the grid's impulse, {first} to {last} cells"
         yield case.row(quantity, 2.0, order, 0.02)

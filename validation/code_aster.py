@@ -22,7 +22,8 @@ def run() -> Rows:
     striker = ri.Rod(LENGTH, area=AREA, material=STEEL, velocity=SPEED)
     target = ri.Rod(LENGTH, area=AREA, material=STEEL)
     contacts = [ri.Rigid(), ri.Bonded()]
-    system = ri.System([striker, target, ri.Wall()], contacts=contacts)
+    bodies = [striker, target, ri.Wall()]
+    system = ri.System(bodies, contacts=contacts)
     outcome = ri.solve(system).outcome
     duration = 1e6 * outcome.contacts[0].duration  # us
     striker_velocity = outcome.velocities_after[0]

@@ -22,6 +22,7 @@ from .length_effects import chain, cradle
 FOLDER = Path(__file__).parent / "figures"
 STEEL = ri.materials.steel
 AREA = 1e-4  # m^2
+OTHER_RATIOS = (0.1 / 0.3, 1 / math.e, math.sqrt(0.5))
 TICKS = (0.1, 0.2, 0.3, 0.5, 1, 2, 3, 4, 5, 10)  # of ratios in cradles
 
 
@@ -34,15 +35,22 @@ def rods(*lengths: float) -> list[ri.Rod]:
     return row
 
 
+def solved(*lengths: float) -> ri.Solution:
+    """The collision of such rods."""
+    system = ri.System(rods(*lengths))
+    return ri.solve(system)
+
+
 def restitution() -> Axes:
     """e of two rods over the ratio of their lengths, simple ratios and others."""
     ratios = [i / 20 for i in range(1, 21)]
-    ratios += [0.1 / 0.3, 1 / math.e, math.sqrt(0.5)]
+    ratios += OTHER_RATIOS
     restitutions = []
     for ratio in ratios:
         outcome = ri.collide(*rods(ratio, 1.0))
         restitutions.append(outcome.restitution)
-    return ri.plot.restitution(np.array(ratios), np.array(restitutions)).ax
+    figure = ri.plot.restitution(np.array(ratios), np.array(restitutions))
+    return figure.ax
 
 
 def restitution_over_length() -> Axes:
@@ -50,8 +58,8 @@ def restitution_over_length() -> Axes:
     lengths = np.linspace(0.02, 4, 200)
     first = ri.Rod(lengths, area=AREA, material=STEEL, velocity=1.0)
     second = ri.Rod(1.0, area=AREA, material=STEEL)
-    result = ri.sweep(ri.System([first, second]))
-    ax = ri.plot.sweep(result).ax
+    family = ri.System([first, second])
+    ax = ri.plot.sweep(ri.sweep(family)).ax
     ax.set_xlabel("ratio of lengths ℓ₁/ℓ₂")
     return ax
 
@@ -79,7 +87,9 @@ def contact_episodes() -> Axes:
     head = ri.Segment(lengths, areas, STEEL)
     tail = ri.Segment(1.0, 3e-5, STEEL)
     struck = ri.Rod(segments=[head, tail])
-    result = ri.sweep(ri.System([*rods(0.3), struck]))
+    striker = rods(0.3)[0]
+    family = ri.System([striker, struck])
+    result = ri.sweep(family)
     ax = ri.plot.sweep(result, quantity="episodes.0").ax
     ax.set_xlabel("length of the head (m)\nstriker 0.3 m, 100 mm²; tail 1 m, 30 mm²")
     ax.set_ylabel("area of the head (mm²)")
@@ -170,9 +180,9 @@ def key_times(solution: ri.Solution) -> list[float]:
 def main() -> None:
     """Draw every picture."""
     FOLDER.mkdir(exist_ok=True)
-    unequal = ri.solve(ri.System(rods(0.4, 1.0)))
-    equal = ri.solve(ri.System(rods(1.0, 1.0)))
-    five = ri.solve(ri.System(rods(0.2, 0.2, 0.2, 0.2, 0.2)))
+    unequal = solved(0.4, 1.0)
+    equal = solved(1.0, 1.0)
+    five = solved(0.2, 0.2, 0.2, 0.2, 0.2)
     stages = ri.plot.snapshots(unequal, times=key_times(unequal))
     pictures = {
         "unequal_rods": ri.plot.spacetime(unequal).ax,

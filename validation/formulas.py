@@ -43,7 +43,9 @@ def run() -> Rows:
 
 def box() -> Rows:
     """Rods of one material and area, lengths 2 : 5: e = l1/l2."""
-    system = ri.System([rod(2, velocity=1.0), rod(5)])
+    first = rod(2, velocity=1.0)
+    second = rod(5)
+    system = ri.System([first, second])
     form = ri.closed_form(system, ["length"])
     l1, l2 = sympy.symbols("l1 l2", positive=True)
     difference = one_unless_zero(form.restitution - l1 / l2)
@@ -61,9 +63,9 @@ def pair(
     """Saint-Venant's formula for a pair, and the inequalities of its cell."""
     first_length, second_length = lengths
     first_area, second_area = areas
-    system = ri.System(
-        [rod(first_length, first_area, 1.0), rod(second_length, second_area)]
-    )
+    first = rod(first_length, first_area, velocity=1.0)
+    second = rod(second_length, second_area)
+    system = ri.System([first, second])
     form = ri.closed_form(system)
     places = 0
     wrong = 0
@@ -72,10 +74,11 @@ def pair(
         t1 = factors[1] * first_length
         z2 = factors[2] * second_area
         t2 = factors[3] * second_length
-        if not form.holds(Z1=z1, T1=t1, Z2=z2, T2=t2):
+        place = {"Z1": z1, "T1": t1, "Z2": z2, "T2": t2}
+        if not form.holds(**place):
             continue
         places += 1
-        e = form.at(Z1=z1, T1=t1, Z2=z2, T2=t2).restitution
+        e = form.at(**place).restitution
         if e != saint_venant(z1, t1, z2, t2):
             wrong += 1
     name = f"pair, T {first_length} : {second_length}, Z {first_area} : {second_area}"
@@ -88,7 +91,9 @@ def pair(
 
 def three_equal_rods() -> Rows:
     """Three rods of one impedance: the third leaves at T1/T3, the others rest."""
-    system = ri.System([rod(1, velocity=1.0), rod(1), rod(1)])
+    first = rod(1, velocity=1.0)
+    resting = rod(1)
+    system = ri.System([first, resting, resting])
     form = ri.closed_form(system, ["transit_time"])
     case = Case("three rods of one impedance", "the pulse passes through")
     expected_velocities = (0, 0, T1 / T3)
@@ -101,7 +106,10 @@ def three_equal_rods() -> Rows:
 
 def three_rods() -> Rows:
     """Three rods of different impedances, against runs on fractions."""
-    system = ri.System([rod(2, 1, 1.0), rod(3, 2), rod(4, 0.75)])
+    first = rod(2, 1, 1.0)
+    second = rod(3, 2)
+    third = rod(4, 0.75)
+    system = ri.System([first, second, third])
     symbols = ("transit_time", "impedance")
     paths = {}
     for letter, name in zip("TZ", symbols, strict=True):
@@ -113,9 +121,11 @@ def three_rods() -> Rows:
 
 def stepped_striker() -> Rows:
     """A striker of two pieces on a plain rod, against runs on fractions."""
-    pieces = [ri.Segment(3.1, 1, UNIT), ri.Segment(2, 3, UNIT)]
-    striker = ri.Rod(segments=pieces, velocity=1.0)
-    system = ri.System([striker, rod(11.3, 2)])
+    first = ri.Segment(3.1, 1, UNIT)
+    second = ri.Segment(2, 3, UNIT)
+    striker = ri.Rod(segments=[first, second], velocity=1.0)
+    struck = rod(11.3, 2)
+    system = ri.System([striker, struck])
     paths = {
         "l1": "bodies.0.segments.0.length",
         "l2": "bodies.0.segments.1.length",

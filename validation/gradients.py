@@ -12,6 +12,7 @@ Source: textbook section 10.5, box 10.4; Saint-Venant 1867, see saint_venant.py.
 """
 
 import numpy as np
+from numpy.random import Generator, default_rng
 
 import rodimpact as ri
 
@@ -36,7 +37,9 @@ def run() -> Rows:
 
 def box() -> Rows:
     """Rods of one section, lengths 2 : 5."""
-    system = ri.System([rod(2, velocity=1.0), rod(5)])
+    first = rod(2, velocity=1.0)
+    second = rod(5)
+    system = ri.System([first, second])
     gradient = ri.gradient(system, wrt=LENGTHS)
     by_l1 = gradient[LENGTHS[0]]
     by_l2 = gradient[LENGTHS[1]]
@@ -47,13 +50,17 @@ def box() -> Rows:
 
 def kink_of_the_box() -> Rows:
     """Rods of one section and length, where e has a kink."""
-    system = ri.System([rod(2, velocity=1.0), rod(2)])
+    first = rod(2, velocity=1.0)
+    second = rod(2)
+    system = ri.System([first, second])
     gradient = ri.gradient(system, wrt=LENGTHS)
     kink = gradient.kinks[LENGTHS[0]]
     exchanged = "the same with l1 and l2 exchanged"
+    below = kink.below
+    above = kink.above
     case = Case("rods of one section", BOX)
-    yield case.row("de/dl1 below l1 = l2 = 2", 0.5, kink.below, 1e-9)
-    yield case.row("de/dl1 above l1 = l2 = 2", -0.5, kink.above, 1e-9, source=exchanged)
+    yield case.row("de/dl1 below l1 = l2 = 2", 0.5, below, 1e-9)
+    yield case.row("de/dl1 above l1 = l2 = 2", -0.5, above, 1e-9, source=exchanged)
 
 
 def near_two_to_five() -> Rows:
@@ -61,19 +68,22 @@ def near_two_to_five() -> Rows:
     T1 = 2.05
     T2 = 5.15
     r = 1.7
-    system = ri.System([rod(T1, velocity=1.0), rod(T2, r)])
+    first = rod(T1, velocity=1.0)
+    second = rod(T2, r)
+    system = ri.System([first, second])
     area = "bodies.1.area"
     gradient = ri.gradient(system, wrt=[*LENGTHS, area])
-    by_T1 = 2 / (T2 * (1 + r))
-    by_T2 = -2 * T1 / (T2**2 * (1 + r))
-    by_r = 2 * (T2 - T1) / (T2 * (1 + r) ** 2)
+    total = 1 + r  # (Z1 + Z2)/Z1
+    by_T1 = 2 / (T2 * total)
+    by_T2 = -2 * T1 / (T2**2 * total)
+    by_r = 2 * (T2 - T1) / (T2 * total**2)
     case = Case("T 2.05 : 5.15, Z 1 : 1.7", SERIES)
     yield case.row("de/dT1", by_T1, gradient[LENGTHS[0]], 1e-11)
     yield case.row("de/dT2", by_T2, gradient[LENGTHS[1]], 1e-11)
     yield case.row("de/dr", by_r, gradient[area], 1e-11)
 
 
-def scaling_errors(rng: np.random.Generator) -> np.ndarray:
+def scaling_errors(rng: Generator) -> np.ndarray:
     """Errors of Euler's theorem for the last velocity of a random row, over stated errors.
 
     They are those of scaling all lengths and the gap, all areas, and all velocities and
@@ -81,7 +91,8 @@ def scaling_errors(rng: np.random.Generator) -> np.ndarray:
     """
     T = rng.uniform(1, 2, 3)
     Z = rng.uniform(0.5, 2, 3)
-    v = sorted(rng.uniform(0, 1, 3), reverse=True)
+    velocities = rng.uniform(0, 1, 3)
+    v = sorted(velocities, reverse=True)
     gap = float(rng.uniform(0.1, 1))
     rods = []
     for i in range(3):
@@ -95,9 +106,11 @@ def scaling_errors(rng: np.random.Generator) -> np.ndarray:
 
     numbers = np.concatenate([T, Z, v])
     derivatives = [gradient[path] for path in paths]
-    lengths, areas, velocities = sums_of_three(numbers * derivatives)
+    by_lengths, by_areas, by_velocities = sums_of_three(numbers * derivatives)
     by_gap = gap * gradient[GAP]
-    errors = (lengths + by_gap, areas, velocities + by_gap - gradient.value)
+    length_error = by_lengths + by_gap
+    velocity_error = by_velocities + by_gap - gradient.value
+    errors = (length_error, by_areas, velocity_error)
 
     stated_errors = [gradient.errors[path] for path in paths]
     stated = sums_of_three(numbers * stated_errors)
@@ -113,7 +126,7 @@ def sums_of_three(values: np.ndarray) -> np.ndarray:
 
 def scaling() -> Rows:
     """Derivatives of the last velocity of random rows of three rods."""
-    rng = np.random.default_rng(18)
+    rng = default_rng(18)
     worst = np.zeros(3)
     for _ in range(RANDOM_ROWS):
         worst = np.maximum(worst, scaling_errors(rng))

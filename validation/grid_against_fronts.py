@@ -100,7 +100,9 @@ def pairs() -> dict[str, ri.System]:
     uniform = rod(segment(2, 0.9, math.sqrt(2)))
     striker = rod(segment(1.5, 1.1, 0.61), velocity=1.0)
     three_segments = rod(
-        segment(2, 1, 0.4), segment(0.7, 1.3, 0.53), segment(1.1, 0.8, 0.3)
+        segment(2, 1, 0.4),
+        segment(0.7, 1.3, 0.53),
+        segment(1.1, 0.8, 0.3),
     )
     return {
         "two rods that differ in everything": ri.System(different_rods()),
@@ -115,18 +117,18 @@ def pairs() -> dict[str, ri.System]:
 def longer_rows() -> dict[str, ri.System]:
     """Rows of three and four rods, one of them with a bonded contact."""
     moving = short_rod(velocity=1.0)
-    three = ri.System(
-        [moving, rod(segment(2, 1.3, 0.8)), rod(segment(0.7, 0.9, 0.6))],
-        gaps=[0.0, 0.02],
-    )
+    second = rod(segment(2, 1.3, 0.8))
+    third = rod(segment(0.7, 0.9, 0.6))
+    three = ri.System([moving, second, third], gaps=[0.0, 0.02])
+
     second = rod(segment(1.5, 1, 0.7))
     third = rod(segment(2, 1, 0.3))
     fourth = rod(segment(0.8, 1, 0.45))
     four = ri.System([moving, second, third, fourth], gaps=[0.01, 0.0, 0.03])
-    bonded = ri.System(
-        [moving, second, rod(segment(2, 1.1, 0.3))],
-        contacts=[ri.Rigid(), ri.Bonded()],
-    )
+
+    third = rod(segment(2, 1.1, 0.3))
+    contacts = [ri.Rigid(), ri.Bonded()]
+    bonded = ri.System([moving, second, third], contacts=contacts)
     return {"three rods": three, "four rods": four, "two rods bonded": bonded}
 
 
@@ -134,7 +136,8 @@ def strained_rods() -> ri.System:
     """A rod with a jump of its initial strain meets a uniform rod."""
     strain = ri.Steps([0.0, -0.3], [0.31])
     strained = rod(segment(1, 1, 0.7), velocity=1.0, strain=strain)
-    return ri.System([strained, rod(segment(0.5, 1.3, 1.1))], gaps=[0.05])
+    uniform = rod(segment(0.5, 1.3, 1.1))
+    return ri.System([strained, uniform], gaps=[0.05])
 
 
 def meeting_twice() -> dict[str, ri.System]:
@@ -165,7 +168,9 @@ def systems_with_jumps() -> dict[str, ri.System]:
 
 def order(errors: np.ndarray | list[float], cells: tuple[int, ...]) -> float:
     """Order of the error in the size of the cells, by least squares."""
-    slope = np.polyfit(np.log(cells), np.log(errors), 1)[0]
+    x = np.log(cells)
+    y = np.log(errors)
+    slope, _ = np.polyfit(x, y, 1)
     return -float(slope)
 
 
@@ -204,15 +209,18 @@ def jumps(name: str, system: ri.System) -> Rows:
     velocities = [error.velocity for error in errors]
     impulses = [error.impulse for error in errors]
     fields = [error.field for error in errors]
+    velocity = shown.velocity
+    impulse = shown.impulse
+    field = shown.field
     case = Case(name, "fronts")
     exact_contacts = contacts_in_all(exact)
     contacts = contacts_in_all(stepped)
     yield case.row("contacts in all", exact_contacts, contacts, 0.0)
 
     shown_error = f"error with {SHOWN_CELLS} cells"
-    yield case.row(f"velocities after, {shown_error}", 0.0, shown.velocity, 1e-3)
-    yield case.row(f"impulses, {shown_error}", 0.0, shown.impulse, 1e-3)
-    yield case.row(f"velocity field in L1, {shown_error}", 0.0, shown.field, 1e-2)
+    yield case.row(f"velocities after, {shown_error}", 0.0, velocity, 1e-3)
+    yield case.row(f"impulses, {shown_error}", 0.0, impulse, 1e-3)
+    yield case.row(f"velocity field in L1, {shown_error}", 0.0, field, 1e-2)
 
     velocity_order = order(velocities, CELLS)
     impulse_order = order(impulses, CELLS)
@@ -241,14 +249,15 @@ def on_grid(system: ri.System, exact: ri.Solution, cells: int) -> ri.Solution:
 
 def errors_of(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> Errors:
     """Errors of velocities after, impulses and the velocity field."""
-    velocity = largest(
-        np.subtract(stepped.outcome.velocities_after, exact.outcome.velocities_after)
-    )
+    velocities = stepped.outcome.velocities_after
+    exact_velocities = exact.outcome.velocities_after
+    velocity = largest(np.subtract(velocities, exact_velocities))
     impulse_errors = []
     contacts = zip(stepped.outcome.contacts, exact.outcome.contacts, strict=True)
     for computed, expected in contacts:
         if expected.episodes:
-            impulse_errors.append(abs(computed.impulse / expected.impulse - 1))
+            ratio = computed.impulse / expected.impulse
+            impulse_errors.append(abs(ratio - 1))
     field = field_error(system, exact, stepped)
     return Errors(velocity, max(impulse_errors), field)
 
@@ -256,14 +265,17 @@ def errors_of(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> Er
 def field_error(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> float:
     """Mean error of the velocity over all rods and the compared times."""
     times = compared_times(exact)
-    shares = (np.arange(PLACES)[:, None] + 0.5) / PLACES
+    places = np.arange(PLACES)[:, None]
+    shares = (places + 0.5) / PLACES
     integral = 0.0
     length = 0.0
     for i, body in enumerate(system.bodies):
         if not isinstance(body, ri.Rod):
             continue
         x = shares * float(body.length)
-        difference = np.abs(stepped.velocity(i, x, times) - exact.velocity(i, x, times))
+        velocity = stepped.velocity(i, x, times)
+        exact_velocity = exact.velocity(i, x, times)
+        difference = np.abs(velocity - exact_velocity)
         integral += float(difference.mean() * body.length)
         length += float(body.length)
     return integral / length
@@ -283,13 +295,19 @@ def pulse() -> Rows:
 
     By d'Alembert the step sends back (Z1 - Z2)/(Z1 + Z2) of its velocity.
     """
-    Z1, c1, T1 = (1.0, 1.0, 1.5)
-    Z2, c2, T2 = (3.0, 1.2, 1.9)
+    Z1 = 1.0
+    c1 = 1.0
+    T1 = 1.5
+    Z2 = 3.0
+    c2 = 1.2
+    T2 = 1.9
     step = T1 * c1
     places = np.linspace(0.0, step + T2 * c2, 40_001)
     start = pulse_velocity(places / c1 - T1 + PULSE_DISTANCE)
+    first = segment(Z1, c1, T1)
+    second = segment(Z2, c2, T2)
     stepped_rod = ri.Rod(
-        segments=[segment(Z1, c1, T1), segment(Z2, c2, T2)],
+        segments=[first, second],
         velocity=ri.Samples(start),
         strain=ri.Samples(-start / c1),
     )
@@ -314,7 +332,8 @@ def pulse() -> Rows:
         solution = ri.solve(
             system, method=METHOD, cells=cells, until=1.7, snapshots=times
         )
-        difference = np.abs(solution.velocity(0, x, times) - exact)
+        velocity = solution.velocity(0, x, times)
+        difference = np.abs(velocity - exact)
         errors.append(float(difference.mean()))
     shown = errors[CELLS.index(SHOWN_CELLS)]
     case = Case("smooth pulse in a stepped rod", "d'Alembert")
@@ -329,12 +348,14 @@ def impulse_by_steps(rods: list[ri.Rod], mass: float = math.inf) -> float:
     struck = []
     for body in rods:
         struck.append(StruckRod(1.0, float(body.length)))
-    return method_of_steps(STIFFNESS, 1.0, struck, mass, until=4.0).impulse
+    reference = method_of_steps(STIFFNESS, 1.0, struck, mass, until=4.0)
+    return reference.impulse
 
 
 def impulse_by_characteristics(system: ri.System) -> float:
     """Impulse of the contact of two bodies, at a relative tolerance of 1e-9."""
-    return ri.solve(system, method="characteristics", rtol=1e-9).outcome.impulse
+    solution = ri.solve(system, method="characteristics", rtol=1e-9)
+    return solution.outcome.impulse
 
 
 def compliant() -> Rows:
@@ -346,33 +367,41 @@ def compliant() -> Rows:
 
     case = Case("Hertz ends, rods 0.4 : 1", "method of steps")
     system = ri.System([short, long], contacts=[hertz])
-    yield from smooth_orders(case, system, impulse_by_steps([short, long]))
+    impulse = impulse_by_steps([short, long])
+    yield from smooth_orders(case, system, impulse)
 
     case = Case("mass on rod with a Hertz end", "method of steps")
     system = ri.System([mass, long], contacts=[hertz])
-    yield from smooth_orders(case, system, impulse_by_steps([long], mass=1.0))
+    impulse = impulse_by_steps([long], mass=1.0)
+    yield from smooth_orders(case, system, impulse)
 
     name = "Hertz ends, two rods that differ in everything"
     case = Case(name, "characteristics")
     system = ri.System(different_rods(), contacts=[hertz])
-    yield from smooth_orders(case, system, impulse_by_characteristics(system))
+    impulse = impulse_by_characteristics(system)
+    yield from smooth_orders(case, system, impulse)
 
     name = "spring between two rods that differ in everything"
     case = Case(name, "characteristics")
-    system = ri.System(different_rods(), contacts=[ri.Spring(3.0)])
-    yield from smooth_orders(case, system, impulse_by_characteristics(system))
+    spring = ri.Spring(3.0)
+    system = ri.System(different_rods(), contacts=[spring])
+    impulse = impulse_by_characteristics(system)
+    yield from smooth_orders(case, system, impulse)
 
 
 def smooth_orders(case: Case, system: ri.System, exact_impulse: float) -> Rows:
     """Errors of e and of the impulse at 400 cells, and their orders."""
-    m1, m2 = [body.mass for body in system.bodies]
-    exact_e = exact_impulse * (1 / m1 + 1 / m2) - 1
+    first, second = system.bodies
+    inverse_masses = 1 / first.mass + 1 / second.mass
+    exact_e = exact_impulse * inverse_masses - 1
     e_errors = []
     impulse_errors = []
     for cells in SMOOTH_CELLS:
         outcome = ri.solve(system, method=METHOD, cells=cells).outcome
-        e_errors.append(abs(outcome.restitution - exact_e))
-        impulse_errors.append(abs(outcome.impulse / exact_impulse - 1))
+        e_error = outcome.restitution - exact_e
+        impulse_error = outcome.impulse / exact_impulse - 1
+        e_errors.append(abs(e_error))
+        impulse_errors.append(abs(impulse_error))
     shown_error = f"error with {SMOOTH_CELLS[-1]} cells"
     e_order = order(e_errors, SMOOTH_CELLS)
     impulse_order = order(impulse_errors, SMOOTH_CELLS)

@@ -139,7 +139,8 @@ def mode_frequencies(count: int) -> np.ndarray:
     high = poles[1 : count + 1].copy()
     for _ in range(BISECTIONS):
         w = (low + high) / 2
-        rising = w / STIFFNESS - (1 / (Z * np.tan(w * T))).sum(0)
+        cotangents = 1 / (Z * np.tan(w * T))
+        rising = w / STIFFNESS - cotangents.sum(0)
         is_below = rising < 0
         low = np.where(is_below, w, low)
         high = np.where(is_below, high, w)
@@ -182,14 +183,16 @@ def frequencies(method: Method) -> Rows:
     w, shapes, _ = modes(3)
     case = Case(f"two rods on a spring, {method.name}", SUM_OF_MODES)
     for m in range(3):
-        left = first_rod(from_left_end(shapes[0, m], w[m] * TRANSIT_TIMES[0]))
-        right = second_rod(from_right_end(shapes[1, m], w[m] * TRANSIT_TIMES[1]))
-        system = joined(left, right)
-        until = 10.4 * math.pi / w[m]
+        frequency = float(w[m])
+        first_phase, second_phase = frequency * TRANSIT_TIMES
+        left = from_left_end(shapes[0, m], first_phase)
+        right = from_right_end(shapes[1, m], second_phase)
+        system = joined(first_rod(left), second_rod(right))
+        until = 10.4 * math.pi / frequency
         solution = ri.solve(system, until, method.name, **method.options)
         computed = 10 * math.pi / tenth_zero(solution.contacts[0])
         quantity = f"frequency of mode {m + 1}, c/l1"
-        yield case.row(quantity, float(w[m]), computed, method.frequency)
+        yield case.row(quantity, frequency, computed, method.frequency)
 
 
 def stretch_by_modes(t: np.ndarray) -> np.ndarray:
@@ -205,9 +208,12 @@ def motion(method: Method) -> Rows:
     """The stretch over five round trips of rod 1, which starts at velocity 1."""
     t = np.linspace(0.0, 10.0, 501)
     exact = stretch_by_modes(t)
-    system = joined(first_rod(1.0), second_rod())
+    left = first_rod(1.0)
+    right = second_rod()
+    system = joined(left, right)
     solution = ri.solve(system, 10.0, method.name, **method.options)
-    error = largest(solution.contacts[0].gap(t) - exact) / largest(exact)
+    spring = solution.contacts[0]
+    error = largest(spring.gap(t) - exact) / largest(exact)
     energy = solution.energy(t[::8])
     missing = largest(energy.residual) / energy.total[0]
     case = Case(f"two rods on a spring, one at speed 1, {method.name}", SUM_OF_MODES)
@@ -247,32 +253,27 @@ def junctions() -> list[Junction]:
 def dashpot(method: Method, junction: Junction) -> Rows:
     """A pulse of strain meets a dashpot: F = 2 c v/(1 + c/Z1 + c/Z2)."""
     edges = [0.25, 0.75]
+    velocity = ri.Steps([0.0, 1.0, 0.0], edges)
+    strain = ri.Steps([0.0, -1.0, 0.0], edges)
     pulse = ri.Rod(
-        FIRST_LENGTH,
-        area=1.0,
-        material=FIRST,
-        velocity=ri.Steps([0.0, 1.0, 0.0], edges),
-        strain=ri.Steps([0.0, -1.0, 0.0], edges),
+        FIRST_LENGTH, area=1.0, material=FIRST, velocity=velocity, strain=strain
     )
     c = junction.damping
-    system = ri.System(
-        [pulse, junction.body],
-        contacts=[ri.Joint(0.0, c)],
-        ends=(ri.Absorbing(), junction.end),
-    )
+    contact = ri.Joint(0.0, c)
+    ends = (ri.Absorbing(), junction.end)
+    system = ri.System([pulse, junction.body], contacts=[contact], ends=ends)
     solution = ri.solve(system, 3.0, method.name, **method.options)
     impulse = solution.outcome.contacts[0].impulse
     energy = solution.energy(3.0)
     lost = 2 * float(energy.dissipated)
     force = 2 * c / (1 + c / IMPEDANCES[0] + c / junction.impedance)
+    residual = energy.residual
     case = Case(f"dashpot between {junction.name}, {method.name}", "waves at a dashpot")
     yield case.row("impulse over Z v", force / 2, impulse, method.impulse)
     yield case.row(
         "lost there, of the energy that came", force**2 / c, lost, method.loss
     )
-    yield case.row(
-        "energy missing", 0.0, energy.residual, ENERGY_BOUND, source="conserved"
-    )
+    yield case.row("energy missing", 0.0, residual, ENERGY_BOUND, source="conserved")
 
 
 MASS = 0.5
@@ -290,7 +291,9 @@ def stretch_with_mass(t: np.ndarray) -> np.ndarray:
     k = MASS_STIFFNESS
     c = MASS_DAMPING
     rate = k / (1 + c / Z)
-    A = np.array([[-rate / Z, 1 - c / (Z + c)], [-rate / M, -c / (1 + c / Z) / M]])
+    stretch_row = [-rate / Z, 1 - c / (Z + c)]
+    velocity_row = [-rate / M, -c / (1 + c / Z) / M]
+    A = np.array([stretch_row, velocity_row])
     start = [0.0, 1.0]
     stretches = [-(expm(A * time) @ start)[0] for time in t]
     return np.array(stretches)
@@ -300,13 +303,14 @@ def mass_on_bar(method: Method) -> Rows:
     """A mass at speed 1 that hangs on an endless bar, over three of its swings."""
     t = np.linspace(0.0, 3.0, 301)
     exact = stretch_with_mass(t)
-    system = ri.System(
-        [ri.RigidMass(MASS, velocity=1.0), second_rod()],
-        contacts=[ri.Joint(MASS_STIFFNESS, MASS_DAMPING)],
-        ends=(ri.Free(), ri.Absorbing()),
-    )
+    mass = ri.RigidMass(MASS, velocity=1.0)
+    bar = second_rod()
+    contact = ri.Joint(MASS_STIFFNESS, MASS_DAMPING)
+    ends = (ri.Free(), ri.Absorbing())
+    system = ri.System([mass, bar], contacts=[contact], ends=ends)
     solution = ri.solve(system, 3.0, method.name, **method.options)
-    error = largest(solution.contacts[0].gap(t) - exact) / largest(exact)
+    joint = solution.contacts[0]
+    error = largest(joint.gap(t) - exact) / largest(exact)
     energy = solution.energy(t)
     missing = largest(energy.residual) / energy.total[0]
     case = Case(f"mass on an endless bar, {method.name}", "exponential of a matrix")

@@ -60,20 +60,22 @@ def angular_frequency(v: np.ndarray, dt: float) -> float:
     """
     neighbours = v[2:] + v[:-2]
     middle = v[1:-1]
-    cosine = float(neighbours @ middle / (2 * middle @ middle))
-    return math.acos(cosine) / dt
+    cosine = neighbours @ middle / (2 * middle @ middle)
+    return math.acos(float(cosine)) / dt
 
 
 def phase_velocity(half_waves: int) -> Rows:
     """Standing waves in a free bar of length 1 and radius 1/(10 pi)."""
     k = half_waves * math.pi
     material = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=NU)
+    x = np.linspace(0.0, 1.0, 8001)
+    velocity = ri.Samples(np.cos(k * x))
     bar = ri.Rod(
         1.0,
         diameter=2 * UNIT_RADIUS,
         material=material,
         lateral_inertia="rayleigh-love",
-        velocity=ri.Samples(np.cos(k * np.linspace(0.0, 1.0, 8001))),
+        velocity=velocity,
     )
     dt = 0.999 / UNIT_CELLS
     times = 5 * dt * np.arange(200)
@@ -101,7 +103,8 @@ def velocity_by_modes(x: float, t: float) -> float:
     inertia = 1 + (k * l) ** 2
     omega = C * k / np.sqrt(inertia)
     waves = np.sin(k * x) * np.cos(omega * t) / (k * inertia)
-    return float(1 - x / D - 2 / D * waves.sum())
+    mean = 1 - x / D
+    return float(mean - 2 / D * waves.sum())
 
 
 def times_around_front(x: int) -> np.ndarray:
@@ -118,7 +121,8 @@ def solve_step() -> ri.Solution:
         material=STEEL,
         lateral_inertia="rayleigh-love",
     )
-    system = ri.System([bar], ends=(ri.Moved(1.0), ri.Absorbing()))
+    ends = (ri.Moved(1.0), ri.Absorbing())
+    system = ri.System([bar], ends=ends)
     windows = [times_around_front(x) for x in ROUND_VALUES]
     times = np.concatenate(windows)
     return ri.solve(
@@ -148,8 +152,11 @@ def rises() -> Rows:
     case = Case("step of velocity in a steel bar of 19 mm", "sum over modes")
     for x, round_value in ROUND_VALUES.items():
         t = times_around_front(x)
-        on_grid = 1e6 * rise_time(t, solution.velocity(0, float(x), t))
-        by_modes = 1e6 * (passage_by_modes(x, HIGH) - passage_by_modes(x, LOW))
+        v = solution.velocity(0, float(x), t)
+        on_grid = 1e6 * rise_time(t, v)
+        early = passage_by_modes(x, LOW)
+        late = passage_by_modes(x, HIGH)
+        by_modes = 1e6 * (late - early)
         by_contour = 1e6 * rise_by_contour(x, C, NU * GYRATION)
         exact = round(by_modes, 6)
         quantity = f"rise after {x} m, us"
@@ -212,9 +219,13 @@ def first_passage(t: np.ndarray, v: np.ndarray, level: float) -> float:
     """Time at which v first passes a level, by linear interpolation, s."""
     i = int(np.argmax(v > level))
     interval = t[i] - t[i - 1]
-    return t[i - 1] + interval * (level - v[i - 1]) / (v[i] - v[i - 1])
+    before = v[i - 1]
+    after = v[i]
+    return t[i - 1] + interval * (level - before) / (after - before)
 
 
 def rise_time(t: np.ndarray, v: np.ndarray) -> float:
     """Time between the first passages of 0.1 and 0.9, s."""
-    return float(first_passage(t, v, HIGH) - first_passage(t, v, LOW))
+    early = first_passage(t, v, LOW)
+    late = first_passage(t, v, HIGH)
+    return float(late - early)

@@ -91,13 +91,17 @@ def exact_on_free_rod(mass_ratio: float) -> FreeImpact:
 def on_free_rod(mass_ratio: float) -> Rows:
     """A mass at speed 1 strikes a free rod; default tolerance."""
     striker = ri.RigidMass(mass_ratio, velocity=1.0)
-    outcome = ri.solve(ri.System([striker, ROD])).outcome
+    system = ri.System([striker, ROD])
+    outcome = ri.solve(system).outcome
     exact = exact_on_free_rod(mass_ratio)
     residual = outcome.energy_residual
+    e = outcome.restitution
+    impulse = outcome.impulse
+    duration = outcome.duration
     case = Case(f"mass on free rod, M/m = {mass_ratio:g}", SOURCE)
-    yield case.row("e", exact.restitution, outcome.restitution, 1e-12)
-    yield case.row("impulse over m V", exact.impulse, outcome.impulse, 1e-12)
-    yield case.row("contact time, L/c", 2.0, outcome.duration, 1e-12)
+    yield case.row("e", exact.restitution, e, 1e-12)
+    yield case.row("impulse over m V", exact.impulse, impulse, 1e-12)
+    yield case.row("contact time, L/c", 2.0, duration, 1e-12)
     yield case.row(
         "energy after - before, relative", 0.0, residual, 1e-13, source="conserved"
     )
@@ -106,7 +110,8 @@ def on_free_rod(mass_ratio: float) -> Rows:
 def fixed_rod(mass_ratio: float) -> ri.System:
     """A mass at speed 1 touches the rod, whose other end is fixed."""
     striker = ri.RigidMass(mass_ratio, velocity=1.0)
-    return ri.System([striker, ROD], ends=(ri.Free(), ri.Fixed()))
+    ends = (ri.Free(), ri.Fixed())
+    return ri.System([striker, ROD], ends=ends)
 
 
 def on_fixed_rod(mass_ratio: float) -> Rows:
@@ -115,24 +120,27 @@ def on_fixed_rod(mass_ratio: float) -> Rows:
     case = Case(name, "delay equation, step by step")
     computed = first_contact(mass_ratio)
     expected = FIRST_CONTACTS[mass_ratio]
+    duration = computed.duration
     yield case.row(
         "first contact: time, L/c",
         expected.duration,
-        computed.duration,
+        duration,
         5e-4,
         source=SOURCE,
     )
+    struck_stress = computed.struck_stress
     yield case.row(
         "first contact: peak stress at the struck end, rho c V",
         expected.struck_stress,
-        computed.struck_stress,
+        struck_stress,
         5e-5,
         source=SOURCE,
     )
+    fixed_stress = computed.fixed_stress
     yield case.row(
         "first contact: peak stress at the fixed end, rho c V",
         expected.fixed_stress,
-        computed.fixed_stress,
+        fixed_stress,
         5e-5,
         source=SOURCE,
     )
@@ -169,6 +177,7 @@ def first_contact(mass_ratio: float) -> FirstContact:
     contact = solution.contacts[0]
     end = contact.episodes[0].force_end
     force = contact.force(peak_times(end))
-    stress = -solution.stress(1, 1.0, peak_times(end + 1))
+    wave_arrives = end + 1  # at the fixed end
+    stress = -solution.stress(1, 1.0, peak_times(wave_arrives))
     velocity = float(solution.velocity(0, 0.0, end))
     return FirstContact(end, force.max(), stress.max(), velocity)

@@ -305,7 +305,9 @@ def equilibrium(shot: Shot) -> float:
     transmitted = at_specimen(last, windows.transmitted, -to_last, shot)
     level = first.window(*windows.incident).pulse().plateau
     high = incident.times[incident.values / level > 0.5]
-    t = np.arange(high[0] - 2e-5, high[-1] + 2e-5, incident.dt)
+    start = high[0] - 2e-5
+    end = high[-1] + 2e-5
+    t = np.arange(start, end, incident.dt)
 
     def imbalance(x: np.ndarray) -> np.ndarray:
         """Difference of the forces over the plateau; x: delay, us, and gain of each."""
@@ -319,8 +321,8 @@ def equilibrium(shot: Shot) -> float:
     best = math.inf
     for delay_1 in (-3.0, 0.0, 3.0):
         for delay_2 in (-3.0, 0.0, 3.0):
-            start = [delay_1, 1.0, delay_2, 1.0]
-            search = least_squares(imbalance, start, bounds=(least, most))
+            first_guess = [delay_1, 1.0, delay_2, 1.0]
+            search = least_squares(imbalance, first_guess, bounds=(least, most))
             best = min(best, search.cost)
     return 100 * math.sqrt(2 * best / len(t))
 

@@ -92,19 +92,24 @@ def standing_wave(tenths: int, cells_per_radius: float) -> PhaseVelocities:
     half_waves = 4 * tenths
     k = half_waves * math.pi
     material = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=NU)
+    x = np.linspace(0.0, 1.0, 8001)
+    velocity = ri.Samples(np.sin(k * x))
     bar = ri.Rod(
         1.0,
         diameter=2 * UNIT_RADIUS,
         material=material,
         lateral_inertia=MINDLIN_HERRMANN,
-        velocity=ri.Samples(np.sin(k * np.linspace(0.0, 1.0, 8001))),
+        velocity=velocity,
     )
-    system = ri.System([bar], ends=(ri.Fixed(), ri.Fixed()))
+    ends = (ri.Fixed(), ri.Fixed())
+    system = ri.System([bar], ends=ends)
     dt = 0.8 * UNIT_RADIUS / cells_per_radius
     times = dt * np.arange(round(32 * cells_per_radius))
-    solution = ri.solve(system, float(times[-1]), METHOD, dt=dt, snapshots=times)
+    until = float(times[-1])
+    solution = ri.solve(system, until, METHOD, dt=dt, snapshots=times)
     belly = 0.5 / half_waves
-    slow, fast = two_frequencies(solution.velocity(0, belly, times), dt)
+    v = solution.velocity(0, belly, times)
+    slow, fast = two_frequencies(v, dt)
     return PhaseVelocities(slow / k, fast / k)
 
 
@@ -133,7 +138,9 @@ def phase_velocities(tenths: int) -> Rows:
 
 def order(exact: float, fine: float, coarse: float) -> float:
     """Order of an error in the size of the cells, of which fine ones are a quarter."""
-    return math.log(abs(coarse - exact) / abs(fine - exact), 4)
+    coarse_error = abs(coarse - exact)
+    fine_error = abs(fine - exact)
+    return math.log(coarse_error / fine_error, 4)
 
 
 # Energy
@@ -152,14 +159,14 @@ def energy() -> Rows:
     other_theory = segment(0.1, 0.01, RAYLEIGH_LOVE)
     striker = ri.Rod(segments=[thin, thick], velocity=1.0)
     bar = ri.Rod(segments=[long, other_theory])
-    system = ri.System(
-        [striker, bar, ri.RigidMass(0.2), bar],
-        [0.0, 0.0, 1e-6],
-        [ri.Rigid(), ri.Bonded(), ri.Rigid()],
-        ends=(ri.Free(), ri.Absorbing()),
-    )
+    mass = ri.RigidMass(0.2)
+    gaps = [0.0, 0.0, 1e-6]
+    contacts = [ri.Rigid(), ri.Bonded(), ri.Rigid()]
+    ends = (ri.Free(), ri.Absorbing())
+    system = ri.System([striker, bar, mass, bar], gaps, contacts, ends=ends)
     solution = ri.solve(system, 4e-4, METHOD, cells=200)
-    balance = solution.energy(np.linspace(0.0, 4e-4, 200))
+    t = np.linspace(0.0, 4e-4, 200)
+    balance = solution.energy(t)
     residual = largest(balance.residual) / balance.total[0]
     case = Case("row of four bodies, three radii", "balance")
     yield case.row("residual of the energy", 0.0, residual, 1e-12)
@@ -180,7 +187,8 @@ Branches = Callable[[np.ndarray], list[Branch]]
 
 def theory_branches(ka: np.ndarray) -> list[Branch]:
     """Both branches of Mindlin and Herrmann's theory, by wave number times radius."""
-    slow, fast = ri.waves.mindlin_herrmann(ka / (2 * math.pi), NU)
+    ratio = ka / (2 * math.pi)
+    slow, fast = ri.waves.mindlin_herrmann(ratio, NU)
     stiffness = (1 - NU) / ((1 + NU) * (1 - 2 * NU))  # (c1/c)^2
     slow_share = (fast**2 - stiffness) / (fast**2 - slow**2)
     return [Branch(slow, slow_share), Branch(fast, 1 - slow_share)]
@@ -188,7 +196,8 @@ def theory_branches(ka: np.ndarray) -> list[Branch]:
 
 def exact_branches(ka: np.ndarray) -> list[Branch]:
     """The exact first mode, as if it were all."""
-    first_mode = ri.waves.first_mode(ka / (2 * math.pi), NU)
+    ratio = ka / (2 * math.pi)
+    first_mode = ri.waves.first_mode(ratio, NU)
     return [Branch(first_mode, np.ones(len(ka)))]
 
 
@@ -203,16 +212,19 @@ def velocity_by_modes(x: float, t: np.ndarray, branches: Branches) -> np.ndarray
         y = omega * RISE / 2
         numerator = 2 * np.sin(k * x) / (k * D) * branch.share * np.sin(y)
         amplitude = numerator / (y * (1 - (y / math.pi) ** 2))
-        v -= np.cos(omega * (t[:, None] - RISE / 2)) @ amplitude
+        since_middle = t[:, None] - RISE / 2
+        v -= np.cos(omega * since_middle) @ amplitude
     return v
 
 
 def solve_ramp(x: int, t: np.ndarray, theory: str) -> np.ndarray:
     """Velocity at x and at times t of a steel bar by a theory, on a grid."""
     s = np.linspace(0.0, 1.0, 401)
-    ramp = ri.Samples(s - np.sin(2 * math.pi * s) / (2 * math.pi), step=RISE / 400)
+    velocity = s - np.sin(2 * math.pi * s) / (2 * math.pi)
+    ramp = ri.Samples(velocity, step=RISE / 400)
     bar = ri.Rod(1.2 * x, diameter=2 * RADIUS, material=STEEL, lateral_inertia=theory)
-    system = ri.System([bar], ends=(ri.Moved(ramp), ri.Absorbing()))
+    ends = (ri.Moved(ramp), ri.Absorbing())
+    system = ri.System([bar], ends=ends)
     until = float(t[-1])
     cells = CELLS_PER_METRE * x
     solution = ri.solve(system, until, METHOD, cells=cells, snapshots=t)
@@ -222,19 +234,22 @@ def solve_ramp(x: int, t: np.ndarray, theory: str) -> np.ndarray:
 def front(x: int, mindlin_herrmann_bound: float, rayleigh_love_bound: float) -> Rows:
     """Velocities x metres away by one theory, and rises by both, us."""
     t = x / C + RISE / 2 + 4e-6 * x ** (1 / 3) * np.linspace(-4, 4, 300)
-    exact_rise = 1e6 * rise_time(t, velocity_by_modes(x, t, exact_branches))
+    exact_v = velocity_by_modes(x, t, exact_branches)
+    exact_rise = 1e6 * rise_time(t, exact_v)
     name = "steel bar of 19 mm brought to speed"
     case = Case(name, "Pochhammer-Chree")
 
     v = solve_ramp(x, t, MINDLIN_HERRMANN)
-    error = largest(v - velocity_by_modes(x, t, theory_branches))
+    v_by_modes = velocity_by_modes(x, t, theory_branches)
+    error = largest(v - v_by_modes)
     rise = 1e6 * rise_time(t, v)
     quantity = f"rise after {x} m, us, by {MINDLIN_HERRMANN}"
     yield case.row(quantity, exact_rise, rise, mindlin_herrmann_bound)
     by_modes = Case(name, "sum over modes")
     yield by_modes.row(f"error of the velocity at {x} m", 0.0, error, 5e-3)
 
-    rise = 1e6 * rise_time(t, solve_ramp(x, t, RAYLEIGH_LOVE))
+    v = solve_ramp(x, t, RAYLEIGH_LOVE)
+    rise = 1e6 * rise_time(t, v)
     quantity = f"rise after {x} m, us, by {RAYLEIGH_LOVE}"
     yield case.row(quantity, exact_rise, rise, rayleigh_love_bound)
 
@@ -247,9 +262,11 @@ def striker_pulse() -> ri.Signal:
     diameter = 2 * PULSE_RADIUS
     striker = ri.Rod(0.25, diameter=diameter, material=STEEL, velocity=10.0)
     bar = ri.Rod(1.0, diameter=diameter, material=STEEL)
-    system = ri.System([striker, bar], contacts=[ri.Hertz(5e11)])
+    contact = ri.Hertz(5e11)
+    system = ri.System([striker, bar], contacts=[contact])
     solution = ri.solve(system, until=2e-4)
-    return solution.gauge(1, 0.02).signal(1e-7).extended(1e-3, 1e-3)
+    gauge = solution.gauge(1, 0.02)
+    return gauge.signal(1e-7).extended(1e-3, 1e-3)
 
 
 def rayleigh_love_speeds() -> np.ndarray:
@@ -267,17 +284,21 @@ def carried(pulse: ri.Signal, speeds: np.ndarray, distance: float) -> np.ndarray
     k = 2 * math.pi * RADII_OVER_WAVELENGTH / PULSE_RADIUS
     wave_number = np.interp(w, k * C * speeds, k)
     # Rayleigh and Love's theory has no waves of higher frequencies at these wavelengths.
-    is_inside = w < C * k[-1] * rayleigh_love_speeds()[-1]
+    limit = C * k[-1] * rayleigh_love_speeds()[-1]
+    is_inside = w < limit
     delay = np.where(is_inside, wave_number - w / C, 0.0)
     phase = np.exp(-1j * delay * distance)
-    return np.fft.irfft(np.where(is_inside, spectrum * phase, 0.0), len(pulse))
+    carried_spectrum = np.where(is_inside, spectrum * phase, 0.0)
+    return np.fft.irfft(carried_spectrum, len(pulse))
 
 
 def misfit(values: np.ndarray, exact: np.ndarray) -> float:
     """Root of the mean square of the difference while the pulse lasts, % of its peak."""
     peak = np.abs(exact).max()
     lasting = np.flatnonzero(np.abs(exact) > 0.01 * peak)
-    difference = (values - exact)[lasting[0] : lasting[-1] + 1]
+    start = lasting[0]
+    end = lasting[-1] + 1
+    difference = (values - exact)[start:end]
     return 100 * math.sqrt(np.mean(difference**2)) / peak
 
 
@@ -305,7 +326,8 @@ def distances() -> Rows:
         for theory, bound in zip(speeds, bounds, strict=True):
             by_theory = carried(pulse, speeds[theory], distance)
             quantity = f"{theory} after {diameters} diameters, %"
-            yield case.row(quantity, 0.0, misfit(by_theory, exact), bound)
+            percent = misfit(by_theory, exact)
+            yield case.row(quantity, 0.0, percent, bound)
 
 
 def far_front() -> Rows:
@@ -320,9 +342,10 @@ def far_front() -> Rows:
     step_time = -unit / 80  # the step is between two samples
     since_long_waves = (far.times - step_time - x / bar.wave_speed) / unit
     peak = int(far.values.argmax())
+    overshoot = far.values[peak]
     arrival = np.interp(0.0, since_long_waves, far.values)
     case = Case("step in a bar of 16 mm, 50 000 diameters away", "Skalak 1957")
-    yield case.row("overshoot", 1.274352, far.values[peak], 5e-4)
+    yield case.row("overshoot", 1.274352, overshoot, 5e-4)
     yield case.row("value when long waves would come", 1 / 3, arrival, 5e-4)
     yield case.row(
         "first peak, in units of its width", 2.338107, since_long_waves[peak], 0.02

@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.random import default_rng
 
 import rodimpact as ri
 from rodimpact.methods import kernels
@@ -180,7 +181,9 @@ class Yardsticks(NamedTuple):
 
 def time_yardsticks(compiled: Callable[[], float]) -> Yardsticks:
     """Measure both yardsticks once."""
-    return Yardsticks(median_time(leapfrog), median_time(compiled, 101))
+    leapfrog_time = median_time(leapfrog)
+    godunov_time = median_time(compiled, 101)
+    return Yardsticks(leapfrog_time, godunov_time)
 
 
 # Kernels
@@ -191,7 +194,8 @@ def time_of_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) ->
     rods = []
     for i in range(len(T)):
         rods.append(rod(T[i], Z[i], v[i]))
-    layout = lay_out_family(build_row(ri.System(rods)))
+    row = build_row(ri.System(rods))
+    layout = lay_out_family(row)
     request = RunRequest(until=ENDLESS, max_events=EVENTS)
     with kernels.forced(True):
         progress = driver.solve_one(layout, request).progress
@@ -207,7 +211,7 @@ def event_of_free_pair() -> float:
 
 def event_of_row(n: int) -> float:
     """Rods of random lengths, impedances and velocities, all touching at first."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     T = rng.integers(1, 30, n)
     Z = rng.uniform(0.5, 2.0, n)
     v = rng.uniform(-1.0, 1.0, n)
@@ -216,11 +220,12 @@ def event_of_row(n: int) -> float:
 
 def collision_of_family(pairs: int = 20_000) -> float:
     """Time of one collision of a long list of random pairs, s, without its table."""
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     rods = []
     for velocity in (0.5, -0.5):
         T = rng.uniform(0.1, 1.0, pairs)
-        Z = np.exp(rng.uniform(0.0, math.log(3.0), pairs))
+        logarithms = rng.uniform(0.0, math.log(3.0), pairs)
+        Z = np.exp(logarithms)
         rods.append(rod(T, Z, velocity))
     row = build_row(ri.System(rods))
     with kernels.forced(True):
@@ -232,6 +237,7 @@ def collision_of_family(pairs: int = 20_000) -> float:
 PAIR = """
 import sys
 import numpy as np
+from numpy.random import Generator, default_rng
 import rodimpact as ri
 from validation.performance import median_time
 left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -304,7 +310,8 @@ def map_of_pairs() -> float:
         second.transit_time,
         1.0,
     )
-    error = np.abs(ri.sweep(system).restitution - exact.restitution).max()
+    result = ri.sweep(system)
+    error = np.abs(result.restitution - exact.restitution).max()
     print(f"largest error of e in a map of a million pairs: {error:.1e}")
     return median_time(lambda: ri.sweep(system), 5)
 
@@ -313,7 +320,8 @@ def hertz_pair() -> float:
     """Time of a pair of rods with rounded ends by `solve`, compiled before, s."""
     first = ri.Rod(SHORT, area=AREA, material=STEEL, velocity=1.0)
     second = ri.Rod(1.0, area=AREA, material=STEEL)
-    system = ri.System([first, second], contacts=[ri.Hertz(1e10)])
+    contact = ri.Hertz(1e10)
+    system = ri.System([first, second], contacts=[contact])
     ri.solve(system)  # compiles
     return median_time(lambda: ri.solve(system).outcome)
 
@@ -323,7 +331,9 @@ def row_between_walls(contact: ri.Rigid | ri.Hertz) -> float:
     unit = 0.02
     bodies: list[Any] = [ri.Wall()]
     for n in (8, 10, 12, 14, 16):
-        bodies.append(rod(unit * n, 1 + 0.1 * n, 8 / n - 0.7))
+        impedance = 1 + 0.1 * n
+        velocity = 8 / n - 0.7
+        bodies.append(rod(unit * n, impedance, velocity))
     bodies.append(ri.Wall())
     system = ri.System(bodies, gaps=[0.05] * 6, contacts=[contact] * 6)
     until = 100 * unit * 16
@@ -350,7 +360,8 @@ def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
             lateral_inertia=theory,
         )
         rods.append(bar)
-    mesh = Mesh(build_row(ri.System(rods)), [cells, cells])
+    row = build_row(ri.System(rods))
+    mesh = Mesh(row, [cells, cells])
     step = COURANT * stable_step(rods[0].segments[0], cells)
     run = GridRun(mesh, step, 4, 9 * steps)
     run.advance(steps)  # compiles
@@ -430,10 +441,9 @@ def main() -> None:
     before = time_yardsticks(compiled)
     times = measure()
     after = time_yardsticks(compiled)
-    yardsticks = Yardsticks(
-        (before.leapfrog + after.leapfrog) / 2,
-        (before.godunov + after.godunov) / 2,
-    )
+    leapfrog_mean = (before.leapfrog + after.leapfrog) / 2
+    godunov_mean = (before.godunov + after.godunov) / 2
+    yardsticks = Yardsticks(leapfrog_mean, godunov_mean)
     leapfrog_time = time_text(yardsticks.leapfrog)
     godunov_time = time_text(yardsticks.godunov)
     print(f"NumPy leapfrog, 400 cells per unit length: {leapfrog_time}")

@@ -84,9 +84,12 @@ def saint_venant(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
     T_long, Z_long = long
     q = max(Fraction(Z_short - Z_long, Z_short + Z_long), Fraction(0))
     K, remainder = divmod(T_long, T_short)
-    steps = sum(q**k for k in range(K)) * T_short
+    powers = [q**k for k in range(K)]
+    steps = sum(powers) * T_short
     if q > 0:
         steps += q**K * remainder
     impulse = 2 * Fraction(Z1 * Z2, Z1 + Z2) * steps
-    inverse_masses = Fraction(1, Z1 * T1) + Fraction(1, Z2 * T2)
+    m1 = Z1 * T1
+    m2 = Z2 * T2
+    inverse_masses = Fraction(1, m1) + Fraction(1, m2)
     return impulse * inverse_masses - 1

@@ -33,6 +33,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
+from numpy.random import Generator, default_rng
 
 import rodimpact as ri
 from rodimpact import rigid
@@ -55,13 +56,17 @@ NEWTON = {"wool": Fraction(5, 9), "glass": Fraction(15, 16)}  # balls: e
 
 def run() -> Rows:
     """Rods against rigid bodies, and what decides e."""
-    rng = np.random.default_rng(1905)
+    rng = default_rng(1905)
     uniform_pairs = []
     for _ in range(DRAWS):
-        uniform_pairs.append(ri.System([uniform(rng, 1.0), uniform(rng, -1.0)]))
+        left = uniform(rng, 1.0)
+        right = uniform(rng, -1.0)
+        uniform_pairs.append(ri.System([left, right]))
     stepped_pairs = []
     for _ in range(DRAWS):
-        stepped_pairs.append(ri.System([stepped(rng, 1.0), stepped(rng, -1.0)]))
+        left = stepped(rng, 1.0)
+        right = stepped(rng, -1.0)
+        stepped_pairs.append(ri.System([left, right]))
     fixed_walls = []
     for _ in range(DRAWS):
         fixed_walls.append(on_wall(rng, 0.0))
@@ -78,14 +83,15 @@ def run() -> Rows:
     yield from thin_or_thick_ends()
 
 
-def uniform(rng: np.random.Generator, direction: float) -> ri.Rod:
+def uniform(rng: Generator, direction: float) -> ri.Rod:
     """A rod of impedance and transit time log-uniform over 1 : 30, moving in a direction."""
-    Z, T = np.exp(rng.uniform(0, np.log(30.0), 2)).tolist()
+    logarithms = rng.uniform(0, np.log(30.0), 2)
+    Z, T = np.exp(logarithms).tolist()
     speed = float(rng.uniform(0.6, 2.0))
     return rod(T, Z, direction * speed)
 
 
-def stepped(rng: np.random.Generator, direction: float) -> ri.Rod:
+def stepped(rng: Generator, direction: float) -> ri.Rod:
     """A rod of two or three pieces, whose transit times are whole numbers."""
     pieces = []
     for _ in range(rng.integers(2, 4)):
@@ -96,9 +102,10 @@ def stepped(rng: np.random.Generator, direction: float) -> ri.Rod:
     return ri.Rod(segments=pieces, velocity=direction * speed)
 
 
-def on_wall(rng: np.random.Generator, velocity: float) -> ri.System:
+def on_wall(rng: Generator, velocity: float) -> ri.System:
     """A stepped rod that runs into a wall from the left or from the right."""
-    system = ri.System([stepped(rng, 1.0), ri.Wall(velocity)])
+    rod = stepped(rng, 1.0)
+    system = ri.System([rod, ri.Wall(velocity)])
     if rng.random() < 0.5:
         return system
     return system.mirrored()
@@ -171,7 +178,8 @@ def as_rigid_bodies(kind: str, systems: Iterable[ri.System]) -> Rows:
 def every_speed() -> Rows:
     """Steel on brass at closing speeds from 1 um/s to 100 m/s."""
     restitutions = []
-    for speed in (10.0 ** np.arange(-6, 3)).tolist():
+    speeds = 10.0 ** np.arange(-6, 3)
+    for speed in speeds.tolist():
         first = ri.Rod(0.7, area=1e-4, material=STEEL, velocity=speed)
         second = ri.Rod(1.1, area=2e-4, material=BRASS)
         restitutions.append(ri.collide(first, second).restitution)
@@ -197,9 +205,11 @@ def thin_or_thick_ends() -> Rows:
     """Stepped rods on a wall, and two of them as mirror images."""
     for impedances, e in STEPPED.items():
         pieces = [ri.Segment(1.0, Z, UNIT) for Z in impedances]
-        left_wall = ri.System([ri.Wall(), ri.Rod(segments=pieces, velocity=-1.0)])
+        rod = ri.Rod(segments=pieces, velocity=-1.0)
+        left_wall = ri.System([ri.Wall(), rod])
         mirrored = left_wall.mirrored()
-        pair = ri.System([mirrored.bodies[0], left_wall.bodies[1]])
+        image = mirrored.bodies[0]
+        pair = ri.System([image, rod])
         e_on_wall = ri.solve(left_wall).outcome.restitution
         e_of_pair = ri.solve(pair).outcome.restitution
         name = "stepped rod, {:g} : {:g} from the struck end".format(*impedances)

@@ -18,6 +18,7 @@ Theory of Elasticity, longitudinal impact of bars.
 from fractions import Fraction
 
 import numpy as np
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -50,28 +51,38 @@ def by_hand(
     """A pair whose e is worked out by hand."""
     Z1, Z2 = impedances
     T1, T2 = transit_times
-    outcome = ri.collide(rod(T1, Z1, 1.0), rod(T2, Z2))
+    first = rod(T1, Z1, 1.0)
+    second = rod(T2, Z2)
+    outcome = ri.collide(first, second)
     case = Case(f"Z {Z1} : {Z2}, T {T1} : {T2}", f"{SOURCE}: {e}")
     yield case.row("e", float(e), outcome.restitution, 1e-13)
 
 
 def all_different() -> Rows:
     """Z1 = 1, c1 = 1, l1 = 0.7 hits Z2 = 0.5, c2 = 1.3, l2 = 1.1 at speed 1."""
-    material = ri.Material("other", youngs_modulus=1.3**2, density=1.0)
-    first = rod(0.7, velocity=1.0)
-    second = ri.Rod(1.1, area=0.5 / 1.3, material=material)
-    solution = ri.solve(ri.System([first, second]))
+    l1 = 0.7
+    l2 = 1.1
+    c2 = 1.3
+    Z2 = 0.5
+    material = ri.Material("other", youngs_modulus=c2**2, density=1.0)
+    first = rod(l1, velocity=1.0)
+    second = ri.Rod(l2, area=Z2 / c2, material=material)
+    system = ri.System([first, second])
+    solution = ri.solve(system)
     outcome = solution.outcome
     contact = solution.contacts[0]
     times, forces, _ = contact.breakpoints()
-    first_change = np.flatnonzero(np.diff(forces))[0]
+    changes = np.flatnonzero(np.diff(forces))
+    first_change = changes[0]
     drop = times[first_change + 1]
     first_force = contact.force(0.0)
     second_force = contact.force(1.5)
     force_end = outcome.contacts[0].last
+    e = outcome.restitution
+    impulse = outcome.impulse
     case = Case("Z 1 : 0.5, c 1 : 1.3, l 0.7 : 1.1", SOURCE)
-    yield case.row("e", 0.892862692862693, outcome.restitution, 1e-14)
-    yield case.row("impulse, N s", 0.499145299145299, outcome.impulse, 1e-14)
+    yield case.row("e", 0.892862692862693, e, 1e-14)
+    yield case.row("impulse, N s", 0.499145299145299, impulse, 1e-14)
     yield case.row("force at first, N", 1 / 3, first_force, 1e-15, detail="1/3")
     yield case.row("force drops at, s", 1.4, drop, 1e-14, detail="2 T_short")
     yield case.row("force after that, N", 1 / 9, second_force, 1e-15, detail="1/9")
@@ -84,15 +95,19 @@ def last_wave_ratio(
     """Last force over the first: q^K, K the number of round trips of the short rod."""
     Z_short = np.where(T1 < T2, Z1, Z2)
     Z_long = np.where(T1 < T2, Z2, Z1)
-    q = np.maximum((Z_short - Z_long) / (Z_short + Z_long), 0.0)
-    K = np.floor(np.maximum(T1, T2) / np.minimum(T1, T2))
+    reflection = (Z_short - Z_long) / (Z_short + Z_long)
+    q = np.maximum(reflection, 0.0)
+    T_long = np.maximum(T1, T2)
+    T_short = np.minimum(T1, T2)
+    K = np.floor(T_long / T_short)
     return q**K
 
 
 def random_pairs() -> Rows:
     """Pairs with impedances and transit times log-uniform over 1 : 30."""
-    rng = np.random.default_rng(1867)
-    Z1, T1, Z2, T2 = np.exp(rng.uniform(0, np.log(30.0), (4, PAIRS)))
+    rng = default_rng(1867)
+    logarithms = rng.uniform(0, np.log(30.0), (4, PAIRS))
+    Z1, T1, Z2, T2 = np.exp(logarithms)
     exact = ri.theory.saint_venant(Z1, T1, Z2, T2)
     restitutions = []
     durations = []

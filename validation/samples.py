@@ -35,7 +35,11 @@ def run() -> Rows:
 
 def blocks_without_loss() -> Rows:
     """Sample 10.19: 2 kg at 0.5 m/s runs into 10 kg at 0.2 m/s, e = 1."""
-    after = rigid.collide(2.0, 0.5, 10.0, 0.2, restitution=1.0)
+    m1 = 2.0
+    v1 = 0.5
+    m2 = 10.0
+    v2 = 0.2
+    after = rigid.collide(m1, v1, m2, v2, restitution=1.0)
     first = after.velocity_1
     second = after.velocity_2
     energy_before = after.energy_before
@@ -53,7 +57,8 @@ def raised_cosine_impulse(peak: float, T: float) -> float:
     """Integral of F(t) = peak (1 + cos(2 pi t/T))/2 over the contact time T, N s."""
 
     def force(t: float) -> float:
-        return peak / 2 * (1 + math.cos(2 * math.pi * t / T))
+        phase = 2 * math.pi * t / T
+        return peak / 2 * (1 + math.cos(phase))
 
     impulse, _ = quad(force, -T / 2, T / 2)
     return impulse
@@ -89,7 +94,9 @@ def heavy_basketball_error() -> np.ndarray:
 
 def tennis_ball_on_basketball() -> Rows:
     """Sample 10.21: both fall together; basketball ten times as heavy, e 0.9 and 0.6."""
-    drop = rigid.stack_drop([0.6, 0.06], [0.9, 0.6], HEIGHT)
+    masses = [0.6, 0.06]  # kg
+    restitutions = [0.9, 0.6]
+    drop = rigid.stack_drop(masses, restitutions, HEIGHT)
     rise = drop.top_height / HEIGHT
     exact = Fraction(97, 55) ** 2  # (10 (0.6 + 0.9 + 0.54) - 1)/11, squared
     quantity = f"height of the flight over that of the drop, {float(exact):.6f}"

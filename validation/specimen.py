@@ -59,7 +59,8 @@ class BarModel(NamedTuple):
 
 def without_dispersion(incident: ri.Signal) -> BarModel:
     """Bars begin at the gauges, and waves keep their shape."""
-    pulse = incident.resampled(times=np.arange(START, STOP, incident.dt))
+    times = np.arange(START, STOP, incident.dt)
+    pulse = incident.resampled(times=times)
     return BarModel(pulse, incident.dt, 0.0, START)
 
 
@@ -90,11 +91,8 @@ def pressure_bar(model: BarModel, specimen: ri.Yielding | ri.Spring) -> ri.Syste
     bar = ri.Rod(GAUGE_DISTANCE, diameter=2 * BAR.radius, material=material)
     strain = -STRAIN_PER_VOLT * model.pulse.values
     wave = ri.Samples([*strain, 0.0], step=model.interval)
-    return ri.System(
-        [bar, bar],
-        contacts=[specimen],
-        ends=[ri.Incoming(wave), ri.Absorbing()],
-    )
+    ends = [ri.Incoming(wave), ri.Absorbing()]
+    return ri.System([bar, bar], contacts=[specimen], ends=ends)
 
 
 def measured(
