@@ -202,9 +202,7 @@ class QuantityField(NamedTuple):
         if value is None and self.default is None:
             return None
         if self.word and isinstance(value, str):
-            if value != self.word:
-                message = f'must be a number{number_of(self.unit)} or "{self.word}"'
-                add_problem(problems, path, message, value)
+            self._check_word(problems, path, value)
             return value
         if self.many:
             return self._each_checked(problems, path, value)
@@ -235,6 +233,12 @@ class QuantityField(NamedTuple):
             if self.scalar:
                 add_problem(problems, path, "must be a single number", value)
         return numbers
+
+    def _check_word(self, problems: Problems, path: str, value: str) -> None:
+        """Add a problem if a text is not the word that may stand for the number."""
+        if value != self.word:
+            message = f'must be a number{number_of(self.unit)} or "{self.word}"'
+            add_problem(problems, path, message, value)
 
     def _is_in_scale(self, numbers: Any) -> Any:
         """Boolean array: True where a number is 0, infinite, or of a sound magnitude.

@@ -81,12 +81,14 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
 
 
 def region(
-    p0: int, p1: int, q0: int, q1: int, T: int, start: int, stop: int
+    p_range: tuple[int, int], q_range: tuple[int, int], T: int, start: int, stop: int
 ) -> list[Corner]:
     """Corners (p, q) of the part of a rectangle that lies in the segment and the interval.
 
     That is where |q - p| <= T and 2 start <= p + q + T <= 2 stop.
     """
+    p0, p1 = p_range
+    q0, q1 = q_range
     corners = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
     corners = clip(corners, -1, 1, T)
     corners = clip(corners, 1, -1, T)
@@ -188,7 +190,9 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
                     polygons["velocity"].append((a_value + b_value) / 2 + frame)
                     polygons["strain"].append(strain)
                     polygons["stress"].append(strain * piece["youngs_modulus"])
-                    corners = region(ps[k], ps[k + 1], qs[j], qs[j + 1], T, start, stop)
+                    p_range = (ps[k], ps[k + 1])
+                    q_range = (qs[j], qs[j + 1])
+                    corners = region(p_range, q_range, T, start, stop)
                     for p, q in corners:
                         twice = (
                             integral_to(a, p)

@@ -86,13 +86,18 @@ def write_case(case: Case | System) -> str:
     if case.result:
         parts += _result_tables(case.result)
     text = "\n\n".join(parts) + "\n"
+    _check_utf8(text)
+    return text
+
+
+def _check_utf8(text: str) -> None:
+    """Raise InvalidModel if UTF-8 cannot hold a text."""
     try:
         text.encode()
     except UnicodeEncodeError as error:
         wrong = shown(text[error.start : error.end])
         message = f"has a name with {wrong}, which is no character of UTF-8; rename it"
         raise invalid_argument("case", message) from None
-    return text
 
 
 def save_case(path: PathLike, case: Case, *, force: bool = False) -> None:

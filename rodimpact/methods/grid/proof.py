@@ -61,6 +61,46 @@ def present(run: GridRun) -> tuple[GridMotion, Array]:
     return motion, motion.stretches(run.step)[0]
 
 
+def absorbing_side(run: GridRun, node: int) -> int | None:
+    """Side of the row whose absorbing end is this node; None if it is no such end."""
+    for side, (kind, _) in enumerate(run.row.boundaries):
+        if kind == "absorbing" and run.mesh.ends[side] == node:
+            return side
+    return None
+
+
+def add_joints(
+    run: GridRun,
+    group: tuple[int, int],
+    g: Array,
+    stretch: Array,
+    compliance: Array,
+    energy: float,
+) -> tuple[float, float]:
+    """Enter the joints of a group of nodes in the elongation and compliance of its cells.
+
+    Returns
+    -------
+    float
+        The energy with that of the springs of joints, J.
+    float
+        Deviation of the end for a momentum, by dashpots, s/kg.
+    """
+    first, last = group
+    dashpots = 0.0
+    for column, (link, (_, right)) in enumerate(run.mesh.touching.items()):
+        if first < right <= last:  # a joint
+            cell = right - first - 1
+            k = float(run.row.links[link].stiffness)
+            if k > 0:
+                stretch[cell] = run.grid.links["gap"][column] * run.step
+                compliance[cell] = 1 / k
+                energy += k * stretch[cell] ** 2 / 2
+            else:
+                dashpots += 2 * g[cell] / float(run.row.links[link].damping)
+    return energy, dashpots
+
+
 def side_of(
     run: GridRun, node: int, right_end: bool, state: tuple[GridMotion, Array]
 ) -> GroupState:
@@ -87,13 +127,13 @@ def side_of(
     v = motion.velocity[0, nodes]
     # Relative to the first node, so that a body without vibration has no deviation.
     mean = float(v[0] + m @ (v - v[0]) / (m.sum() or 1.0))
-    Z = 0.0
     if mesh.held[far]:
         mean = float(motion.velocity[0, far])
-    for side, (kind, _) in enumerate(run.row.boundaries):
-        if kind == "absorbing" and mesh.ends[side] == far:
-            Z = float(run.grid.ends["impedance"][side])
-            mean = float(run.grid.ends["background_wave"][side])
+    Z = 0.0
+    side = absorbing_side(run, far)
+    if side is not None:
+        Z = float(run.grid.ends["impedance"][side])
+        mean = float(run.grid.ends["background_wave"][side])
     if a == b:
         return GroupState(mean, 0.0, 0.0)
     g = np.cumsum(m[:-1]) / m.sum()
@@ -104,17 +144,7 @@ def side_of(
     energy = sum(motion.energies(nodes, m, 0, v - mean, h))
     stretch = elongation[a + 1 : b + 1].copy()
     compliance = quotient(1.0, mesh.cells.relaxed[a + 1 : b + 1])
-    dashpots = 0.0  # deviation of the end for a momentum, s/kg
-    for column, (link, (_, right)) in enumerate(mesh.touching.items()):
-        if a < right <= b:  # a joint
-            cell = right - a - 1
-            k = float(run.row.links[link].stiffness)
-            if k > 0:
-                stretch[cell] = run.grid.links["gap"][column] * h
-                compliance[cell] = 1 / k
-                energy += k * stretch[cell] ** 2 / 2
-            else:
-                dashpots += 2 * g[cell] / float(run.row.links[link].damping)
+    energy, dashpots = add_joints(run, (a, b), g, stretch, compliance, energy)
     deviation = float(stretch @ g) * sign
     compliance_integral = float(g * g @ compliance)
     if Z > 0:
