@@ -59,15 +59,15 @@ def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
         if isinstance(profile, model.Samples | model.Polynomials):
             physics.append((f"{path}.{name}", SMOOTH_STATES))
     for j, segment in enumerate(rod.segments):
-        place = path
+        segment_path = path
         if len(rod.segments) > 1:
-            place = f"{path}.segments.{j}"
+            segment_path = f"{path}.segments.{j}"
         if not vanishes(segment.material.viscosity):
-            physics.append((f"{place}.material.viscosity", DAMPING))
+            physics.append((f"{segment_path}.material.viscosity", DAMPING))
         if segment.lateral_inertia is not None:
-            physics.append((f"{place}.lateral_inertia", LATERAL))
+            physics.append((f"{segment_path}.lateral_inertia", LATERAL))
         if segment.tapered:
-            physics.append((f"{place}.area", TAPER))
+            physics.append((f"{segment_path}.area", TAPER))
     return physics
 
 

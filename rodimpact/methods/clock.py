@@ -188,7 +188,9 @@ def count_ticks(
     counted = blank(len(durations), rule.DURATION)
     for i in range(len(counted)):
         counted[i].time = durations[i]
-    total = rule.assign_ticks(counted, bits) if len(counted) > 0 else 1 << bits
+    total = 1 << bits
+    if len(counted) > 0:
+        total = rule.assign_ticks(counted, bits)
     return total, [duration.ticks for duration in counted]
 
 
@@ -197,12 +199,16 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
 
     The page has this as JavaScript.
     """
-    error, worst = 0.0, row.paths[1 if len(row.segments) > 0 else 0]
-    for s, piece in enumerate(row.segments):
-        off = abs(ticks[s] * tick / piece.transit_time - 1)
-        if off > error:
-            error, worst = float(off), row.paths[s + 1]
-    return error, worst
+    error = 0.0
+    worst = 0
+    if len(row.segments) > 0:
+        worst = 1
+    for s, segment in enumerate(row.segments):
+        change = abs(ticks[s] * tick / segment.transit_time - 1)
+        if change > error:
+            error = float(change)
+            worst = s + 1
+    return error, row.paths[worst]
 
 
 def too_long(end: float, longest: float) -> tuple[str, str]:

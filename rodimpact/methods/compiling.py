@@ -29,7 +29,7 @@ import numpy as np
 T = TypeVar("T")
 Kernel = Callable[..., Any]
 Functions = tuple[tuple[int, Any], ...]
-"""Functions of the user that stand for the kernel function `own`, by its first argument."""
+"""Functions of the user that stand for the kernel function `user_force`, by its first argument."""
 
 OPTIONS = {
     "error_model": "numpy",  # division by zero gives inf, as the kernels expect
@@ -134,9 +134,11 @@ class Compiled:
         Directory of its machine code; empty if it is kept nowhere.
     """
 
-    def __init__(self, kernel: Any, own: Functions = ()) -> None:
-        self._twin = _entry(kernel, own)
-        self._make(keep=not own)  # what calls functions of the user is theirs
+    def __init__(self, kernel: Any, user_functions: Functions = ()) -> None:
+        self._twin = _entry(kernel, user_functions)
+        self._make(
+            keep=not user_functions
+        )  # what calls functions of the user is theirs
 
     def _make(self, keep: bool) -> None:
         njit = compiler().njit
@@ -148,15 +150,15 @@ class Compiled:
         self.place: str = self._fast.stats.cache_path or ""
         self._ready = False
 
-    def __call__(self, *given: Any) -> Any:
+    def __call__(self, *arguments: Any) -> Any:
         """Run it."""
         try:
             if not self._ready:  # with a lock that a fork waits for; numba's is private
                 with ONE_AT_A_TIME, uncollected(), optimised_for_kernels():
-                    types = tuple(map(compiler().typeof, given))
+                    types = tuple(map(compiler().typeof, arguments))
                     call_on_deep_stack(self._fast.compile, types)
                 self._ready = True
-            return self._fast(*given)
+            return self._fast(*arguments)
         except Exception as error:
             if not self.place or type(error).__module__.startswith("numba"):
                 raise
@@ -164,7 +166,7 @@ class Compiled:
             if not is_disk_full:
                 self._discard_cache()
             self._make(keep=False)
-            return self(*given)
+            return self(*arguments)
 
     def _discard_cache(self) -> None:
         """Delete machine code that cannot be read, and warn."""
@@ -181,30 +183,30 @@ class Compiled:
         return list(Path(self.place).glob(f"*.{self._twin.__name__}-*.nbi"))
 
 
-def compiled(kernel: Kernel, own: Functions = ()) -> Compiled:
-    """Return a kernel as machine code, with functions that numba has compiled for `own`."""
+def compiled(kernel: Kernel, user_functions: Functions = ()) -> Compiled:
+    """Return a kernel as machine code, with functions that numba has compiled for `user_force`."""
     with ONE_AT_A_TIME:
-        return _compiled(kernel, own)
+        return _compiled(kernel, user_functions)
 
 
 _compiled = functools.cache(Compiled)
 
 
 @functools.cache
-def interpreted(kernel: Any, own: Functions = ()) -> Kernel:
-    """Return a kernel in plain Python, with these functions for `own`."""
-    if not own:
+def interpreted(kernel: Any, user_functions: Functions = ()) -> Kernel:
+    """Return a kernel in plain Python, with these functions for `user_force`."""
+    if not user_functions:
         return kernel  # type: ignore[no-any-return]
-    twin = _twin(sys.modules[kernel.__module__], own)
+    twin = _twin(sys.modules[kernel.__module__], user_functions)
     return getattr(twin, kernel.__name__)  # type: ignore[no-any-return]
 
 
-def can_be(own: Functions) -> bool:
+def can_be(user_functions: Functions) -> bool:
     """Whether numba has compiled all of these functions."""
-    return all(hasattr(function, "py_func") for _, function in own)
+    return all(hasattr(function, "py_func") for _, function in user_functions)
 
 
-def _entry(kernel: Any, own: Functions) -> FunctionType:
+def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
     """The twin of a kernel, closing over a digest of its sources.
 
     Numba compiles anew what closes over another one, and else looks at the kernel's file alone.
@@ -212,7 +214,7 @@ def _entry(kernel: Any, own: Functions) -> FunctionType:
     module = sys.modules[kernel.__module__]
     code = kernel.__code__.replace(co_freevars=("digest",))
     digest = (CellType(f"{kernel.__name__} {digest_of(module)}"),)
-    scope = vars(_twin(module, own, _once(module)))
+    scope = vars(_twin(module, user_functions, _once(module)))
     twin = FunctionType(code, scope, kernel.__name__, kernel.__defaults__, digest)
     twin.__qualname__ = kernel.__qualname__
     twin.__module__ = kernel.__module__
@@ -231,7 +233,7 @@ def _once(module: ModuleType) -> frozenset[str]:
 
 @functools.cache
 def _twin(
-    module: ModuleType, own: Functions, once: frozenset[str] | None = None
+    module: ModuleType, user_functions: Functions, once: frozenset[str] | None = None
 ) -> ModuleType:
     """The same module with the user's functions; jitted if it is known what is called `once`.
 
@@ -246,8 +248,8 @@ def _twin(
 
     for name, value in vars(module).items():
         counterpart = value
-        if name == "own" and own:
-            counterpart = _one_of(own, jit)
+        if name == "user_force" and user_functions:
+            counterpart = _one_of(user_functions, jit)
         elif name == "borrowed" and once is not None:
             counterpart = _borrowing()
         elif isinstance(value, FunctionType) and value.__module__ == module.__name__:
@@ -255,7 +257,7 @@ def _twin(
             copy = FunctionType(value.__code__, scope, name, value.__defaults__)
             counterpart = jit(copy, name)
         elif _is_kernel(value):
-            counterpart = _twin(value, own, once)
+            counterpart = _twin(value, user_functions, once)
         elif isinstance(value, list) and once is not None:
             counterpart = np.array(value)
         if not name.startswith("__"):
@@ -296,15 +298,16 @@ def _borrowing() -> Any:
 
 def _one_of(functions: Functions, jit: Any) -> Any:
     """A function of a number and arguments that calls the function with that number."""
-    (number, function), *others = functions
-    if not others:
+    number, function = functions[0]
+    later = functions[1:]
+    if not later:
         return jit(lambda _, d, rate: float(function(d, rate)))
-    rest: Any = _one_of(tuple(others), jit)
+    call_later: Any = _one_of(later, jit)
 
     def chosen(which: int, d: float, rate: float) -> float:
         if which == number:
             return float(function(d, rate))
-        return float(rest(which, d, rate))
+        return float(call_later(which, d, rate))
 
     return jit(chosen)
 

@@ -17,11 +17,15 @@ from ..model.laws import UNREACHED
 from .link import Law
 from .states import Status
 
-MAX_ITERATIONS = 20  # to find a force that depends on the rate which it makes
-FORCE_RTOL = 1e-14  # relative change of that force after which it is found
-SERIES_RANGE = 1 / (
-    1 << 6
-)  # relative change below which a difference quotient is a series
+MAX_ITERATIONS = 20
+"""Most steps to find a force that depends on the rate which it makes; the last one counts."""
+FORCE_RTOL = 1e-14
+"""Relative change of that force in the last step: the next change is below round-off."""
+SERIES_RANGE = 1 / (1 << 6)
+"""Relative change of the overlap below which a difference quotient is taken as a series.
+
+Below it the quotient loses 6 bits and more; the series leaves out the fourth power.
+"""
 
 
 # What kind of force -------------------------------------------------------------------
@@ -63,7 +67,9 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
     for it. Beyond d = 0 a power goes on as an odd function: Newton's method and the search for
     d = 0 pass.
     """
-    if link.status == Status.REST:  # whatever force it takes
+    if (
+        link.status == Status.REST
+    ):  # the force is the unknown itself, which `closing` holds
         return closing, 0.0, 1.0
     if link.law == Law.BOND or link.law == Law.RIGID:
         return closing / link.mobility, 0.0, 1 / link.mobility
@@ -97,34 +103,35 @@ def power_force(link: Any, d: float, closing: float) -> tuple[float, float, floa
     return g * pressed, slope * pressed * share, g * link.damping * share
 
 
-def own(function: int, d: float, rate: float) -> float:  # noqa: ARG001
+def user_force(function: int, d: float, rate: float) -> float:  # noqa: ARG001
     """Force of a law of the user: where there is one, its function stands in place of this."""
     return 0.0
 
 
-def odd_own(link: Any, d: float, rate: float) -> float:
+def odd_user_force(link: Any, d: float, rate: float) -> float:
     """Force of a law of the user, which goes on below d = 0, where nobody has defined it."""
     if d < 0:
-        return own(link.function, 0.0, rate) - own(link.function, -d, 0.0)
-    return own(link.function, d, rate)
+        return user_force(link.function, 0.0, rate) - user_force(link.function, -d, 0.0)
+    return user_force(link.function, d, rate)
 
 
 def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
     """Force F = f(d, closing - Y F) of a law of the user, and its derivatives by differences."""
-    F = odd_own(link, d, closing)
-    slope = 0.0
+    F = odd_user_force(link, d, closing)
+    slope = 0.0  # derivative by the rate
     for _ in range(MAX_ITERATIONS):
         rate = closing - link.mobility * F
-        f = odd_own(link, d, rate)
-        slope = (odd_own(link, d, rate + link.rate_step) - f) / link.rate_step
+        f = odd_user_force(link, d, rate)
+        f_faster = odd_user_force(link, d, rate + link.rate_step)
+        slope = (f_faster - f) / link.rate_step
         change = (f - F) / (1 + link.mobility * slope)
         F += change
         if abs(change) <= FORCE_RTOL * abs(F):
             break
     rate = closing - link.mobility * F
-    by_overlap = (
-        odd_own(link, d + link.overlap_step, rate) - odd_own(link, d, rate)
-    ) / link.overlap_step
+    f = odd_user_force(link, d, rate)
+    f_deeper = odd_user_force(link, d + link.overlap_step, rate)
+    by_overlap = (f_deeper - f) / link.overlap_step
     share = 1 / (1 + link.mobility * slope)
     return F, by_overlap * share, slope * share
 
@@ -138,9 +145,10 @@ def guards(link: Any) -> int:
         return 0
     if link.status == Status.PLASTIC and link.knots[link.next_knot] < UNREACHED:
         return 2
-    if link.status == Status.GRAZE or (
-        link.status == Status.PRESS and (link.law == Law.YIELD or lets_go(link))
-    ):
+    if link.status == Status.GRAZE:
+        return 2
+    may_leave = link.law == Law.YIELD or lets_go(link)
+    if link.status == Status.PRESS and may_leave:
         return 2
     return 1
 
@@ -151,11 +159,8 @@ def drive(link: Any, d: float, closing: float, F: float, scale: float) -> float:
     Where it is 0, `closing` is the rate of the overlap.
     """
     if link.law == Law.OWN:
-        pressing = (
-            odd_own(link, d, closing - link.mobility * F)
-            * link.effective_mobility
-            / scale
-        )
+        user_force_now = odd_user_force(link, d, closing - link.mobility * F)
+        pressing = user_force_now * link.effective_mobility / scale
     elif has_dashpot(link):
         pressing = (link.stiffness * d / link.damping + closing) / scale
     else:
@@ -242,9 +247,10 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     k = link.stiffness
     w = x1 - x0
     if link.law == Law.POWER:
-        F, dF = mean_power(k, link.exponent, x0, x1)
-        stretch = 1 + link.damping * w
-        F, dF = F * stretch, dF * stretch + F * link.damping
+        elastic, by_overlap = mean_power(k, link.exponent, x0, x1)
+        factor = 1 + link.damping * w
+        F = elastic * factor
+        dF = by_overlap * factor + elastic * link.damping
     elif link.law == Law.YIELD and x1 > link.yield_force / k:
         end, work, _ = load_plastically(link, x0, x1)
         F = work / w
@@ -315,11 +321,14 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     slope = link.hardening_share * k
     work = (x - start) * (force + k * start) / 2
     while force + slope * (x1 - x) > link.knots[knot]:
-        part = (link.knots[knot] - force) / slope
-        work += part * (force + link.knots[knot]) / 2
+        knot_force = link.knots[knot]
+        part = (knot_force - force) / slope
+        work += part * (force + knot_force) / 2
         x = x + part
-        force = link.knots[knot]
+        force = knot_force
         slope = link.shares[knot] * k
         knot += 1
-    end = force + slope * (x1 - x)
-    return end, work + (x1 - x) * (force + end) / 2, knot
+    part = x1 - x
+    end = force + slope * part
+    work = work + part * (force + end) / 2
+    return end, work, knot

@@ -50,9 +50,9 @@ def family_columns(
         Places in `STOPPED_BY`.
     """
     restitution = np.full(len(final), math.nan)
-    opening = unilateral(system)
-    if len(opening) == 1:
-        k = opening[0]
+    contacts_that_open = unilateral(system)
+    if len(contacts_that_open) == 1:
+        k = contacts_that_open[0]
         restitution = effective_restitution(
             final, contacts["episodes"][k], before[k : k + 2], after[k : k + 2]
         )
@@ -72,7 +72,13 @@ def family_columns(
 
 def status_column(refused: Any, final: Any, capped: Any, until: float | None) -> Ints:
     """Place in `STOPPED_BY` of each member: it was refused, is final, or had too many events."""
-    reasons = [refused, final & (until is None), capped]
-    places = [STOPPED_BY.index(name) for name in ("refused", "final", "max_events")]
-    otherwise = "clock" if until is None else "until"
-    return np.select(reasons, places, STOPPED_BY.index(otherwise))
+    reasons = {
+        "refused": refused,
+        "final": final & (until is None),
+        "max_events": capped,
+    }
+    otherwise = "until"
+    if until is None:
+        otherwise = "clock"
+    places = [STOPPED_BY.index(name) for name in reasons]
+    return np.select(list(reasons.values()), places, STOPPED_BY.index(otherwise))

@@ -24,46 +24,47 @@ def unilateral(system: Any) -> list[int]:
 
 def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, from left to right."""
-    held: list[Any] = []
+    velocities: list[Any] = []
     for side, i in enumerate([0, len(system.bodies) - 1]):
         if i in group and system.bodies[i].kind == "wall":
-            held.append(system.bodies[i].velocity)
+            velocities.append(system.bodies[i].velocity)
         elif i in group and system.ends[side].kind == "fixed":
-            held.append(0.0)
-    return held
+            velocities.append(0.0)
+    return velocities
 
 
 def velocities_in_group(
-    system: Any, group: list[int], inside: list[int], own: Any
+    system: Any, group: list[int], inside: list[int], mean: Any
 ) -> list[Any]:
-    """Velocities of bodies bonded together: that of the ground that holds them, or their own.
+    """Velocities of bodies bonded together: that of the wall that holds them, or their mean.
 
-    Between two grounds of different velocity a group has its own: there is none about which it
-    swings.
+    Between two walls of different velocities a group has its mean velocity: it swings about none.
 
     Parameters
     ----------
     system : System
     group : list of int
     inside : list of int
-        Those of them that can move against their ground; there are none in a lone wall.
-    own : float or array
+        Those of them that can move against the wall; there are none in a lone wall.
+    mean : float or array
         Momentum over mass of those inside, m/s.
     """
-    ground = anchor_velocities(system, group)
-    if len(ground) == 0:
-        return [own for _ in group]
-    moving = inside if len(inside) > 0 else group
-    shared = ground[0]
-    if len(ground) == 2:
+    anchors = anchor_velocities(system, group)
+    if len(anchors) == 0:
+        return [mean for _ in group]
+    moving = group
+    if len(inside) > 0:
+        moving = inside
+    shared = anchors[0]
+    if len(anchors) == 2:
         # adding 0 makes a number of an array of no dimension
-        shared = np.where(ground[0] == ground[1], ground[0], own) + 0.0
+        shared = np.where(anchors[0] == anchors[1], anchors[0], mean) + 0.0
     velocities = []
     for i in group:
         if i < moving[0]:
-            velocities.append(ground[0])
+            velocities.append(anchors[0])
         elif i > moving[-1]:
-            velocities.append(ground[-1])
+            velocities.append(anchors[-1])
         else:
             velocities.append(shared)
     return velocities
@@ -85,12 +86,12 @@ def without_walls(system: Any, group: list[int]) -> list[int]:
     return [i for i in group if system.bodies[i].kind != "wall"]
 
 
-def body_velocities(system: Any, own: list[Any]) -> list[Any]:
-    """Velocities of the bodies, m/s: `own` of their group, or that of its wall."""
+def body_velocities(system: Any, means: list[Any]) -> list[Any]:
+    """Velocities of the bodies, m/s: the mean of their group, or that of its wall."""
     velocities = []
     for g, group in enumerate(groups(system)):
         inside = without_walls(system, group)
-        velocities.extend(velocities_in_group(system, group, inside, own[g]))
+        velocities.extend(velocities_in_group(system, group, inside, means[g]))
     return velocities
 
 
@@ -106,7 +107,9 @@ def segments_of_groups(system: Any, spans: Any) -> list[int]:
     segments = []
     for group in groups(system):
         inside = without_walls(system, group)
-        body = inside[0] if len(inside) > 0 else group[0]
+        body = group[0]
+        if len(inside) > 0:
+            body = inside[0]
         segments.append(spans[body][0])
     return segments
 

@@ -17,10 +17,13 @@ from .compiling import ONE_AT_A_TIME, Kernel, compiled
 
 __all__ = ["Kernel", "compiled"]
 
-# what things cost, s of processor time
-STARTING, LOADING = 0.4, 0.1  # numba itself; machine code from disk
-COMPILING = 3.0  # after so much in plain Python machine code is made, whatever it takes: it is kept
-LIST_TIME = 5e-8  # a number to and from a list
+# Costs, s of processor time
+STARTING = 0.4  # numba starts
+LOADING = 0.1  # machine code is read from disk
+COMPILING = (
+    3.0  # after so much in plain Python a kernel is compiled, whatever that takes
+)
+LIST_TIME = 5e-8  # a number goes to a list and back
 
 
 class NoCompiler(UserWarning):
@@ -73,7 +76,8 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
 def forced(compiling: bool) -> Iterator[None]:
     """Compile everything, or nothing, whatever it costs."""
     global _forced
-    before, _forced = _forced, compiling
+    before = _forced
+    _forced = compiling
     try:
         yield
     finally:
@@ -87,7 +91,9 @@ _ready: set[Kernel] = set()  # paid for by this process
 
 def _pays(seconds: float, kernel: Kernel) -> bool:
     """Whether machine code of a kernel costs less than so many seconds."""
-    price = LOADING if _ready else STARTING + LOADING
+    price = LOADING
+    if not _ready:
+        price = STARTING + LOADING
     if seconds <= price:
         return False  # without a look at the cache, for which numba must start
     reason = why_not()
@@ -116,10 +122,13 @@ def _fault() -> str:
     except (
         Exception
     ) as error:  # of itself, of what it needs, or of a variable with a wrong value
-        given = ", ".join(
-            f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_")
-        )
-        remedy = f" Mend or unset {given}" if given else ""
+        variables = []
+        for name, value in os.environ.items():
+            if name.startswith("NUMBA_"):
+                variables.append(f"{name} = {value!r}")
+        remedy = ""
+        if variables:
+            remedy = f" Mend or unset {', '.join(variables)}"
         return f"numba does not start: {error}{remedy}"
     return ""
 

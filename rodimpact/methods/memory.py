@@ -49,7 +49,7 @@ def max_numbers() -> float:
     return min(MAX_BYTES, SHARE * installed()) / 8
 
 
-def require_memory(numbers: float, field: str, what: str, remedy: str) -> None:
+def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
     """Raise TooLong where so many numbers of 8 bytes are too much.
 
     Parameters
@@ -57,7 +57,7 @@ def require_memory(numbers: float, field: str, what: str, remedy: str) -> None:
     numbers : float
     field : str
         To be changed.
-    what : str
+    work : str
         What takes the memory.
     remedy : str
 
@@ -67,7 +67,7 @@ def require_memory(numbers: float, field: str, what: str, remedy: str) -> None:
     """
     most = max_numbers()
     if numbers > most:
-        size = f"{what} needs {8e-9 * numbers:.3g} GB of memory, more than {8e-9 * most:.3g} GB"
+        size = f"{work} needs {8e-9 * numbers:.3g} GB of memory, more than {8e-9 * most:.3g} GB"
         raise TooLong([(field, f"{size}; {remedy}")])
     if 8 * numbers > getattr(_thread, "share", math.inf) and not _thread.has_turn:
         _turn.acquire()

@@ -263,7 +263,9 @@ class Options(FrozenDataclass):
             return ""
         missing = METHODS[faster].lacking(needs)
         path, physics = missing[0]
-        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+        more = ""
+        if len(missing) > 1:
+            more = f" and {len(missing) - 1} more"
         return (
             f'Solved by the slower method "{method}" because of {path}{more}: the method '
             f'"{faster}" has no {physics}.'
@@ -284,10 +286,14 @@ def _takers(option: str) -> str:
 
 def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
-    counted = int(value) if is_integer(value) else 0
+    counted = 0
+    if is_integer(value):
+        counted = int(value)
     if 1 <= counted <= LARGEST_COUNT:
         return counted
-    limit = f" of at most {LARGEST_COUNT:g}" if counted > 1 else ""
+    limit = ""
+    if counted > 1:
+        limit = f" of at most {LARGEST_COUNT:g}"
     problems.append(
         (name, f"must be a positive whole number{limit}, got {shown(value)}")
     )
@@ -303,14 +309,19 @@ def check_function(problems: Problems, name: str, value: Any) -> None:
 def _snapshots(
     problems: Problems, value: Any, until: float | None
 ) -> int | tuple[float, ...]:
-    if most := count([], "snapshots", value):
-        return most
+    """Number of states to keep, or their times, s; 0 and a problem if it is neither."""
+    number = count([], "snapshots", value)
+    if number > 0:
+        return number
+    interval = "non-negative"
+    before = ""
+    if until is not None:
+        interval = f"[0, {until!r}]"
+        before = f" up to until = {until!r} s"
     with suppress(ValueError):
-        within = "non-negative" if until is None else f"[0, {until!r}]"
-        times = array("snapshots", value, "s", within)
+        times = array("snapshots", value, "s", interval)
         if times.ndim == 1 and times.size:
             return tuple(times.tolist())
-    before = "" if until is None else f" up to until = {until!r} s"
     message = f"must be a positive whole number, or a list of times from 0 s on{before}"
     problems.append(("snapshots", f"{message}, got {shown(value)}"))
     return 0

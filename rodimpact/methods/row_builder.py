@@ -46,8 +46,9 @@ def build_row(system: Any) -> Row:
     row.first.append(len(row.masses))
     for i, body in enumerate(bodies):
         if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
-            is_right = any(rods[:i])
-            row.mass_of[i] = len(row.masses) + (1 if is_right else 0)
+            row.mass_of[i] = len(row.masses)
+            if any(rods[:i]):  # to the right wall
+                row.mass_of[i] += 1
     return row
 
 
@@ -82,10 +83,15 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
     row.contact_link.extend([-1 for _ in block[1:]])
     row.spans.extend([(1, 0) for _ in block])
     walls = [i for i in block if bodies[i].kind == "wall"]
-    mass_index = -1 if len(walls) > 0 else len(row.masses)
+    mass_index = len(row.masses)
+    if len(walls) > 0:
+        mass_index = -1
     row.mass_of.extend([mass_index for _ in block])
     for i in walls:
-        row.boundaries[0 if i == 0 else 1] = ("velocity", bodies[i].velocity)
+        side = 1
+        if i == 0:
+            side = 0
+        row.boundaries[side] = ("velocity", bodies[i].velocity)
     if len(walls) > 0:
         return
     mass = bodies[block[0]].mass
@@ -107,7 +113,10 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
         if j > 0:
             row.links.append(link_of(Law.BOND))
         row.segments.append(segment)
-        row.paths.append(f"{path}.segments.{j}" if count > 1 else path)
+        segment_path = path
+        if count > 1:
+            segment_path = f"{path}.segments.{j}"
+        row.paths.append(segment_path)
         row.first.append(len(row.masses))
 
 
@@ -120,5 +129,7 @@ def add_end(row: Row, side: int, end: Any) -> None:
     row.boundaries[side] = (kind, value)
     law = Law.BOND
     if kind in ("none", "force"):
-        law = Law.PUSH_RIGHT if side > 0 else Law.PUSH_LEFT
+        law = Law.PUSH_LEFT
+        if side > 0:
+            law = Law.PUSH_RIGHT
     row.links.append(link_of(law))

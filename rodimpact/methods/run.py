@@ -71,21 +71,25 @@ class Episode(NamedTuple):
 
 
 def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
-    """Touchings that carried force, from when a contact took on each `Status`; `tick` in s."""
-    found: list[Episode] = []
-    start = force_end = math.nan
+    """Episodes with force, from when a contact took on each `Status`; `tick` in s."""
+    episodes: list[Episode] = []
+    start = math.nan  # nan while no episode is under way
+    force_end = math.nan  # nan while the contact presses
     for when, status in zip(ticks, statuses, strict=True):
         t = float(when) * tick
         if status == Status.PRESS:
-            start, force_end = (t if math.isnan(start) else start), math.nan
+            force_end = math.nan
+            if math.isnan(start):
+                start = t
         elif not math.isnan(start):
-            force_end = t if math.isnan(force_end) else force_end
+            if math.isnan(force_end):
+                force_end = t
             if status == Status.OPEN:
-                found.append(Episode(start, force_end, t))
+                episodes.append(Episode(start, force_end, t))
                 start = math.nan
     if not math.isnan(start):
-        found.append(Episode(start, force_end, math.nan))
-    return tuple(found)
+        episodes.append(Episode(start, force_end, math.nan))
+    return tuple(episodes)
 
 
 class ContactTally(NamedTuple):
@@ -289,10 +293,10 @@ class Run:
     @cached_property
     def signals(self) -> Signals:
         """All that is known of the motion."""
-        made = self.make_signals()
-        # hands out the same from now on; what they come from may go
-        object.__setattr__(self, "make_signals", made._replace)
-        return made
+        signals = self.make_signals()
+        # From now on the same signals are handed out, so the records behind them may go.
+        object.__setattr__(self, "make_signals", signals._replace)
+        return signals
 
     def __getstate__(self) -> dict[str, Any]:
         return {"signals": self.signals, **vars(self), "coarser": ()}

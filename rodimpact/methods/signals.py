@@ -55,9 +55,13 @@ class Pieces:
     ) -> None:
         self.ticks: Ints = np.asarray(ticks, dtype=np.int64)
         columns: Floats = np.asarray(coefficients, dtype=np.float64)
-        self.coefficients = columns if columns.ndim == 2 else columns[:, None]
-        self.size: int = self.coefficients.shape[1]  # coefficients of a piece
-        self.end = int(self.ticks[-1]) if end is None else int(end)
+        if columns.ndim == 1:
+            columns = columns[:, None]
+        self.coefficients = columns
+        self.size: int = columns.shape[1]  # coefficients of a piece
+        if end is None:
+            end = self.ticks[-1]
+        self.end = int(end)
 
     @classmethod
     def lines(cls, ticks: ArrayLike, starts: Floats, stops: Floats, end: int) -> Pieces:
@@ -238,9 +242,9 @@ class Pieces:
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])
         shares, to_coefficients = _interpolation(size)
-        own = self.inside(starts, stops, shares)
-        others = other.inside(starts, stops, shares)
-        return Pieces(starts, operation(own, others) @ to_coefficients)
+        left = self.inside(starts, stops, shares)
+        right = other.inside(starts, stops, shares)
+        return Pieces(starts, operation(left, right) @ to_coefficients)
 
     def times(self, factor: float) -> Pieces:
         """The signal times a factor."""

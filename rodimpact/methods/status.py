@@ -7,19 +7,23 @@ from typing import Any
 from ..units import format_si
 from .abilities import has_external_drive
 
-LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
-ROUNDED = 2.0**-36  # relative change of a transit time that is told
+LARGE_STRAIN = 0.01
+"""Strain from which the linear theory of small strains is doubtful: squares count a percent."""
+ROUNDED = 2.0**-36
+"""Relative change of a transit time by rounding from which a status states it."""
 
 
 def is_held(system: Any) -> bool:
     """Whether walls hold a row in: one at both ends, or one that is joined to it."""
     last = len(system.bodies) - 1
-    walls = [
-        system.contacts[k].opens
-        for i, k in ((0, 0), (last, last - 1))
-        if system.bodies[i].kind == "wall"
-    ]
-    return len(walls) == 2 or not all(opens for opens in walls)
+    wall_count = 0
+    is_joined = False
+    for body, contact in ((0, 0), (last, last - 1)):
+        if system.bodies[body].kind == "wall":
+            wall_count += 1
+            if not system.contacts[contact].opens:
+                is_joined = True
+    return wall_count == 2 or is_joined
 
 
 def ending(stopped_by: str, final: str, end: str, cap: str, system: Any) -> str:
@@ -31,12 +35,16 @@ def ending(stopped_by: str, final: str, end: str, cap: str, system: Any) -> str:
     if stopped_by == "until":
         way = "leave out until= to run to the proof"
         if has_external_drive(system):
-            acting = "gravity acts" if system.gravity != 0 else "an end is driven"
+            acting = "an end is driven"
+            if system.gravity != 0:
+                acting = "gravity acts"
             way = f"while {acting}, no contact is known to be the last"
         elif is_held(system):
             way = "a row between walls, or joined to one, may never come to an end"
-        asked = f"Stopped at the time asked for, {end}, before the collision was final"
-        return f"{asked}; {way}."
+        stopped = (
+            f"Stopped at the time asked for, {end}, before the collision was final"
+        )
+        return f"{stopped}; {way}."
     if final != "":
         return (
             f"{final} The cap of {cap} ended the run at {end}; raise max_events to see more of the "
@@ -89,12 +97,12 @@ def proof_sentence(met: bool, t_final: float) -> str:
     if not met:
         return "No collision happens, now or later."
     if t_final != t_final:
-        rest = "no new impact can happen. Bodies still touch at the end of the run"
+        reason = "no new impact can happen. Bodies still touch at the end of the run"
     elif t_final == math.inf:
-        rest = "bodies stay in contact"
+        reason = "bodies stay in contact"
     else:
-        rest = f"the last contact ended at {format_si(t_final, 's')}"
-    return f"The collision is final: {rest}."
+        reason = f"the last contact ended at {format_si(t_final, 's')}"
+    return f"The collision is final: {reason}."
 
 
 def rounding(error: float, path: str) -> str:

@@ -80,46 +80,6 @@ def resolve_contact(
     return status
 
 
-def update_contact(
-    run: Run,
-    node: Node,
-    change: Front,
-    k: int,
-    tick: int,
-    closing: Amplitude,
-    mobility: Amplitude,
-) -> int:
-    """Decide the contact at node k after arrivals, and log a change.
-
-    Parameters
-    ----------
-    run : Run
-    node : Node
-    change : Front
-        The next free row of the log.
-    k, tick : int
-    closing : float
-        a - b, the velocity at which the gap would close without a force.
-    mobility : float
-        Y1 + Y2.
-
-    Returns
-    -------
-    int
-        Rows of the log that were used: 1 if the contact has changed, or was touched.
-    """
-    dt = tick - node.solved_tick
-    status = resolve_contact(
-        node, closing, dt, run.velocity_tolerance, run.closing_window
-    )
-    is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
-    used_rows = 0
-    if status != node.status or is_touch:
-        log_contact_change(run, node, change, k, tick, status, mobility)
-        used_rows = 1
-    return used_rows
-
-
 def log_contact_change(
     run: Run,
     node: Node,

@@ -145,6 +145,7 @@ def advance(state: State, horizon: int) -> int:
     queue = state.queue
     tolerance = run.velocity_tolerance
     window = run.closing_window
+    leaves = len(queue) // 2
     last_free_row = len(log) - MAX_ROWS_PER_EVENT
     rows = run.log_rows
     events = run.events
@@ -152,7 +153,7 @@ def advance(state: State, horizon: int) -> int:
     while stop == Stop.NONE:
         leaf = event_queue.first_leaf(queue)
         tick = queue[leaf]
-        k = leaf - len(queue) // 2
+        k = leaf - leaves
         node = nodes[k]
         from_left = lines[2 * k]
         from_right = lines[2 * k + 3]
@@ -164,15 +165,20 @@ def advance(state: State, horizon: int) -> int:
         b = from_right.incoming_wave
         next_tick = min(from_left.arrival_tick, from_right.arrival_tick)
 
-        contact.accumulate_contact_totals(node, tick - node.solved_tick, window)
+        dt = tick - node.solved_tick
+        contact.accumulate_contact_totals(node, dt, window)
+        node.solved_tick = tick
         left_mobility = segments[k].mobility
         right_mobility = segments[k + 1].mobility
         if node.status >= Status.OPEN:
-            mobility = left_mobility + right_mobility
-            rows += contact.update_contact(
-                run, node, log[rows], k, tick, a - b, mobility
-            )
-        node.solved_tick = tick
+            status = contact.resolve_contact(node, a - b, dt, tolerance, window)
+            is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
+            if status != node.status or is_touch:
+                mobility = left_mobility + right_mobility
+                contact.log_contact_change(
+                    run, node, log[rows], k, tick, status, mobility
+                )
+                rows += 1
         force_free_velocity = contact.solve_force(
             node, a, b, left_mobility, right_mobility, k == 0
         )
