@@ -16,10 +16,28 @@ from .series import N
 
 MAX_STATUS_CHANGES = 1000
 """Changes of status at one instant; more are chattering, and the piece goes on without an event."""
+CUT_OF_CHATTER = 10
+"""Factor by which a piece is shortened that has as many events at its start as a graze has."""
 MIN_PIECE_TICKS = 16
-"""Ticks of a piece that is accepted whatever its truncation error."""
+"""Ticks of a piece that is accepted whatever its truncation error: its points are whole ticks."""
 ROWS_PER_LINK = 4
-"""Rows of the log of pieces that a link may add in a step."""
+"""Rows of the log of pieces that a link may add in a step: a wave, and three of its history."""
+MAX_GROWTH = 4.0
+"""Largest duration of a piece over that of the one before it."""
+MIN_GROWTH = 0.25
+"""Smallest duration of a piece that is wanted, over that of the one before it."""
+GROWTH_SAFETY = 0.9
+"""Factor on the duration that would just meet the tolerance: a piece that fails costs a step."""
+MAX_SHORTENING = 0.6
+"""Largest part of a piece that is tried after the whole piece has failed."""
+MIN_SHORTENING = 0.1
+"""Smallest such part, where the error falls fast with the duration."""
+MIN_SHORTENING_OF_STARTS = 1e-4
+"""Smallest such part at a start like t^(3/2): there the error falls slowly with the duration."""
+SLOW_POWER = 4
+"""Exponent of the error by the duration, up to which it falls slowly: a smooth one has N."""
+SHORTENING_SAFETY = 0.8
+"""Factor on the part that would just meet the tolerance."""
 
 
 def run_nodes(state: State) -> int:
@@ -45,21 +63,20 @@ def run_nodes(state: State) -> int:
         borrowed(state.matrix),
     )
     step_rows = 2 + ROWS_PER_LINK * len(state.links) + len(state.masses)
-    step_turns = len(state.links) + MAX_STATUS_CHANGES
+    step_events = len(state.links) + MAX_STATUS_CHANGES
     run.stop_reason = Stop.NONE.value
     while run.stop_reason == Stop.NONE:
         earliest = state.nodes[earliest_node(state.nodes)]
-        due = run.last_proof_tick == NONE or earliest.now >= min(
-            run.end_tick, run.next_proof_tick
-        )
-        if not due and run.steps >= run.max_steps:
+        check_tick = min(run.end_tick, run.next_proof_tick)
+        is_due = run.last_proof_tick == NONE or earliest.now >= check_tick
+        is_full = run.piece_count + step_rows > len(
+            state.log
+        ) or run.contact_event_count + step_events > len(state.contact_log)
+        if not is_due and run.steps >= run.max_steps:
             run.stop_reason = Stop.CAP.value
-        elif not due and (
-            run.piece_count + step_rows > len(state.log)
-            or run.contact_event_count + step_turns > len(state.contact_log)
-        ):
+        elif not is_due and is_full:
             run.stop_reason = Stop.FULL.value
-        if due or run.stop_reason == Stop.CAP:
+        if is_due or run.stop_reason == Stop.CAP:
             finality.check_finality(state, min(earliest.now, run.end_tick))
         elif run.stop_reason == Stop.NONE:
             run.steps += 1
@@ -92,66 +109,70 @@ def advance(state: State, node: Node) -> bool:
     left = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
     right = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
     end = horizon(state, node, left <= HARD or right <= HARD)
-    full, worst, where, which, status = solve(state, node, end - tick)
+    full, error, place, event_link, status = solve(state, node, end - tick)
     if full == 0:
         return False
     ticks = full
-    if which != NONE:
+    if event_link != NONE:
         rounding = 0.5
         if status == Status.PLASTIC:
             rounding = 0.0  # the force stays below that at which the contact yields
-        ticks = max(1, int(0.5 * (where + 1) * full + rounding))
-        if full - ticks <= run.event_window and links[which].status == Status.OPEN:
+        ticks = max(1, int(0.5 * (place + 1) * full + rounding))
+        is_at_end = full - ticks <= run.event_window
+        if is_at_end and links[event_link].status == Status.OPEN:
             ticks = full  # it closes together with the waves that arrive at the end
         if ticks < full and node.is_averaging:
-            # means over the shorter time, or momentum would be lost
+            # Means over the shorter time are needed, or momentum would be lost.
             take_inputs(all_lines, log, node, ticks)
             nodes.collocate(
                 run, links, masses, node, ticks * run.tick_duration, state.matrix
             )
         elif ticks < full:
             nodes.restrict_piece(links, masses, node, 2 * ticks / full - 1)
-    # a piece is limited if something else than its truncation error sets its duration
-    limited = node.is_averaging == 1 or (full == end - tick and full < node.next_ticks)
+    # A piece is limited if something else than its truncation error sets its duration.
+    is_limited = node.is_averaging == 1
+    if full == end - tick and full < node.next_ticks:
+        is_limited = True
     if node.is_averaging == 0 and full > MIN_PIECE_TICKS:
-        run.max_truncation_error = max(run.max_truncation_error, worst)
-    if node.is_averaging == 0 and limited:
-        # a run at another tolerance takes the same step, and does not show its error;
-        # values decide when an event is, integrals all else
-        error = nodes.remainder(links, node, which == NONE)
-        run.shared_error = max(run.shared_error, ticks / run.shortest_transit * error)
+        run.max_truncation_error = max(run.max_truncation_error, error)
+    if node.is_averaging == 0 and is_limited:
+        # A run at another tolerance takes the same step, and does not show its error.
+        # Values decide when an event is, integrals all else.
+        remainder = nodes.remainder(links, node, event_link == NONE)
+        share = ticks / run.shortest_transit
+        run.shared_error = max(run.shared_error, share * remainder)
     nodes.forbid_pulling(links, node)
-    send_leaving(state, node, ticks, left, right)
+    send_outgoing(state, node, ticks, left, right)
     events.record_piece(state, node, ticks)
     if node.is_averaging:
         run.averaged_steps += 1
         if run.first_averaged_tick == NONE:
             run.first_averaged_tick = tick
-    if which != NONE:
+    if event_link != NONE:
         for side in range(2):
             node.incoming[side][0] = node.incoming[side][N]
-        events.apply_transition(state, node, tick + ticks, which, status)
+        events.apply_transition(state, node, tick + ticks, event_link, status)
         if status == Status.OPEN and run.next_proof_tick < NEVER:
-            # the next look for a proof is at a tick that no node has passed
+            # The next proof is tried at a tick that no node has passed.
             run.next_proof_tick = tick + ticks
             for i in range(len(state.nodes)):
                 run.next_proof_tick = max(run.next_proof_tick, state.nodes[i].now)
     node.now = tick + ticks
-    growth = 4.0
-    if worst > 0:
-        growth = min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
-    wanted = int(full * max(0.25, growth)) + 1
-    if limited:
+    growth = MAX_GROWTH
+    if error > 0:
+        growth = min(MAX_GROWTH, GROWTH_SAFETY * (run.tolerance / error) ** (1 / N))
+    wanted = int(full * max(MIN_GROWTH, growth)) + 1
+    if is_limited:
         wanted = max(node.next_ticks, wanted)
     node.next_ticks = wanted
     return True
 
 
-def horizon(state: State, node: Node, broken: bool) -> int:
+def horizon(state: State, node: Node, is_after_break: bool) -> int:
     """Return the end of the next piece; set whether hard breaks are too dense there.
 
-    Where more of them are under way than there are floors in a transit, they are not followed one
-    by one: cost would grow without end.
+    Where breaks come closer than `min_break_spacing` they are not followed one by one: cost would
+    grow without end.
     """
     run = state.runs[0]
     all_lines = state.lines
@@ -159,25 +180,26 @@ def horizon(state: State, node: Node, broken: bool) -> int:
     tick = node.now
     left = node.incoming_lines[0]
     right = node.incoming_lines[1]
-    known = min(
+    limit = min(
         run.end_tick,
         lines.known_until(all_lines, log, left),
         lines.known_until(all_lines, log, right),
     )
     if run.next_proof_tick > tick:
-        known = min(known, run.next_proof_tick)
-    end = min(known, tick + node.next_ticks)
+        limit = min(limit, run.next_proof_tick)
+    end = min(limit, tick + node.next_ticks)
     end = lines.next_break(all_lines, log, left, tick, end)
     end = lines.next_break(all_lines, log, right, tick, end)
-    floor_end = min(known, tick + run.min_break_spacing)
-    if end < floor_end:
-        dense = is_dense(run, all_lines, log, left, tick)
-        if is_dense(run, all_lines, log, right, tick) or dense:
+    averaged_end = min(limit, tick + run.min_break_spacing)
+    if end < averaged_end:
+        is_left_dense = is_dense(run, all_lines, log, left, tick)
+        is_right_dense = is_dense(run, all_lines, log, right, tick)
+        if is_left_dense or is_right_dense:
             node.is_averaging = 1
-            return int(floor_end)
+            return int(averaged_end)
     node.is_averaging = 0
-    if broken:
-        # after a break a piece is at most twice as long as the incoming piece
+    if is_after_break:
+        # A piece that follows a break is at most twice as long as the incoming piece.
         for side in range(2):
             source = node.incoming_lines[side]
             if lines.order_at(all_lines, log, source, tick) <= HARD:
@@ -187,7 +209,7 @@ def horizon(state: State, node: Node, broken: bool) -> int:
 
 
 def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
-    """Return whether more hard breaks are under way in a line than the floor allows."""
+    """Return whether hard breaks in a line are closer than `min_break_spacing`, on average."""
     unread = lines.known_until(all_lines, log, l) - tick
     return bool(
         all_lines[l].unread_breaks * run.min_break_spacing
@@ -214,41 +236,37 @@ def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int,
     run = state.runs[0]
     links = state.links
     masses = state.masses
-    flips = 0
+    changes = 0  # of status, at the start of the piece
+    changes_of_graze = 8 + node.link_count * node.link_count
     tried = ticks
     error_before = 0.0
     while True:
         h = ticks * run.tick_duration
         take_inputs(state.lines, state.log, node, ticks)
-        worst = -1.0
+        error = -1.0  # no solution
         if nodes.collocate(run, links, masses, node, h, state.matrix):
-            worst = nodes.truncation_error(links, masses, node)
-        if worst >= 0 and (
-            worst <= run.tolerance or node.is_averaging or ticks <= MIN_PIECE_TICKS
-        ):
-            where, which, status = nodes.next_event(run, links, node, h)
+            error = nodes.truncation_error(links, masses, node)
+        is_smooth = error <= run.tolerance
+        if error >= 0 and (is_smooth or node.is_averaging or ticks <= MIN_PIECE_TICKS):
+            place, event_link, status = nodes.next_event(run, links, node, h)
             start = 0.5
-            if which != NONE and links[which].status == Status.OPEN:
+            if event_link != NONE and links[event_link].status == Status.OPEN:
                 start = run.event_window  # it closes with what arrives at the start
-            if which == NONE or 0.5 * (where + 1) * ticks >= start:
-                return ticks, worst, where, which, status
-            flips += 1
-            if flips > MAX_STATUS_CHANGES:
-                return ticks, worst, 1.0, NONE, 0
-            if (
-                flips % (8 + node.link_count * node.link_count) == 0
-                and ticks > MIN_PIECE_TICKS
-            ):
-                ticks = max(
-                    MIN_PIECE_TICKS, ticks // 10
-                )  # no status lasts as long: a graze
-            events.apply_transition(state, node, node.now, which, status)
+            if event_link == NONE or 0.5 * (place + 1) * ticks >= start:
+                return ticks, error, place, event_link, status
+            changes += 1
+            if changes > MAX_STATUS_CHANGES:
+                return ticks, error, 1.0, NONE, 0
+            if changes % changes_of_graze == 0 and ticks > MIN_PIECE_TICKS:
+                # No status lasts as long as the piece: contacts graze.
+                ticks = max(MIN_PIECE_TICKS, ticks // CUT_OF_CHATTER)
+            events.apply_transition(state, node, node.now, event_link, status)
         elif ticks <= 1:
-            return 0, worst, 1.0, NONE, 0
+            return 0, error, 1.0, NONE, 0
         else:
-            factor = shortening(run.tolerance, worst, tried, ticks, error_before)
+            factor = shortening(run.tolerance, error, tried, ticks, error_before)
             tried = ticks
-            error_before = worst
+            error_before = error
             ticks = max(1, int(ticks * factor))
 
 
@@ -266,26 +284,27 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
 
 
 def shortening(
-    tolerance: float, worst: float, tried: int, ticks: int, before: float
+    tolerance: float, error: float, tried: int, ticks: int, error_before: float
 ) -> float:
     """Return the part of a piece that may be smooth enough.
 
-    It follows from the error of the piece and from that of a longer one before. After a touch the
-    force starts like a power of time, often 3/2, and the error falls as slowly.
+    It follows from the error of the piece, and from that of a longer one of `tried` ticks. After a
+    touch the force starts like a power of time, often 3/2, and the error falls as slowly.
     """
-    if worst <= 0:
-        return 0.25
+    if error <= 0:
+        return MIN_GROWTH
     power = 1.0 * N
-    if before > worst:
-        observed = math.log(before / worst) / math.log(tried / ticks)
+    if error_before > error:
+        observed = math.log(error_before / error) / math.log(tried / ticks)
         power = max(1.0, min(power, observed))
-    least = 1e-4
-    if power > 4:
-        least = 0.1
-    return max(least, min(0.6, 0.8 * (tolerance / worst) ** (1 / power)))
+    smallest = MIN_SHORTENING_OF_STARTS
+    if power > SLOW_POWER:
+        smallest = MIN_SHORTENING
+    part = SHORTENING_SAFETY * (tolerance / error) ** (1 / power)
+    return max(smallest, min(MAX_SHORTENING, part))
 
 
-def send_leaving(state: State, node: Node, ticks: int, left: int, right: int) -> None:
+def send_outgoing(state: State, node: Node, ticks: int, left: int, right: int) -> None:
     """Send the waves that leave a node, with the orders of their breaks.
 
     Each spring and mass of a chain makes breaks one order smoother. `left` and `right` are the
@@ -293,7 +312,7 @@ def send_leaving(state: State, node: Node, ticks: int, left: int, right: int) ->
     """
     run = state.runs[0]
     links = state.links
-    over = left
+    over = left  # order of the break from the left, behind the links that it has passed
     back = right
     for q in range(node.link_count):
         over = contact_laws.break_order(links[node.first_link + q], over) + 1
@@ -302,7 +321,7 @@ def send_leaving(state: State, node: Node, ticks: int, left: int, right: int) ->
     for side in range(2):
         if node.outgoing_lines[side] == NONE:
             continue
-        nodes.set_leaving(links, node, side)
+        nodes.set_outgoing(links, node, side)
         if side == 0:
             order = min(left, back - 1)
         else:

@@ -326,7 +326,7 @@ def forbid_pulling(links: Links, node: Node) -> None:
                     link.force[j] = max(0.0, (link.force[j] + swing) * share)
 
 
-def set_leaving(links: Links, node: Node, side: int) -> None:
+def set_outgoing(links: Links, node: Node, side: int) -> None:
     """Set the wave that leaves a node.
 
     To the left goes a - 2 F/Z with the force of the first link, to the right b + 2 F/Z with that
@@ -353,7 +353,7 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
             velocity = 2 * link.effective_mobility  # the input is a force, not a wave
         worst = max(worst, series.truncation_estimate(node.incoming[side]) * velocity)
         if node.mobility[side] > 0:
-            set_leaving(links, node, side)
+            set_outgoing(links, node, side)
             worst = max(worst, series.truncation_estimate(node.outgoing))
     for i in range(node.link_count - 1):
         worst = max(
@@ -380,7 +380,7 @@ def remainder(links: Links, node: Node, integrated: bool) -> float:
     for side in range(2):
         largest = max(largest, series.remainder(node.incoming[side], integrated))
         if node.mobility[side] > 0:
-            set_leaving(links, node, side)
+            set_outgoing(links, node, side)
             largest = max(largest, series.remainder(node.outgoing, integrated))
     return largest
 
