@@ -77,6 +77,28 @@ def test_a_group_swings_within_its_bounds(seed):
         assert np.abs(off).max() >= 0.05 * reach  # a bound that says something
 
 
+@pytest.mark.parametrize("damping", [0.3, 3.0])
+def test_a_dashpot_stretches_within_its_bound(damping):
+    """A rod of the mass 1 moves the mass 1/2 through a dashpot c alone, which gives way for ever.
+
+    Its right end, as seen from the mass, has 2/3 of all mass beyond it: it moves by at most
+    sqrt(2 E) (sqrt(s) + 2 (2/3) sqrt(1)/c), with s = (2/3)^2 L/(3 E A) = 4/27.
+    """
+    rod = unit_rod(1.0, velocity=1.0)
+    system = ri.System(
+        [rod, ri.RigidMass(0.5, velocity=-0.5)], contacts=[ri.Joint(0.0, damping)]
+    )
+    head = surveyed(system)[0]
+    reach = np.sqrt(4 / 27) + 4 / (3 * damping)
+    assert head.compliance_integrals[1] == pytest.approx(reach**2, rel=1e-9)
+    s = ri.solve(system, 8.0, "characteristics")
+    t = np.linspace(0, 8, 801)
+    moved = s.displacement(1, 0.0, t) - s.displacement(1, 0.0, 0.0)
+    off = moved - (head.group_velocity + s.run.clock.frame) * t
+    assert np.abs(off).max() <= np.sqrt(2 * head.reference_energy) * reach
+    assert np.abs(off).max() > 0.1 * np.sqrt(2 * head.reference_energy) * reach
+
+
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
 @pytest.mark.parametrize("law", [ri.Hertz(20.0), ri.SpringDashpot(20.0, 0.5)])
 def test_what_is_said_to_be_over_is_over(seed, law):

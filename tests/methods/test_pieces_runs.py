@@ -34,8 +34,8 @@ def test_a_run_that_finds_too_little_room_goes_on_with_more(monkeypatch, seed):
     system = random_network(seed)
     with kernels.forced(False):
         whole = everything(ri.solve(system, 2.0, METHOD))
-        monkeypatch.setattr(driver, "ROOM", 4)
-        monkeypatch.setattr(driver, "TURNS", 1100)
+        monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 4)
+        monkeypatch.setattr(driver, "INITIAL_CONTACT_ROWS", 1100)
         assert everything(ri.solve(system, 2.0, METHOD)).tolist() == whole.tolist()
 
 
@@ -65,9 +65,9 @@ def test_members_are_single_solves_in_any_chunks(monkeypatch):
     whole = ri.sweep(system)
     with ThreadPoolExecutor(2) as executor:
         assert totals(ri.sweep(system, executor=executor)) == totals(whole)
-    monkeypatch.setattr(method, "TOGETHER", 3)
-    monkeypatch.setattr(driver, "CALL", 2)
-    monkeypatch.setattr(driver, "ROOM", 8)
+    monkeypatch.setattr(method, "MAX_MEMBERS_PER_CALL", 3)
+    monkeypatch.setattr(driver, "MEMBERS_PER_CHECK", 2)
+    monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 8)
     assert totals(ri.sweep(system)) == totals(whole)
     for index in ((0, 0), (1, 2)):
         with kernels.forced(False):

@@ -48,12 +48,12 @@ RECORD_TYPES = {
 """Types of the records of a `State`, by its fields."""
 MEMBER_FIELDS = ("runs", "nodes", "links", "masses", "lines", "parts")
 """Fields of which every member has records of its own; the others it hands on to the next."""
-ROOM = 256
+INITIAL_LOG_ROWS = 256
 """Rows of the log of pieces at first, besides two for each that is known at t = 0."""
-TURNS = 2048
-"""Rows of the log of contacts at first."""
-CALL = 64
-"""Number of members between two looks whether to stop."""
+INITIAL_CONTACT_ROWS = 2048
+"""Rows of the log of contacts at first: a step may add `march.MAX_STATUS_CHANGES` and more."""
+MEMBERS_PER_CHECK = 64
+"""Number of members between two questions whether to stop."""
 PLAIN_STEPS = 500
 """Least number of steps in plain Python between two decisions whether to compile."""
 STEP_TIME = 1.5e-3
@@ -112,8 +112,8 @@ class Members:
         self.parts = records_of_family(parts, GROUP_PART, row)
         unknowns = N * int(self.nodes["link_count"].max())
         arrays: dict[str, Any] = {name: self.records(name)[0] for name in MEMBER_FIELDS}
-        arrays["log"] = np.zeros(ROOM + 2 * self.first.shape[1], PIECE)
-        arrays["contact_log"] = np.zeros(TURNS, CONTACT_EVENT)
+        arrays["log"] = np.zeros(INITIAL_LOG_ROWS + 2 * self.first.shape[1], PIECE)
+        arrays["contact_log"] = np.zeros(INITIAL_CONTACT_ROWS, CONTACT_EVENT)
         arrays["matrix"] = np.zeros((unknowns, unknowns + 1))
         state = State(**arrays)
         self.batch = Batch[State](
@@ -147,7 +147,7 @@ class Members:
     ) -> None:
         """Run some members; raise Stopped if `stop`, asked now and then, says so."""
         for count, m in enumerate(members):
-            if count % CALL == 0 and stop():
+            if count % MEMBERS_PER_CHECK == 0 and stop():
                 raise Stopped
             self.go(m, report)
 

@@ -36,7 +36,7 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     link.overlap_acceleration = 0.0
     if status == Status.OPEN or old == Status.OPEN:
         link.overlap = 0.0
-    # the event is rounded to a tick: forces at which a law changes are exact all the same
+    # The event is rounded to a tick: forces at which a law changes are exact all the same.
     if old == Status.PLASTIC:
         if status == Status.PLASTIC:
             link.overlap = link.knots[link.next_knot] / link.stiffness
@@ -181,7 +181,7 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         if link.status != Status.OPEN and link.status != Status.GRAZE:
             link.impulse += 0.5 * h * series.integral(link.force)
             largest = series.largest(link.force)
-            # a piece within the window lies where two breaks nearly meet
+            # A piece within the window lies where two breaks nearly meet: its peak is round-off.
             if ticks > run.event_window and largest > PEAK_RTOL * link.peak_force:
                 peak = series.maximum(link.force, node.scratch_series, link.peak_force)
                 if peak > link.peak_force:

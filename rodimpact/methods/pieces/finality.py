@@ -24,12 +24,6 @@ from .records import (
 )
 from .series import N
 
-DASHPOT_FACTOR = 16.0
-"""Factor of m/c^2 in the `slack` of a dashpot c that a momentum of the mass m passes.
-
-The stretch is at most 2 sqrt(2 E m)/c; its square over 2 E is 4 m/c^2. The rest of the factor
-allows for adding this bound to others before the root is taken.
-"""
 REST_RTOL = 2.0**-40
 """Velocity over the velocity scale, below which a body is at rest: round-off of a long run."""
 TRUNCATION_SHARE = 1e-3
@@ -125,9 +119,9 @@ def is_quiet(link: Link, group: GroupPart, slow: float) -> bool:
     return bool(group.max_wave - group.min_wave <= slow and abs(rate) <= slow)
 
 
-def max_deviation(group: GroupPart, slack: float) -> float:
+def max_deviation(group: GroupPart, compliance: float) -> float:
     """Return the largest deviation of an end of a group from the mean motion at any time, m."""
-    return math.sqrt(2 * group.reference_energy * slack)
+    return math.sqrt(2 * group.reference_energy * compliance)
 
 
 def update_groups(state: State, tick: int) -> None:
@@ -148,7 +142,7 @@ def update_groups(state: State, tick: int) -> None:
             group.group_velocity = momentum / total
         group.reference_velocity = group.group_velocity
         if group.anchor_line != NONE:
-            # the group comes to the velocity that the line from outside carries
+            # The group comes to the velocity that the line from outside carries.
             piece = state.log[state.lines[group.anchor_line].read_piece]
             y = 2 * (tick - piece.start) / (piece.end - piece.start) - 1
             group.reference_velocity = lines.at(piece, y)
@@ -159,7 +153,9 @@ def update_groups(state: State, tick: int) -> None:
         for k in range(first, last):
             update_part(state, parts[k], group.group_velocity, tick)
             group.reference_energy += parts[k].vibration_energy
-        set_ends(state, first, last, total)
+        for side in range(2):
+            set_end(state, first, last, total, side)
+        bound_end_velocities(state, first, last)
 
 
 def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
@@ -192,78 +188,90 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
         part.vibration_energy = joint.stiffness * (joint.overlap * joint.overlap) / 2
 
 
-def set_ends(state: State, first: int, last: int, total: float) -> None:
-    """Set the displacements of the ends of a group, and the bounds of their velocities.
+def set_end(state: State, first: int, last: int, total: float, side: int) -> None:
+    """Set the displacement of an end of a group, and the factor that bounds it later.
 
-    The end of a single segment can only take velocities of the waves in it, of their reflections,
-    and of its holder. At the start and at the stop of a part the mass fractions beyond it are g and
-    w, as seen from the left or the right end.
+    With E the energy about the reference motion, elastic parts move the end by sqrt(2 E s) at most,
+    s = integral of g^2 dx/(E A), g the mass fraction beyond x as seen from the end. At the left and
+    at the right of a part it is g and w.
+
+    A dashpot c transmits the change of the momentum of either side. A momentum of the mass m is
+    sqrt(2 E m) at most, so its change is at most twice that, and the stretch 2 sqrt(2 E m)/c. Both
+    bounds add: the end moves by sqrt(2 E) (sqrt(s) + sum of 2 g sqrt(m)/c) at most.
     """
-    second = state.runs[0].tick_duration
-    parts = state.parts
-    group = parts[first]
-    held = group.anchor_line != NONE
+    group = state.parts[first]
+    is_anchored = group.anchor_line != NONE
+    sign = 2 * side - 1
     passed = 0.0
-    segments = 0
-    others = 0
-    for side in range(2):
-        group.end_deviations[side] = 0.0
-        group.compliance_integrals[side] = 0.0
+    deviation = 0.0
+    compliance = 0.0
+    stretch = 0.0  # of dashpots, over sqrt(2 E)
     for k in range(first, last):
-        part = parts[k]
+        part = state.parts[k]
         before = passed
         passed += part.mass
+        g = 1.0
+        w = 1.0
+        if not is_anchored:
+            g = before / total
+            w = passed / total
+        if not is_anchored and side == 0:
+            g = 1 - g
+            w = 1 - w
+        if part.kind == Part.SEGMENT:
+            transit = state.runs[0].tick_duration * state.lines[2 * part.index].delay
+            deviation += sign * strain_integral(part, g, w) * transit
+            compliance += part.compliance * (g * g + g * w + w * w) / 3
+        elif part.kind == Part.JOINT:
+            joint = state.links[part.index]
+            if part.compliance > 0:
+                deviation -= sign * joint.overlap * g
+                compliance += part.compliance * (g * g)
+            else:
+                mass = max(passed, total - passed)
+                stretch += 2 * g * math.sqrt(mass) / joint.damping
+        elif part.kind == Part.ENDLESS:
+            compliance = part.compliance
+    if stretch > 0:
+        reach = math.sqrt(compliance) + stretch
+        compliance = reach * reach
+    group.end_deviations[side] = deviation
+    group.compliance_integrals[side] = compliance
+
+
+def bound_end_velocities(state: State, first: int, last: int) -> None:
+    """Set the bounds of the velocities of the ends of a group that is one segment.
+
+    Its end can only take velocities of the waves in it, of their reflections, and of its anchor.
+    """
+    group = state.parts[first]
+    segments = 0
+    others = 0
+    for k in range(first, last):
+        part = state.parts[k]
         if part.kind == Part.SEGMENT:
             segments += 1
-        elif part.kind < Part.WALL:
-            others += 1  # masses and joints
-        for side in range(2):
-            g = 1.0
-            w = 1.0
-            if not held:
-                g = before / total
-                w = passed / total
-            if not held and side == 0:
-                g = 1 - g
-                w = 1 - w
-            sign = 2 * side - 1
-            compliance = part.compliance
-            if part.kind == Part.SEGMENT:
-                l = 2 * part.index + side
+            for side in range(2):
                 low, high = wave_bounds(
-                    state.lines, state.log, l, group.min_wave, group.max_wave
+                    state.lines,
+                    state.log,
+                    2 * part.index + side,
+                    group.min_wave,
+                    group.max_wave,
                 )
                 group.min_wave = low
                 group.max_wave = high
-                transit = second * state.lines[2 * part.index].delay
-                group.end_deviations[side] += (
-                    sign * strain_integral(part, g, w) * transit
-                )
-                group.compliance_integrals[side] += (
-                    compliance * (g * g + g * w + w * w) / 3
-                )
-            elif part.kind == Part.JOINT:
-                joint = state.links[part.index]
-                if compliance > 0:
-                    group.end_deviations[side] -= sign * joint.overlap * g
-                else:
-                    # a dashpot stretches by no more than the momentum that passes it, over c
-                    c = joint.damping
-                    largest = max(passed, total - passed)
-                    compliance = DASHPOT_FACTOR * largest / (c * c)
-                group.compliance_integrals[side] += compliance * (g * g)
-            elif part.kind == Part.ENDLESS:
-                group.compliance_integrals[side] = compliance
+        elif part.kind < Part.WALL:
+            others += 1  # masses and joints
     for k in range(first, last):
-        if parts[k].kind == Part.WALL:
-            # a wall reflects waves about its velocity
-            low = min(group.min_wave, 2 * group.reference_velocity - group.max_wave)
-            group.max_wave = max(
-                group.max_wave, 2 * group.reference_velocity - group.min_wave
-            )
-            group.min_wave = low
-    alone = segments <= 1 and others == 0
-    group.ends_follow_waves = alone or last - first == 1
+        if state.parts[k].kind == Part.WALL:
+            # A wall reflects waves about its velocity.
+            reflected_min = 2 * group.reference_velocity - group.max_wave
+            reflected_max = 2 * group.reference_velocity - group.min_wave
+            group.min_wave = min(group.min_wave, reflected_min)
+            group.max_wave = max(group.max_wave, reflected_max)
+    is_segment = segments <= 1 and others == 0
+    group.ends_follow_waves = is_segment or last - first == 1
 
 
 def strain_integral(part: GroupPart, g: float, w: float) -> float:

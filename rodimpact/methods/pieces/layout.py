@@ -57,7 +57,7 @@ class RunRequest(NamedTuple):
     until: Any
     tolerance: Any  # relative to the velocity scale
     limit: int
-    keep: bool  # forces, overlaps and velocities of masses
+    keep: bool  # whether forces, overlaps and velocities of masses are kept
 
 
 # Waves at t = 0, and from outside -----------------------------------------------------------------
@@ -155,9 +155,7 @@ def make_run(
 ) -> Any:
     """The record of a run."""
     run = blank(1, RUN)[0]
-    breaks = (
-        0  # hard breaks in the shortest transit, on the line that has them most densely
-    )
+    breaks = 0  # largest number of hard breaks of a line in the shortest transit
     for pieces, hard, ticks in known:
         run.piece_count += pieces
         if hard > 0:
@@ -217,7 +215,7 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
         end.outgoing_lines[side] = NONE
         if outside[side] == NONE:
             end.is_free_end = 1
-        if row.boundaries[side][0] == "absorbing":  # bonded to an endless rod
+        if row.boundaries[side][0] == "absorbing":  # an endless rod is bonded to it
             end.mobility[side] = end.mobility[1 - side]
     return nodes
 

@@ -77,7 +77,7 @@ def sample(
             f[j] = piece.coefficients[0]
         return
     for j in range(POINTS):
-        u = 0.5 * (X[j] + 1) * ticks  # since `begin`
+        u = 0.5 * (X[j] + 1) * ticks  # time since `begin`
         while (
             piece.next != NONE and begin + u > piece.end and piece.end < begin + ticks
         ):
@@ -261,7 +261,7 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
         run, lines, log, target, node.now, stop, piece.degree, piece.coefficients
     )
     if i != NONE and node.now == 0:
-        # the first piece meets the wave that is under way at t = 0
+        # The first piece meets the wave that is under way at t = 0.
         log[i].break_order = 0
         classify_break(run, lines, log, old, i)
     elif i != NONE and node.now == piece.start + delay:

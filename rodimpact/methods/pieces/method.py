@@ -49,12 +49,12 @@ from .signals import signals_of
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
 """Default of the relative error that is aimed at."""
-LOOSEST = 1e-6
+MAX_TOLERANCE = 1e-6
 """Largest tolerance of pieces: below it, errors fall evenly with the tolerance."""
-FINEST = 1e-13
+MIN_TOLERANCE = 1e-13
 """Smallest tolerance of pieces: below it, round-off decides."""
-TOGETHER = 1024
-"""Number of members of one call."""
+MAX_MEMBERS_PER_CALL = 1024
+"""Number of members of one call: records of more would not stay in the processor's cache."""
 
 
 def solve(
@@ -90,7 +90,7 @@ def members_per_call(row: Row) -> int:
     has_rigid_bond = any(i < 0 for i in row.contact_link)
     if not is_even(row) or has_rigid_bond or own_laws(row):
         return 0
-    return TOGETHER
+    return MAX_MEMBERS_PER_CALL
 
 
 def solve_family(
@@ -176,7 +176,7 @@ def tolerance_of(rtol: float | None) -> float:
     """Tolerance of pieces, relative to the velocity scale."""
     if rtol is None:
         rtol = RTOL
-    return max(FINEST, min(rtol, LOOSEST))
+    return max(MIN_TOLERANCE, min(rtol, MAX_TOLERANCE))
 
 
 def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:

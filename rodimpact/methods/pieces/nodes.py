@@ -80,7 +80,7 @@ def set_forces(links: Links, node: Node) -> int:
             elif link.unknown_index == NONE and (
                 link.law == Law.BOND or link.status == Status.PRESS
             ):
-                # two rods, nothing else
+                # The waves of two rods decide, with nothing else between them.
                 closing = node.incoming[0][j] - node.incoming[1][j]
                 link.force[j] = closing / link.mobility
     return n
@@ -213,7 +213,7 @@ def set_block(
         by_force = share * link.mobility
         if link.status != Status.REST:
             identity = 1.0
-    coupled = N  # stages by which a mass between both links couples them
+    coupled = N  # number of stages by which a mass between both links couples them
     if by_impulse == 0:
         coupled = 0
     for j in range(N):
@@ -289,7 +289,7 @@ def collocate(
     for q in range(node.link_count):
         link = links[node.first_link + q]
         if link.status == Status.REST:
-            # its force is known at the stages alone, and extrapolated to the start
+            # Its force is known at the stages alone, and extrapolated to the start.
             for j in range(N):
                 link.force[0] += START[j] * link.force[j + 1]
         elif link.unknown_index != NONE:
@@ -416,7 +416,9 @@ def find_dip(node: Node, depth: float) -> float:
             j += 1
         low = X[max(j - 1, 0)]
         series.coefficients(node.scratch_values, node.scratch_series)
-        monotonic = False  # from the end of the piece at which it is lowest
+        monotonic = (
+            False  # whether it rises from the end of the piece at which it is lowest
+        )
         if j == 0:
             monotonic = series.slope_at_end(node.scratch_series, -1.0) >= 0
         elif j == N:
@@ -457,7 +459,7 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> tuple[float, int
             overlap = contact_laws.follows_overlap(link, i)
             ignored = ROUND_OFF
             if overlap and node.scratch_values[N] > 0:
-                # a force that starts softly is a polynomial that swings a little below 0
+                # A force that starts softly is a polynomial that swings a little below 0.
                 ignored = max(
                     ignored,
                     run.graze_velocity
@@ -475,7 +477,7 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> tuple[float, int
                 and not overlap
                 and link.status != Status.REST
             ):
-                zero = -1.0  # perhaps for a shorter time than to the first point
+                zero = -1.0  # it may rise again before the first point
             elif j == POINTS:
                 zero = find_dip(node, depth)
             else:

@@ -127,7 +127,7 @@ def remainder(f: Values, integrated: bool) -> float:
             before += abs(s)
         else:
             last += abs(s)
-    square = 0.0  # of the factor r, for pairs of coefficients are compared
+    square = 0.0  # r^2: the coefficients that are compared are two degrees apart
     if before > 0:
         square = min(1.0, last / before)
     error = last * math.sqrt(square)
@@ -286,7 +286,7 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
         largest = G[p]
         swapped = right
         if p == i:
-            swapped = i  # the rows are one
+            swapped = i  # there is nothing to swap
         for q in range(i, swapped):
             row[q], largest[q] = largest[q], row[q]
         row[n], largest[n] = largest[n], row[n]

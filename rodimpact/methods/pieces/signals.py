@@ -38,7 +38,7 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     masses = _masses(row, end, lines, frame, state, turns)
     contacts: list[ContactSignal | None] = []
     for i in row.contact_link:
-        contact = None  # a bond of rigid bodies
+        contact = None  # the contact is a bond of rigid bodies
         if i >= 0:
             own_turns = turns[turns["link"] == i]
             contact = _contact(state.links[i], own_turns, lines, clock.tick)
@@ -87,7 +87,7 @@ def _masses(
     count = len(row.masses)
     masses = {}
     for body, m in enumerate(row.mass_of):
-        if m >= count:  # bonded to a wall
+        if m >= count:  # the body is bonded to a wall
             speed = float(row.boundaries[m - count][1])
             masses[body] = Pieces.through([0, end], np.full(2, speed)) - frame
         elif m >= 0:
@@ -143,7 +143,7 @@ def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> Contact
     else:
         closing = _rate(gap, -1.0 / tick)
     blows = turns[turns["impulse"] > 0]
-    # A blow takes no time; here it takes the tick before it.
+    # An impact takes no time; here it takes the tick before it.
     blow_ticks = np.maximum(blows["tick"] - 1, 0)
     for blow_tick in np.unique(blow_ticks):
         together = blows[blow_ticks == blow_tick]
@@ -191,7 +191,7 @@ def _outside(
         speed = lines[node["incoming_lines"][side]] + frame
     elif kind == "force" and node["link_count"] > 1:
         speed = lines[state.masses["history_line"][-side]] + frame
-    else:  # the end of a rod: half the sum of the waves that leave and arrive
+    else:  # v of a rod's end is half the sum of the waves that leave and arrive
         inner = 1 - side
         source = node["incoming_lines"][inner]
         arriving = lines[source].later(int(state.lines["delay"][source]))
