@@ -1,8 +1,8 @@
-"""Figures of families: curves and maps show the result, its axes in words and units, and theory."""
+"""Figures of families: curves and maps show results, labels with units, and theory."""
 
 import numpy as np
 import pytest
-from drawing import C, axes, legend, render, rod, vector_file
+from drawing import C, axes, legend, render, rod, texts_of, vector_file
 from exhaustive import few_of
 
 import rodimpact as ri
@@ -19,35 +19,45 @@ def column(values):
     return np.asarray(values)[:, None]
 
 
-LENGTHS, AREAS = np.geomspace(0.25, 4, 17), np.geomspace(2e-5, 5e-4, 21)
+def rods_with_heads():
+    """A heavy rod with a head of any length and area, struck by a rod."""
+    lengths = column(np.linspace(1.1, 2.9, 7))
+    areas = np.linspace(1.1, 2.6, 6)
+    head = ri.Segment(lengths, areas, UNIT)
+    body = ri.Segment(20.0, 10.0, UNIT)
+    striker = rod(1.0, 1.0, area=1.0, material=UNIT)
+    return ri.System([striker, ri.Rod(segments=[head, body])])
+
+
+def speeds():
+    lengths = column(np.linspace(0.5, 1.5, 9))
+    velocities = np.linspace(-1, 2, 7)
+    return ri.System([rod(lengths, velocities), rod()])
+
+
+def moving_wall():
+    lengths = column(np.linspace(0.1, 1, 4))
+    velocities = np.linspace(-2, 1, 9)
+    return ri.System([ri.Wall(0.5), rod(lengths, velocities)])
+
+
+def gaps():
+    rods = [rod(0.2, 1.0), rod(0.3), rod(0.2)]
+    return ri.System(rods, gaps=[np.linspace(0, 2e-4, 9), 1e-5])
+
+
+LENGTHS = np.geomspace(0.25, 4, 17)
+AREAS = np.geomspace(2e-5, 5e-4, 21)
 SYSTEMS = {
     "lengths": ri.System([rod(np.linspace(0.1, 3, 60), 1.0), rod()]),
     "few": ri.System([rod(np.linspace(0.25, 2.5, 10), 1.0, area=3e-4), rod()]),
     "areas": ri.System([rod(0.5, 1.0, area=np.linspace(2e-5, 3e-4, 57)), rod()]),
     "map": ri.System([rod(column(LENGTHS), 1.0), rod(area=AREAS)]),
-    "speeds": ri.System(
-        [rod(column(np.linspace(0.5, 1.5, 9)), np.linspace(-1, 2, 7)), rod()]
-    ),
+    "speeds": speeds(),
     "wall": ri.System([rod(np.linspace(0.1, 1, 10), 1.0), ri.Wall()]),
-    "left wall": ri.System(
-        [ri.Wall(0.5), rod(column(np.linspace(0.1, 1, 4)), np.linspace(-2, 1, 9))]
-    ),
-    "gaps": ri.System(
-        [rod(0.2, 1.0), rod(0.3), rod(0.2)], gaps=[np.linspace(0, 2e-4, 9), 1e-5]
-    ),
-    "heads": ri.System(
-        [
-            rod(1.0, 1.0, area=1.0, material=UNIT),
-            ri.Rod(
-                segments=[
-                    ri.Segment(
-                        column(np.linspace(1.1, 2.9, 7)), np.linspace(1.1, 2.6, 6), UNIT
-                    ),
-                    ri.Segment(20.0, 10.0, UNIT),
-                ]
-            ),
-        ]
-    ),
+    "left wall": moving_wall(),
+    "gaps": gaps(),
+    "heads": rods_with_heads(),
     "strains": ri.System([rod(0.5, 1.0), rod(strain=np.linspace(-1e-4, 1e-4, 5))]),
     "receding": ri.System([rod(np.linspace(0.5, 1, 4), -1.0), rod()]),
 }
@@ -55,41 +65,61 @@ SYSTEMS = {
 
 @pytest.fixture(scope="module")
 def swept():
+    results = {}
     with np.errstate(all="raise", under="ignore"):
-        return {name: ri.sweep(system) for name, system in SYSTEMS.items()}
+        for name, system in SYSTEMS.items():
+            results[name] = ri.sweep(system)
+    return results
 
 
-def showing(values):
-    """A family of lengths, or of lengths and areas, with these results, whatever the physics."""
-    lengths, areas = np.linspace(1, 2, values.shape[0]), 1e-4
+def result_of(values):
+    """A family of lengths, or of lengths and areas, with given results."""
+    lengths = np.linspace(1, 2, values.shape[0])
+    areas = 1e-4
     if values.ndim == 2:
-        lengths, areas = column(lengths), np.linspace(1e-4, 2e-4, values.shape[1])
+        lengths = column(lengths)
+        areas = np.linspace(1e-4, 2e-4, values.shape[1])
     system = ri.System([rod(lengths, 1.0, strain=1e-6), rod(area=areas)])
     columns = {"restitution": values, "episodes.0": values}
     return SweepResult(system, Options(method="fronts"), columns)
+
+
+def swept_map(lengths, second):
+    """A map over lengths of rod 1 and a parameter of rod 2."""
+    return ri.sweep(ri.System([rod(column(lengths), 1.0), second]))
 
 
 def limits(picture):
     return (*picture.ax.get_xlim(), *picture.ax.get_ylim())
 
 
-def levels_of(picture):
-    return [] if picture.contours is None else list(picture.contours.levels)
+def levels_of(values):
+    """Levels of the contours of a map of values."""
+    return list(plot.sweep(result_of(values), axes()).contours.levels)
 
 
-def finite(x, y):
-    known = np.isfinite(y)
-    return x[known], y[known]
+def contours_of(picture):
+    """Level and places of each contour."""
+    return zip(picture.contours.levels, picture.contours.get_paths(), strict=True)
 
 
-# Curves -----------------------------------------------------------------------------------------
+def finite_points(line):
+    x, y = line.get_data()
+    is_finite = np.isfinite(y)
+    return x[is_finite], y[is_finite]
+
+
+# Curves
 
 
 def test_a_curve_goes_through_the_results(swept):
-    picture = plot.sweep(swept["lengths"], axes())
     lengths = np.linspace(0.1, 3, 60)
+
+    picture = plot.sweep(swept["lengths"], axes())
+
+    e = np.minimum(lengths, 1 / lengths)
     assert picture.values.get_xdata() == pytest.approx(lengths)
-    assert picture.values.get_ydata() == pytest.approx(np.minimum(lengths, 1 / lengths))
+    assert picture.values.get_ydata() == pytest.approx(e)
     assert picture.values.get_linestyle() == "-"
     assert picture.ax.get_xlabel() == "length of rod 1 (m)"
     assert picture.ax.get_ylabel() == "coefficient of restitution e"
@@ -98,155 +128,192 @@ def test_a_curve_goes_through_the_results(swept):
 
 def test_the_closed_form_lies_under_it_and_is_smooth_between_few_points(swept):
     picture = plot.sweep(swept["few"], axes())
+
+    x, y = picture.theory.get_data()
+    exact = ri.theory.saint_venant(3.0, x, 1.0, 1.0).restitution
     assert picture.values.get_marker() == "o"
     assert picture.values.get_linestyle() == "None"
-    x, y = picture.theory.get_data()
     assert x.size >= 400
-    exact = ri.theory.saint_venant(3.0, x, 1.0, 1.0).restitution
     assert y == pytest.approx(exact, abs=1e-12)
     assert picture.theory.get_zorder() <= picture.values.get_zorder()
     assert legend(picture) == ["closed form", "computed"]
 
 
+QUANTITIES = (
+    "restitution",
+    "impulse.0",
+    "peak_force.0",
+    "duration.0",
+    "vibration",
+    "velocity_after.0",
+    "velocity_after.1",
+)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
 @pytest.mark.parametrize("name", ["lengths", "areas", "few", "wall"])
-def test_theory_and_results_agree(swept, name):
-    for quantity in (
-        "restitution",
-        "impulse.0",
-        "peak_force.0",
-        "duration.0",
-        "vibration",
-        "velocity_after.0",
-        "velocity_after.1",
-    ):
-        picture = plot.sweep(swept[name], axes(), quantity)
-        x, y = finite(*picture.values.get_data())
-        law_x, law_y = finite(*picture.theory.get_data())
-        nearest = np.abs(law_x[:, None] / x - 1).argmin(axis=0)
-        assert law_x[nearest] == pytest.approx(x, rel=1e-9)
-        scale = max(1.0, np.abs(y).max())
-        assert y == pytest.approx(law_y[nearest], rel=1e-9, abs=1e-9 * scale), quantity
+def test_theory_and_results_agree(swept, name, quantity):
+    picture = plot.sweep(swept[name], axes(), quantity)
+
+    x, y = finite_points(picture.values)
+    exact_x, exact_y = finite_points(picture.theory)
+    nearest = np.abs(exact_x[:, None] / x - 1).argmin(axis=0)
+    scale = max(1.0, np.abs(y).max())
+    assert exact_x[nearest] == pytest.approx(x, rel=1e-9)
+    assert y == pytest.approx(exact_y[nearest], rel=1e-9, abs=1e-9 * scale)
 
 
-def test_no_theory_where_none_is_known(swept):
-    for name, quantity in (
+@pytest.mark.parametrize(
+    ("name", "quantity"),
+    [
         ("strains", "restitution"),
         ("gaps", "velocity_after.2"),
         ("lengths", "final"),
         ("lengths", "episodes.0"),
-    ):
-        picture = plot.sweep(swept[name], axes(), quantity)
-        assert picture.theory is None
-        assert legend(picture) == []
-
-
-def test_a_curve_is_broken_where_it_jumps_and_only_there(swept):
-    picture = plot.sweep(swept["areas"], axes(), "duration.0")
-    x, y = picture.values.get_data()
-    (gap,) = np.flatnonzero(np.isnan(y))
-    assert x[gap - 1] == pytest.approx(100.0)
-    assert x[gap + 1] == pytest.approx(105.0)
-    assert y[[gap - 1, gap + 1]] == pytest.approx([1e6 / C, 2e6 / C])
-    (gap,) = np.flatnonzero(np.isnan(picture.theory.get_ydata()))
-    assert picture.theory.get_xdata()[gap] == pytest.approx(100.0, abs=1.0)
-    assert picture.ax.get_xlabel() == "area of rod 1 (mm²)"
-    assert picture.ax.get_ylabel() == "force duration (µs)"
-    for quantity in (
-        "restitution",
-        "velocity_after.0",
-        "impulse.0",
-    ):  # a corner is no jump
-        assert np.isfinite(
-            plot.sweep(swept["areas"], axes(), quantity).values.get_ydata()
-        ).all()
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        1.5 ** np.arange(20),
-        np.abs(np.arange(20) - 9.5) ** 3,
-        np.sqrt(np.arange(20)),
-        np.maximum(np.arange(20) - 9.0, 0),
-        1 + 1e-16 * (np.arange(20) % 7 == 3) * np.arange(20),
-        np.maximum(np.arange(20) - 9.0, 0.01 * (np.arange(20) > 4)),
     ],
 )
+def test_no_theory_where_none_is_known(swept, name, quantity):
+    picture = plot.sweep(swept[name], axes(), quantity)
+
+    assert picture.theory is None
+    assert legend(picture) == []
+
+
+def test_a_curve_is_broken_at_a_jump(swept):
+    picture = plot.sweep(swept["areas"], axes(), "duration.0")
+
+    x, y = picture.values.get_data()
+    (gap,) = np.flatnonzero(np.isnan(y))
+    theory_x, theory_y = picture.theory.get_data()
+    (theory_gap,) = np.flatnonzero(np.isnan(theory_y))
+    assert x[gap - 1] == pytest.approx(100.0)
+    assert x[gap + 1] == pytest.approx(105.0)
+    assert y[gap - 1] == pytest.approx(1e6 / C)
+    assert y[gap + 1] == pytest.approx(2e6 / C)
+    assert theory_x[theory_gap] == pytest.approx(100.0, abs=1.0)
+    assert picture.ax.get_xlabel() == "area of rod 1 (mm²)"
+    assert picture.ax.get_ylabel() == "force duration (µs)"
+
+
+@pytest.mark.parametrize("quantity", ["restitution", "velocity_after.0", "impulse.0"])
+def test_a_curve_is_not_broken_at_a_corner(swept, quantity):
+    picture = plot.sweep(swept["areas"], axes(), quantity)
+
+    assert np.isfinite(picture.values.get_ydata()).all()
+
+
+N = np.arange(20)
+WITHOUT_JUMPS = {
+    "steep": 1.5**N,
+    "cubic": np.abs(N - 9.5) ** 3,
+    "root": np.sqrt(N),
+    "corner": np.maximum(N - 9.0, 0),
+    "round-off": 1 + 1e-16 * (N % 7 == 3) * N,
+    "trifle": np.maximum(N - 9.0, 0.01 * (N > 4)),
+}
+
+
+@pytest.mark.parametrize("values", WITHOUT_JUMPS.values(), ids=WITHOUT_JUMPS)
 def test_steepness_round_off_and_trifles_are_no_jumps(values):
-    assert np.isfinite(plot.sweep(showing(values), axes()).values.get_ydata()).all()
+    picture = plot.sweep(result_of(values), axes())
+
+    assert np.isfinite(picture.values.get_ydata()).all()
 
 
 def test_collisions_without_a_value_leave_a_gap():
     velocities = np.linspace(-0.5, 1.5, 9)
-    picture = plot.sweep(ri.sweep(ri.System([rod(0.5, velocities), rod()])), axes())
-    assert np.isnan(picture.values.get_ydata()).tolist() == [True] * 3 + [False] * 6
-    x, y = finite(*picture.theory.get_data())
-    assert y == pytest.approx(np.full(y.shape, 0.5))
+    family = ri.System([rod(0.5, velocities), rod()])
+
+    picture = plot.sweep(ri.sweep(family), axes())
+
+    x, e = finite_points(picture.theory)
+    does_not_collide = velocities <= 0
+    assert np.array_equal(np.isnan(picture.values.get_ydata()), does_not_collide)
+    assert e == pytest.approx(np.full(e.shape, 0.5))
     assert x.min() > 0
 
 
-def test_words_instead_of_codes(swept):
+def test_codes_of_a_status_are_words(swept):
     picture = plot.sweep(swept["lengths"], axes(), "status")
-    assert [t.get_text() for t in picture.ax.get_yticklabels()] == [
-        "final",
-        "max_events",
-        "clock",
-        "refused",
-        "until",
-    ]
+
+    words = ["final", "max_events", "clock", "refused", "until"]
+    assert texts_of(picture.ax.get_yticklabels()) == words
+
+
+def test_codes_of_a_map_are_words(swept):
     picture = plot.sweep(swept["map"], axes(), "final")
-    assert [t.get_text() for t in picture.colour_bar.ax.get_yticklabels()] == [
-        "not proved",
-        "proved",
-    ]
+
+    colour_bar = picture.colour_bar.ax
+    assert texts_of(colour_bar.get_yticklabels()) == ["not proved", "proved"]
+
+
+UNORDERED_LENGTHS = np.array([2.0, 0.5, 1.0, 0.25])
 
 
 def test_values_in_any_order_are_drawn_in_increasing_order():
-    lengths = np.array([2.0, 0.5, 1.0, 0.25])
-    areas = np.array([3e-4, 1e-4, 2e-4])
-    picture = plot.sweep(ri.sweep(ri.System([rod(lengths, 1.0), rod()])), axes())
+    family = ri.System([rod(UNORDERED_LENGTHS, 1.0), rod()])
+
+    picture = plot.sweep(ri.sweep(family), axes())
+
     assert picture.values.get_xdata() == pytest.approx([0.25, 0.5, 1.0, 2.0])
     assert picture.values.get_ydata() == pytest.approx([0.25, 0.5, 1.0, 0.5])
-    result = ri.sweep(ri.System([rod(column(lengths), 1.0), rod(area=areas)]))
-    cells = np.asarray(plot.sweep(result, axes()).cells.get_array())
-    assert cells == pytest.approx(result.restitution[np.ix_([3, 1, 2, 0], [1, 2, 0])].T)
 
 
-def test_what_varies_along_with_it_is_named():
-    lengths = np.linspace(0.1, 1, 5)
-    result = ri.sweep(ri.System([rod(1.0, 1.0), *[rod(lengths)] * 4]))
-    picture = plot.sweep(result, axes(), "velocity_after.4")
-    assert picture.ax.get_xlabel() == (
-        "length of rod 2 (m)\nwith length of rod 3 and 2 more"
-    )
+def test_cells_of_values_in_any_order_are_drawn_in_increasing_order():
+    areas = np.array([3e-4, 1e-4, 2e-4])
+    result = swept_map(UNORDERED_LENGTHS, rod(area=areas))
+
+    picture = plot.sweep(result, axes())
+
+    cells = np.asarray(picture.cells.get_array())
+    in_order = result.restitution[[3, 1, 2, 0]][:, [1, 2, 0]]
+    assert cells == pytest.approx(in_order.T)
+
+
+def test_parameters_that_vary_together_are_named():
+    alike = rod(np.linspace(0.1, 1, 5))
+    family = ri.System([rod(1.0, 1.0), alike, alike, alike, alike])
+
+    picture = plot.sweep(ri.sweep(family), axes(), "velocity_after.4")
+
+    label = "length of rod 2 (m)\nwith length of rod 3 and 2 more"
+    assert picture.ax.get_xlabel() == label
     assert picture.ax.get_ylabel() == "velocity of rod 5 after (m/s)"
 
 
-# Maps -------------------------------------------------------------------------------------------
+# Maps
 
 
 def test_a_map_has_a_cell_for_each_collision(swept):
     picture = plot.sweep(swept["map"], axes())
-    assert np.asarray(picture.cells.get_array()) == pytest.approx(
-        swept["map"].restitution.T
-    )
+
+    restitution = swept["map"].restitution
     corners = np.asarray(picture.cells.get_coordinates())
-    x, y = corners[0, :, 0], corners[:, 0, 1]
-    middle = np.sqrt(LENGTHS[:-1] * LENGTHS[1:])
-    assert x[1:-1] == pytest.approx(middle)
+    x = corners[0, :, 0]
+    y = corners[:, 0, 1]
+    middles = np.sqrt(LENGTHS[:-1] * LENGTHS[1:])
+    assert np.asarray(picture.cells.get_array()) == pytest.approx(restitution.T)
+    assert x[1:-1] == pytest.approx(middles)
     assert x[[0, -1]] == pytest.approx([0.25 / 2**0.125, 4 * 2**0.125])
     assert np.sqrt(y[:-1] * y[1:]) == pytest.approx(AREAS * 1e6)
-    assert limits(picture) == pytest.approx((*x[[0, -1]], *y[[0, -1]]))
-    assert (picture.ax.get_xscale(), picture.ax.get_yscale()) == ("log", "log")
+    assert limits(picture) == pytest.approx((x[0], x[-1], y[0], y[-1]))
+    assert picture.cells.get_rasterized()
+
+
+def test_a_map_has_labels_with_units(swept):
+    picture = plot.sweep(swept["map"], axes())
+
+    assert picture.ax.get_xscale() == "log"
+    assert picture.ax.get_yscale() == "log"
     assert picture.ax.get_xlabel() == "length of rod 1 (m)"
     assert picture.ax.get_ylabel() == "area of rod 2 (mm²)"
     assert picture.colour_bar.ax.get_ylabel() == "coefficient of restitution e"
-    assert picture.cells.get_rasterized()
 
 
 def test_lines_of_equal_times_and_impedances(swept):
     picture = plot.sweep(swept["map"], axes())
-    times, impedances = (lines.get_paths()[0].vertices for lines in picture.theory)
+
+    times, impedances = [lines.get_paths()[0].vertices for lines in picture.theory]
     assert times[:, 0] == pytest.approx(1.0)
     assert np.ptp(times[:, 1]) == pytest.approx(480)
     assert impedances[:, 1] == pytest.approx(100.0)
@@ -254,181 +321,269 @@ def test_lines_of_equal_times_and_impedances(swept):
     assert legend(picture) == ["equal transit times: e = 1", "equal impedances"]
 
 
-def test_lines_that_do_not_cross_the_map_are_not_drawn(swept):
-    thicker = ri.sweep(
-        ri.System([rod(column([0.2, 0.5, 0.8]), 1.0), rod(area=[2e-4, 3e-4])])
-    )
+@pytest.mark.parametrize("name", ["left wall", "heads"])
+def test_systems_without_such_lines_have_none(swept, name):
+    assert plot.sweep(swept[name], axes()).theory == []
+
+
+def test_lines_that_do_not_cross_the_map_are_not_drawn():
+    thicker = swept_map([0.2, 0.5, 0.8], rod(area=[2e-4, 3e-4]))
+
     assert plot.sweep(thicker, axes()).theory == []
-    assert plot.sweep(swept["left wall"], axes()).theory == []
-    assert plot.sweep(swept["heads"], axes()).theory == []
-    alike = np.linspace(0.1, 2, 20)
-    almost = alike * (1 + 3e-16 * (np.arange(20) % 3 - 1))
-    twins = ri.sweep(
-        ri.System([rod(column(alike), 1.0), rod(column(almost), area=[2e-4, 3e-4])])
-    )
+
+
+def test_no_line_is_drawn_between_lengths_that_differ_by_round_off():
+    lengths = np.linspace(0.1, 2, 20)
+    round_off = 3e-16 * (np.arange(20) % 3 - 1)
+    almost = lengths * (1 + round_off)
+    twins = swept_map(lengths, rod(column(almost), area=[2e-4, 3e-4]))
+
     assert plot.sweep(twins, axes()).theory == []
+
+
+def test_lines_end_where_nothing_collides(swept):
     (times,) = plot.sweep(swept["speeds"], axes()).theory
-    assert times.get_paths()[0].vertices[:, 1].min() == pytest.approx(
-        0.5
-    )  # none collide below
+
+    velocities = times.get_paths()[0].vertices[:, 1]
+    assert velocities.min() == pytest.approx(0.5)
 
 
 def test_contour_lines_follow_the_law():
     lengths = np.linspace(0.05, 0.95, 40)
-    result = ri.sweep(
-        ri.System([rod(column(lengths), 1.0), rod(np.linspace(1, 2, 30))])
-    )
+    result = swept_map(lengths, rod(np.linspace(1, 2, 30)))
+
     picture = plot.sweep(result, axes())
-    assert levels_of(picture) == pytest.approx([0.2, 0.4, 0.6, 0.8])
-    for level, path in zip(
-        picture.contours.levels, picture.contours.get_paths(), strict=True
-    ):
+
+    assert list(picture.contours.levels) == pytest.approx([0.2, 0.4, 0.6, 0.8])
+    for level, path in contours_of(picture):
         x, y = path.vertices.T
         assert x / y == pytest.approx(np.full(x.shape, level), abs=1e-3)
-    assert sorted({text.get_text() for text in picture.labels}) == [
-        "0.2",
-        "0.4",
-        "0.6",
-        "0.8",
-    ]
+    assert set(texts_of(picture.labels)) == {"0.2", "0.4", "0.6", "0.8"}
 
 
 def test_contour_lines_end_at_a_jump():
-    lengths, areas = np.geomspace(0.1, 10, 61), np.geomspace(1e-5, 1e-3, 60)
-    result = ri.sweep(ri.System([rod(column(lengths), 1.0), rod(area=areas)]))
+    lengths = np.geomspace(0.1, 10, 61)
+    areas = np.geomspace(1e-5, 1e-3, 60)
+    result = swept_map(lengths, rod(area=areas))
+
     picture = plot.sweep(result, axes(), "duration.0")
+
     assert picture.colour_bar.ax.get_ylabel() == "force duration (ms)"
-    assert levels_of(picture)
-    for level, path in zip(
-        picture.contours.levels, picture.contours.get_paths(), strict=True
-    ):
+    assert picture.contours.levels.size
+    for level, path in contours_of(picture):
         x, y = path.vertices.T
+        length = level * 1e-3 * C / 2
         assert np.all(y > 100)
-        assert x == pytest.approx(np.full(x.shape, level * 1e-3 * C / 2), rel=0.02)
+        assert x == pytest.approx(np.full(x.shape, length), rel=0.02)
+
+
+X = column(np.linspace(0, 1, 40))
+Y = np.linspace(0, 1, 40)
+NOISE = 1e-12 * np.random.default_rng(1).uniform(-1, 1, (40, 40))
 
 
 def test_no_contour_follows_a_plateau():
-    x, y = column(np.linspace(0, 1, 40)), np.linspace(0, 1, 40)
-    noise = 1e-12 * np.random.default_rng(1).uniform(-1, 1, (40, 40))
-    values = (
-        np.minimum(x + y, 1) + np.maximum(x + y - 1.5, 0) * 2 + noise
-    )  # 1 over a wide band
-    levels = levels_of(plot.sweep(showing(values), axes()))
+    plateau = np.minimum(X + Y, 1)  # 1 over a wide band
+    beyond = np.maximum(X + Y - 1.5, 0) * 2
+
+    levels = levels_of(plateau + beyond + NOISE)
+
     assert 1.0 not in levels
     assert {0.5, 1.5} <= set(levels)
-    ridge = 1 - np.abs(x - 0.5) * (1 + y) + noise  # up to 1 and a little more
-    assert 0.8 <= max(levels_of(plot.sweep(showing(ridge), axes()))) < 1
-    assert max(levels_of(plot.sweep(showing(1.005 * x + 0 * y), axes()))) == 0.8
-    picture = plot.sweep(showing(1 + noise), axes())
+
+
+def test_no_contour_follows_a_ridge():
+    ridge = 1 - np.abs(X - 0.5) * (1 + Y) + NOISE  # up to 1 and a little more
+
+    assert 0.8 <= max(levels_of(ridge)) < 1
+
+
+def test_no_contour_follows_the_frame():
+    assert max(levels_of(1.005 * X + 0 * Y)) == 0.8
+
+
+def test_a_constant_map_has_no_contours():
+    picture = plot.sweep(result_of(1 + NOISE), axes())
+
     assert picture.contours is None
     assert picture.labels == []
     assert picture.cells.norm.vmin == 0
 
 
-def test_colours_are_symmetric_only_where_signs_differ(swept):
+def test_colours_are_symmetric_where_signs_differ(swept):
     norm = plot.sweep(swept["map"], axes(), "velocity_after.0").cells.norm
+
     assert norm.vmin == -norm.vmax < 0
+
+
+def test_colours_begin_at_the_smallest_value_of_one_sign(swept):
     norm = plot.sweep(swept["map"], axes()).cells.norm
+
     assert norm.vmin == swept["map"].restitution.min() > 0
 
 
 def test_counts_have_a_colour_each(swept):
     picture = plot.sweep(swept["heads"], axes(), "episodes.0")
-    assert picture.cells.get_array().tolist() == swept["heads"].episodes.T.tolist()
+
+    counts = swept["heads"].episodes.T
+    assert picture.cells.get_array().tolist() == counts.tolist()
     assert picture.cells.norm.boundaries.tolist() == [0.5, 1.5, 2.5]
     assert picture.contours is None
     assert picture.ax.get_xlabel() == "length of segment 1 of rod 2 (m)"
     assert picture.ax.get_ylabel() == "area of segment 1 of rod 2 (m²)"
-    one = plot.sweep(swept["map"], axes(), "episodes.0")
-    assert one.cells.norm.boundaries.tolist() == [0.5, 1.5]
-    render(one)
+
+
+def test_one_count_has_a_colour(swept):
+    picture = plot.sweep(swept["map"], axes(), "episodes.0")
+
+    assert picture.cells.norm.boundaries.tolist() == [0.5, 1.5]
+    render(picture)
 
 
 def drawable(result):
-    return [q for q, values in result.columns.items() if np.isfinite(values).any()]
+    """Quantities of a family that have a value."""
+    quantities = []
+    for quantity, values in result.columns.items():
+        if np.isfinite(values).any():
+            quantities.append(quantity)
+    return quantities
 
 
 @pytest.mark.parametrize("name", few_of(SYSTEMS, {"lengths", "map", "heads"}))
 def test_every_family_renders(swept, name):
-    render(plot.sweep(swept[name], quantity=drawable(swept[name])[0]))
+    first, *_ = drawable(swept[name])
+
+    render(plot.sweep(swept[name], quantity=first))
 
 
 @pytest.mark.parametrize("name", few_of(SYSTEMS, {"few", "map"}))
 def test_every_quantity_of_every_family_is_drawn(swept, name):
     for quantity in drawable(swept[name]):
-        assert plot.sweep(swept[name], axes(), quantity).ax.get_xlabel()
+        picture = plot.sweep(swept[name], axes(), quantity)
+        assert picture.ax.get_xlabel()
 
 
-# Words ------------------------------------------------------------------------------------------
+# Words
 
 
-WALLED = ri.System([rod(), rod(), ri.Wall()])
-MASSES = ri.System(
-    [rod(), *[ri.RigidMass(1.0)] * 3, rod()],
-    contacts=[
+def rods_and_masses():
+    mass = ri.RigidMass(1.0)
+    contacts = [
         ri.SpringDashpot(1e8, 1e3),
         ri.HuntCrossley(1e9, 0.1),
         ri.Rigid(0.5),
         ri.Rigid(),
-    ],
-    ends=(ri.Pushed(1e3), ri.Moved(1.0)),
-)
-WORDS = {
-    (labels.parameter, WALLED): [
-        ("bodies.0.length", 2.0, "length of rod 1 (m)"),
-        ("bodies.0.area", 1e-3, "area of rod 1 (mm²)"),
-        ("bodies.1.segments.2.area", 1e-4, "area of segment 3 of rod 2 (mm²)"),
-        ("bodies.0.polar_moment", 1e-9, "polar moment of rod 1 (m⁴)"),
+    ]
+    ends = (ri.Pushed(1e3), ri.Moved(1.0))
+    return ri.System([rod(), mass, mass, mass, rod()], contacts=contacts, ends=ends)
+
+
+PAIR = ri.System([rod(), rod()])
+WALLED = ri.System([rod(), rod(), ri.Wall()])
+MASSES = rods_and_masses()
+
+
+@pytest.mark.parametrize(
+    ("system", "name", "largest", "label"),
+    [
+        (WALLED, "bodies.0.length", 2.0, "length of rod 1 (m)"),
+        (WALLED, "bodies.0.area", 1e-3, "area of rod 1 (mm²)"),
         (
+            WALLED,
+            "bodies.1.segments.2.area",
+            1e-4,
+            "area of segment 3 of rod 2 (mm²)",
+        ),
+        (WALLED, "bodies.0.polar_moment", 1e-9, "polar moment of rod 1 (m⁴)"),
+        (
+            WALLED,
             "bodies.1.segments.0.material.youngs_modulus",
             2e11,
             "Young's modulus of segment 1 of rod 2 (GPa)",
         ),
-        ("bodies.2.velocity", 0.5, "velocity of wall (mm/s)"),
-        ("bodies.0.strain", 2e-4, "strain of rod 1 (10⁻⁶)"),
-        ("bodies.0.velocity.values.1", 3.0, "velocity of piece 2 of rod 1 (m/s)"),
-        ("bodies.0.strain.at.0", 0.5, "place of jump 1 of strain, rod 1 (m)"),
-        ("contacts.0.gap", 3e-5, "gap 1-2 (µm)"),
-        ("contacts.1.stiffness", 3e5, "contacts.1.stiffness"),
-    ],
-    (labels.parameter, MASSES): [
-        ("gravity", 9.81, "gravity (m/s²)"),
-        ("bodies.1.mass", 0.05, "mass 2 (g)"),
-        ("bodies.1.velocity", 0.5, "velocity of mass 2 (mm/s)"),
-        ("contacts.0.stiffness", 3e8, "stiffness of contact 1-2 (MN/m)"),
-        ("contacts.1.damping", 0.2, "damping of contact 2-3 (s/m)"),
-        ("contacts.2.restitution", 1.0, "coefficient of restitution of contact 3-4"),
-        ("contacts.3.stiffness", 1.0, "contacts.3.stiffness"),
-        ("ends.left.value.values.1", 2e3, "piece 2 of force on the left end (kN)"),
-        ("ends.left.value.at.0", 1e-4, "time of jump 1 of force on the left end (µs)"),
-        ("ends.right.value", 2.0, "velocity of the right end (m/s)"),
+        (WALLED, "bodies.2.velocity", 0.5, "velocity of wall (mm/s)"),
+        (WALLED, "bodies.0.strain", 2e-4, "strain of rod 1 (10⁻⁶)"),
         (
+            WALLED,
+            "bodies.0.velocity.values.1",
+            3.0,
+            "velocity of piece 2 of rod 1 (m/s)",
+        ),
+        (
+            WALLED,
+            "bodies.0.strain.at.0",
+            0.5,
+            "place of jump 1 of strain, rod 1 (m)",
+        ),
+        (WALLED, "contacts.0.gap", 3e-5, "gap 1-2 (µm)"),
+        (WALLED, "contacts.1.stiffness", 3e5, "contacts.1.stiffness"),
+        (MASSES, "gravity", 9.81, "gravity (m/s²)"),
+        (MASSES, "bodies.1.mass", 0.05, "mass 2 (g)"),
+        (MASSES, "bodies.1.velocity", 0.5, "velocity of mass 2 (mm/s)"),
+        (
+            MASSES,
+            "contacts.0.stiffness",
+            3e8,
+            "stiffness of contact 1-2 (MN/m)",
+        ),
+        (MASSES, "contacts.1.damping", 0.2, "damping of contact 2-3 (s/m)"),
+        (
+            MASSES,
+            "contacts.2.restitution",
+            1.0,
+            "coefficient of restitution of contact 3-4",
+        ),
+        (MASSES, "contacts.3.stiffness", 1.0, "contacts.3.stiffness"),
+        (
+            MASSES,
+            "ends.left.value.values.1",
+            2e3,
+            "piece 2 of force on the left end (kN)",
+        ),
+        (
+            MASSES,
+            "ends.left.value.at.0",
+            1e-4,
+            "time of jump 1 of force on the left end (µs)",
+        ),
+        (MASSES, "ends.right.value", 2.0, "velocity of the right end (m/s)"),
+        (
+            MASSES,
             "ends.right.value.step",
             1e-6,
             "time between samples of velocity of the right end (µs)",
         ),
     ],
-    (labels.outcome, WALLED): [
-        ("restitution", 1.0, "coefficient of restitution e"),
-        ("velocity_after.2", 2.0, "velocity of wall after (m/s)"),
-        ("impulse.1", 0.3, "impulse at contact 2-wall (mN s)"),
-        ("peak_force.0", 2e3, "peak force at contact 1-2 (kN)"),
-        ("duration.0", 4e-4, "force duration at contact 1-2 (µs)"),
-        ("episodes.1", 3, "episodes of contact at contact 2-wall"),
-    ],
-    (labels.outcome, ri.System([rod(), rod()])): [("impulse.0", 0.3, "impulse (mN s)")],
-}
+)
+def test_parameters_in_words(system, name, largest, label):
+    words = labels.parameter(system, name)
+
+    assert scale_of(words, largest).label == label
 
 
 @pytest.mark.parametrize(
-    ("words", "system", "name", "largest", "label"),
-    [(*what, *case) for what, cases in WORDS.items() for case in cases],
+    ("system", "name", "largest", "label"),
+    [
+        (WALLED, "restitution", 1.0, "coefficient of restitution e"),
+        (WALLED, "velocity_after.2", 2.0, "velocity of wall after (m/s)"),
+        (WALLED, "impulse.1", 0.3, "impulse at contact 2-wall (mN s)"),
+        (WALLED, "peak_force.0", 2e3, "peak force at contact 1-2 (kN)"),
+        (WALLED, "duration.0", 4e-4, "force duration at contact 1-2 (µs)"),
+        (WALLED, "episodes.1", 3, "episodes of contact at contact 2-wall"),
+        (PAIR, "impulse.0", 0.3, "impulse (mN s)"),
+    ],
 )
-def test_numbers_and_results_in_words(words, system, name, largest, label):
-    assert scale_of(words(system, name), largest).label == label
+def test_results_in_words(system, name, largest, label):
+    words = labels.outcome(system, name)
+
+    assert scale_of(words, largest).label == label
 
 
-# Errors, manners --------------------------------------------------------------------------------
+# Errors, manners
+
+
+OTHER_IMPULSE = r"no result is called 'impulse\.7'; perhaps 'impulse\.1' is meant"
+ALL_RESULTS = r"no result is called 'heat'; use one of restitution, velocity_after\.0, "
 
 
 @pytest.mark.parametrize(
@@ -436,64 +591,68 @@ def test_numbers_and_results_in_words(words, system, name, largest, label):
     [
         ("restituton", "perhaps 'restitution' is meant"),
         ("episodes", r"perhaps 'episodes\.\d' is meant"),
-        (
-            "impulse.7",
-            r"no result is called 'impulse\.7'; perhaps 'impulse\.1' is meant",
-        ),
-        (
-            "heat",
-            r"no result is called 'heat'; use one of restitution, velocity_after\.0, ",
-        ),
+        ("impulse.7", OTHER_IMPULSE),
+        ("heat", ALL_RESULTS),
     ],
 )
-def test_an_unknown_quantity_is_named_with_what_there_is(swept, quantity, message):
+def test_an_unknown_quantity_is_named_with_those_there_are(swept, quantity, message):
     with pytest.raises(ValueError, match=message):
         plot.sweep(swept["gaps"], axes(), quantity)
 
 
-def test_a_quantity_without_values_is_refused(swept):
-    for name in ("gaps", "receding"):
-        with pytest.raises(
-            ValueError, match=r"no value anywhere .* result.explain\(index\)"
-        ):
-            plot.sweep(swept[name], axes())
+@pytest.mark.parametrize("name", ["gaps", "receding"])
+def test_a_quantity_without_values_is_refused(swept, name):
+    message = r"no value anywhere .* result.explain\(index\)"
+    with pytest.raises(ValueError, match=message):
+        plot.sweep(swept[name], axes())
 
 
-def test_families_without_axis_or_with_three_are_refused():
-    for system in (
-        ri.System([rod(0.4, 1.0), rod()]),
-        ri.System([rod([0.4], 1.0), rod()]),
-    ):
-        with pytest.raises(ValueError, match=r"one axis and a map two; give an array"):
-            plot.sweep(ri.sweep(system), axes())
-    cube = ri.System(
-        [
-            rod(np.array([0.3, 0.4])[:, None, None], column([1.0, 2.0])),
-            rod(area=[1e-4, 2e-4]),
-        ]
-    )
+@pytest.mark.parametrize("lengths", [0.4, [0.4]])
+def test_families_without_axis_are_refused(lengths):
+    result = ri.sweep(ri.System([rod(lengths, 1.0), rod()]))
+
+    with pytest.raises(ValueError, match=r"one axis and a map two; give an array"):
+        plot.sweep(result, axes())
+
+
+def test_a_family_of_three_axes_is_refused_and_a_member_is_drawn():
+    lengths = np.array([0.3, 0.4])[:, None, None]
+    velocities = column([1.0, 2.0])
+    cube = ri.System([rod(lengths, velocities), rod(area=[1e-4, 2e-4])])
+
     with pytest.raises(ValueError, match=r"shape \(2, 2, 2\).*system\[0\]"):
         plot.sweep(ri.sweep(cube), axes())
-    assert plot.sweep(ri.sweep(cube[0]), axes()).cells.get_array().shape == (2, 2)
+    picture = plot.sweep(ri.sweep(cube[0]), axes())
+
+    assert picture.cells.get_array().shape == (2, 2)
 
 
 def test_many_cells_make_a_small_file_with_the_same_bytes_every_time(tmp_path):
     x = np.linspace(0, 1, 500)
-    result = showing(np.hypot(column(x), np.sin(5 * x)))
+    result = result_of(np.hypot(column(x), np.sin(5 * x)))
+
     file = vector_file(lambda: plot.sweep(result), tmp_path)
+
     assert file.count(b"<image") == 2  # cells and colour bar
     assert len(file) < 250_000
 
 
 def test_a_text_in_place_of_the_axes_is_refused_with_the_name_of_its_argument():
     family = ri.sweep(SYSTEMS["few"])
+
     with pytest.raises(ri.InvalidModel) as refused:
         ri.plot.sweep(family, "duration.0")
+
     assert str(refused.value) == (
         "ax: must be an Axes, got 'duration.0'; give the text by name, "
         "quantity='duration.0'"
     )
+
+
+def test_a_text_in_place_of_the_axes_is_refused_by_every_figure():
+    solution = ri.solve(SYSTEMS["few"][0])
+
     with pytest.raises(ri.InvalidModel, match="field='stress'"):
-        ri.plot.spacetime(ri.solve(SYSTEMS["few"][0]), "stress")
+        ri.plot.spacetime(solution, "stress")
     with pytest.raises(ri.InvalidModel, match="got 'x'; leave it out"):
-        ri.plot.energy(ri.solve(SYSTEMS["few"][0]), "x")
+        ri.plot.energy(solution, "x")
