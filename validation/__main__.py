@@ -1,4 +1,4 @@
-"""Run every case, and write README.md and the page of each case unless a bound is broken."""
+"""Run every case, and write README.md and all pages unless a bound is broken."""
 
 import sys
 

@@ -116,7 +116,7 @@ def motion_left(solution: ri.Solution, length: float, since: float) -> float:
 
 
 def lost_energy(short: float, long: float) -> float:
-    """Energy that rods of these lengths lose to vibration: (1 - e^2) m_coll v^2/2, J."""
+    """Energy that these rods lose to vibration: (1 - e^2) m_coll v^2/2, J."""
     e = short / long
     m1 = DENSITY * AREA * short
     m2 = DENSITY * AREA * long
@@ -178,7 +178,7 @@ def impedance(rod: ri.Rod) -> float:
 
 
 def equal_transit_times() -> Rows:
-    """Steel on brass rods of equal transit times and very different impedances: e = 1."""
+    """Steel on brass, equal transit times, very different impedances: e = 1."""
     brass = ri.materials.brass
     length = 0.5 * float(brass.wave_speed) / float(STEEL.wave_speed)
     for area_ratio in AREA_RATIOS:

@@ -221,7 +221,7 @@ def restitution() -> Rows:
 
 
 def unequal_impedances(Z1: float, Z2: float) -> Rows:
-    """e of rods of unequal impedances falls short of that of elastic ones by eta^(1/2)."""
+    """e of unequal impedances falls short of that of elastic rods by eta^(1/2)."""
     elastic = ri.theory.saint_venant(Z1, SHORT, Z2, LONG).restitution
     loss_at_1e_3 = elastic - solve_damped_pair(1e-3, Z1, Z2).restitution
     loss_at_1e_4 = elastic - solve_damped_pair(1e-4, Z1, Z2).restitution
@@ -369,7 +369,7 @@ def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
 
 @styled
 def draw() -> Axes:
-    """Energy falls to that of rigid bodies; vibration, and the mode that lasts longest."""
+    """Energy falls to that of rigid bodies; vibration, and its longest mode."""
     left, right = new_figure(9.5, 3.6).subplots(1, 2)
     solution = solve_ringing_pair()
     draw_energy(left, solution)

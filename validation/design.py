@@ -59,7 +59,7 @@ def run() -> Rows:
 
 
 def striker_for(name: str, shape: Floats, bound: float) -> Rows:
-    """A stepped striker whose pulse has a shape, given at equal times of its duration."""
+    """A stepped striker whose pulse has a shape, given at equal times."""
     peak = 0.8 * Z * SPEED / 2
     times = np.linspace(0, 1, 2001) * DURATION
     pulse = ri.Signal(peak * shape, times, unit="N")

@@ -1,4 +1,4 @@
-"""The pictures of the manual: how lengths decide collisions. `python -m validation.figures`.
+"""Draw the pictures of the manual: `python -m validation.figures`.
 
 They show collisions of equal and unequal rods, e over lengths, areas and stiffnesses of
 ends, chains and cradles, and a ring-down. The files are the same in every run with the
@@ -152,7 +152,7 @@ def draw_cradle(
 
 @styled
 def chains() -> Axes:
-    """Restitution of chains of equal rods, and where the unequal rods of a cradle go."""
+    """Restitution of chains of equal rods, and velocities of unequal cradles."""
     equal, longer, thicker = new_figure(10.5, 3.6).subplots(1, 3)
     draw_equal_rods(equal)
     length_ratio = np.geomspace(0.26, 4, 401)

@@ -1,12 +1,13 @@
 """Derivatives of collisions against those of closed forms, and what scaling demands.
 
-- Rods of one material and section: e = l1/l2, l1 the shorter one; so e has a kink where
-  they are as long, of slope 1/l on one side and -1/l on the other.
+- Rods of one material and section: e = l1/l2, l1 the shorter one. At equal lengths l
+  this has a kink, with the slope 1/l on one side and -1/l on the other.
 - Near T1 : T2 = 2 : 5 and for r = Z2/Z1 >= 1: e = (2 T1 + (r - 1) T2)/(T2 (1 + r)), as
   hand summation of Saint-Venant's series gives.
 - Velocities after the collision of three rods do not change if all lengths and gaps are
-  multiplied by one number, or all areas; they are multiplied as velocities and gaps
-  are. Derivatives obey (Euler).
+  multiplied by one number, or all areas. They are multiplied by the number that
+  multiplies all velocities and gaps. So the sum of each derivative times its parameter
+  is 0, 0 and the velocity itself (Euler).
 
 Source: textbook section 10.5, box 10.4; Saint-Venant 1867, see saint_venant.py.
 """
@@ -84,10 +85,11 @@ def near_two_to_five() -> Rows:
 
 
 def scaling_errors(rng: Generator) -> np.ndarray:
-    """Errors of Euler's theorem for the last velocity of a random row, over stated errors.
+    """Errors of Euler's theorem for the last velocity of a row, over stated errors.
 
     They are those of scaling all lengths and the gap, all areas, and all velocities and
-    the gap: the sum of each derivative times its number is 0, 0 and the velocity itself.
+    the gap: the sum of each derivative times its number is 0, 0 and the velocity
+    itself.
     """
     T = rng.uniform(1, 2, 3)
     Z = rng.uniform(0.5, 2, 3)

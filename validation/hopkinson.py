@@ -1,20 +1,26 @@
 """Pulses in Hopkinson bars: striker, incident bar, spring as specimen, other bar.
 
-A striker of length L hits a bar of the same impedance Z at speed v: it stops dead, and
-a pulse of force F = Z v/2 and length 2 L/c runs off. Between two equal bars a spring of
-stiffness k transmits F (1 - exp(-a t)), a = 2 k/Z, while the pulse loads it, and what
-it has stored goes to both sides as exp(-a t) afterwards; the rest, F exp(-a t) at
-first, is reflected as tension. With the duration D = 2 L/c, the share (1 - exp(-a
-D))/(a D) of the energy is reflected and all else transmitted; it leaves through the
-transmitted bar's absorbing end.
+A striker of length L hits a bar of the same impedance Z at speed v. It stops dead, and
+a pulse of force F = Z v/2 and duration D = 2 L/c runs off. Between two equal bars a
+spring of stiffness k stands for the specimen. With a = 2 k/Z, and t from the arrival of
+the pulse,
 
-Beside measured pulses: records of the examples of HopPyBar, read off at half height.
-Titanium bars of 9.47 mm (E = 109.3 GPa, rho = 4416 kg/m^3, c = 4975 m/s), striker 127
-mm; aluminium bars of 2.11 mm square (E = 71.7 GPa, rho = 2810 kg/m^3, c = 5051 m/s),
-striker 25.4 mm, gauge 102.02 mm before the end. Their pulses are rounded by lateral
-inertia and by contact that is not perfect at once, which this model leaves out:
-agreement to 3 % is all that E and rho give for titanium, whose calibrated wave speed is
-4865.9 m/s; with that it is 1 %. For aluminium both agree to 1 %.
+    transmitted force while the pulse loads the spring: F (1 - exp(-a t)),
+    reflected tension, at first F: F exp(-a t),
+    reflected share of the energy: (1 - exp(-a D))/(a D).
+
+Afterwards the energy of the spring goes to both sides as exp(-a t). All energy that is
+not reflected leaves through the absorbing end of the transmitted bar. Forces, times and
+energies of the exact solution are expected to round-off.
+
+Measured pulses are records of the examples of HopPyBar, read off at half height.
+Titanium bars of 9.47 mm have E = 109.3 GPa, rho = 4416 kg/m^3, c = 4975 m/s and a
+striker of 127 mm. Aluminium bars of 2.11 mm square have E = 71.7 GPa,
+rho = 2810 kg/m^3, c = 5051 m/s, a striker of 25.4 mm, and a gauge 102.02 mm before the
+end. Their pulses are rounded by lateral inertia and by contact that is not perfect at
+once, which this model leaves out. E and rho give agreement to 3 % for titanium, whose
+calibrated wave speed is 4865.9 m/s; with that speed it is 1 %. For aluminium both agree
+to 1 %.
 
 Source: K. F. Graff, Wave Motion in Elastic Solids, split Hopkinson bar; the spring by
 hand; LANL HopPyBar (https://github.com/lanl/HopPyBar), examples LANLstandard/Cu and

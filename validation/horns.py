@@ -1,19 +1,21 @@
 """Horns: tapered rods on a grid against closed forms, fronts of waves, stepped rods.
 
-- Cone, A ~ s^2, s the distance from the apex: s u obeys d'Alembert. With a speed V
-  given to the smaller end, v = V s0/s behind the front and 0 before it, until the wave
-  is back; with a pressure, s u = (P s0^2/E) (1 - exp(-(c t - x)/s0)) and v = (P c s0/(E
-  s)) exp(-(c t - x)/s0).
-- The front arrives after L/c, grown by A^(-1/2), in a cone and in an exponential horn
-  alike: at the free end it doubles. Time of the passage of half of it.
-- Exponential horn, A = A0 exp(2 beta x): omega^2 = c^2 (k^2 + beta^2). Between free
-  ends, and between fixed ones, k = n pi/L, and u = exp(-beta x) (cos k x + (beta/k) sin
-  k x) or exp(-beta x) sin k x. With beta L = 4 the lowest mode lies well above the
-  cut-off c beta, below which no wave runs: without the taper it would lie below it.
-  Read off as in `lateral_inertia`.
-- A rod strikes a horn: on a grid, and as a rod of 200 steps by "fronts". They agree to
+- Cone, A ~ s^2, s the distance from the apex: s u obeys d'Alembert. If the smaller end
+  has a given speed V, the velocity behind the front is v = V s0/s, and 0 before it,
+  until the wave is back. If a pressure P is given,
+  s u = (P s0^2/E) (1 - exp(-(c t - x)/s0)) and
+  v = (P c s0/(E s)) exp(-(c t - x)/s0).
+- The front arrives after L/c, changed by the factor (A0/A1)^(1/2), in a cone and in an
+  exponential horn alike. At the free end it doubles. Its arrival is the time at which
+  half of it has passed.
+- Exponential horn, A = A0 exp(2 beta x): omega^2 = c^2 (k^2 + beta^2), k = n pi/L.
+  Between free ends u = exp(-beta x) (cos k x + (beta/k) sin k x), between fixed ends
+  u = exp(-beta x) sin k x. With beta L = 4 the lowest mode lies well above the cut-off
+  c beta, below which no wave runs; without the taper it would lie below it. Frequencies
+  are read off as in `lateral_inertia`.
+- A rod strikes a horn, on a grid and as a rod of 200 steps by "fronts". They agree to
   1e-5 where the horn widens and the force falls to zero slowly. Where it narrows, the
-  force ends in a jump, and what is left between them halves with the cells.
+  force ends in a jump, and the remaining difference halves with the cells.
 
 Source: Lord Rayleigh, The Theory of Sound, chapter XIV; A. G. Webster, Acoustical
 impedance, and the theory of horns and of the phonograph, Proc. Natl. Acad. Sci. USA 5
@@ -102,7 +104,7 @@ def driven_cone() -> Rows:
 
 
 def velocity_under_pressure(t: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Velocity at x and t in a cone whose smaller end a pressure of 1 pushes from t = 0.
+    """Velocity in a cone whose smaller end a pressure of 1 pushes from t = 0.
 
     Behind the front, v = (P c s0/(E s)) exp(-(c t - x)/s0) with s = s0 + x.
     """

@@ -1,34 +1,38 @@
 """Rods joined by a spring, by a dashpot, or by both.
 
-Two free rods on a spring, of impedances Z1, Z2 and transit times T1, T2. A mode of
-frequency w is a cos(w x/c) in each, x from its free end; its tension at the joint, Z w
-a sin(w T) but for the sign, is that of the spring, and moves the ends apart by cot(w
-T)/(Z w) each for a unit of it. Hence
+Two free rods on a spring of stiffness k have the impedances Z1, Z2 and the transit
+times T1, T2. In a mode of angular frequency w the velocity of each rod is a cos(w x/c),
+with x from its free end. The tension at the joint is Z a sin(w T), but for the sign. It
+is the tension of the spring, and moves the end of each rod by cot(w T)/(Z w) for a unit
+of it. Hence
 
     w/k = cot(w T1)/Z1 + cot(w T2)/Z2.
 
-Between two neighbouring poles of the right side it falls through all values, so there
-is one mode. Its modal mass is the sum over the rods of Z a^2 (T/2 + sin(2 w T)/(4 w)),
-and a rod of velocity V takes part by Z V a sin(w T)/w. Started with the shape of a mode
-the spring swings with w: measured is the time of its tenth passage of 0. Started with
-one rod at velocity V its stretch is the sum of all modes; compared are 501 times over
-five round trips. The sum of 5000 modes is good to 2e-10.
+Between two neighbouring poles the right side falls through all values, so there is one
+mode. Its modal mass is the sum over the rods of Z a^2 (T/2 + sin(2 w T)/(4 w)), and a
+rod of velocity V takes part by Z V a sin(w T)/w. If the rods start with the shape of a
+mode, the spring swings with w; the time of its tenth passage of 0 is compared. If one
+rod starts at velocity V, the stretch is the sum of all modes; 501 times over five round
+trips are compared. The sum of 5000 modes is good to 2e-10.
 
-A dashpot c between endless bars. A wave of velocity v that comes through the first one
-pushes with F = c (v1 - v2), v1 = 2 v - F/Z1, v2 = F/Z2: so F/(Z v) = 2 c/(2 c + Z) of
-it goes on where both bars are alike, Z/(2 c + Z) comes back, and for c = Z/2 half of
-its energy is lost. Between a rod and a wall c = Z takes all of it.
+A dashpot c stands between endless bars. A wave of velocity v in the first bar pushes
+with F = c (v1 - v2), where v1 = 2 v - F/Z1 and v2 = F/Z2. If both bars are alike,
 
-A mass M hangs by a spring and a dashpot on the end of an endless bar, which is a
-dashpot Z: a linear system of three equations, whose solution is an exponential of a
+    F/(Z v) = 2 c/(2 c + Z) is transmitted, Z/(2 c + Z) is reflected,
+
+and for c = Z/2 half of the energy is lost. Between a rod and a wall c = Z takes all of
+it.
+
+A mass M hangs by a spring and a dashpot on the end of an endless bar, which acts as a
+dashpot Z. This is a linear system of equations, whose solution is an exponential of a
 matrix.
 
 Expected of characteristics at a relative tolerance of 1e-10: frequencies and stretches
-to 1e-8 of the largest, and the energy, with what the spring holds and what the dashpot
-lost, to 1e-12, as jumps at a dashpot. Expected of a grid of 200 cells to a transit:
+to 1e-8 of the largest, and the energy, with that of the spring and the loss of the
+dashpot, to 1e-12, as jumps at a dashpot. Expected of a grid of 200 cells to a transit:
 frequencies to 2e-5, stretches to 1e-4 of the largest (3e-4 with the mass), the impulse
-of a jump at a dashpot to 1e-6, and what is lost there to 2e-2, as waves from node to
-node blur jumps; the energy to 1e-12.
+of a jump at a dashpot to 1e-6, and the loss there to 2e-2, as waves from node to node
+blur jumps; the energy to 1e-12.
 
 Source: the derivations above; for modes of bars L. Meirovitch, Fundamentals of
 Vibrations, McGraw-Hill 2001, ch. 8.

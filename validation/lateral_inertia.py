@@ -1,20 +1,21 @@
 """Lateral inertia: phase velocities, and how the front of a step grows wider.
 
 - Standing waves cos(k x) of a free round bar of nu = 0.29: the frequency omega is read
-  off the velocity of its end at equal times, for which v(t + dt) + v(t - dt) = 2
-  cos(omega dt) v(t), and compared with the Rayleigh-Love relation, omega/k = c/(1 +
-  nu^2 kappa^2 k^2)^(1/2), up to k r = 1. A free end carries the force of the lateral
-  inertia; without it cos(k x) is no mode.
+  off the velocity of its end at equal times, for which
+  v(t + dt) + v(t - dt) = 2 cos(omega dt) v(t). It is compared with the Rayleigh-Love
+  relation omega/k = c/(1 + nu^2 kappa^2 k^2)^(1/2), kappa the radius of gyration, up to
+  k r = 1. A free end carries the force of the lateral inertia; without it cos(k x) is
+  no mode.
 - A steel bar of 19 mm, E = 200 GPa, rho = 7850 kg/m^3, nu = 0.29, whose end is set in
   motion at a given speed: the time from 10 to 90 % of that speed at 1, 2, 4 and 8 m.
   Two computations by other means, the contour integral of `rise_by_contour` and the sum
-  over the modes of a bar of 10 m here, agree to seven digits: 7.70, 9.69, 12.19 and
-  15.35 us. The round values 7.9, 9.7, 12.4 and 15.2 us for the same bar lie within 2.6
-  % of these. The rise grows as distance^(1/3).
+  over the modes of a bar of 10 m, agree to seven digits: 7.70, 9.69, 12.19 and
+  15.35 us. The round values 7.9, 9.7, 12.4 and 15.2 us for the same bar lie within
+  2.6 % of these. The rise grows as distance^(1/3).
 
-Modes of a bar of length D with the end x = 0 moved at speed 1 and the other one held, l
-= nu kappa: the impulse that starts the end takes exp(-x/l) of the bar with it at once,
-and
+The modes are those of a bar of length D whose end x = 0 is moved at speed 1 and whose
+other end is held. With l = nu kappa, the impulse that starts the end takes exp(-x/l) of
+the bar with it at once, and
 
     v = 1 - x/D - sum over k = n pi/D of 2 sin(k x) cos(omega t)/(D k (1 + k^2 l^2)).
 
@@ -172,19 +173,19 @@ def rises() -> Rows:
 
 
 def rise_by_contour(distance: float, wave_speed: float, size: float) -> float:
-    """Time in which velocity rises from 10 to 90 % of a step, far from where it was made.
+    """Time in which velocity rises from 10 to 90 % of a step, far from its origin.
 
     With lengths in units of size = nu kappa and times in nu kappa/c, the Laplace
     transform of the velocity at x of a semi-infinite rod, after a unit step of velocity
-    at its end, is ``exp(-x s/(1 + s^2)^(1/2))/s``. On waves of real frequency the inverse
-    is::
+    at its end, is ``exp(-x s/(1 + s^2)^(1/2))/s``. On waves of real frequency the
+    inverse is::
 
         v = 1/(2 pi i) integral exp(i (omega t - k x))/(k (1 + k^2)) dk,
             omega = k/(1 + k^2)^(1/2), along a line below the pole at k = 0
 
-    What is left out, waves that die out along the rod, is smaller than exp(-x). Far away
-    v becomes the integral of Airy's function up to (t - x)/(3 x/2)^(1/3), and the rise
-    becomes 2.168 (3 x/2)^(1/3).
+    What is left out, waves that die out along the rod, is smaller than exp(-x). Far
+    away v becomes the integral of Airy's function up to (t - x)/(3 x/2)^(1/3), and the
+    rise becomes 2.168 (3 x/2)^(1/3).
     """
     x = distance / size
     spread = float(np.cbrt(1.5 * x))

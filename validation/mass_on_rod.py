@@ -1,16 +1,19 @@
 """A rigid mass strikes a rod: with its far end free, and with its far end fixed.
 
-Free: with mu = m/M, the rod's mass over the striker's, the force is Z V exp(-t Z/M) for
-2 L/c; then the reflected wave meets the mass and ends it. e = (1 - exp(-2 mu))/mu -
-exp(-2 mu), impulse M V (1 - exp(-2 mu)). Expected: that to 1e-12 at the default
-tolerance.
+Free end: with mu = m/M, the mass of the rod over that of the striker, the force is
+Z V exp(-t Z/M) for 2 L/c. Then the reflected wave meets the mass and ends the force:
 
-Fixed: the blow goes to and fro while the mass presses. Contact time in L/c, peak stress
-in rho c V at the struck and at the fixed end, velocity of the mass over V as it lets
-go: the table is for the first contact. For M/m = 1, 4 and 6 the rod swings back and
-strikes the mass once more, which leaves for good with another velocity. Timoshenko and
-Goodier are remembered to give 7.419 for M/m = 6; two computations independent of this
-one give 7.4077.
+    e = (1 - exp(-2 mu))/mu - exp(-2 mu), impulse = M V (1 - exp(-2 mu)).
+
+Both are expected to 1e-12 at the default tolerance.
+
+Fixed end: the blow goes to and fro while the mass presses. Compared are the contact
+time in L/c, the peak stress in rho c V at the struck and at the fixed end, and the
+velocity of the mass over V as it lets go. The table is for the first contact, and its
+bounds are half of the last digit. For M/m = 1, 4 and 6 the rod swings back and strikes
+the mass once more, which leaves for good with another velocity. Timoshenko and Goodier
+are remembered to give 7.419 for M/m = 6; two computations independent of this one give
+7.4077.
 
 Source: B. de Saint-Venant and J. Boussinesq, in S. P. Timoshenko and J. N. Goodier,
 Theory of Elasticity, longitudinal impact of bars.
@@ -32,7 +35,7 @@ FREE_MASSES = (0.25, 1.0, 4.0)  # mass ratios M/m on a free rod
 
 
 class FirstContact(NamedTuple):
-    """The first contact of a mass with a rod whose far end is fixed, in units of the rod."""
+    """The first contact of a mass with a rod with a fixed end, in units of the rod."""
 
     duration: float  # L/c
     struck_stress: float  # peak stress at the struck end, rho c V

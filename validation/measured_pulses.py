@@ -6,13 +6,13 @@ number of the contact or of the measuring chain; time and amplitude are free, as
 trigger nor speed was recorded. Misfit is the root of the mean square over the plateau,
 in per cent::
 
-    model                                                titanium   mini aluminium   steel 945
-    flat ends, waves that keep their shape                    8.4              7.6         8.7
-    Hertz, exact mode in the bar                              1.7              3.7         3.3
-    Hertz, Rayleigh-Love                                      1.9              3.6         3.3
-    Hertz, Mindlin-Herrmann                                   1.5              3.5         2.8
-    Hertz, Mindlin-Herrmann, exact mode from 2 diameters      1.4              3.5         3.1
-    flat ends, a blur of the chain, exact mode                3.2              3.6         2.5
+    model                                             titanium  mini aluminium  steel
+    flat ends, waves that keep their shape                 8.4             7.6    8.7
+    Hertz, exact mode in the bar                           1.7             3.7    3.3
+    Hertz, Rayleigh-Love                                   1.9             3.6    3.3
+    Hertz, Mindlin-Herrmann                                1.5             3.5    2.8
+    Hertz, Mindlin-Herrmann, exact mode from 2 diameters   1.4             3.5    3.1
+    flat ends, a blur of the chain, exact mode             3.2             3.6    2.5
 
 The exact first mode (Pochhammer and Chree) alone disperses the bar and not the striker,
 through which the release wave runs twice: Mindlin and Herrmann's theory near the struck
@@ -170,7 +170,7 @@ def section_of(shot: Shot, theory: str | None) -> dict[str, Any]:
 def row_of(
     shot: Shot, speed: float, law: ri.Rigid | ri.Hertz, theory: str | None, until: float
 ) -> ri.System:
-    """Striker and bar, so long that no wave is back at its gauge at the time `until`."""
+    """Striker and bar, so long that no wave is back at its gauge until the end."""
     material = ri.Material(
         "bar",
         youngs_modulus=shot.density * speed**2,
@@ -209,11 +209,11 @@ def fitted(
     shot : Shot
         The record and its bars.
     vary : dict, optional
-        Bounds of parameters that are found, beside the length of the striker. Ends whose
-        stiffness is not among them are flat.
+        Bounds of parameters that are found, beside the length of the striker. Ends
+        whose stiffness is not among them are flat.
     theory : str, optional
-        Theory of lateral inertia in which waves run near the struck end. Without one they
-        keep their shape.
+        Theory of lateral inertia in which waves run near the struck end. Without one
+        they keep their shape.
     exact : bool
         Whether the exact mode carries the pulse from EXACT_MODE_DISTANCE to the gauge.
     speed : float, optional

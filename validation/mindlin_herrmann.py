@@ -76,7 +76,8 @@ class PhaseVelocities(NamedTuple):
 def two_frequencies(v: np.ndarray, dt: float) -> list[float]:
     """Angular frequencies of two oscillations from values at equal times of their sum.
 
-    v(t + 2 dt) + v(t - 2 dt) + p (v(t + dt) + v(t - dt)) + r v(t) = 0, by least squares.
+    v(t + 2 dt) + v(t - 2 dt) + p (v(t + dt) + v(t - dt)) + r v(t) = 0, by least
+    squares.
     """
     inner = v[3:-1] + v[1:-3]
     outer = v[4:] + v[:-4]
@@ -283,7 +284,7 @@ def carried(pulse: ri.Signal, speeds: np.ndarray, distance: float) -> np.ndarray
     w = 2 * math.pi * np.fft.rfftfreq(len(pulse), pulse.dt)
     k = 2 * math.pi * RADII_OVER_WAVELENGTH / PULSE_RADIUS
     wave_number = np.interp(w, k * C * speeds, k)
-    # Rayleigh and Love's theory has no waves of higher frequencies at these wavelengths.
+    # At these wavelengths Rayleigh and Love's theory has no higher frequencies.
     limit = C * k[-1] * rayleigh_love_speeds()[-1]
     is_inside = w < limit
     delay = np.where(is_inside, wave_number - w / C, 0.0)
@@ -293,7 +294,7 @@ def carried(pulse: ri.Signal, speeds: np.ndarray, distance: float) -> np.ndarray
 
 
 def misfit(values: np.ndarray, exact: np.ndarray) -> float:
-    """Root of the mean square of the difference while the pulse lasts, % of its peak."""
+    """Root mean square of the difference while the pulse lasts, % of its peak."""
     peak = np.abs(exact).max()
     lasting = np.flatnonzero(np.abs(exact) > 0.01 * peak)
     start = lasting[0]
@@ -331,7 +332,7 @@ def distances() -> Rows:
 
 
 def far_front() -> Rows:
-    """A step after 50 000 diameters, in times (3 nu^2 a^2 x/4)^(1/3)/c since long waves."""
+    """A step after 50 000 diameters, in times of (3 nu^2 a^2 x/4)^(1/3)/c."""
     bar = ri.waves.Bar(wave_speed=5000.0, poisson_ratio=NU, radius=PULSE_RADIUS)
     x = 50_000 * 2 * bar.radius
     unit = (3 * (NU * bar.radius) ** 2 * x / 4) ** (1 / 3) / bar.wave_speed

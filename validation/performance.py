@@ -3,14 +3,14 @@
     python -m validation.performance           tells what is slower than last time
     python -m validation.performance --keep    keeps these ratios for the next time
 
-Each time is given as it is and as a ratio to the time of a yardstick, so that figures of
-different machines can be compared. The yardstick is a leapfrog of staggered velocities and
-stresses at Courant number 1, with 400 cells per unit length, that solves the collision of
-two rods 0.4 : 1. It runs in the same process, just before and just after the other
-measurements. A second yardstick is the same collision by Godunov's method of first order
-with 100 cells per unit length, compiled. Times are medians of several runs. Those marked
-"fresh" are taken in a new process that has not loaded numba. The memory of a run of a
-million events is measured as well.
+Each time is given as it is and as a ratio to the time of a yardstick, so that figures
+of different machines can be compared. The yardstick is a leapfrog of staggered
+velocities and stresses at Courant number 1, with 400 cells per unit length, that solves
+the collision of two rods 0.4 : 1. It runs in the same process, just before and just
+after the other measurements. A second yardstick is the same collision by Godunov's
+method of first order with 100 cells per unit length, compiled. Times are medians of
+several runs. Those marked "fresh" are taken in a new process that has not loaded numba.
+The memory of a run of a million events is measured as well.
 """
 
 import json
@@ -121,8 +121,8 @@ def leapfrog(
 def godunov(v: Any, sigma: Any, first_cells: int, steps: int) -> float:
     """Impulse between two rods of unit material by Godunov's method of first order.
 
-    Waves go from cell to cell by the exact solution of each jump, at Courant number 1. An
-    edge at the ends, or at an open contact, has no stress. Velocities v and stresses
+    Waves go from cell to cell by the exact solution of each jump, at Courant number 1.
+    An edge at the ends, or at an open contact, has no stress. Velocities v and stresses
     sigma are [cell], those of the second rod from `first_cells` on; times are in steps.
     """
     cells = len(v)
@@ -190,7 +190,7 @@ def time_yardsticks(compiled: Callable[[], float]) -> Yardsticks:
 
 
 def time_of_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> float:
-    """Median time of an event in a run of half a million of uniform rods that touch, s."""
+    """Median time of one of half a million events of uniform rods that touch, s."""
     rods = []
     for i in range(len(T)):
         rods.append(rod(T[i], Z[i], v[i]))
@@ -205,7 +205,7 @@ def time_of_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) ->
 
 
 def event_of_free_pair() -> float:
-    """Two free rods of incommensurate transit times that meet once and go on vibrating."""
+    """Two free rods without a common tick that meet once and go on vibrating."""
     return time_of_event([math.sqrt(2), 3.0], [1.0, 2.0], [0.5, -0.5])
 
 

@@ -280,7 +280,7 @@ def bounces_without_end() -> Rows:
 
 
 class Shot(NamedTuple):
-    """A bullet that goes through block A and stays in block B; speeds m/s, energies J."""
+    """A bullet through block A that stays in block B; speeds m/s, energies J."""
 
     initial_speed: Any
     speed_between: Any
@@ -394,7 +394,7 @@ def rebounds(height: Any, e: Any, bounces: int) -> np.ndarray:
 
 
 def rise(ratio: np.ndarray, e_b: np.ndarray, e_r: np.ndarray) -> np.ndarray:
-    """Height of a rubber ball of mass `ratio` on a basketball of mass 1, dropped by 1."""
+    """Height of a rubber ball on a basketball of mass 1, dropped by 1."""
     one = np.ones_like(ratio)
     masses = np.stack([one, ratio], axis=-1)
     restitutions = np.stack([e_b, e_r], axis=-1)
@@ -409,7 +409,7 @@ def largest_fall(heights: np.ndarray, axis: int) -> float:
 
 
 def ball_on_ball() -> Rows:
-    """10.5.10: a rubber ball falls behind a basketball; height over that of the drop."""
+    """10.5.10: a rubber ball falls behind a basketball, from a height of 1."""
     restitutions = np.linspace(0, 1, 21)
     ratios = np.logspace(3, -9, 49)
     ratio, e_b, e_r = np.meshgrid(ratios, restitutions, restitutions, indexing="ij")

@@ -47,7 +47,7 @@ def all_lengths(case: Case) -> Rows:
 
 
 def all_pairs(case: Case) -> Rows:
-    """All pairs of small whole impedances and transit times, by Saint-Venant's formula."""
+    """All pairs of small whole numbers, by Saint-Venant's formula."""
     count = 0
     wrong = 0
     for pair in product(IMPEDANCES, TRANSIT_TIMES, IMPEDANCES, TRANSIT_TIMES):
@@ -61,7 +61,7 @@ def all_pairs(case: Case) -> Rows:
 
 
 def collide(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
-    """e of a rod at velocity 1 and a rod at rest, by the kernel of the fronts method."""
+    """e of a rod at velocity 1 and a rod at rest, by the kernel of fronts."""
     values = {
         "bodies.0.impedance": Z1,
         "bodies.0.transit_time": T1,
@@ -76,8 +76,8 @@ def collide(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
 def saint_venant(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
     """e by the closed form, from the sum of the force's steps.
 
-    The force falls by q = (Z_short - Z_long)/(Z_short + Z_long) after each round trip of
-    the short rod, of which K fit into one round trip of the long rod.
+    With q = (Z_short - Z_long)/(Z_short + Z_long), the force falls by the factor q
+    after each round trip of the short rod; K of them fit into one of the long rod.
     """
     short, long = sorted([(T1, Z1), (T2, Z2)])
     T_short, Z_short = short

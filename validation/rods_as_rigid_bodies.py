@@ -7,7 +7,7 @@ uniform rods, pairs of stepped rods, and rods on fixed and moving walls, at rand
 rods' velocities and vibration are measured in the waves at the end of the run, the
 impulse at the contact.
 
-What rods add to the section's remarks on e, beside what `box_10_4` says of box 10.4:
+Rods add to the section's remarks on e; `box_10_4` treats those of box 10.4.
 
 - The section marvels that e hardly depends on the speed. Elastic rods have exactly one
   e at all speeds.
@@ -84,7 +84,7 @@ def run() -> Rows:
 
 
 def uniform(rng: Generator, direction: float) -> ri.Rod:
-    """A rod of impedance and transit time log-uniform over 1 : 30, moving in a direction."""
+    """A moving rod of impedance and transit time log-uniform over 1 : 30."""
     logarithms = rng.uniform(0, np.log(30.0), 2)
     Z, T = np.exp(logarithms).tolist()
     speed = float(rng.uniform(0.6, 2.0))

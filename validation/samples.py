@@ -83,7 +83,7 @@ def peak_forces() -> Rows:
 
 
 def heavy_basketball_error() -> np.ndarray:
-    """Error of the height over that of the drop, mass ratio 1e12, e1 and e2 from 0 to 1."""
+    """Errors of the height over that of the drop for a mass ratio of 1e12."""
     places = np.linspace(0, 1, 11)
     e1, e2 = np.meshgrid(places, places)
     restitutions = np.stack([e2, e1], axis=-1)
@@ -93,7 +93,7 @@ def heavy_basketball_error() -> np.ndarray:
 
 
 def tennis_ball_on_basketball() -> Rows:
-    """Sample 10.21: both fall together; basketball ten times as heavy, e 0.9 and 0.6."""
+    """Sample 10.21: the basketball is ten times as heavy, e is 0.9 and 0.6."""
     masses = [0.6, 0.06]  # kg
     restitutions = [0.9, 0.6]
     drop = rigid.stack_drop(masses, restitutions, HEIGHT)

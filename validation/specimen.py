@@ -80,7 +80,7 @@ def with_dispersion(incident: ri.Signal) -> BarModel:
 
 
 def pressure_bar(model: BarModel, specimen: ri.Yielding | ri.Spring) -> ri.System:
-    """Two titanium bars with the specimen between them; the pulse comes in on the left."""
+    """Two titanium bars and the specimen; the pulse comes in on the left."""
     density = TITANIUM.density
     material = ri.Material(
         "bar",

@@ -1,17 +1,18 @@
 """A steel rod with a spherical end on a wall, and a ball on a rod: method of steps.
 
-Where a rod of free far end is struck with the force F, the wave that left its end comes
-back after 2 T, so its end yields by Y F(t) + 2 Y [F(t - 2 T) + F(t - 4 T) + ...], Y =
-1/Z. A mass M yields by J(t)/M, J the impulse so far. The indentation d therefore obeys
-the delay equation
+If a rod of free far end is struck with the force F, the wave that left its end comes
+back after 2 T. With Y = 1/Z its end yields by
+Y F(t) + 2 Y [F(t - 2 T) + F(t - 4 T) + ...]. A mass M yields by J(t)/M, J the impulse
+until t. The indentation d therefore obeys the delay equation
 
-    d' = V - sum over rods of Y [F(t) + 2 F(t - 2 T) + ...] - J/M,  F = k max(d, 0)^(3/2),
+    d' = V - sum over rods of Y [F(t) + 2 F(t - 2 T) + ...] - J/M,
+    F = k max(d, 0)^(3/2).
 
-solved from one reflection to the next with scipy's DOP853 at a relative tolerance of
-1e-12: no time step in common with the package, and no line of code.
+It is solved from one reflection to the next with scipy's DOP853 at a relative tolerance
+of 1e-12: no time step in common with the package, and no line of code.
 
 The rod is 0.5 m long and 20 mm thick, its end a sphere of 50 mm, E* = E/(2 (1 - nu^2))
-as against a wall of the same steel, V = 2 m/s; the ball is a rigid mass with that
+as against a wall of the same steel, V = 2 m/s. The ball is a rigid mass with that
 stiffness. Expected at the default tolerance: the impulse to 1e-8, and the peak force to
 the 6 digits that the reference has. At a relative tolerance of 1e-10 the energy is kept
 to 1e-13.
@@ -74,8 +75,7 @@ def method_of_steps(
 ) -> Reference:
     """Hertz contact of stiffness k, which closes at speed V, by the method of steps.
 
-    d' = V - sum over rods of Y [F(t) + 2 F(t - 2 T) + ...] - J/M,  F = k max(d, 0)^(3/2),
-    with Y = 1/Z, from one reflection to the next.
+    The delay equation of this page is solved from one reflection to the next.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def reflection_times(rods: Sequence[StruckRod], until: float) -> list[float]:
 
 
 def round_trips(t: float, T: float) -> int:
-    """Reflections that have come back by the time t, where a step of the method begins."""
+    """Reflections that have come back by the time t, the start of a step."""
     return math.floor(t / (2 * T) * (1 + 1e-12))
 
 

@@ -1,7 +1,7 @@
-"""The table of validation: expected and computed numbers, and how far apart they may be.
+"""The table of validation: expected and computed numbers, and their bounds.
 
-A case is a file of this folder with a function `run() -> Rows`. Its docstring is the text
-of its page: what is compared, the equations, the bounds, and the source.
+A case is a file of this folder with a function `run() -> Rows`. Its docstring is the
+text of its page: what is compared, the equations, the bounds, and the source.
 """
 
 import re
@@ -56,7 +56,7 @@ Number: TypeAlias = float | Fraction
 
 
 class Row(NamedTuple):
-    """One number: `got` must lie within `bound` of `expected`, in the quantity's unit."""
+    """One number: `got` must lie within `bound` of `expected`; all in one unit."""
 
     case: str
     quantity: str
@@ -83,11 +83,11 @@ class Row(NamedTuple):
 
     @property
     def decimal_places(self) -> int | None:
-        """Decimal places to which numbers are shown, so that all processors show the same.
+        """Decimal places that are shown, so that all processors show the same.
 
         Where a bound allows only round-off, these are its own places, rounded up to a
-        power of ten. A wider bound has two places more. None stands for all places, where
-        nothing may differ.
+        power of ten. A wider bound has two places more. None stands for all places,
+        where nothing may differ.
         """
         if self.bound == 0:
             return None
