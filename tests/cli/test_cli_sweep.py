@@ -1,8 +1,9 @@
-"""rodimpact sweep: what it prints, draws and saves, and how it ends."""
+"""rodimpact sweep: printed tables, figures, saved files and exit statuses."""
 
 import csv
 import io
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from rodimpact.cli import main
 from rodimpact.cli import sweep as command
 
 ROOT = Path(__file__).parents[2]
-# fronts multiply for ever where these lengths do not fit together
+# Lengths without a common measure, at which the number of fronts grows for ever.
 STEPPED = """\
 schema = 1
 bodies = [
@@ -30,7 +31,7 @@ LENGTHS = "bodies.0.length=50 mm:1 m:5"
 
 @pytest.fixture
 def no_sweep(monkeypatch):
-    """Whatever is refused is refused before any work."""
+    """A refusal comes before any work."""
     monkeypatch.setattr(command, "sweep", lambda *_, **__: pytest.fail("solved"))
 
 
@@ -40,122 +41,158 @@ def sweep(*argv):
 
 @pytest.fixture
 def swept(output_of):
-    """What a sweep prints."""
-    return lambda *argv, **status: output_of("sweep", "case.toml", *argv, **status)
+    """Function that runs a sweep, and returns the printed text."""
+
+    def call(*argv, **status):
+        return output_of("sweep", "case.toml", *argv, **status)
+
+    return call
 
 
 @pytest.fixture
 def refused(refuses):
-    """As `refuses`, of a sweep: what is said comes first, the options after it."""
-    return lambda said, *argv: refuses(["sweep", "case.toml", *argv], said)
+    """Function like `refuses` for a sweep: first the message, then the options."""
+
+    def call(message, *argv):
+        return refuses(["sweep", "case.toml", *argv], message)
+
+    return call
 
 
 def lines_of(text, start):
-    return [
-        " ".join(line.split())
-        for line in text.splitlines()
-        if line.lstrip().startswith(start)
-    ]
+    """Lines that begin with some words, without the blanks between words."""
+    lines = []
+    for line in text.splitlines():
+        if line.lstrip().startswith(start):
+            lines.append(" ".join(line.split()))
+    return lines
 
 
-# What is printed ----------------------------------------------------------------------------------
+def table_of(text):
+    """Lines of the table of collisions, its head first."""
+    _, _, table, *_ = text.split("\n\n")
+    return table.splitlines()
 
 
-def test_the_table_tells_what_varied_and_what_came_out(case, capsys):
+# Printed tables
+
+
+def test_the_table_names_the_parameters_and_the_extremes(case, capsys):
     assert sweep("--vary", LENGTHS) == 0
+
     out, err = capsys.readouterr()
+    (least,) = lines_of(out, "smallest")
+    (most,) = lines_of(out, "largest")
     assert err == ""
     assert lines_of(out, "bodies.0.length")[0] == "bodies.0.length 5 50 mm 1 m"
     assert "collisions 5 in a grid of 5" in lines_of(out, "collisions")
-    [least] = lines_of(out, "smallest")
     assert least == "smallest coefficient of restitution e 0.05 bodies.0.length = 50 mm"
-    [most] = lines_of(out, "largest")
     assert most == "largest coefficient of restitution e 1 bodies.0.length = 1 m"
-    # e = l1/l2; impulse m1 v; the force lasts 2 l1/c
-    [row] = lines_of(out, "287.5 mm")
-    assert row == "287.5 mm 0.2875 225.688 mN s 1.98116 kN 113.917 us 1 80.4012 mJ"
-    [row] = lines_of(out, "1 m")
-    assert row.endswith(" 1 0 J")
     assert "no e" not in out
-    assert all(line == line.rstrip() for line in out.splitlines())
+    for line in out.splitlines():
+        assert line == line.rstrip()
+
+
+def test_the_table_has_the_results(case, swept):
+    """e = l1/l2, impulse m1 v, force duration 2 l1/c."""
+    out = swept("--vary", LENGTHS)
+
+    (short,) = lines_of(out, "287.5 mm")
+    (equal,) = lines_of(out, "1 m")
+    assert short == "287.5 mm 0.2875 225.688 mN s 1.98116 kN 113.917 us 1 80.4012 mJ"
+    assert equal.endswith(" 1 0 J")
 
 
 def test_energies_of_round_off_are_none(case, swept):
-    out = swept(
-        "--vary", "bodies.0.length=1 m:2 m:2", "--vary", "bodies.0.velocity=1.7:1.9:3"
-    )
+    lengths = "bodies.0.length=1 m:2 m:2"
+    velocities = "bodies.0.velocity=1.7:1.9:3"
+
+    out = swept("--vary", lengths, "--vary", velocities)
+
     swapped = lines_of(out, "1 m")  # rods of one length swap their velocities
     assert len(swapped) == 3
-    assert all(line.endswith(" 1 0 J") for line in swapped)
+    for line in swapped:
+        assert line.endswith(" 1 0 J")
 
 
 def test_the_first_grid_is_the_first_axis(case, swept):
     out = swept("--vary", LENGTHS, "--vary", "contacts.0.gap=0,1 um")
+
+    first, second = lines_of(out, "50 mm")
     assert "collisions 10 in a grid of 5 x 2" in lines_of(out, "collisions")
-    assert [line.split()[:4] for line in lines_of(out, "50 mm")] == [
-        ["50", "mm", "0", "m"],
-        ["50", "mm", "1", "um"],
-    ]
+    assert first.startswith("50 mm 0 m ")
+    assert second.startswith("50 mm 1 um ")
+
+
+def test_a_small_family_is_shown_whole(case, swept):
+    out = swept("--vary", "bodies.0.length=0.05:1:20")
+
+    assert len(table_of(out)) == 1 + 20
+    assert "..." not in out
 
 
 def test_a_large_family_is_shown_in_part_with_the_way_to_all(case, swept):
-    out = swept("--vary", "bodies.0.length=0.05:1:20")
-    assert len(lines_of(out, "")) > 20
-    assert "..." not in out
     out = swept("--vary", "bodies.0.length=0.05:1:21")
-    rows = out.split("\n\n")[2].splitlines()
-    assert len(rows) == 1 + 12 + 1
-    assert rows[1].split()[:2] == ["50", "mm"]
-    assert rows[12].split()[:2] == ["1", "m"]
-    assert rows[13] == "... 12 of 21; --csv prints all, --save keeps them"
+
+    _, first, *others, last, rest = table_of(out)
+    assert len(others) == 10
+    assert first.split()[:2] == ["50", "mm"]
+    assert last.split()[:2] == ["1", "m"]
+    assert rest == "... 12 of 21; --csv prints all, --save keeps them"
 
 
 def test_collisions_without_e_are_counted_with_the_reason(case, swept):
     out = swept("--vary", "bodies.0.velocity=-2,0,1,2")
-    rows = out.split("\n\n")[2].splitlines()[1:]
-    assert [row.split()[2] for row in rows] == ["-", "-", "0.4", "0.4"]
+
+    _, *rows = table_of(out)
+    restitutions = [row.split()[2] for row in rows]
+    assert restitutions == ["-", "-", "0.4", "0.4"]
     assert "2 collisions have no e. At bodies.0.velocity = -2 m/s: " in out
     assert "nothing collided" in out.splitlines()[-1]
     assert out.endswith(".\n")
+
+
+def test_one_collision_without_e_is_counted(case, swept):
     assert "1 collision has no e." in swept("--vary", "bodies.0.velocity=-2,1")
 
 
 def test_a_long_row_shows_its_ends(case, swept):
     rod = '[[bodies]]\nkind="rod"\nlength=0.1\narea=1e-4\nmaterial="steel"\n'
     case.write_text("schema = 1\n" + rod + "velocity = 1\n" + 9 * rod)
-    head = swept("--vary", "bodies.0.velocity=1,2").split("\n\n")[2].splitlines()[0]
-    assert [i for i in range(10) if f"velocity {i} after" in head] == [
-        0,
-        1,
-        2,
-        3,
-        6,
-        7,
-        8,
-        9,
-    ]
+
+    head, *_ = table_of(swept("--vary", "bodies.0.velocity=1,2"))
+
+    shown = re.findall(r"velocity (\d) after", head)
+    assert shown == ["0", "1", "2", "3", "6", "7", "8", "9"]
 
 
-def test_csv_and_json_have_the_same_columns_in_full_precision(case, swept):
-    argv = ["--vary", LENGTHS, "--vary", "bodies.0.velocity=-1,1"]
-    data = json.loads(swept(*argv, "--json"))
-    assert (data["schema_version"], data["method"], data["shape"]) == (
-        1,
-        "fronts",
-        [5, 2],
-    )
-    assert data["varied"][0] == {
+GRID = ["--vary", LENGTHS, "--vary", "bodies.0.velocity=-1,1"]
+
+
+@pytest.fixture
+def data(case, swept):
+    """What a sweep over lengths and velocities prints as JSON."""
+    return json.loads(swept(*GRID, "--json"))
+
+
+def test_json_names_the_parameters(data):
+    lengths, velocities = data["varied"]
+    assert data["schema_version"] == 1
+    assert data["method"] == "fronts"
+    assert data["shape"] == [5, 2]
+    assert lengths == {
         "path": "bodies.0.length",
         "unit": "m",
         "values": np.linspace(0.05, 1, 5).tolist(),
     }
-    assert data["varied"][1]["values"] == [-1, 1]
+    assert velocities["values"] == [-1, 1]
+
+
+def test_json_has_the_columns_of_the_sweep(case, data):
+    grids = {"bodies.0.length": "50 mm:1 m:5", "bodies.0.velocity": "-1,1"}
+    result = ri.sweep(ri.read_case(case, grids).system)
+
     columns = data["columns"]
-    result = ri.sweep(
-        ri.read_case(
-            case, {"bodies.0.length": "50 mm:1 m:5", "bodies.0.velocity": "-1,1"}
-        ).system
-    )
     assert columns["restitution"][::2] == [None] * 5
     assert columns["restitution"][1::2] == result.restitution[:, 1].tolist()
     assert columns["vibration"] == result.vibration.ravel().tolist()
@@ -163,76 +200,82 @@ def test_csv_and_json_have_the_same_columns_in_full_precision(case, swept):
     assert columns["status"] == ["final"] * 10
     assert columns["episodes.0"][:2] == [0, 1]
     assert columns["bodies.0.velocity"] == [-1, 1] * 5
-    rows = list(csv.DictReader(io.StringIO(swept(*argv, "--csv"))))
+
+
+@pytest.mark.parametrize("name", ["bodies.0.length", "restitution", "vibration"])
+def test_csv_has_the_same_columns_in_full_precision(data, swept, name):
+    columns = data["columns"]
+
+    rows = list(csv.DictReader(io.StringIO(swept(*GRID, "--csv"))))
+
     assert list(rows[0]) == list(columns)
-    for name in ("bodies.0.length", "restitution", "vibration"):
-        assert [float(row[name]) if row[name] else None for row in rows] == columns[
-            name
-        ]
+    for row, expected in zip(rows, columns[name], strict=True):
+        if expected is None:
+            assert row[name] == ""
+        else:
+            assert float(row[name]) == expected
 
 
 def test_the_example_of_the_manual_runs(monkeypatch, tmp_path, case):
     text = (ROOT / "docs" / "input.md").read_text(encoding="utf-8")
     example = text.partition("rodimpact sweep case.toml")[2].partition("```")[0]
-    argv = (str(case) + example.replace("\\\n", " ")).replace(":200", ":3").split()
+    options = example.replace("\\\n", " ").replace(":200", ":3")
+    argv = [str(case), *options.split()]
     monkeypatch.chdir(tmp_path)
     assert main(["sweep", *argv]) == 0
     assert ri.load("map.npz").shape == (3, 3)
     assert Path("map.png").read_bytes().startswith(b"\x89PNG")
 
 
-# Files --------------------------------------------------------------------------------------------
+# Files
 
 
-def test_what_no_figure_can_show_is_refused_before_the_sweep(case, no_sweep, refused):
-    three = [
-        "--vary",
-        LENGTHS,
-        "--vary",
-        "bodies.0.velocity=1,2",
-        "--vary",
-        "contacts.0.gap=0,1",
-    ]
-    refused(
-        "--plot: a figure has one or two axes, and 3 numbers vary",
-        *three,
-        "--plot",
-        "a.png",
-    )
-    refused("and 0 numbers vary", "--vary", "contacts.0.gap=1", "--plot", "a.png")
-    case.write_text(
-        CASE + "[ends.left]\nkind = 'force'\nvalue = 1\n[solve]\nuntil = 1e-4\n"
-    )
-    one = ["--vary", LENGTHS, "--plot", "a.png"]
-    refused("such a row has no e; name another --quantity", *one)
-    rod = CASE.rpartition("[[bodies]]")[2]
-    case.write_text(CASE + "\n[[bodies]]" + rod)
-    refused("such a row has no e; name another --quantity", *one)
+PLOT = ["--plot", "a.png"]
+
+
+@pytest.mark.usefixtures("case", "no_sweep")
+def test_a_figure_of_three_axes_is_refused_before_the_sweep(refused):
+    message = "--plot: a figure has one or two axes, and 3 numbers vary"
+
+    refused(message, *GRID, "--vary", "contacts.0.gap=0,1", *PLOT)
+
+
+@pytest.mark.usefixtures("case", "no_sweep")
+def test_a_figure_without_an_axis_is_refused_before_the_sweep(refused):
+    refused("and 0 numbers vary", "--vary", "contacts.0.gap=1", *PLOT)
+
+
+DRIVEN = "[ends.left]\nkind = 'force'\nvalue = 1\n[solve]\nuntil = 1e-4\n"
+THIRD_ROD = "\n[[bodies]]" + CASE.rpartition("[[bodies]]")[2]
+
+
+@pytest.mark.parametrize("more", [DRIVEN, THIRD_ROD])
+@pytest.mark.usefixtures("no_sweep")
+def test_a_figure_of_rows_without_e_is_refused_before_the_sweep(case, refused, more):
+    case.write_text(CASE + more)
+
+    message = "such a row has no e; name another --quantity"
+    refused(message, "--vary", LENGTHS, *PLOT)
 
 
 def test_rows_of_several_contacts_are_drawn_by_another_quantity(case, refused):
-    case.write_text((ROOT / "validation" / "cases" / "newtons-cradle.toml").read_text())
+    cradle = ROOT / "validation" / "cases" / "newtons-cradle.toml"
+    case.write_text(cradle.read_text())
     argv = ["--vary", "bodies.0.velocity=1:2:3", "--plot"]
     for quantity in ("velocity_after.4", "duration.3"):
         assert sweep(*argv, f"{quantity}.png", "--quantity", quantity) == 0
         assert Path(f"{quantity}.png").read_bytes().startswith(b"\x89PNG")
-    refused(
-        "--quantity: there is no 'velocity_after.5'; use one of velocity_after.0, ",
-        *argv,
-        "b.png",
-        "--quantity",
-        "velocity_after.5",
+    message = (
+        "--quantity: there is no 'velocity_after.5'; use one of velocity_after.0, "
     )
+    refused(message, *argv, "b.png", "--quantity", "velocity_after.5")
     assert not Path("b.png").exists()
 
 
-def test_where_no_collision_has_e_the_table_is_there_and_the_figure_is_not(
-    case, capsys
-):
-    assert (
-        sweep("--vary", "bodies.0.velocity=-1,-2", "--plot", "a.png", "--save", "a.npz")
-        == 2
-    )
+def test_without_any_e_the_table_is_printed_and_the_figure_is_not(case, capsys):
+    status = sweep("--vary", "bodies.0.velocity=-1,-2", *PLOT, "--save", "a.npz")
+
+    assert status == 2
     out, err = capsys.readouterr()
     assert "2 collisions have no e." in out
     assert err.startswith("rodimpact: --plot: ")
@@ -247,47 +290,40 @@ def test_files_of_the_case_are_for_a_single_run(case):
     assert not Path("b.npz").exists()
 
 
-# How it ends --------------------------------------------------------------------------------------
+# Exit statuses
 
 
 def test_collisions_that_stop_early_are_recorded_and_end_with_3(case, swept):
     case.write_text(STEPPED)
     argv = ["--vary", "bodies.1.segments.0.length=0.41421356,0.5", "--max-events", "5"]
+
     out = swept(*argv, status=3)
+    data = json.loads(swept(*argv, "--json", status=3))
+
     assert "2 collisions have no e." in out
     assert "Raise --max-events" in out
-    data = json.loads(swept(*argv, "--json", status=3))
     assert data["columns"]["status"] == ["max_events"] * 2
 
 
 def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
     Path("a.npz").write_text("precious")
     case.write_text(CASE.replace('"1 m"', "-1") + "[solve]\nuntil = 1\n")
-    argv = [
-        "--vary",
+    grids = [
         "bodies.0.lenth=1,2",
-        "--vary",
         "bodies.0.area=1:2",
-        "--vary",
         "x",
-        "--vary",
         "=1,2",
-        "--vary",
         "contacts.0.gap=0,1",
-        "--vary",
         "contacts.0.gap=0:1:3",
-        "--workers",
-        "0",
-        "--max-events",
-        "many",
-        "--save",
-        "a.npz",
-        "--plot",
-        "a.gif",
     ]
-    err = refused("is varied twice", *argv)
-    lines = err.splitlines()
-    assert sorted(line.split(": ")[1] for line in lines) == [
+    argv = ["--workers", "0", "--max-events", "many", "--save", "a.npz"]
+    for grid in grids:
+        argv += ["--vary", grid]
+
+    err = refused("is varied twice", *argv, "--plot", "a.gif")
+
+    named = [line.split(": ")[1] for line in err.splitlines()]
+    assert sorted(named) == [
         "--max-events",
         "--plot",
         "--save",
@@ -304,17 +340,13 @@ def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
 
 
 @pytest.mark.parametrize(
-    "arguments", ["0", "-1", "1.5", "many", "\u00b2", "9" * 30, "9" * 5000]
+    "value", ["0", "-1", "1.5", "many", "\u00b2", "9" * 30, "9" * 5000]
 )
 @pytest.mark.parametrize("option", ["--workers", "--max-events"])
-def test_whole_numbers(case, no_sweep, refused, option, arguments):
-    refused(
-        f"rodimpact: {option}: must be a positive whole number",
-        "--vary",
-        LENGTHS,
-        option,
-        arguments,
-    )
+def test_whole_numbers(case, no_sweep, refused, option, value):
+    message = f"rodimpact: {option}: must be a positive whole number"
+
+    refused(message, "--vary", LENGTHS, option, value)
 
 
 def test_something_must_vary(case, no_sweep, refused):
@@ -345,61 +377,67 @@ def test_options_are_checked_as_for_a_single_run(
     case, refuses, refused, solve, argv, path, sentence
 ):
     case.write_text(CASE + f"[solve]\n{solve}\n")
-    swept = refused(f"rodimpact: {path}: ", "--vary", LENGTHS, *argv)
-    assert refuses(["run", "case.toml", *argv], sentence) == swept
+
+    of_sweep = refused(f"rodimpact: {path}: ", "--vary", LENGTHS, *argv)
+    of_run = refuses(["run", "case.toml", *argv], sentence)
+
+    assert of_run == of_sweep
 
 
-def test_the_options_reach_the_sweep(case, monkeypatch):
+@pytest.fixture
+def recorded(case, monkeypatch):
+    """Arguments of the last call of the sweep, of a case with options of its own."""
     arguments = {}
 
-    def spy(system, **options):
+    def recording_sweep(system, **options):
         arguments.update(options, shape=system.shape)
         return ri.sweep(system)
 
-    monkeypatch.setattr(command, "sweep", spy)
+    monkeypatch.setattr(command, "sweep", recording_sweep)
     case.write_text(CASE + "[solve]\nmethod = 'fronts'\nmax_events = 7\n")
+    return arguments
+
+
+OPTIONS_OF_CASE = {
+    "shape": (5,),
+    "method": "fronts",
+    "max_events": 7,
+    "checkpoint": None,
+    "also": [],
+    "workers": None,
+}
+
+
+def test_the_options_of_the_case_reach_the_sweep(recorded):
     assert sweep("--vary", LENGTHS) == 0
-    expected = {
-        "shape": (5,),
-        "method": "fronts",
-        "max_events": 7,
-        "checkpoint": None,
-        "also": [],
-        "workers": None,
-    }
-    assert arguments == expected
-    assert (
-        sweep(
-            "--vary",
-            LENGTHS,
-            "--workers",
-            "2",
-            "--max-events",
-            "8",
-            "--checkpoint",
-            "d",
-        )
-        == 0
-    )
+
+    assert recorded == OPTIONS_OF_CASE
+
+
+def test_the_options_of_the_call_reach_the_sweep(recorded):
+    options = ["--workers", "2", "--max-events", "8", "--checkpoint", "d"]
+
+    assert sweep("--vary", LENGTHS, *options) == 0
+
     changed = {"workers": 2, "max_events": 8, "checkpoint": "d"}
-    assert arguments == expected | changed
+    assert recorded == OPTIONS_OF_CASE | changed
 
 
 def test_a_checkpoint_keeps_the_sweep(case, refused, swept):
-    first = swept("--vary", LENGTHS, "--checkpoint", "kept")
-    assert swept("--vary", LENGTHS, "--checkpoint", "kept") == first
-    err = refused(
-        "rodimpact: kept: holds another sweep",
-        "--vary",
-        "bodies.0.length=50 mm:1 m:6",
-        "--checkpoint",
-        "kept",
-    )
+    checkpoint = ["--checkpoint", "kept"]
+
+    first = swept("--vary", LENGTHS, *checkpoint)
+    second = swept("--vary", LENGTHS, *checkpoint)
+
+    assert second == first
+    message = "rodimpact: kept: holds another sweep"
+    other = "bodies.0.length=50 mm:1 m:6"
+    err = refused(message, "--vary", other, *checkpoint)
     assert err.count("\n") == 1
 
 
 @pytest.mark.filterwarnings("default::rodimpact.DamagedChunks")
-def test_a_damaged_checkpoint_is_told_in_a_line(case, capsys, swept):
+def test_a_damaged_checkpoint_is_announced_in_a_line(case, capsys, swept):
     before = swept("--vary", LENGTHS, "--checkpoint", "kept")
     (path,) = Path("kept").iterdir()
     path.write_bytes(path.read_bytes()[:-1])
@@ -411,12 +449,15 @@ def test_a_damaged_checkpoint_is_told_in_a_line(case, capsys, swept):
     assert line.endswith("it is put aside, and its members are run again")
 
 
-def test_what_else_is_wanted_has_columns(case, refused, capsys, swept):
-    arguments = "--vary", LENGTHS, "--also", "dissipated", "--also", "largest_stress"
-    assert sweep(*arguments, "--csv") == 0
-    names = capsys.readouterr().out.partition("\n")[0].split(",")
+def test_extra_quantities_have_columns(case, refused, swept):
+    extra = ["--also", "dissipated", "--also", "largest_stress"]
+
+    table = swept("--vary", LENGTHS, *extra)
+    head, *_ = swept("--vary", LENGTHS, *extra, "--csv").splitlines()
+
+    names = head.split(",")
     assert names[-3:] == ["dissipated", "largest_stress.0", "largest_stress.1"]
-    assert "largest stress in rod 1" in swept(*arguments)
+    assert "largest stress in rod 1" in table
     refused("--until", "--vary", LENGTHS, "--also", "displacement")
 
 
@@ -430,11 +471,14 @@ contacts = [{law = "yielding", stiffness = 1e8, yield_force = 1e3, hardening = 1
 """
 
 
-def test_a_figure_of_what_also_computes(case, swept, refused):
+def test_a_figure_of_an_extra_quantity(case, swept, refused):
     case.write_text(YIELDING)
-    vary = ("--vary", "bodies.0.velocity=1,2", "--until", "0.2 ms")
-    figure = ("--plot", "set.svg", "--quantity", "set.0")
-    refused("--quantity: 'set.0' is not computed; add --also set", *vary, *figure)
-    swept(*vary, *figure, "--also", "set")
+    vary = ["--vary", "bodies.0.velocity=1,2", "--until", "0.2 ms"]
+    figure = ["--plot", "set.svg", "--quantity"]
+
+    swept(*vary, *figure, "set.0", "--also", "set")
+
     assert "permanent set" in Path("set.svg").read_text()
-    refused("there is no 'set.1'", *vary, "--also", "set", *figure[:3], "set.1")
+    message = "--quantity: 'set.0' is not computed; add --also set"
+    refused(message, *vary, *figure, "set.0")
+    refused("there is no 'set.1'", *vary, "--also", "set", *figure, "set.1")
