@@ -1,4 +1,4 @@
-"""What a notebook shows of a result: its picture, where there is one, and its table."""
+"""A notebook shows the picture of a result, if there is one, and its table."""
 
 import base64
 import io
@@ -13,88 +13,104 @@ from PIL import Image
 
 import rodimpact as ri
 
+PICTURE = re.compile(
+    r'<img src="data:image/png;base64,(?P<data>[^"]+)" alt="(?P<description>[^"]*)"'
+)
+TABLE = re.compile(r'<pre style="white-space: pre;[^>]*>(.*)</pre>$', re.DOTALL)
 
-def picture(html):
-    """The picture in it, if there is one, and the words that stand for it."""
-    image = re.search(r'<img src="data:image/png;base64,([^"]+)" alt="([^"]*)"', html)
-    return image and (Image.open(io.BytesIO(base64.b64decode(image[1]))), image[2])
+
+def description(html):
+    """The words that stand for the picture; None without a picture."""
+    picture = PICTURE.search(html)
+    if picture is None:
+        return None
+    return picture["description"]
+
+
+def image(html):
+    data = PICTURE.search(html)["data"]
+    return Image.open(io.BytesIO(base64.b64decode(data)))
 
 
 def table(html):
-    return re.search(
-        r'<pre style="white-space: pre;[^>]*>(.*)</pre>$', html, re.DOTALL
-    )[1]
+    return TABLE.search(html)[1]
 
 
 LENGTHS = np.linspace(0.2, 1.0, 5)
+AREAS = np.array([1e-4, 2e-4])
+CUBE = rod(LENGTHS[:, None, None], LENGTHS[:2, None])
 FAMILIES = {
-    "curve": (
-        ri.System([rod(LENGTHS, 1.0), rod()]),
-        "restitution over bodies.0.length",
-    ),
-    "map": (
-        ri.System([rod(LENGTHS[:, None], 1.0), rod(area=np.array([1e-4, 2e-4]))]),
-        "restitution over bodies.0.length, bodies.1.area",
-    ),
-    "chain": (
-        ri.System([rod(LENGTHS, 1.0), rod(), rod()]),
-        "velocity_after.2 over bodies.0.length",
-    ),
-    "three axes": (
-        ri.System(
-            [
-                rod(LENGTHS[:, None, None], LENGTHS[:2, None]),
-                rod(area=np.array([1e-4, 2e-4])),
-            ]
-        ),
-        None,
-    ),
-    "one": (ri.System([rod(0.4, 1.0), rod()]), None),
+    "curve": ri.System([rod(LENGTHS, 1.0), rod()]),
+    "map": ri.System([rod(LENGTHS[:, None], 1.0), rod(area=AREAS)]),
+    "chain": ri.System([rod(LENGTHS, 1.0), rod(), rod()]),
+    "three axes": ri.System([CUBE, rod(area=AREAS)]),
+    "one": ri.System([rod(0.4, 1.0), rod()]),
+}
+DESCRIPTIONS = {
+    "curve": "restitution over bodies.0.length",
+    "map": "restitution over bodies.0.length, bodies.1.area",
+    "chain": "velocity_after.2 over bodies.0.length",
+    "three axes": None,
+    "one": None,
 }
 
 
-def test_a_solution_shows_its_overview_and_its_table():
-    solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]))
+@pytest.fixture(scope="module")
+def solution():
+    return ri.solve(ri.System([rod(0.4, 1.0), rod()]))
+
+
+def test_a_solution_shows_its_overview_and_its_table(solution):
     html = solution._repr_html_()
-    shown, description = picture(html)
-    assert shown.width > shown.height > 500
-    assert description.startswith("2 rods, closing speed 1 m/s, restitution e = 0.4")
+
+    picture = image(html)
+    words = "2 rods, closing speed 1 m/s, restitution e = 0.4"
+    assert picture.width > picture.height > 500
+    assert description(html).startswith(words)
     assert "coefficient of restitution e              0.4" in table(html)
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-def test_a_family_shows_a_picture_where_one_can_be_drawn_and_its_table(name):
-    system, expected = FAMILIES[name]
-    html = ri.sweep(system)._repr_html_()
-    shown = picture(html)
-    assert (shown and shown[1]) == expected
+def test_a_family_shows_a_picture_if_one_can_be_drawn_and_its_table(name):
+    html = ri.sweep(FAMILIES[name])._repr_html_()
+
+    assert description(html) == DESCRIPTIONS[name]
     assert "collisions" in table(html)
 
 
-def test_the_table_of_a_family_has_units_and_says_where_the_rest_is():
+def test_the_table_of_a_family_has_units_and_names_the_way_to_all_rows():
     areas = np.linspace(1e-4, 2e-4, 30)
-    text = table(ri.sweep(ri.System([rod(0.4, 1.0), rod(area=areas)]))._repr_html_())
+    family = ri.System([rod(0.4, 1.0), rod(area=areas)])
+
+    text = table(ri.sweep(family)._repr_html_())
+
     assert "0.0001 m^2" in text
     assert "12 of 30; to_csv writes all, save keeps them" in text
 
 
-def test_who_does_without_the_public_names_sees_the_table():
-    code = (
-        "from rodimpact.model import Rod, System, Wall\n"
-        "from rodimpact.materials import steel\n"
-        "from rodimpact.running.solving import solve\n"
-        "solution = solve(System([Rod(0.4, area=1e-4, material=steel, velocity=1.0), Wall()]))\n"
-        "print(solution._repr_html_()[:5])"
-    )
-    run = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert run.stdout == "<pre \n"
+def test_without_the_public_names_a_solution_shows_its_table():
+    code = """
+from rodimpact.model import Rod, System, Wall
+from rodimpact.materials import steel
+from rodimpact.running.solving import solve
+rod = Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+solution = solve(System([rod, Wall()]))
+print(solution._repr_html_()[:5])
+"""
+    command = [sys.executable, "-c", code]
+
+    process = subprocess.run(command, capture_output=True, text=True, check=True)
+
+    assert process.stdout == "<pre \n"
 
 
-def test_every_picture_shows_its_figure():
-    solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]))
-    for drawn in (ri.plot.contact(solution), ri.plot.restitution([0.5], [0.5])):
-        shown = np.asarray(Image.open(io.BytesIO(drawn._repr_png_())).convert("L"))
-        assert min(shown.shape) > 200
-        assert np.ptp(shown) > 200
+def assert_shows_its_figure(picture):
+    image = Image.open(io.BytesIO(picture._repr_png_()))
+    pixels = np.asarray(image.convert("L"))
+    assert min(pixels.shape) > 200
+    assert np.ptp(pixels) > 200
+
+
+def test_every_picture_shows_its_figure(solution):
+    assert_shows_its_figure(ri.plot.contact(solution))
+    assert_shows_its_figure(ri.plot.restitution([0.5], [0.5]))

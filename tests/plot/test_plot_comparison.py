@@ -1,7 +1,8 @@
-"""Measured over predicted, and stations of gauges in space and time."""
+"""Measured over predicted signals, stations of gauges, and stress over strain."""
 
 import numpy as np
 import pytest
+from drawing import texts_of
 from matplotlib.figure import Figure
 
 import rodimpact as ri
@@ -9,141 +10,198 @@ from rodimpact import plot
 from rodimpact.units import TIMES
 
 T = 2e-7 * np.arange(501)
-PULSE = ri.Signal(
-    np.interp(T, [2e-5, 3e-5, 6e-5, 7e-5], [0, 2, 2, 0]), T, unit="V", name="bar"
-)
+VOLTS = np.interp(T, [2e-5, 3e-5, 6e-5, 7e-5], [0, 2, 2, 0])
+PULSE = ri.Signal(VOLTS, T, unit="V", name="bar")
+PLATEAU = 2.0  # V
 
 
-def test_what_is_drawn_is_measured_predicted_and_their_difference():
-    model = (0.5 * PULSE).shifted(4e-6)
-    picture = plot.comparison(PULSE, model, shift=0.0, scale=1.0)
-    assert picture.misfit == PULSE.misfit(model, shift=0.0, scale=1.0)
-    np.testing.assert_allclose(picture.measured.get_xdata(), T * 1e6)
-    np.testing.assert_allclose(picture.measured.get_ydata(), PULSE.values)
-    wanted = np.interp(T, model.times, model.values)
-    np.testing.assert_allclose(picture.predicted.get_ydata(), wanted)
-    np.testing.assert_allclose(
-        picture.residual.get_ydata(), (PULSE.values - wanted) / 2 * 100
-    )
-    assert picture.predicted.get_label() == "predicted"
-    assert picture.ax.get_ylabel() == "bar (V)"
-    (text,) = picture.residual_ax.texts
-    assert text.get_text() == f"misfit {100 * picture.misfit.rms:.3g} % of the plateau"
+@pytest.fixture(scope="module")
+def model():
+    return (0.5 * PULSE).shifted(4e-6)
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (lambda s: (0.5 * s).shifted(4e-6), "predicted, 4 µs earlier, x 2"),
-        (lambda s: (-4 * s).shifted(-4e-6), "predicted, 4 µs later, x -0.25"),
-        (
-            lambda s: (1e-3 * s).shifted(4e-6).replace(unit=""),
-            "predicted, 4 µs earlier, x 1000 V",
-        ),
-        (
-            lambda s: (0.1 * s).shifted(4e-6).replace(unit="N"),
-            "predicted, 4 µs earlier, x 10 V/N",
-        ),
-    ],
-)
-def test_shift_and_gain_are_told(change, said):
-    picture = plot.comparison(PULSE, change(PULSE))
-    label = (
-        picture.predicted.get_label().replace(TIMES, "x").replace("\N{MINUS SIGN}", "-")
-    )
-    assert label == said
-    residual = picture.residual.get_ydata()
-    assert residual == pytest.approx(0.0, abs=0.1)
+@pytest.fixture(scope="module")
+def comparison(model):
+    return plot.comparison(PULSE, model, shift=0.0, scale=1.0)
+
+
+def test_measured_and_predicted_signal_are_drawn(comparison, model):
+    predicted = np.interp(T, model.times, model.values)
+
+    np.testing.assert_allclose(comparison.measured.get_xdata(), T * 1e6)
+    np.testing.assert_allclose(comparison.measured.get_ydata(), PULSE.values)
+    np.testing.assert_allclose(comparison.predicted.get_ydata(), predicted)
+    assert comparison.predicted.get_label() == "predicted"
+    assert comparison.ax.get_ylabel() == "bar (V)"
+
+
+def test_the_residual_is_drawn_in_parts_of_the_plateau(comparison, model):
+    predicted = np.interp(T, model.times, model.values)
+    residual = (PULSE.values - predicted) / PLATEAU * 100
+
+    (text,) = texts_of(comparison.residual_ax.texts)
+
+    np.testing.assert_allclose(comparison.residual.get_ydata(), residual)
+    assert comparison.misfit == PULSE.misfit(model, shift=0.0, scale=1.0)
+    assert text == f"misfit {100 * comparison.misfit.rms:.3g} % of the plateau"
+
+
+def predictions():
+    """Signals, and the label that says how they are shifted and scaled."""
+    earlier = (0.5 * PULSE).shifted(4e-6)
+    later = (-4 * PULSE).shifted(-4e-6)
+    strain = (1e-3 * PULSE).shifted(4e-6).replace(unit="")
+    force = (0.1 * PULSE).shifted(4e-6).replace(unit="N")
+    return [
+        (earlier, "predicted, 4 µs earlier, x 2"),
+        (later, "predicted, 4 µs later, x -0.25"),
+        (strain, "predicted, 4 µs earlier, x 1000 V"),
+        (force, "predicted, 4 µs earlier, x 10 V/N"),
+    ]
+
+
+@pytest.mark.parametrize(("prediction", "label"), predictions())
+def test_shift_and_gain_are_named(prediction, label):
+    picture = plot.comparison(PULSE, prediction)
+
+    drawn_label = picture.predicted.get_label()
+    plain_label = drawn_label.replace(TIMES, "x").replace("\N{MINUS SIGN}", "-")
+    assert plain_label == label
+    assert picture.residual.get_ydata() == pytest.approx(0.0, abs=0.1)
 
 
 def test_the_band_is_scaled_with_the_prediction():
-    picture = plot.comparison(PULSE, -0.5 * PULSE, shift=0.0, band=0.05 * PULSE)
+    band = 0.05 * PULSE
+
+    picture = plot.comparison(PULSE, -0.5 * PULSE, shift=0.0, band=band)
+
     top = picture.band.get_paths()[0].vertices[:, 1].max()
     assert top == pytest.approx(2.2)
-    for band, said in (
-        (PULSE.replace(unit="N"), "band: must be in the unit of the prediction"),
-        (0.1, "band: must be a Signal"),
-    ):
-        with pytest.raises(ValueError, match=said):
-            plot.comparison(PULSE, PULSE, band=band)
-
-
-def test_axes_are_a_pair_and_long_records_are_thinned():
-    pair = Figure().subplots(2, 1)
-    long = PULSE.resampled(1e-9)
-    picture = plot.comparison(long, long, pair, shift=0.0)
-    assert (picture.ax, picture.residual_ax) == tuple(pair)
-    assert picture.measured.get_xdata().size < 3000 < len(long)
-    with pytest.raises(
-        ValueError, match="ax: needs a pair of Axes, for signals and residual"
-    ):
-        plot.comparison(PULSE, PULSE, pair[0])
-
-
-def rods(**law):
-    steel = ri.materials.steel
-    both = [
-        ri.Rod(L, area=1e-4, material=steel, velocity=v)
-        for L, v in ((0.3, 10.0), (1.0, 0.0))
-    ]
-    return ri.solve(ri.System(both, **law), until=4e-4)
 
 
 @pytest.mark.parametrize(
-    "solution",
-    [rods(), rods(contacts=[ri.Spring(1e8)])],
-    ids=["fronts", "characteristics"],
+    ("band", "message"),
+    [
+        (PULSE.replace(unit="N"), "band: must be in the unit of the prediction"),
+        (0.1, "band: must be a Signal"),
+    ],
 )
-@pytest.mark.parametrize("across", [False, True])
-def test_stations_move_with_their_rod(solution, across):
+def test_a_wrong_band_is_refused(band, message):
+    with pytest.raises(ValueError, match=message):
+        plot.comparison(PULSE, PULSE, band=band)
+
+
+def test_axes_are_a_pair():
+    upper, lower = Figure().subplots(2, 1)
+
+    picture = plot.comparison(PULSE, PULSE, [upper, lower], shift=0.0)
+
+    assert picture.ax is upper
+    assert picture.residual_ax is lower
+    message = "ax: needs a pair of Axes, for signals and residual"
+    with pytest.raises(ValueError, match=message):
+        plot.comparison(PULSE, PULSE, upper)
+
+
+def test_long_records_are_thinned():
+    long = PULSE.resampled(1e-9)
+
+    picture = plot.comparison(long, long, shift=0.0)
+
+    assert picture.measured.get_xdata().size < 3000 < len(long)
+
+
+def solved_rods(**contacts):
+    steel = ri.materials.steel
+    first = ri.Rod(0.3, area=1e-4, material=steel, velocity=10.0)
+    second = ri.Rod(1.0, area=1e-4, material=steel)
+    return ri.solve(ri.System([first, second], **contacts), until=4e-4)
+
+
+BY_FRONTS = solved_rods()
+BY_CHARACTERISTICS = solved_rods(contacts=[ri.Spring(1e8)])
+
+
+def stations(solution, across):
+    """Space-time diagram with two gauges, ten times magnified."""
     gauges = {"incident": solution.gauge(1, 0.5), "struck end": solution.gauge(1, 0.0)}
-    picture = plot.spacetime(
+    return plot.spacetime(
         solution, gauges=gauges, across=across, magnification=10.0, coordinates="lab"
     )
-    assert [line.get_label() for line in picture.gauges] == list(gauges)
-    place, time = picture.gauges[0].get_data()[:: -1 if across else 1]
-    spring = (
-        0.0 if isinstance(solution.system.contacts[0], ri.Rigid) else place[0] - 0.8
-    )
-    wanted = (
-        0.8
-        + spring
-        + 10.0 * solution.displacement(1, 0.5, np.clip(time / 1e6, 0, 4e-4))
-    )
-    assert 0 <= spring < 0.1
-    assert place == pytest.approx(wanted, abs=1e-12)
-    assert (time[0], time[-1]) == pytest.approx((0.0, 400.0))
-    assert {"incident", "struck end"} <= {text.get_text() for text in picture.ax.texts}
 
 
-def test_a_reduction_shows_stress_with_its_band_over_strain():
-    ramp = np.clip(np.minimum(np.arange(400) - 100, 250 - np.arange(400)) / 10, 0, 1)
+@pytest.mark.parametrize("across", [False, True])
+def test_stations_are_named(across):
+    picture = stations(BY_FRONTS, across)
+
+    names = {"incident", "struck end"}
+    assert {line.get_label() for line in picture.gauges} == names
+    assert names <= set(texts_of(picture.ax.texts))
+
+
+def assert_moves_with_its_rod(place, time, solution, start):
+    """The station moves from its start by ten times the displacement of its place."""
+    times = np.clip(time / 1e6, 0, 4e-4)
+    expected = start + 10.0 * solution.displacement(1, 0.5, times)
+    assert place == pytest.approx(expected, abs=1e-12)
+    assert time[0] == pytest.approx(0.0)
+    assert time[-1] == pytest.approx(400.0)
+
+
+def test_stations_move_with_their_rod():
+    place, time = stations(BY_FRONTS, across=False).gauges[0].get_data()
+
+    assert_moves_with_its_rod(place, time, BY_FRONTS, start=0.8)
+
+
+def test_stations_move_with_their_rod_where_time_runs_across():
+    time, place = stations(BY_FRONTS, across=True).gauges[0].get_data()
+
+    assert_moves_with_its_rod(place, time, BY_FRONTS, start=0.8)
+
+
+def test_stations_beyond_a_spring_begin_behind_it():
+    place, time = stations(BY_CHARACTERISTICS, across=False).gauges[0].get_data()
+
+    spring = place[0] - 0.8
+    assert 0 < spring < 0.1
+    assert_moves_with_its_rod(place, time, BY_CHARACTERISTICS, start=place[0])
+
+
+def reduced_record():
+    """A record whose transmitted pulse is 0.8 of the incident one, and its reduction."""
+    samples = np.arange(400)
+    ramp = np.clip(np.minimum(samples - 100, 250 - samples) / 10, 0, 1)
     incident = ri.Signal(-1e-3 * ramp, dt=1e-6)
     transmitted = (0.8 * incident).shifted(2e-4).extended(before=2e-4)
-    back = (-0.2 * incident).shifted(2e-4).extended(before=2e-4)
+    reflected = (-0.2 * incident).shifted(2e-4).extended(before=2e-4)
     times = np.arange(0, 5.9e-4, 1e-6)
-    both = ri.Signal(
-        np.interp(times, incident.times, incident.values)
-        + np.interp(times, back.times, back.values),
-        times,
-    )
-    bar = ri.Rod(
-        1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000)
-    )
-    found = ri.reduce(
-        ri.BarGauge(both, 0.5),
-        ri.BarGauge(transmitted, 0.5),
-        bar,
-        ri.Specimen(5e-3, area=1e-4),
-    )
-    picture = plot.reduction(found)
-    assert picture.ax.get_ylabel() == "stress (MPa)"
-    np.testing.assert_allclose(
-        picture.stress.get_ydata(), found.stress[found.loading] / 1e6
-    )
-    np.testing.assert_allclose(
-        picture.rate.get_xdata(), 100 * found.strain[found.loading]
-    )
+    first = np.interp(times, incident.times, incident.values)
+    second = np.interp(times, reflected.times, reflected.values)
+    record = ri.Signal(first + second, times)
+    material = ri.Material("m", youngs_modulus=2e11, density=8000)
+    bar = ri.Rod(1.5, area=1e-4, material=material)
+    specimen = ri.Specimen(5e-3, area=1e-4)
+    incident_gauge = ri.BarGauge(record, 0.5)
+    transmitted_gauge = ri.BarGauge(transmitted, 0.5)
+    return record, ri.reduce(incident_gauge, transmitted_gauge, bar, specimen)
+
+
+def test_a_reduction_shows_stress_and_rate_over_strain():
+    _, reduction = reduced_record()
+
+    picture = plot.reduction(reduction)
+
+    stress = reduction.stress[reduction.loading] / 1e6
+    strain = 100 * reduction.strain[reduction.loading]
+    np.testing.assert_allclose(picture.stress.get_ydata(), stress)
+    np.testing.assert_allclose(picture.rate.get_xdata(), strain)
     assert picture.stress.get_ydata().max() == pytest.approx(160)
+    assert picture.ax.get_ylabel() == "stress (MPa)"
+
+
+def test_a_signal_is_no_reduction():
+    record, _ = reduced_record()
+
     with pytest.raises(ValueError, match="curve: must be a Reduction"):
-        plot.reduction(both)
+        plot.reduction(record)

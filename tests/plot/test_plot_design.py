@@ -1,4 +1,4 @@
-"""Figures of designs: wanted and reached, as the results have them."""
+"""Figures of designs: wanted and reached pulse, as the results have them."""
 
 import numpy as np
 import pytest
@@ -7,45 +7,57 @@ from matplotlib.figure import Figure
 import rodimpact as ri
 from rodimpact import plot
 
-STEEL = ri.materials.steel
-BAR = ri.Rod(1.0, area=1e-4, material=STEEL)
-T = 100e-6
+BAR = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+DURATION = 100e-6  # s
 
 
 @pytest.fixture(scope="module")
 def striker():
-    wanted = ri.Signal([0.0, 1e4, 1e4], [0.0, T / 2, T], unit="N")
-    return ri.design.striker(wanted, BAR, velocity=10.0, duration=T, segments=3)
+    times = [0.0, DURATION / 2, DURATION]
+    wanted = ri.Signal([0.0, 1e4, 1e4], times, unit="N")
+    return ri.design.striker(wanted, BAR, velocity=10.0, duration=DURATION, segments=3)
 
 
-def test_pulses_over_time_below_the_silhouette_of_the_striker(striker):
+def assert_is_drawn(line, signal):
+    """A line shows a signal in microseconds and kilonewtons."""
+    assert line.get_xdata() == pytest.approx(1e6 * signal.times)
+    assert line.get_ydata() == pytest.approx(1e-3 * signal.values)
+
+
+def test_wanted_and_reached_pulse_are_drawn_over_time(striker):
     picture = plot.design(striker)
-    for line, signal in (
-        (picture.wanted, striker.wanted),
-        (picture.reached, striker.reached),
-    ):
-        assert line.get_xdata() == pytest.approx(1e6 * signal.times)
-        assert line.get_ydata() == pytest.approx(1e-3 * signal.values)
-    radii, edges, _ = picture.outline.get_data()
-    areas = [piece.area for piece in striker.system.bodies[0].segments]
-    assert np.pi * radii**2 == pytest.approx(1e6 * np.array(areas))
-    assert edges[-1] == pytest.approx(striker.system.bodies[0].length)
+
+    assert_is_drawn(picture.wanted, striker.wanted)
+    assert_is_drawn(picture.reached, striker.reached)
     assert picture.ax.get_ylabel() == "force on the bar (kN)"
+
+
+def test_the_outline_of_the_striker_is_drawn_to_scale(striker):
+    rod = striker.system.bodies[0]
+    areas = [segment.area for segment in rod.segments]
+
+    radii, edges, _ = plot.design(striker).outline.get_data()
+
+    assert np.pi * radii**2 == pytest.approx(1e6 * np.array(areas))
+    assert edges[-1] == pytest.approx(rod.length)
 
 
 def test_a_given_axes_takes_the_pulses_alone(striker):
     ax = Figure().add_subplot()
+
     picture = plot.design(striker, ax)
+
     assert picture.ax is ax
     assert picture.outline is None
 
 
 def test_notebooks_show_the_figure_above_the_table(striker):
     html = striker._repr_html_()
+
     assert html.startswith("<img")
     assert "misfit" in html
 
 
-def test_what_is_no_design_is_refused():
+def test_a_rod_is_no_design():
     with pytest.raises(ValueError, match="result: must be a PulseDesign"):
         plot.design(BAR)

@@ -1,4 +1,4 @@
-"""Space-time diagrams of energy and displacement, with time across, and in places of the bodies."""
+"""Space-time diagrams of energy and displacement, with time across, and of bodies at rest."""
 
 import numpy as np
 import pytest
@@ -8,40 +8,43 @@ from matplotlib.collections import TriMesh
 import rodimpact as ri
 from rodimpact import plot
 
-ROWS = {
-    "unequal": (ri.System([rod(0.4, 1.0), rod(area=2e-4)]), None),
-    "stepped": (
-        ri.System(
-            [
-                rod(0.4, 2.0),
-                ri.Rod(
-                    segments=[
-                        ri.Segment(0.3, 1e-4, STEEL),
-                        ri.Segment(0.4, 3e-4, ri.materials.aluminium),
-                    ]
-                ),
-            ],
-            gaps=[1e-5],
-        ),
-        1e-3,
-    ),
-    "drifting": (ri.System([rod(0.4, 101.0), rod(1.0, 100.0)]), None),
-    "wall": (
-        ri.System([ri.Wall(0.5), rod(0.5, strain=-1e-4)], ends=(ri.Free(), ri.Free())),
-        8e-4,
-    ),
+AREA = 1e-4  # m^2, of `rod`
+
+
+def stepped_pair():
+    thin = ri.Segment(0.3, AREA, STEEL)
+    thick = ri.Segment(0.4, 3 * AREA, ri.materials.aluminium)
+    struck = ri.Rod(segments=[thin, thick])
+    return ri.System([rod(0.4, 2.0), struck], gaps=[1e-5])
+
+
+def released_at_wall():
+    bodies = [ri.Wall(0.5), rod(0.5, strain=-1e-4)]
+    return ri.System(bodies, ends=(ri.Free(), ri.Free()))
+
+
+SYSTEMS = {
+    "unequal": ri.System([rod(0.4, 1.0), rod(area=2e-4)]),
+    "stepped": stepped_pair(),
+    "drifting": ri.System([rod(0.4, 101.0), rod(1.0, 100.0)]),
+    "wall": released_at_wall(),
 }
-every_row = pytest.mark.parametrize("name", ROWS)
-FRAME = {"drifting": 100.0}
+ENDS = {"stepped": 1e-3, "wall": 8e-4}  # s
+FRAME_VELOCITIES = {"drifting": 100.0}  # m/s
+every_row = pytest.mark.parametrize("name", SYSTEMS)
 
 
 @pytest.fixture(scope="module")
 def solved():
-    return {name: ri.solve(system, until) for name, (system, until) in ROWS.items()}
+    solutions = {}
+    for name, system in SYSTEMS.items():
+        solutions[name] = ri.solve(system, ENDS.get(name))
+    return solutions
 
 
 @pytest.fixture(scope="module")
-def stepwise():
+def smooth():
+    """A solution whose waves are smooth, by characteristics."""
     row = ri.System(
         [rod(0.2, 5.0), ri.RigidMass(0.1), rod(0.4)],
         gaps=[1e-6, 0.0],
@@ -53,155 +56,194 @@ def stepwise():
 
 def width_at(polygon, y):
     """Width of a convex polygon at a height at which no corner lies."""
-    crossed = []
-    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+    crossings = []
+    next_points = np.roll(polygon, -1, axis=0)
+    for start, end in zip(polygon, next_points, strict=True):
+        x0, y0 = start
+        x1, y1 = end
         if (y0 - y) * (y1 - y) < 0:
-            crossed.append(x0 + (x1 - x0) * (y - y0) / (y1 - y0))
-    return max(crossed) - min(crossed) if crossed else 0.0
+            crossings.append(x0 + (x1 - x0) * (y - y0) / (y1 - y0))
+    if not crossings:
+        return 0.0
+    return max(crossings) - min(crossings)
 
 
-# Energy -----------------------------------------------------------------------------------------
+def time_scale(ax):
+    """Units of the axis of times in a second."""
+    unit = ax.get_ylabel()[-3:-1]
+    return {"µs": 1e6, "ms": 1e3}[unit]
+
+
+def energy_scale(colour_bar):
+    """J/m in the unit of the colour bar."""
+    label = colour_bar.ax.get_ylabel()
+    unit = label[label.rindex("(") + 1 : -1]
+    return {"mJ/m": 1e-3, "J/m": 1.0}[unit]
+
+
+def energy_in_frame(solution, t, frame):
+    """Energy of a solution in a frame that moves with a velocity, J."""
+    momentum = 0.0
+    mass = 0.0
+    for i, body in enumerate(solution.system.bodies):
+        if isinstance(body, ri.Rod):
+            body_mass = solution.outcome.masses[i]
+            mass += body_mass
+            momentum += body_mass * float(solution.mean_velocity(i, t))
+    energy = float(solution.energy(t).total)
+    return energy - frame * momentum + frame**2 / 2 * mass
+
+
+# Energy
 
 
 @every_row
-def test_energy_per_length_sums_up_to_that_of_the_ledger(solved, name):
-    solution, frame = solved[name], FRAME.get(name, 0.0)
+def test_energy_per_length_sums_up_to_the_energy_of_the_solution(solved, name):
+    solution = solved[name]
+    frame = FRAME_VELOCITIES.get(name, 0.0)
+
     picture = plot.spacetime(solution, axes(), "energy", coordinates="body")
-    unit = picture.colour_bar.ax.get_ylabel()
-    factor = {"mJ/m": 1e-3, "J/m": 1.0}[unit[unit.rindex("(") + 1 : -1]]
-    scale = {"µs": 1e6, "ms": 1e3}[picture.ax.get_ylabel()[-3:-1]]
-    values = picture.regions.get_array()
-    moving = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, ri.Rod)]
-    masses = solution.outcome.masses
-    for part in (0.1234, 0.456, 0.789):
-        t = part * solution.t_end
-        summed = sum(
-            value * width_at(polygon, t * scale)
-            for value, polygon in zip(values, corners(picture), strict=True)
-        )
-        momentum = sum(masses[i] * float(solution.mean_velocity(i, t)) for i in moving)
-        total = (
-            float(solution.energy(t).total)
-            - frame * momentum
-            + frame**2 / 2 * sum(masses[i] for i in moving)
-        )
-        assert summed * factor == pytest.approx(total, rel=1e-6)
+
+    energies = picture.regions.get_array() * energy_scale(picture.colour_bar)
+    for share in (0.1234, 0.456, 0.789):
+        t = share * solution.t_end
+        height = t * time_scale(picture.ax)
+        widths = [width_at(polygon, height) for polygon in corners(picture)]
+        energy = energy_in_frame(solution, t, frame)
+        assert energies @ widths == pytest.approx(energy, rel=1e-6)
 
 
-def test_dimensionless_energy_of_the_coming_rod_is_a_half(solved):
-    values = plot.spacetime(
-        solved["unequal"], axes(), "energy", True
-    ).regions.get_array()
-    assert values.max() == pytest.approx(0.5)
+def test_dimensionless_energy_of_the_moving_rod_is_a_half(solved):
+    picture = plot.spacetime(solved["unequal"], axes(), "energy", dimensionless=True)
+
+    assert picture.regions.get_array().max() == pytest.approx(0.5)
 
 
-# Displacement -----------------------------------------------------------------------------------
+# Displacement
+
+
+def starts_of_bodies(system):
+    """Material coordinates of the left ends of the bodies, m."""
+    lengths = [getattr(body, "length", 0.0) for body in system.bodies]
+    return np.cumsum([0.0, *lengths])
 
 
 @every_row
 def test_displacements_are_those_of_the_solution_and_linear_between(solved, name):
-    solution, frame = solved[name], FRAME.get(name, 0.0)
-    picture = plot.spacetime(solution, axes(), "displacement", coordinates="body")
-    assert isinstance(picture.regions, TriMesh)
-    triangles = picture.regions._triangulation
-    scale = {"µs": 1e6, "ms": 1e3}[picture.ax.get_ylabel()[-3:-1]]
-    values = np.asarray(picture.regions.get_array()) / picture.scale.factor
+    solution = solved[name]
+    frame = FRAME_VELOCITIES.get(name, 0.0)
     regions = ri.regions_of(solution)
-    body = np.repeat(regions.body, np.diff(regions.start))[triangles.triangles[:, 0]]
-    starts = np.cumsum(
-        [0.0, *(getattr(b, "length", 0.0) for b in solution.system.bodies)]
-    )
-    middle = triangles.x[triangles.triangles].mean(axis=1) - starts[body]
-    t = triangles.y[triangles.triangles].mean(axis=1) / scale
-    means = values[triangles.triangles].mean(axis=1)
-    largest = np.abs(values).max()
-    assert len(body) == len(regions.x) - 2 * len(regions)
-    for i in np.linspace(0, len(body) - 1, 40).astype(int):
-        expected = (
-            float(solution.displacement(int(body[i]), middle[i], t[i])) - frame * t[i]
-        )
-        assert means[i] == pytest.approx(expected, abs=1e-6 * largest)
 
+    picture = plot.spacetime(solution, axes(), "displacement", coordinates="body")
 
-def test_the_frame_of_displacement_and_energy_is_named(solved):
-    for field in ("displacement", "energy"):
-        label = plot.spacetime(
-            solved["drifting"], axes(), field
-        ).colour_bar.ax.get_ylabel()
-        assert "in a frame moving at 100 m/s" in label
-        label = plot.spacetime(
-            solved["unequal"], axes(), field
-        ).colour_bar.ax.get_ylabel()
-        assert "frame" not in label
-
-
-def test_the_same_fronts_lie_over_displacements(solved):
-    drawn = [
-        plot.spacetime(solved["stepped"], axes(), field).ax.collections
-        for field in ("velocity", "displacement")
-    ]
-    one, other = ([c for c in found if c.get_label() == "fronts"] for found in drawn)
-    assert np.array_equal(one[0].get_segments(), other[0].get_segments())
-
-
-# On a time step ---------------------------------------------------------------------------------
+    assert isinstance(picture.regions, TriMesh)
+    mesh = picture.regions._triangulation
+    triangles = mesh.triangles
+    bodies = np.repeat(regions.body, np.diff(regions.start))[triangles[:, 0]]
+    values = np.asarray(picture.regions.get_array()) / picture.scale.factor
+    means = values[triangles].mean(axis=1)
+    starts = starts_of_bodies(solution.system)[bodies]
+    x = mesh.x[triangles].mean(axis=1) - starts
+    t = mesh.y[triangles].mean(axis=1) / time_scale(picture.ax)
+    tolerance = 1e-6 * np.abs(values).max()
+    assert len(bodies) == len(regions.x) - 2 * len(regions)
+    for i in np.linspace(0, len(bodies) - 1, 40).astype(int):
+        displacement = float(solution.displacement(int(bodies[i]), x[i], t[i]))
+        assert means[i] == pytest.approx(displacement - frame * t[i], abs=tolerance)
 
 
 @pytest.mark.parametrize("field", ["displacement", "energy"])
-def test_cells_have_the_field_in_their_middle(stepwise, field):
+def test_the_frame_of_displacement_and_energy_is_named(solved, field):
+    drifting = plot.spacetime(solved["drifting"], axes(), field)
+    still = plot.spacetime(solved["unequal"], axes(), field)
+
+    assert "in a frame moving at 100 m/s" in drifting.colour_bar.ax.get_ylabel()
+    assert "frame" not in still.colour_bar.ax.get_ylabel()
+
+
+def fronts(picture):
+    for lines in picture.ax.collections:
+        if lines.get_label() == "fronts":
+            return lines.get_segments()
+    raise AssertionError("no fronts are drawn")
+
+
+def test_the_same_fronts_lie_over_displacements(solved):
+    velocity = plot.spacetime(solved["stepped"], axes(), "velocity")
+    displacement = plot.spacetime(solved["stepped"], axes(), "displacement")
+
+    assert np.array_equal(fronts(velocity), fronts(displacement))
+
+
+# Cells of smooth waves
+
+
+def energy_per_length(solution, x, t):
+    """Energy of the first rod per length, J/m."""
+    v = solution.velocity(0, x, t)
+    strain = solution.strain(0, x, t)
+    return AREA * (STEEL.density * v**2 + STEEL.youngs_modulus * strain**2) / 2
+
+
+def displacement(solution, x, t):
+    """Displacement of the first rod, m."""
+    return solution.displacement(0, x, t)
+
+
+@pytest.mark.parametrize(
+    ("field", "compute"),
+    [("displacement", displacement), ("energy", energy_per_length)],
+)
+def test_cells_have_the_field_in_their_middle(smooth, field, compute):
     picture = plot.spacetime(
-        stepwise, axes(), field, coordinates="lab", magnification=1.0
+        smooth, axes(), field, coordinates="lab", magnification=1.0
     )
+
     values = np.ma.asarray(picture.regions.get_array())
-    times = np.linspace(0, stepwise.t_end, values.shape[0] + 1)
-    t = (times[:-1] + times[1:]) / 2
-    pieces = np.flatnonzero(np.ma.getmaskarray(values)[0])[0]
+    edges = np.linspace(0, smooth.t_end, values.shape[0] + 1)
+    t = (edges[:-1] + edges[1:]) / 2
+    is_between = np.ma.getmaskarray(values)[0]
+    pieces = np.flatnonzero(is_between)[0]  # of the first rod
     x = 0.2 * (np.arange(pieces) + 0.5) / pieces
-    place, when = np.broadcast_arrays(x, t[:, None])
-    if field == "displacement":
-        exact = stepwise.displacement(0, place, when)
-    else:
-        v, strain = stepwise.velocity(0, place, when), stepwise.strain(0, place, when)
-        exact = 1e-4 * (STEEL.density * v**2 + STEEL.youngs_modulus * strain**2) / 2
-    off = np.abs(np.asarray(values[:, :pieces]) / picture.scale.factor - exact)
-    assert off.mean() < 0.01 * np.abs(exact).max()
+    exact = compute(smooth, x, t[:, None])
+    drawn = np.asarray(values[:, :pieces]) / picture.scale.factor
+    assert np.abs(drawn - exact).mean() < 0.01 * np.abs(exact).max()
 
 
-# Time across, places of the bodies ----------------------------------------------------------------
+# Time across, bodies at rest
 
 
-def flipped(artist):
-    return [segment[:, ::-1] for segment in artist.get_segments()]
+def assert_on_its_side(upright, across):
+    """Two lists of points are equal but for the order of their coordinates."""
+    for a, b in zip(upright, across, strict=True):
+        assert b[:, ::-1] == pytest.approx(a)
 
 
 @every_row
 def test_time_across_is_the_same_picture_on_its_side(solved, name):
-    up, across = (
-        plot.spacetime(solved[name], axes(), "stress", across=a) for a in (False, True)
-    )
-    for a, b in zip(corners(up), corners(across), strict=True):
-        assert b[:, ::-1] == pytest.approx(a)
-    for what in ("ends", "pressing", "touching"):
-        for a, b in zip(
-            getattr(up, what).get_segments(),
-            flipped(getattr(across, what)),
-            strict=True,
-        ):
-            assert b == pytest.approx(a)
-    for a, b in zip(up.walls, across.walls, strict=True):
-        assert b.get_xy()[:, ::-1] == pytest.approx(a.get_xy())
-    assert across.ax.get_xlabel() == up.ax.get_ylabel()
-    assert across.ax.get_ylabel().split() == up.ax.get_xlabel().split()
-    assert across.ax.get_xlim() == pytest.approx(up.ax.get_ylim())
+    upright = plot.spacetime(solved[name], axes(), "stress", across=False)
+    across = plot.spacetime(solved[name], axes(), "stress", across=True)
+
+    assert_on_its_side(corners(upright), corners(across))
+    for lines in ("ends", "pressing", "touching"):
+        upright_lines = getattr(upright, lines).get_segments()
+        assert_on_its_side(upright_lines, getattr(across, lines).get_segments())
+    upright_walls = [wall.get_xy() for wall in upright.walls]
+    assert_on_its_side(upright_walls, [wall.get_xy() for wall in across.walls])
+    assert across.ax.get_xlabel() == upright.ax.get_ylabel()
+    assert across.ax.get_ylabel().split() == upright.ax.get_xlabel().split()
+    assert across.ax.get_xlim() == pytest.approx(upright.ax.get_ylim())
 
 
 @every_row
 def test_in_places_of_the_bodies_nothing_moves(solved, name):
     picture = plot.spacetime(solved[name], axes(), coordinates="body")
+
+    starts = set()
     for path in picture.ends.get_segments():
         assert np.ptp(path[:, 0]) == 0.0
-    lengths = [b.length for b in solved[name].system.bodies if isinstance(b, ri.Rod)]
-    starts = np.unique([path[0, 0] for path in picture.ends.get_segments()])
-    assert starts == pytest.approx([0.0, *np.cumsum(lengths)])
+        starts.add(path[0, 0])
+    coordinates = starts_of_bodies(solved[name].system)
     label = " ".join(picture.ax.get_xlabel().split())
+    assert sorted(starts) == pytest.approx(np.unique(coordinates))
     assert label == "material coordinate x (m), rods laid end to end, gaps left out"

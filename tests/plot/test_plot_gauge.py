@@ -1,4 +1,4 @@
-"""Records of strain gauges: the pulses in them are shaded when and as long as they pass."""
+"""Records of strain gauges: pulses are shaded from their beginning to their end."""
 
 import numpy as np
 import pytest
@@ -8,39 +8,57 @@ from matplotlib.figure import Figure
 import rodimpact as ri
 from rodimpact import plot
 
+PRESSURE = -1  # sign of a window below 0
+TENSION = 1
+TRANSIT = 1e6 / C  # of 1 m, us
 
-def draw(record, **kwargs):
-    return plot.gauge(record, Figure(figsize=(5, 4)).add_subplot(), **kwargs)
+
+def draw(record, **options):
+    ax = Figure(figsize=(5, 4)).add_subplot()
+    return plot.gauge(record, ax, **options)
 
 
-def spans(picture):
-    """By name: when a window begins and ends, in µs, and on which side of 0 it lies."""
-    return {
-        name: (w.get_x(), w.get_x() + w.get_width(), np.sign(w.get_height()))
-        for name, w in picture.windows.items()
-    }
+def window(picture, name):
+    """When a window begins and ends, us, and on which side of 0 it lies."""
+    box = picture.windows[name]
+    start = box.get_x()
+    return start, start + box.get_width(), np.sign(box.get_height())
+
+
+@pytest.fixture(scope="module")
+def struck_bar():
+    return ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
 
 
 @pytest.mark.parametrize("strain", [1e-4, -3e-4])
-def test_the_limits_hold_all_that_is_drawn(strain):
-    """And no more than twice as much."""
+def test_the_limits_hold_all_that_is_drawn_and_no_more_than_twice_as_much(strain):
     solution = ri.solve(ri.System([rod(0.5, strain=strain)]), 3e-4)
+
     picture = draw(solution.gauge(0, 0.2))
+
     values = picture.strain.get_data().values
     low, high = picture.ax.get_ylim()
     assert low <= values.min() < values.max() <= high
     assert high - low < 2 * np.ptp(values)
-    force = plot.contact(ri.solve(ri.System([rod(0.4, 1.0), rod()]))).force_ax
-    assert 1.0 <= force.get_ylim()[1] / 1.98 <= 1.5  # kN
-    assert force.get_ylim()[0] == 0
 
 
-def test_incident_and_reflected_pulse_of_a_struck_bar():
-    solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
-    picture = draw(solution.gauge(1, 0.4))
-    windows = spans(picture)
-    assert windows["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
-    assert windows["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
+def test_the_limits_of_a_force_begin_at_0():
+    solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]))
+
+    low, high = plot.contact(solution).force_ax.get_ylim()
+
+    peak_force = 1.98  # kN
+    assert low == 0
+    assert peak_force <= high <= 1.5 * peak_force
+
+
+def test_incident_and_reflected_pulse_of_a_struck_bar(struck_bar):
+    picture = draw(struck_bar.gauge(1, 0.4))
+
+    incident = (0.4 * TRANSIT, 0.8 * TRANSIT, PRESSURE)
+    reflected = (1.6 * TRANSIT, 2.0 * TRANSIT, TENSION)
+    assert window(picture, "incident") == pytest.approx(incident)
+    assert window(picture, "reflected") == pytest.approx(reflected)
     assert legend(picture) == [
         "strain",
         "wave running right",
@@ -53,53 +71,71 @@ def test_incident_and_reflected_pulse_of_a_struck_bar():
 def test_transmitted_pulse_beyond_a_specimen():
     bars = [rod(0.2, 10.0), rod(), rod(0.02, area=2e-5), rod()]
     solution = ri.solve(ri.System(bars), 5e-4)
-    picture = draw(solution.gauge(1, 0.5), transmitted=solution.gauge(3, 0.3))
-    windows = spans(picture)
-    assert windows["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1))
-    assert windows["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1))
-    assert windows["transmitted"] == pytest.approx(
-        (1.32e6 / C, 1.72e6 / C, -1), rel=2e-3
-    )
+    behind = solution.gauge(3, 0.3)
+
+    picture = draw(solution.gauge(1, 0.5), transmitted=behind)
+
+    incident = (0.5 * TRANSIT, 0.9 * TRANSIT, PRESSURE)
+    reflected = (1.5 * TRANSIT, 1.9 * TRANSIT, TENSION)
+    transmitted = (1.32 * TRANSIT, 1.72 * TRANSIT, PRESSURE)
     drawn = picture.transmitted.get_data().values
-    assert drawn.min() == pytest.approx(1e6 * solution.gauge(3, 0.3).strain.min())
+    assert window(picture, "incident") == pytest.approx(incident)
+    assert window(picture, "reflected") == pytest.approx(reflected)
+    assert window(picture, "transmitted") == pytest.approx(transmitted, rel=2e-3)
+    assert drawn.min() == pytest.approx(1e6 * behind.strain.min())
     assert "transmitted strain" in legend(picture)
 
 
-def test_on_a_time_step_the_windows_are_the_same():
-    bars = ri.System(
-        [rod(0.2, 10.0), rod(), rod()], contacts=[ri.Rigid(), ri.Spring(4e8)]
-    )
-    solution = ri.solve(bars, 4.5e-4, "characteristics")
-    windows = spans(draw(solution.gauge(1, 0.5), transmitted=solution.gauge(2, 0.5)))
-    assert windows["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1), abs=0.3)
-    assert windows["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1), abs=0.5)
-    assert windows["transmitted"][:2] == pytest.approx((1.5e6 / C, 1.9e6 / C), abs=1.0)
+def test_windows_of_smooth_waves_are_the_same():
+    bars = [rod(0.2, 10.0), rod(), rod()]
+    system = ri.System(bars, contacts=[ri.Rigid(), ri.Spring(4e8)])
+    solution = ri.solve(system, 4.5e-4, "characteristics")
+
+    picture = draw(solution.gauge(1, 0.5), transmitted=solution.gauge(2, 0.5))
+
+    incident = (0.5 * TRANSIT, 0.9 * TRANSIT, PRESSURE)
+    reflected = (1.5 * TRANSIT, 1.9 * TRANSIT, TENSION)
+    transmitted = (1.5 * TRANSIT, 1.9 * TRANSIT)
+    assert window(picture, "incident") == pytest.approx(incident, abs=0.3)
+    assert window(picture, "reflected") == pytest.approx(reflected, abs=0.5)
+    assert window(picture, "transmitted")[:2] == pytest.approx(transmitted, abs=1.0)
 
 
-@pytest.mark.parametrize(
-    "system",
-    [
-        ri.System(
-            [rod(strain=ri.Steps([1e-4, 0.0], at=[0.5])), rod()]
-        ),  # the bar vibrates
-        ri.System([rod(velocity=-1.0), rod()]),  # nothing collides
-    ],
-)
-def test_where_there_is_no_pulse_nothing_is_shaded(system):
-    picture = draw(ri.solve(system, 3e-4).gauge(0, 0.3))
+def vibrating_bar():
+    strain = ri.Steps([1e-4, 0.0], at=[0.5])
+    return ri.System([rod(strain=strain), rod()])
+
+
+def receding_bars():
+    return ri.System([rod(velocity=-1.0), rod()])
+
+
+@pytest.mark.parametrize("system", [vibrating_bar(), receding_bars()])
+def test_without_a_pulse_nothing_is_shaded(system):
+    solution = ri.solve(system, 3e-4)
+
+    picture = draw(solution.gauge(0, 0.3))
+
     assert picture.windows == {}
     assert len(legend(picture)) == 3
 
 
-def test_a_gauge_at_a_free_end_has_windows_too():
-    solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
-    assert spans(draw(solution.gauge(1, 1.0)))["incident"][0] == pytest.approx(1e6 / C)
+def test_a_gauge_at_a_free_end_has_windows_too(struck_bar):
+    picture = draw(struck_bar.gauge(1, 1.0))
+
+    start, _, _ = window(picture, "incident")
+    assert start == pytest.approx(TRANSIT)
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics", "finite-difference"])
 def test_a_record_is_drawn_to_its_end(method):
     solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4, method)
-    steps = draw(solution.gauge(1, 0.4)).strain, plot.contact(solution).forces[0]
-    for values, edges, _ in (drawn.get_data() for drawn in steps):
-        assert edges[[0, -1]] == pytest.approx([0.0, 600.0])
+
+    strain = draw(solution.gauge(1, 0.4)).strain
+    force = plot.contact(solution).forces[0]
+
+    for steps in (strain, force):
+        values, edges, _ = steps.get_data()
+        assert edges[0] == pytest.approx(0.0)
+        assert edges[-1] == pytest.approx(600.0)
         assert edges.size == values.size + 1

@@ -6,7 +6,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from drawing import rod, settings
+from drawing import rod, settings, texts_of
 from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
@@ -17,16 +17,21 @@ from rodimpact import plot
 from rodimpact.plot.panels import figure_of
 from rodimpact.plot.style import LOOKS
 
+MM_PER_INCH = 25.4
+
+
+def solved_mass():
+    bodies = [ri.RigidMass(0.1, velocity=1.0), rod(0.4), ri.Wall()]
+    row = ri.System(bodies, gaps=[0.0, 1e-5])
+    return ri.solve(row, 2e-4, "characteristics")
+
+
 SOLUTION = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]))
-STEPWISE = ri.solve(
-    ri.System([ri.RigidMass(0.1, velocity=1.0), rod(0.4), ri.Wall()], gaps=[0.0, 1e-5]),
-    2e-4,
-    "characteristics",
-)
+SMOOTH = solved_mass()
 PICTURES = {
     "spacetime": lambda: plot.spacetime(SOLUTION, field="displacement", across=True).ax,
-    "cells": lambda: plot.spacetime(STEPWISE, field="energy", across=True).ax,
-    "snapshots": lambda: plot.snapshots(STEPWISE).ax,
+    "cells": lambda: plot.spacetime(SMOOTH, field="energy", across=True).ax,
+    "snapshots": lambda: plot.snapshots(SMOOTH).ax,
     "contact": lambda: plot.contact(SOLUTION).force_ax,
     "energy": lambda: plot.energy(SOLUTION).ax,
     "gauge": lambda: plot.gauge(SOLUTION.gauge(1, 0.5)).ax,
@@ -35,85 +40,112 @@ PICTURES = {
 every_picture = pytest.mark.parametrize("name", PICTURES)
 
 
+@pytest.fixture
+def closing():
+    """Close all figures of pyplot after a test."""
+    yield
+    plt.close("all")
+
+
 def luminance(colour):
-    parts = [
-        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
-        for c in to_rgb(colour)
-    ]
-    return float(np.dot(parts, [0.2126, 0.7152, 0.0722]))
+    """Relative luminance of a colour, 0 to 1, as web pages measure it."""
+    parts = np.array(to_rgb(colour))
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
 
 
 def contrast(a, b):
-    """Of two colours, 1 to 21, as web pages measure it."""
-    lighter, darker = sorted((luminance(a), luminance(b)), reverse=True)
+    """Contrast of two colours, 1 to 21, as web pages measure it."""
+    darker, lighter = sorted([luminance(a), luminance(b)])
     return (lighter + 0.05) / (darker + 0.05)
 
 
 @pytest.mark.parametrize("name", LOOKS)
 def test_everything_can_be_seen_on_its_paper(name):
-    paper, ink, faint, _, mass, series, _ = LOOKS[name]
-    assert contrast(ink, paper) > 12
-    assert contrast(mass, paper) > 7
-    assert min(contrast(colour, paper) for colour in (faint, *series)) > 3
+    colours = LOOKS[name]
+    paper = colours.paper
+
+    assert contrast(colours.ink, paper) > 12
+    assert contrast(colours.mass, paper) > 7
+    for colour in (colours.faint, *colours.series):
+        assert contrast(colour, paper) > 3
+
+
+def words_of_axes(ax):
+    """Labels, numbers and the texts of the legend of an Axes."""
+    words = [ax.xaxis.label, ax.yaxis.label, *ax.get_xticklabels()]
+    legend = ax.get_legend()
+    if legend is not None:
+        words += legend.findobj(Text)
+    return words
 
 
 @every_picture
 def test_words_of_dark_figures_are_light_and_paper_is_dark(name):
     with plot.look("dark"):
         figure = PICTURES[name]().figure
+
     assert luminance(figure.get_facecolor()) < 0.01
     assert luminance(figure.axes[0].get_facecolor()) < 0.01
-    labels = [
-        label
-        for ax in figure.axes
-        for label in (ax.xaxis.label, ax.yaxis.label, *ax.get_xticklabels())
-    ]
-    assert labels
-    assert all(luminance(label.get_color()) > 0.7 for label in labels)
-    for legend in (ax.get_legend() for ax in figure.axes):
-        texts = [] if legend is None else legend.findobj(Text)
-        assert all(luminance(text.get_color()) > 0.7 for text in texts)
+    for ax in figure.axes:
+        for word in words_of_axes(ax):
+            assert luminance(word.get_color()) > 0.7
+
+
+def present_look():
+    colours = plot.style.colours()
+    (name,) = [name for name in LOOKS if LOOKS[name] == colours]
+    return name
 
 
 def test_light_is_usual_and_comes_back():
-    def look():
-        return next(
-            name for name, colours in LOOKS.items() if colours == plot.style.colours()
-        )
-
-    before = dict(mpl.rcParams.copy())
-    assert look() == "light"
+    assert present_look() == "light"
     with plot.look("dark"):
-        assert look() == "dark"
+        assert present_look() == "dark"
         with plot.look("light"):
-            assert look() == "light"
-        assert look() == "dark"
+            assert present_look() == "light"
+        assert present_look() == "dark"
+    assert present_look() == "light"
+
+
+def test_the_look_before_comes_back_after_an_error():
+    with plot.look("dark"):
         with pytest.raises(ValueError, match="--"), plot.look("light"):
             raise ValueError("--")
-        assert look() == "dark"
-    assert look() == "light"
+        assert present_look() == "dark"
+
+
+def test_a_look_leaves_the_settings_alone():
+    before = dict(mpl.rcParams.copy())
+
+    with plot.look("dark"):
+        pass
+
     assert dict(mpl.rcParams.copy()) == before
 
 
 def test_a_look_is_that_of_one_thread():
-    seen = []
+    colours = []
     with plot.look("dark"):
-        other = threading.Thread(target=lambda: seen.append(plot.style.colours()))
+        other = threading.Thread(target=lambda: colours.append(plot.style.colours()))
         other.start()
         other.join()
-    assert seen == [LOOKS["light"]]
+
+    assert colours == [LOOKS["light"]]
 
 
-@pytest.mark.parametrize(
-    "name", few_of(PICTURES, {"spacetime", "cells", "snapshots", "energy"})
-)
+SIZED = {"spacetime", "cells", "snapshots", "energy"}
+
+
+@pytest.mark.parametrize("name", few_of(PICTURES, SIZED))
 def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
     with plot.look(width=85):
         figure = PICTURES[name]().figure
-    assert figure.get_figwidth() * 25.4 == pytest.approx(85)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
+
     box = figure.get_tightbbox(canvas.get_renderer())
+    assert figure.get_figwidth() * MM_PER_INCH == pytest.approx(85)
     assert box.x0 > -0.02
     assert box.x1 < figure.get_figwidth() + 0.02
     assert box.y0 > -0.02
@@ -133,63 +165,103 @@ def test_wrong_looks_are_refused(wrong, named):
         pass
 
 
-def test_the_style_sheets_have_names_and_differ_in_colours_only():
-    sheets = {}
-    for mode in ("light", "dark"):
-        with plt.style.context(f"rodimpact.plot.{mode}"):
-            sheets[mode] = settings()
-            figure, ax = plt.subplots()
-            assert to_hex(figure.get_facecolor()) == LOOKS[mode].paper
-            assert to_hex(ax.xaxis.label.get_color()) == LOOKS[mode].ink
-            (line,) = ax.plot([0, 1])
-            assert line.get_color() == LOOKS[mode].series[0]
-            assert not ax.spines["top"].get_visible()
-            plt.close(figure)
-    differ = {
-        name for name, value in sheets["light"].items() if value != sheets["dark"][name]
-    }
-    assert differ == {
-        "figure.facecolor", "axes.facecolor", "text.color", "axes.labelcolor",
-        "xtick.labelcolor", "ytick.labelcolor", "axes.edgecolor", "xtick.color",
-        "ytick.color", "grid.color", "axes.prop_cycle",
-    }  # fmt: skip
+@pytest.mark.parametrize("mode", ["light", "dark"])
+@pytest.mark.usefixtures("closing")
+def test_the_style_sheets_have_names(mode):
+    with plt.style.context(f"rodimpact.plot.{mode}"):
+        figure, ax = plt.subplots()
+        (line,) = ax.plot([0, 1])
+
+    colours = LOOKS[mode]
+    assert to_hex(figure.get_facecolor()) == colours.paper
+    assert to_hex(ax.xaxis.label.get_color()) == colours.ink
+    assert line.get_color() == colours.series[0]
+    assert not ax.spines["top"].get_visible()
 
 
+COLOURS = {
+    "figure.facecolor",
+    "axes.facecolor",
+    "text.color",
+    "axes.labelcolor",
+    "xtick.labelcolor",
+    "ytick.labelcolor",
+    "axes.edgecolor",
+    "xtick.color",
+    "ytick.color",
+    "grid.color",
+    "axes.prop_cycle",
+}
+
+
+def test_the_style_sheets_differ_in_colours_only():
+    with plt.style.context("rodimpact.plot.light"):
+        light = settings()
+    with plt.style.context("rodimpact.plot.dark"):
+        dark = settings()
+
+    assert {name for name in light if light[name] != dark[name]} == COLOURS
+
+
+@pytest.mark.usefixtures("closing")
 def test_axes_of_pyplot_look_like_axes_of_the_package():
-    solution = SOLUTION
-    figure, ax = plt.subplots()
-    upper_lower = plt.subplots(2)
-    try:
-        picture = plot.energy(solution, ax=ax)
-        own = plot.energy(solution)
-        assert picture.ax is ax
-        assert [t.get_text() for t in picture.labels] == [
-            t.get_text() for t in own.labels
-        ]
-        assert not ax.spines["top"].get_visible()
-        pair = plot.contact(solution, ax=upper_lower[1])
-        assert pair.gap_ax is upper_lower[1][1]
-        part = figure.subfigures(1, 2)[0].subplots()
-        assert figure_of(plot.spacetime(solution, ax=part)) is figure
-    finally:
-        plt.close("all")
+    _, ax = plt.subplots()
 
+    picture = plot.energy(SOLUTION, ax=ax)
 
-def test_show_opens_a_window_and_waits(monkeypatch):
-    shown = []
     own = plot.energy(SOLUTION)
+    assert picture.ax is ax
+    assert texts_of(picture.labels) == texts_of(own.labels)
+    assert not ax.spines["top"].get_visible()
+
+
+@pytest.mark.usefixtures("closing")
+def test_a_pair_of_axes_of_pyplot_can_be_given():
+    _, (upper, lower) = plt.subplots(2)
+
+    picture = plot.contact(SOLUTION, ax=[upper, lower])
+
+    assert picture.gap_ax is lower
+
+
+@pytest.mark.usefixtures("closing")
+def test_axes_of_a_part_of_a_figure_can_be_given():
+    figure = plt.figure()
+    left, _ = figure.subfigures(1, 2)
+
+    picture = plot.spacetime(SOLUTION, ax=left.subplots())
+
+    assert figure_of(picture) is figure
+
+
+@pytest.fixture
+def windows(closing, monkeypatch):
+    """Numbers of the figures of pyplot at each call of its show."""
+    calls = []
+    monkeypatch.setattr(plt, "get_backend", lambda: "a window")
+    monkeypatch.setattr(plt, "show", lambda: calls.append(plt.get_fignums()))
+    return calls
+
+
+def test_show_opens_the_window_of_a_figure_of_pyplot(windows):
     figure, ax = plt.subplots()
-    given = plot.energy(SOLUTION, ax=ax)
-    try:
-        monkeypatch.setattr(plt, "get_backend", lambda: "a window")
-        monkeypatch.setattr(plt, "show", lambda: shown.append(plt.get_fignums()))
-        plot.show(given)
-        assert shown == [[figure.number]]  # pyplot has it already
-        plot.show(own)
-        plot.show(own.ax.figure)
-        assert [len(numbers) for numbers in shown] == [1, 2, 2]
-        assert plt.figure(shown[-1][-1]) is own.ax.figure
-    finally:
-        plt.close("all")
+
+    plot.show(plot.energy(SOLUTION, ax=ax))
+
+    assert windows == [[figure.number]]
+
+
+def test_show_gives_a_figure_of_the_package_to_pyplot_once(windows):
+    own = plot.energy(SOLUTION)
+
+    plot.show(own)
+    plot.show(own.ax.figure)
+
+    first, second = windows
+    assert len(first) == len(second) == 1
+    assert plt.figure(second[0]) is own.ax.figure
+
+
+def test_show_refuses_a_text():
     with pytest.raises(ValueError, match="must be a figure"):
         plot.show("energy.png")
