@@ -246,11 +246,11 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
         gap = link.gap
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
         # It hardens, and its faces move for good.
-        link.yield_force, _, knot = contact_laws.load_plastically(
+        link.yield_force, _, next_knot = contact_laws.load_plastically(
             link, -link.gap, link.overlap
         )
-        if knot > link.knot:
-            link.knot = knot
-            link.hardening_share = link.shares[knot - 1]
+        if next_knot > link.next_knot:
+            link.next_knot = next_knot
+            link.hardening_share = link.shares[next_knot - 1]
         gap = -link.yield_force / link.stiffness
     return gap

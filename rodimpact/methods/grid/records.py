@@ -47,7 +47,7 @@ class Link(link.Link):
     The gap and the yield force are those at present, and the gap is the stretch of a joint.
     """
 
-    knot: int  # index of the knot at which the hardening changes next
+    next_knot: int  # index of the knot at which the hardening changes next
     left_node: int
     right_node: int
     leftmost_node: int  # first and last node whose velocity its force changes in a step
