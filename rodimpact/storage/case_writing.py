@@ -57,6 +57,25 @@ def write_case(case: Case | System) -> str:
         )
         raise invalid_argument("system", message)
     system.check_file()
+    parts = _system_tables(system)
+    for gauge in case.gauges:
+        entries = gauge._asdict()
+        if not gauge.name:
+            entries["name"] = None
+        parts.append(toml_table("[[gauges]]", entries))
+    if case.solve:
+        parts.append(toml_table("[solve]", case.solve))
+    if case.output:
+        parts.append(toml_table("[output]", case.output))
+    if case.result:
+        parts += _result_tables(case.result)
+    text = "\n\n".join(parts) + "\n"
+    _check_utf8(text)
+    return text
+
+
+def _system_tables(system: System) -> list[str]:
+    """Tables of a case file that describe a system, the schema first."""
     described = system.to_dict()
     materials = _name_materials(system, described)
     parts = [toml_table(f"schema = {SCHEMA}", {"gravity": described.get("gravity")})]
@@ -74,20 +93,7 @@ def write_case(case: Case | System) -> str:
         parts.append(toml_table("[[contacts]]", contact))
     for side, end in described.get("ends", {}).items():
         parts.append(toml_table(f"[ends.{side}]", end))
-    for gauge in case.gauges:
-        entries = gauge._asdict()
-        if not gauge.name:
-            entries["name"] = None
-        parts.append(toml_table("[[gauges]]", entries))
-    if case.solve:
-        parts.append(toml_table("[solve]", case.solve))
-    if case.output:
-        parts.append(toml_table("[output]", case.output))
-    if case.result:
-        parts += _result_tables(case.result)
-    text = "\n\n".join(parts) + "\n"
-    _check_utf8(text)
-    return text
+    return parts
 
 
 def _check_utf8(text: str) -> None:
