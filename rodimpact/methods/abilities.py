@@ -35,7 +35,8 @@ def needs(system: model.System) -> Needs:
     physics: Needs = []
     if not vanishes(system.gravity):
         physics.append(("gravity", GRAVITY))
-    if not any(isinstance(body, model.Rod) for body in system.bodies):
+    kinds = [body.kind for body in system.bodies]
+    if "rod" not in kinds:
         physics.append(("bodies", RODLESS))
     for i, body in enumerate(system.bodies):
         if isinstance(body, model.RigidMass):
@@ -76,7 +77,11 @@ def has_external_drive(system: Any) -> bool:
 
     The page has this as JavaScript.
     """
-    kinds = [each.kind for each in (*system.bodies, *system.ends)]
-    is_held = any(kind in ("wall", "fixed", "absorbing") for kind in kinds)
-    is_pushed = any(kind in ("force", "velocity", "incoming") for kind in kinds)
+    is_held = False
+    is_pushed = False
+    for each in (*system.bodies, *system.ends):
+        if each.kind in ("wall", "fixed", "absorbing"):
+            is_held = True
+        elif each.kind in ("force", "velocity", "incoming"):
+            is_pushed = True
     return is_pushed or (is_held and not vanishes(system.gravity))

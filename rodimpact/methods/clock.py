@@ -95,7 +95,10 @@ class Clock:
     @property
     def longest(self) -> int:
         """Transit time of the longest rod, ticks."""
-        return max(sum(self.ticks[first : last + 1]) for first, last in self.spans)
+        longest = 0
+        for first, last in self.spans:
+            longest = max(longest, sum(self.ticks[first : last + 1]))
+        return longest
 
     def mass(self, body: int) -> float:
         """Mass with the transit times in use, kg; infinite for a wall."""
@@ -107,9 +110,9 @@ class Clock:
 def mass_of(clock: Clock, body: int) -> float:
     """Mass of a rod with the transit times in use, kg; the page has this as JavaScript."""
     first, last = clock.row.spans[body]
-    mass_in_ticks = sum(
-        [clock.impedance[s] * clock.transits[s - 1] for s in range(first, last + 1)]
-    )
+    mass_in_ticks: float = 0
+    for s in range(first, last + 1):
+        mass_in_ticks += clock.impedance[s] * clock.transits[s - 1]
     return mass_in_ticks * clock.tick
 
 

@@ -153,7 +153,8 @@ class Compiled:
     def __call__(self, *arguments: Any) -> Any:
         """Run it."""
         try:
-            if not self._ready:  # with a lock that a fork waits for; numba's is private
+            if not self._ready:
+                # A fork waits for this lock; numba's own is private.
                 with ONE_AT_A_TIME, uncollected(), optimised_for_kernels():
                     types = tuple(map(compiler().typeof, arguments))
                     call_on_deep_stack(self._fast.compile, types)

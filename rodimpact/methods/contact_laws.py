@@ -268,7 +268,7 @@ def mean_spring(k: float, d: float, x0: float, x1: float) -> tuple[float, float]
     last = k * x1 + d * w
     if x0 >= 0 and last >= 0:
         return k * (x0 + x1) / 2 + d * w, k / 2 + d
-    least = max(-d * w / k, 0.0)  # where it lets go, or begins
+    least = max(-d * w / k, 0.0)  # overlap at which it lets go, or begins
     a = max(x0, least)
     b = max(x1, least)
     share = (b - a) / w

@@ -20,9 +20,8 @@ __all__ = ["Kernel", "compiled"]
 # Costs, s of processor time
 STARTING = 0.4  # numba starts
 LOADING = 0.1  # machine code is read from disk
-COMPILING = (
-    3.0  # after so much in plain Python a kernel is compiled, whatever that takes
-)
+COMPILING = 3.0
+"""Time in plain Python after which a kernel is compiled, whatever that takes: it is kept."""
 LIST_TIME = 5e-8  # a number goes to a list and back
 
 
@@ -95,7 +94,7 @@ def _pays(seconds: float, kernel: Kernel) -> bool:
     if not _ready:
         price = STARTING + LOADING
     if seconds <= price:
-        return False  # without a look at the cache, for which numba must start
+        return False  # a look at the cache would start numba
     reason = why_not()
     if reason or not compiled(kernel).files():
         if seconds <= COMPILING:
@@ -119,9 +118,8 @@ def _fault() -> str:
         return "numba is not installed"
     try:
         compiling.compiler()
-    except (
-        Exception
-    ) as error:  # of itself, of what it needs, or of a variable with a wrong value
+    except Exception as error:
+        # The fault may be numba's, that of what it needs, or a variable with a wrong value.
         variables = []
         for name, value in os.environ.items():
             if name.startswith("NUMBA_"):

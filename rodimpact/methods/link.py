@@ -20,8 +20,8 @@ class Law(IntEnum):
     PUSH_LEFT = 1  # the force of what stands outside the left end, none at a free one
     PUSH_RIGHT = 2
     JOINT = 3
-    RIGID = 4  # from here on links can open
-    IMPACT = 5  # between rigid bodies: momentum jumps
+    RIGID = 4  # this and all below can open
+    IMPACT = 5  # rigid bodies exchange momentum at once
     SPRING = 6
     POWER = 7
     YIELD = 8

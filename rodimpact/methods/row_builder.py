@@ -47,7 +47,7 @@ def build_row(system: Any) -> Row:
     for i, body in enumerate(bodies):
         if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
             row.mass_of[i] = len(row.masses)
-            if any(rods[:i]):  # to the right wall
+            if any(rods[:i]):  # the right wall
                 row.mass_of[i] += 1
     return row
 

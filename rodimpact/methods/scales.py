@@ -81,14 +81,17 @@ def scale_of(row: Any) -> Any:
     for body in row.system.bodies:
         if body.kind == "rod":
             c = largest([s.wave_speed for s in body.segments])
-            strained.extend([c * abs(strain) for strain in extremes(body.strain)])
+            for strain in extremes(body.strain):
+                strained.append(c * abs(strain))
     pushed = [0.0]  # forces, N
     for side, (kind, value) in enumerate(row.boundaries):
         if kind == "force":
-            pushed.extend([abs(force) for force in extremes(value)])
+            for force in extremes(value):
+                pushed.append(abs(force))
         elif kind == "absorbing":
             factor = wave_of_strain(row, side)
-            strained.extend([abs(strain * factor) for strain in extremes(value)])
+            for strain in extremes(value):
+                strained.append(abs(strain * factor))
     for link in row.links:
         if link.law == Law.JOINT:
             pushed.append(abs(link.stiffness * link.stretch))

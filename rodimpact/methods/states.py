@@ -24,7 +24,7 @@ class Status(IntEnum):
     OPEN = 3  # a gap, or parting; from here on it is a contact
     TOUCH = 4  # closed, not yet pressed since it closed
     GRAZE = 5  # closed, pressed before, without force now
-    PRESS = 6  # from here on the state of a contact decides its force
+    PRESS = 6  # in this and all below the state of a contact decides its force
     PLASTIC = 7
     REST = 8  # rigid bodies that lie on each other
 

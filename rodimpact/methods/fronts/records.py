@@ -82,7 +82,7 @@ class Node:
     contact: int  # index of the contact; NONE for a joint or an end
     status: int  # `states.Status`
     solved_tick: Tick  # tick at which the node was solved last
-    gap: Amplitude  # at `solved_tick`; velocity times ticks
+    gap: Amplitude  # gap at `solved_tick`; velocity times ticks
     gap_rate: Amplitude  # m/s
     force: Amplitude  # N, on the right segment; its negative acts on the left one
     face_velocity: Amplitude  # velocity of the right end of the left segment
@@ -147,7 +147,7 @@ class NodeResult:
     # Results of the segment left of the node; velocities are of its bonded group
     velocity_before: float  # m/s
     velocity_after: float
-    initial_momentum: float  # in the frame, kg m/s
+    initial_momentum: float  # momentum in the frame, kg m/s
     max_wave_difference: float  # m/s
     # Results of the node
     impulse: float  # N s
@@ -158,7 +158,7 @@ class NodeResult:
     # Results of the run, at the first node
     stop_reason: Int8  # `states.Stop`
     is_proved: Int8  # 1: the collision is final, see `finality`
-    vibration_energy: float  # at the end, J
+    vibration_energy: float  # energy left at the end, J
     end_time: float  # s
     frame_velocity: float  # m/s
 

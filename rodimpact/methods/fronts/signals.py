@@ -67,7 +67,7 @@ def contact_signal(
     k = finished.layout.contacts[contact]
     closed_status = finished.nodes[k].closed_status
     first_gap = float(clock.system.gaps[contact]) / clock.tick
-    changes = changes[changes["next_row"] == k]  # in a change this field is the node
+    changes = changes[changes["next_row"] == k]  # the node, in a row of a change
     first_status = Status.OPEN if first_gap > 0 else closed_status
     # The first status begins at tick -1, so that a change at tick 0 comes later.
     statuses = Pieces([-1, *changes["tick"]], [first_status, *changes["value"]])

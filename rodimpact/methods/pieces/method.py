@@ -98,6 +98,7 @@ def solve_family(
     until: float | None,
     max_events: int,
     rtol: float | None,
+    *,
     should_stop: Callable[[], bool] = lambda: False,
     later_members: int = 0,  # noqa: ARG001 - an argument of every method's family
     also: Sequence[str] = (),
