@@ -114,7 +114,9 @@ def scale_without_rods(row: Any, time: Any) -> Any:
     time : float or array
         Time in which forces act, s.
     """
-    least_mass = smallest(row.masses or [np.inf])  # all of it may be bonded to walls
+    least_mass = np.inf  # all masses may be bonded to walls
+    if row.masses:
+        least_mass = smallest(row.masses)
     scale = np.abs(row.system.gravity) * time
     for kind, value in row.boundaries:
         if kind == "force":
