@@ -19,7 +19,7 @@ from ..methods.link import Law
 from ..methods.outcome import Motion
 from ..methods.pieces import accuracy, layout, march, reading
 from ..methods.pieces.accuracy import Ended, size_of
-from ..methods.pieces.layout import RunRequest
+from ..methods.pieces.layout import InitialLine, RunRequest
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import CONTACT_EVENT, NONE, PIECE, State
 from ..methods.pieces.series import N
@@ -145,9 +145,9 @@ def run_of(
     for l in range(len(log)):
         log[l].line = l
     wanted = RunRequest(until, tolerance, asked.max_events, keep)
-    known = [(1, 0, 1) for _ in log]
+    initial_lines = [InitialLine(1, 0, 1) for _ in log]
     runs, nodes, links, masses, lines, parts = layout.lay_out(
-        row, clock, wanted, known, outside
+        row, clock, wanted, initial_lines, outside
     )
     run = runs[0]
     turns = blank(ROOM + march.MAX_STATUS_CHANGES, CONTACT_EVENT)

@@ -81,7 +81,7 @@ class Members:
     ----------
     runs, nodes, links, masses, lines, parts : [member, i] array
         Records; there is one run of each member.
-    first : [member, piece] PIECE
+    first_pieces : [member, piece] PIECE
         Pieces that are known at t = 0.
     fit : float
         Largest miss of the pieces at t = 0, as of `InitialLines`, relative to the velocity scale.
@@ -98,11 +98,11 @@ class Members:
         self.row = row
         self.request = request
         self.clock, jumps = family_clock(row, request.until)
-        known = InitialLines(row, self.clock, jumps, request)
-        laid = layout.lay_out(row, self.clock, request, known.lines, known.outside)
-        self.first = np.concatenate(known.log, axis=1)
-        self.fit = known.fit
-        self.carried = known.carried
+        initial = InitialLines(row, self.clock, jumps, request)
+        laid = layout.lay_out(row, self.clock, request, initial.lines, initial.outside)
+        self.first_pieces = np.concatenate(initial.log, axis=1)
+        self.fit = initial.fit
+        self.carried = initial.carried
         runs, nodes, links, masses, lines, parts = laid
         self.runs = records_of_family(runs, RUN, row)
         self.nodes = records_of_family(nodes, NODE, row)
@@ -112,7 +112,9 @@ class Members:
         self.parts = records_of_family(parts, GROUP_PART, row)
         unknowns = N * int(self.nodes["link_count"].max())
         arrays: dict[str, Any] = {name: self.records(name)[0] for name in MEMBER_FIELDS}
-        arrays["log"] = np.zeros(INITIAL_LOG_ROWS + 2 * self.first.shape[1], PIECE)
+        arrays["log"] = np.zeros(
+            INITIAL_LOG_ROWS + 2 * self.first_pieces.shape[1], PIECE
+        )
         arrays["contact_log"] = np.zeros(INITIAL_CONTACT_ROWS, CONTACT_EVENT)
         arrays["matrix"] = np.zeros((unknowns, unknowns + 1))
         state = State(**arrays)
@@ -142,25 +144,25 @@ class Members:
     def run_all(
         self,
         members: Iterable[int],
-        stop: Callable[[], bool] = lambda: False,
+        should_stop: Callable[[], bool] = lambda: False,
         report: Report = no_report,
     ) -> None:
-        """Run some members; raise Stopped if `stop`, asked now and then, says so."""
+        """Run some members; raise Stopped if `should_stop`, asked now and then, says so."""
         for count, m in enumerate(members):
-            if count % MEMBERS_PER_CHECK == 0 and stop():
+            if count % MEMBERS_PER_CHECK == 0 and should_stop():
                 raise Stopped
-            self.go(m, report)
+            self.run_member(m, report)
 
     def load(self, member: int = 0) -> None:
         """Take the records of a member, and its pieces at t = 0."""
         batch = self.batch
-        own = {}
+        records = {}
         for name in MEMBER_FIELDS:
-            own[name] = self._in_form(self.records(name)[member])
-        batch.state = batch.state._replace(**own)
+            records[name] = self._in_form(self.records(name)[member])
+        batch.state = batch.state._replace(**records)
         log: Any = batch.state.log
-        first = self._in_form(self.first[member])
-        log[: len(first)] = first
+        pieces = self._in_form(self.first_pieces[member])
+        log[: len(pieces)] = pieces
 
     def _in_form(self, array: Any) -> Any:
         """Records in the form of the batch: an array, or a list of objects."""
@@ -173,7 +175,7 @@ class Members:
         for name in MEMBER_FIELDS:
             self.records(name)[member] = self.batch.array(name)
 
-    def go(self, member: int = 0, report: Report = no_report) -> None:
+    def run_member(self, member: int = 0, report: Report = no_report) -> None:
         """Run a member to its end, in slices, between which it may go on in machine code."""
         batch = self.batch
         batch.choose_form(MIN_RUN_TIME)

@@ -246,7 +246,7 @@ def bound_end_velocities(state: State, first: int, last: int) -> None:
     """
     group = state.parts[first]
     segments = 0
-    others = 0
+    other_parts = 0
     for k in range(first, last):
         part = state.parts[k]
         if part.kind == Part.SEGMENT:
@@ -262,7 +262,7 @@ def bound_end_velocities(state: State, first: int, last: int) -> None:
                 group.min_wave = low
                 group.max_wave = high
         elif part.kind < Part.WALL:
-            others += 1  # masses and joints
+            other_parts += 1  # masses and joints
     for k in range(first, last):
         if state.parts[k].kind == Part.WALL:
             # A wall reflects waves about its velocity.
@@ -270,7 +270,7 @@ def bound_end_velocities(state: State, first: int, last: int) -> None:
             reflected_max = 2 * group.reference_velocity - group.min_wave
             group.min_wave = min(group.min_wave, reflected_min)
             group.max_wave = max(group.max_wave, reflected_max)
-    is_segment = segments <= 1 and others == 0
+    is_segment = segments <= 1 and other_parts == 0
     group.ends_follow_waves = is_segment or last - first == 1
 
 

@@ -12,7 +12,7 @@ from ..row import Row
 from ..scales import wave_of_strain
 from ..signals import Ints, Pieces
 from . import layout, profile_pieces
-from .layout import RunRequest
+from .layout import InitialLine, RunRequest
 from .records import HARD, NONE, PIECE
 
 EXACT_FIT = 2.0**-48
@@ -87,8 +87,8 @@ class InitialLines:
     ----------
     log : list of [member, piece] PIECE
         Line by line: two a segment, then those from outside.
-    lines : list of (int, int, int)
-        Numbers of pieces, hard breaks and ticks of each line.
+    lines : list of InitialLine
+        What each line holds.
     outside : list of int
         Lines from outside to the left and right end, NONE for the free end of a rod.
     fit : float
@@ -110,7 +110,7 @@ class InitialLines:
         self._jumps = jumps
         self._request = request
         self.log = list[Any]()
-        self.lines = list[tuple[int, int, int]]()
+        self.lines = list[InitialLine]()
         self.fit = 0.0
         self.carried = 0.0
         for rod, s, begin in segments_of(row):
@@ -120,14 +120,14 @@ class InitialLines:
     def _add(self, pieces: Any) -> int:
         """Add a line of pieces, [member, piece]; return its number."""
         l = len(self.log)
-        first = sum(count for count, _, _ in self.lines)
+        first = sum(line.piece_count for line in self.lines)
         n = pieces.shape[1]
         pieces["line"] = l
         pieces["next"] = [*range(first + 1, first + n), NONE]
         hard = int(np.sum(pieces["break_order"][0, 1:] <= HARD))
         duration = int(pieces["end"][0, -1] - pieces["start"][0, 0])
         self.log.append(pieces)
-        self.lines.append((n, hard, duration))
+        self.lines.append(InitialLine(n, hard, duration))
         return l
 
     def _fit_pieces(

@@ -60,6 +60,14 @@ class RunRequest(NamedTuple):
     keep: bool  # whether forces, overlaps and velocities of masses are kept
 
 
+class InitialLine(NamedTuple):
+    """What a line holds at t = 0."""
+
+    piece_count: int
+    hard_breaks: int  # between its pieces
+    ticks: int  # duration of its pieces
+
+
 # Waves at t = 0, and from outside -----------------------------------------------------------------
 
 
@@ -97,7 +105,7 @@ def lay_out(
     row: Any,
     clock: Clock,
     request: RunRequest,
-    known: list[tuple[int, int, int]],
+    initial_lines: list[InitialLine],
     outside: Any,
 ) -> list[list[Any]]:
     """Put a row on records; return lists of runs, nodes, links, masses, lines and parts.
@@ -107,9 +115,8 @@ def lay_out(
     row : Row or Walk
     clock : Clock
     request : RunRequest
-    known : list of (int, int, int)
-        Numbers of pieces, hard breaks and ticks that each line has at t = 0: two lines a segment,
-        to the right and to the left, then those that come from outside.
+    initial_lines : list of InitialLine
+        Two lines a segment, to the right and to the left, then those that come from outside.
     outside : list of int
         Lines that come from outside to the left and the right end; NONE at the free end of a rod.
     """
@@ -118,11 +125,11 @@ def lay_out(
     links = make_links(row, clock, nodes, shortest * clock.tick)
     masses = make_masses(row, clock)
     parts = make_parts(row, nodes, links, outside)
-    count = len(known)
+    count = len(initial_lines)
     if request.keep:
         count = number_history_lines(links, masses, count)
-    lines = make_lines(clock, known, count)
-    run = make_run(row, clock, request, shortest, known)
+    lines = make_lines(clock, initial_lines, count)
+    run = make_run(row, clock, request, shortest, initial_lines)
     if any(part.kind >= Part.WALL and part.part_count != 1 for part in parts):
         run.has_bonds = 1
     needs_more = run.has_bonds or request.keep  # else the run ends with its proof
@@ -151,15 +158,20 @@ def longest_of(row: Any, clock: Clock, shortest: Any) -> Any:
 
 
 def make_run(
-    row: Any, clock: Clock, request: RunRequest, shortest: Any, known: Any
+    row: Any,
+    clock: Clock,
+    request: RunRequest,
+    shortest: Any,
+    initial_lines: list[InitialLine],
 ) -> Any:
     """The record of a run."""
     run = blank(1, RUN)[0]
     breaks = 0  # largest number of hard breaks of a line in the shortest transit
-    for pieces, hard, ticks in known:
-        run.piece_count += pieces
-        if hard > 0:
-            breaks = np.maximum(breaks, np.floor(hard * (shortest / ticks)))
+    for line in initial_lines:
+        run.piece_count += line.piece_count
+        if line.hard_breaks > 0:
+            in_transit = np.floor(line.hard_breaks * (shortest / line.ticks))
+            breaks = np.maximum(breaks, in_transit)
     reference = clock.reference / clock.tick
     run.tick_duration = clock.tick
     run.velocity_scale = clock.scale
@@ -314,21 +326,21 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
     return l
 
 
-def make_lines(clock: Clock, known: Any, count: int) -> list[Any]:
+def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> list[Any]:
     """Lines; their pieces at t = 0 stand at the beginning of the log, line by line."""
     lines = blank(count, LINE)
-    for history_line in lines[len(known) :]:
+    for history_line in lines[len(initial_lines) :]:
         history_line.first_piece = NONE
         history_line.read_piece = NONE
         history_line.last_piece = NONE
     first = 0
-    for l, (pieces, hard, _) in enumerate(known):
+    for l, initial in enumerate(initial_lines):
         line = lines[l]
         line.first_piece = first
         line.read_piece = first
-        first += pieces
+        first += initial.piece_count
         line.last_piece = first - 1
-        line.unread_breaks = hard
+        line.unread_breaks = initial.hard_breaks
     for l in range(2 * len(clock.transits)):
         lines[l].delay = clock.transits[l // 2]
     return lines

@@ -109,7 +109,7 @@ def advance(state: State, node: Node) -> bool:
     left = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
     right = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
     end = horizon(state, node, left <= HARD or right <= HARD)
-    full, error, place, event_link, status = solve(state, node, end - tick)
+    full, error, event_position, event_link, status = solve(state, node, end - tick)
     if full == 0:
         return False
     ticks = full
@@ -117,7 +117,7 @@ def advance(state: State, node: Node) -> bool:
         rounding = 0.5
         if status == Status.PLASTIC:
             rounding = 0.0  # the force stays below that at which the contact yields
-        ticks = max(1, int(0.5 * (place + 1) * full + rounding))
+        ticks = max(1, int(0.5 * (event_position + 1) * full + rounding))
         is_at_end = full - ticks <= run.event_window
         if is_at_end and links[event_link].status == Status.OPEN:
             ticks = full  # it closes together with the waves that arrive at the end
@@ -227,7 +227,7 @@ def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int,
     float
         Its truncation error, m/s.
     float
-        The place of its first event, from -1 to 1.
+        Position of its first event, from -1 to 1.
     int
         The link of this event, or NONE.
     int
@@ -248,12 +248,12 @@ def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int,
             error = nodes.truncation_error(links, masses, node)
         is_smooth = error <= run.tolerance
         if error >= 0 and (is_smooth or node.is_averaging or ticks <= MIN_PIECE_TICKS):
-            place, event_link, status = nodes.next_event(run, links, node, h)
+            event_position, event_link, status = nodes.next_event(run, links, node, h)
             start = 0.5
             if event_link != NONE and links[event_link].status == Status.OPEN:
                 start = run.event_window  # it closes with what arrives at the start
-            if event_link == NONE or 0.5 * (place + 1) * ticks >= start:
-                return ticks, error, place, event_link, status
+            if event_link == NONE or 0.5 * (event_position + 1) * ticks >= start:
+                return ticks, error, event_position, event_link, status
             changes += 1
             if changes > MAX_STATUS_CHANGES:
                 return ticks, error, 1.0, NONE, 0

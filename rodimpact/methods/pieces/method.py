@@ -68,7 +68,7 @@ def solve(
     if row.segments:
         check_scales(row)
     fine = Members(row, RunRequest(until, tolerance_of(rtol), max_events, keep=True))
-    fine.go(report=report)
+    fine.run_member(report=report)
     if fine.runs["stop_reason"][0, 0] == Stop.STUCK:
         nodes = record_lists.as_objects(fine.nodes[0])
         stuck = min(nodes, key=lambda node: node.now)
@@ -180,15 +180,15 @@ def tolerance_of(rtol: float | None) -> float:
     return max(MIN_TOLERANCE, min(rtol, MAX_TOLERANCE))
 
 
-def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:
+def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run:
     """The result of a single collision, a family of one that has run."""
-    row = one.row
-    until = one.request.until
-    state = one.state()
-    ended = one.ended(0)
+    row = members.row
+    until = members.request.until
+    state = members.state()
+    ended = members.ended(0)
     run = ended.run
-    transits = [int(transit) for transit in one.clock.transits]
-    clock = clock_of(row, transits, run.tick_duration, scale=float(one.clock.scale))
+    transits = [int(transit) for transit in members.clock.transits]
+    clock = clock_of(row, transits, run.tick_duration, scale=float(members.clock.scale))
     tick = clock.tick
     end = min(int(state.nodes["now"].min()), run.end_tick)
     stopped_by = totals.why_stopped(run, until is not None)
@@ -206,8 +206,8 @@ def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     status += rounding(clock.transit_error, clock.worst)
     status += strain_warning(_largest_strain(row, state.log[: run.piece_count]))
     signals = cache(partial(signals_of, row, clock, end, state))
-    before, after = _body_velocities(one)
-    vibration = _floats(vibration_of(one))
+    before, after = _body_velocities(members)
+    vibration = _floats(vibration_of(members))
     return Run(
         method="characteristics",
         until=until,

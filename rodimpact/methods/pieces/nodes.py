@@ -169,14 +169,14 @@ def set_equations(
                 change = closing_by_impulse(masses, node, q, p)
                 set_block(link, change, p == q, h, G, N * column)
         for j in range(N):
-            own = link.force[j + 1]
+            present = link.force[j + 1]
             if link.status == Status.REST:
-                own = 0.0
+                present = 0.0
             G[N * link.unknown_index + j][N * n] = (
                 link.base[j + 1]
                 + link.by_overlap[j + 1] * link.overlaps[j + 1]
                 + link.by_closing[j + 1] * link.closing[j + 1]
-                - own
+                - present
             )
 
 
@@ -198,18 +198,19 @@ def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
 
 
 def set_block(
-    link: Link, by_impulse: float, own: bool, h: float, G: Matrix, column: int
+    link: Link, by_impulse: float, is_same: bool, h: float, G: Matrix, column: int
 ) -> None:
     """Set the N by N equations that couple the forces of two links, or one with itself.
 
-    `by_impulse` is the change of the closing rate of the link by a unit impulse of the other.
+    `by_impulse` is the change of the closing rate of the link by a unit impulse of the other;
+    `is_same` says that both are one.
     """
     half = 0.5 * h
     by_closing = half * by_impulse
     share = half * elastic_share(link)
     by_force = 0.0
     identity = 0.0
-    if own:
+    if is_same:
         by_force = share * link.mobility
         if link.status != Status.REST:
             identity = 1.0

@@ -133,13 +133,13 @@ def _lines(log: Any, count: int) -> list[Pieces]:
 
 def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
     """Force, gap and closing velocity of a link, and the episodes that its turns bound."""
-    kept = link["history_line"]
-    force = lines[kept]
+    history_line = link["history_line"]
+    force = lines[history_line]
     if link["law"] < Law.JOINT:
         return ContactSignal(force, NOTHING, NOTHING, ())
-    gap = lines[kept + 1].times(-1.0)
+    gap = lines[history_line + 1].times(-1.0)
     if link["law"] == Law.YIELD:
-        closing = lines[kept + 2]
+        closing = lines[history_line + 2]
     else:
         closing = _rate(gap, -1.0 / tick)
     blows = turns[turns["impulse"] > 0]

@@ -50,11 +50,11 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     return last_contact(ends, end, round_trip)
 
 
-def why_stopped(run: Any, asked: bool) -> str:
-    """The reason why a run ended, in one word; `asked` says whether it had a given end."""
+def why_stopped(run: Any, has_given_end: bool) -> str:
+    """The reason why a run ended, in one word."""
     if run.stop_reason == Stop.CAP:
         return "max_events"
-    if asked:
+    if has_given_end:
         return "until"
     if run.proved_tick >= 0:
         return "final"
