@@ -11,6 +11,10 @@ Pulses that were cut out of their records are given one by one:
     rodimpact reduce CASE.toml PULSES.csv --length 3.2mm --diameter 6.34mm
     --incident i=0:0.381 --reflected r=0:0.381 --transmitted t=1:0.381 --clock own
 
+If the waves overlap at a single gauge a bar, --equal-forces separates them. A striker
+that hits the specimen itself is --direct-impact: the bodies of the case are the striker
+with its velocity and the bar.
+
 The first lines are a verdict: equilibrium, peak stress, strain rate and energy, then
 each doubt about the shot with its number and a remedy. With --strict the exit status
 is 3 if there is a doubt.
@@ -68,6 +72,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             "three are in place of --gauge",
         )
     waves.add_argument(
+        "--equal-forces",
+        action="store_true",
+        help="assume equal forces on both faces and a free far end of the output bar: "
+        "one gauge a bar separates waves that overlap",
+    )
+    waves.add_argument(
+        "--direct-impact",
+        action="store_true",
+        help="the body before the bar with the gauges is a striker, with its velocity; "
+        "it hits the specimen itself",
+    )
+    waves.add_argument(
         "--clock",
         choices=CLOCKS,
         default="common",
@@ -110,7 +126,9 @@ def run(args: Arguments) -> CommandResult:
     )
     bodies = {position.body for position in positions.values()}
     first = min(bodies, default=0)
-    if bodies != {first, first + 1} and not is_cut:
+    if args.direct_impact:
+        _check_direct_impact(args, bodies, is_cut)
+    elif bodies != {first, first + 1} and not is_cut:
         args.problems.append(
             (
                 "--gauge",
@@ -131,6 +149,16 @@ def run(args: Arguments) -> CommandResult:
     if args.json:
         return CommandResult(_json(reduction), status)
     return CommandResult(str(reduction), status)
+
+
+def _check_direct_impact(args: Arguments, bodies: set[int], is_cut: bool) -> None:
+    """Add a problem unless all gauges are on one bar, behind the striker."""
+    if is_cut or args.equal_forces:
+        message = "goes with --gauge alone; equal forces are assumed"
+        args.problems.append(("--direct-impact", message))
+    elif len(bodies) != 1 or 0 in bodies:
+        message = "needs --gauge on one bar, and the striker as the body before it"
+        args.problems.append(("--direct-impact", message))
 
 
 def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
@@ -181,6 +209,8 @@ def _reduce(
 ) -> Reduction:
     """Reduce the record of a shot."""
     first = min(position.body for position in positions.values())
+    if args.direct_impact:
+        first -= 1  # the striker
     bars: Any = case.system.bodies[first : first + 2]
     input_gauges = []
     output_gauges = []
@@ -195,6 +225,11 @@ def _reduce(
         "input_gauges": input_gauges,
         "output_gauges": output_gauges,
     }
+    if args.equal_forces:
+        shot["equal_forces"] = True
+    if args.direct_impact:
+        striker, bars = bars
+        shot = {"output_gauges": output_gauges, "striker": striker}
     if args.incident is not None:
         incident, reflected = input_gauges
         (transmitted,) = output_gauges
@@ -207,6 +242,7 @@ def _reduce(
         "input_gauges": "--gauge",
         "output_gauges": "--gauge",
         "pulses": "--incident, --reflected, --transmitted",
+        "striker": f"the striker in {case.path}",
         "incident": "--incident",
         "reflected": "--reflected",
         "transmitted": "--transmitted",

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..units import format_si
 from .curve import Curve
-from .shot import Shifts
+from .two_bar_shot import Shifts
 
 
 class Alignment(NamedTuple):

@@ -44,6 +44,15 @@ def instrumented_bars(
     )
 
 
+def output_bar_of(gauges: Any, bar: Any, compression: Any) -> InstrumentedBar:
+    """The output bar of a direct impact with the records of its gauges."""
+    one_of("compression", compression, SIGN_OF_COMPRESSION)
+    if not _is_uniform(bar):
+        message = "must be the output bar alone, a uniform Rod"
+        raise invalid_argument("bars", f"{message}, got {shown(bar)}")
+    return _instrumented_bar("output_gauges", gauges, bar, True, compression)
+
+
 class Rods(NamedTuple):
     """The input bar and the output bar."""
 

@@ -1,7 +1,7 @@
 """Stress, strain, forces and velocities of a specimen over time, from the waves at its faces."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -68,6 +68,30 @@ class Curve:
         reached = np.maximum.accumulate(self.strain[self.loading])
         interpolated: Floats = np.interp(strains, reached, numbers[self.loading])
         return interpolated
+
+
+class Faces(NamedTuple):
+    """Forces and velocities of both faces of a specimen, [time]; compression positive."""
+
+    input_force: Floats  # N
+    output_force: Floats
+    input_velocity: Floats  # m/s
+    output_velocity: Floats
+
+
+def curve_of(faces: Faces, specimen: Specimen, times: Floats) -> Curve:
+    """The curve with the strain rate (v1 - v2)/L0."""
+    rate = (faces.input_velocity - faces.output_velocity) / specimen.length
+    return Curve(
+        times=times,
+        strain=integral(rate, times),
+        strain_rate=rate,
+        input_force=faces.input_force,
+        output_force=faces.output_force,
+        input_velocity=faces.input_velocity,
+        output_velocity=faces.output_velocity,
+        specimen=specimen,
+    )
 
 
 def integral(rate: Floats, times: Floats) -> Floats:

@@ -20,7 +20,7 @@ from .comparison import TimeSeries, misfit_of
 from .curve import Curve
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .pulses import FOOT_TIME_RATIO, PLATEAU_RATIO, START_RATIO, Pulse, first_part
-from .shot import Shifts
+from .two_bar_shot import Shifts
 
 MIN_COMPARED_SAMPLES = 16
 """Samples at which two records of a pulse are compared, at least."""
@@ -118,6 +118,30 @@ def doubts_of(
         doubts += _shifts_at_limit(shifts, alignment.limit)
         doubts += _balance_made_worse(alignment)
     doubts += _forces_out_of_balance(curve, bars.input.impedance)
+    return tuple(doubts)
+
+
+def doubts_of_equal_forces(bars: InstrumentedBars, length: float) -> tuple[str, ...]:
+    """Sentences on all doubts about a shot with one gauge a bar and equal forces.
+
+    `length` is that of the specimen, m. The waves overlap, so nothing is said about the reflected
+    one.
+    """
+    doubts: list[str] = []
+    for bar in bars:
+        doubts += _unlike_opposite_gauges(bar)
+    doubts += _transmitted_wave_off_time(bars, length)
+    doubts += _echo_off_time(bars.output)
+    return tuple(doubts)
+
+
+def doubts_of_direct_impact(bar: InstrumentedBar) -> tuple[str, ...]:
+    """Sentences on all doubts about the gauges of an output bar alone."""
+    doubts: list[str] = []
+    doubts += _unlike_opposite_gauges(bar)
+    doubts += _unlike_stations(bar)
+    doubts += _second_gauge_off_time(bar)
+    doubts += _echo_off_time(bar)
     return tuple(doubts)
 
 

@@ -8,20 +8,13 @@ positive in compression here.
 
 from __future__ import annotations
 
-import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
-
-from .. import waves
 from ..model.bodies import Rod
 from ..model.quantities import Floats
-from . import filters
 from .bar_gauge import BarGauge
 from .pulses import Pulse
-
-SLOW_WAVE_RATIO = 3
-"""Travel time of the slowest waves that a transform has room for, over that of long waves."""
+from .waveguide import Waveguide
 
 
 class InstrumentedBar(NamedTuple):
@@ -47,35 +40,24 @@ class InstrumentedBar(NamedTuple):
         return self.first_pulses[0]
 
     @property
+    def guide(self) -> Waveguide:
+        """Waves along the bar at the steps of the records."""
+        return Waveguide(self.rod, self.dt)
+
+    @property
     def speed(self) -> float:
         """Bar speed c0, m/s."""
-        return float(self.rod.segments[0].wave_speed)
+        return self.guide.speed
 
     @property
     def stiffness(self) -> float:
         """Young's modulus times cross-sectional area, E A, N."""
-        segment = self.rod.segments[0]
-        return float(segment.material.youngs_modulus) * float(np.asarray(segment.area))
+        return self.guide.stiffness
 
     @property
     def impedance(self) -> float:
         """Force over particle velocity in a wave, E A/c0, kg/s."""
-        return self.stiffness / self.speed
-
-    @property
-    def mode(self) -> waves.Bar | None:
-        """The exact first mode, if the bar is round and has a Poisson ratio."""
-        segment = self.rod.segments[0]
-        if segment.solid_round and segment.material.poisson_ratio is not None:
-            return waves.Bar.of(self.rod)
-        return None
-
-    @property
-    def cut_off(self) -> float:
-        """Cut-off frequency of the first mode, Hz; infinite without dispersion."""
-        if self.mode is None:
-            return math.inf
-        return self.mode.cut_off
+        return self.guide.impedance
 
     @property
     def pulse_start(self) -> float:
@@ -89,43 +71,13 @@ class InstrumentedBar(NamedTuple):
         A jump rings for as long as the cut-off makes it; the end of the record lacks this time.
         """
         travels = self.distances / self.speed
-        ringing = max(self.dt, 2 / self.cut_off)
+        ringing = max(self.dt, 2 / self.guide.cut_off)
         until: Floats = self.times[-1] - travels - ringing
         return until
 
-    def transfer_functions(self, count: int, distances: Any) -> TransferFunctions:
-        """Effect of distances, m, on the spectra of `count` samples.
-
-        In a round bar with a Poisson ratio each frequency runs at its own phase velocity, and
-        frequencies above the cut-off of the first mode are removed.
-        """
-        from scipy import fft
-
-        longest_travel = np.abs(distances).max() / self.speed / self.dt
-        room = math.ceil(SLOW_WAVE_RATIO * longest_travel)
-        size = fft.next_fast_len(2 * count + room, real=True)
-        f = fft.rfftfreq(size, self.dt)
-        factors = np.exp(-2j * np.pi * f * distances / self.speed)
-        mode = self.mode
-        if mode is not None:
-            factors *= filters.first_mode(f, distances, mode)
-        return TransferFunctions(size, factors)
-
     def propagated(self, strain: Floats, distance: float) -> Floats:
         """The strain, at rest before, after a distance, m, along the bar."""
-        from scipy import fft
-
-        size, factors = self.transfer_functions(len(strain), distance)
-        later = fft.irfft(fft.rfft(strain, size) * factors, size)
-        propagated: Floats = later[: len(strain)]
-        return propagated
-
-
-class TransferFunctions(NamedTuple):
-    """Complex factors of spectra."""
-
-    size: int  # samples of the transform
-    factors: Any  # [..., frequency]
+        return self.guide.propagated(strain, distance)
 
 
 class InstrumentedBars(NamedTuple):

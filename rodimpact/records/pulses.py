@@ -150,6 +150,12 @@ def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float
     return float(np.interp(level, size[i : i + 2], times[i : i + 2]))
 
 
+def line_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
+    """Begin of a steep pulse, s: the line through a tenth and a fifth of the plateau, at zero."""
+    until_fifth = _time_at_fifth(times, values, pulse) - pulse.start
+    return float(pulse.start - until_fifth)
+
+
 def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:
     """Time at which a pulse exceeds a fifth of its plateau after it exceeds a tenth, s."""
     size = np.sign(pulse.plateau) * values

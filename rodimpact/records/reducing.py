@@ -1,24 +1,42 @@
 """Reduce a shot: from the gauges of two bars to stress, strain and energy of the specimen."""
 
 import warnings
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model.arguments import of_kind, scalar
-from ..model.bodies import Rod
+from ..model.arguments import flag, of_kind, scalar
+from ..model.bodies import RigidMass, Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
-from ..progress import Progress, ProgressFunction, check_progress
+from ..model.quantities import Floats
+from ..progress import Progress, ProgressFunction, Report, check_progress
 from .alignment import Alignment, loading_imbalance
-from .bar_reading import Compression, instrumented_bars, rods_of
+from .bar_reading import Compression, instrumented_bars, output_bar_of, rods_of
 from .calibration import Calibration, with_gains
+from .curve import Curve
 from .cut_pulses import CutPulses, gauges_of
-from .doubts import DoubtfulReduction, doubts_of
+from .direct_impact import DirectImpactShot, check_striker, start_of_impact
+from .doubts import (
+    DoubtfulReduction,
+    doubts_of,
+    doubts_of_direct_impact,
+    doubts_of_equal_forces,
+)
+from .equal_forces import EqualForceShot
+from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .reduction import Reduction
 from .separation import separated_until
-from .shot import Shot
+from .shot import (
+    NOISE_DRAWS,
+    TWO_GAUGE_NOISE_DRAWS,
+    Resolution,
+    Shot,
+    bands_of,
+    one_sample_of,
+)
 from .specimen import Specimen
-from .verdict import verdict_of
+from .two_bar_shot import NO_SHIFTS, Shifts, TwoBarShot
+from .verdict import Verdict, verdict_of, verdict_of_equal_forces
 
 MIN_CURVE_SAMPLES = 16
 """Samples of a curve, at least."""
@@ -31,6 +49,8 @@ def reduce(
     specimen: Specimen | None = None,
     *,
     pulses: CutPulses | None = None,
+    equal_forces: bool = False,
+    striker: Rod | RigidMass | None = None,
     compression: Compression = "negative",
     align_within: float = 0.0,
     progress: bool | ProgressFunction = True,
@@ -50,6 +70,14 @@ def reduce(
     pulses : CutPulses, optional
         Incident, reflected and transmitted pulse, each cut out of its record, in place of the
         gauges.
+    equal_forces : bool
+        Whether to assume equal forces on both faces of the specimen, and a free far end of the
+        output bar. Then one gauge a bar separates waves that overlap. The specimen is in
+        equilibrium by assumption.
+    striker : Rod or RigidMass, optional
+        Striker of a direct impact, with its velocity: it hits the specimen, which lies on the
+        output bar. Give `output_gauges` and, as `bars`, the output bar; there is no input bar.
+        Equal forces on both faces are assumed.
     compression : str
         Sign of a strain that compresses in the records: ``"negative"`` or ``"positive"``.
     align_within : float
@@ -98,23 +126,163 @@ def reduce(
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
     assert specimen is not None
     limit = scalar("align_within", align_within, "s", "non-negative")
-    calibration = None
-    rods: Any = bars
-    if isinstance(bars, Calibration):
-        calibration = bars
-        rods = calibration.bars
+    flag("equal_forces", equal_forces)
+    _check_combination(
+        input_gauges, output_gauges, pulses, equal_forces, striker, limit
+    )
+    with Progress(progress, "reduce", "curves") as report:
+        if striker is not None:
+            check_striker(striker)
+            output_bar = output_bar_of(output_gauges, bars, compression)
+            reduction = _reduce_direct_impact(output_bar, striker, specimen, report)
+        else:
+            calibration = None
+            rods: Any = bars
+            if isinstance(bars, Calibration):
+                calibration = bars
+                rods = calibration.bars
+            if pulses is not None:
+                input_gauges, output_gauges = gauges_of(pulses, rods_of(rods))
+            recorded = instrumented_bars(input_gauges, output_gauges, rods, compression)
+            records = _Records(recorded, calibration, specimen)
+            if equal_forces:
+                reduction = _reduce_with_equal_forces(records, report)
+            else:
+                reduction = _reduce_two_bars(records, limit, report)
+    for doubt in reduction.doubts:
+        warnings.warn(doubt, DoubtfulReduction, stacklevel=2)
+    return reduction
+
+
+def _check_combination(
+    input_gauges: Any,
+    output_gauges: Any,
+    pulses: Any,
+    equal_forces: bool,
+    striker: Any,
+    limit: float,
+) -> None:
+    """InvalidModel for arguments that exclude each other."""
     if pulses is not None:
+        of_kind("pulses", pulses, CutPulses, "ri.CutPulses(incident, reflected, ...)")
         if input_gauges is not None or output_gauges is not None:
             raise invalid_argument("pulses", "give either pulses or gauges, not both")
-        of_kind("pulses", pulses, CutPulses, "ri.CutPulses(incident, reflected, ...)")
-        input_gauges, output_gauges = gauges_of(pulses, rods_of(rods))
-    recorded = instrumented_bars(input_gauges, output_gauges, rods, compression)
-    # The curve lasts from the arrival at the specimen as long as the waves are separated.
+    if striker is not None and (input_gauges is not None or pulses is not None):
+        message = "a direct impact has an output bar only; give output_gauges alone"
+        raise invalid_argument("striker", message)
+    if equal_forces and pulses is not None:
+        message = "cut pulses are separated already; leave equal_forces out"
+        raise invalid_argument("equal_forces", message)
+    if limit and (equal_forces or striker is not None):
+        message = "balances two forces, but equal forces are assumed; leave it out"
+        raise invalid_argument("align_within", message)
+
+
+class _Records(NamedTuple):
+    """The records of a shot between two bars."""
+
+    bars: InstrumentedBars  # with the strains as recorded
+    calibration: Calibration | None
+    specimen: Specimen
+
+    @property
+    def corrected(self) -> InstrumentedBars:
+        """The bars with the gains of the calibration."""
+        if self.calibration is None:
+            return self.bars
+        return with_gains(self.calibration, self.bars)
+
+    @property
+    def arrival(self) -> float:
+        """Time at which the incident wave reaches the specimen, s."""
+        bar = self.bars.input
+        travel = float(bar.distances[0]) / bar.speed
+        return bar.pulse_start + travel
+
+
+def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reduction:
+    """Reduce a shot whose gauges separate all waves."""
+    recorded = records.bars
     input_bar = recorded.input
-    travel = float(input_bar.distances[0]) / input_bar.speed
-    start = input_bar.pulse_start + travel
+    # The curve lasts from the arrival at the specimen as long as the waves are separated.
     end = min(separated_until(bar) for bar in recorded)
-    dt = input_bar.dt
+    times = _times_between(records.arrival, end, input_bar.dt, "input_gauges")
+    shot = TwoBarShot(records.corrected, records.specimen, times)
+    alignment = None
+    if limit:
+        before = loading_imbalance(shot.curve())
+        shot = shot.aligned(limit, report)
+        after = loading_imbalance(shot.curve())
+        alignment = Alignment(limit, before, after)
+    curve = shot.curve()
+    verdict = verdict_of(curve, input_bar.impedance, input_bar.first_pulse.rise)
+    return _reduction(
+        shot,
+        curve,
+        list(recorded),
+        verdict,
+        doubts_of(recorded, curve, shot.shifts, alignment),
+        report,
+        calibration=records.calibration,
+        shifts=shot.shifts,
+        alignment=alignment,
+    )
+
+
+def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
+    """Reduce a shot with one gauge a bar and overlapping waves."""
+    recorded = records.bars
+    for name, bar in zip(("input_gauges", "output_gauges"), recorded, strict=True):
+        if len(bar.distances) > 1:
+            message = "two gauges of a bar separate the waves; leave equal_forces out"
+            raise invalid_argument(name, message)
+    if recorded.input.distances[0] == 0:
+        message = (
+            "a gauge at the specimen records the force alone; give one further away"
+        )
+        raise invalid_argument("input_gauges", message)
+    input_bar = recorded.input
+    end = min(float(recorded.output.known_until[0]), float(input_bar.times[-1]))
+    times = _times_between(records.arrival, end, input_bar.dt, "output_gauges")
+    shot = EqualForceShot(records.corrected, records.specimen, times)
+    curve = shot.curve()
+    # Clocks of two records agree to a sample; on the input bar each passage adds this error.
+    later = shot.with_later_output(recorded.output.dt).curve()
+    return _reduction(
+        shot,
+        curve,
+        list(recorded),
+        verdict_of_equal_forces(curve, shot.sentence()),
+        doubts_of_equal_forces(recorded, records.specimen.length),
+        report,
+        calibration=records.calibration,
+        timing_error=later.strain - curve.strain,
+    )
+
+
+def _reduce_direct_impact(
+    bar: InstrumentedBar, striker: Rod | RigidMass, specimen: Specimen, report: Report
+) -> Reduction:
+    """Reduce the impact of a striker on a specimen that lies on an output bar."""
+    start = start_of_impact(bar, specimen)
+    times = _times_between(start, separated_until(bar), bar.dt, "output_gauges")
+    shot = DirectImpactShot(bar, striker, specimen, times)
+    curve = shot.curve()
+    # The start of the force is known to a sample.
+    timing_error = curve.input_velocity[0] * bar.dt / specimen.length
+    return _reduction(
+        shot,
+        curve,
+        [bar],
+        verdict_of_equal_forces(curve, shot.sentence()),
+        doubts_of_direct_impact(bar),
+        report,
+        timing_error=timing_error,
+    )
+
+
+def _times_between(start: float, end: float, dt: float, name: str) -> Floats:
+    """Times of a curve; InvalidModel if they are too few."""
     count = int((end - start) / dt)
     if count < MIN_CURVE_SAMPLES:
         message = (
@@ -122,31 +290,43 @@ def reduce(
             "the records do not separate the waves; use longer records or bars, and "
             "check the distances"
         )
-        raise invalid_argument("input_gauges", message)
-    corrected = recorded
-    if calibration is not None:
-        corrected = with_gains(calibration, recorded)
-    shot = Shot(corrected, specimen, start + dt * np.arange(count, dtype=float))
-    with Progress(progress, "reduce", "curves") as report:
-        alignment = None
-        if limit:
-            before = loading_imbalance(shot.curve())
-            shot = shot.aligned(limit, report)
-            after = loading_imbalance(shot.curve())
-            alignment = Alignment(limit, before, after)
-        curve = shot.curve()
-        bands = shot.bands(curve, calibration, report)
-    doubts = doubts_of(recorded, curve, shot.shifts, alignment)
-    for doubt in doubts:
-        warnings.warn(doubt, DoubtfulReduction, stacklevel=2)
+        raise invalid_argument(name, message)
+    times: Floats = start + dt * np.arange(count, dtype=float)
+    return times
+
+
+def _reduction(
+    shot: Shot,
+    curve: Curve,
+    bars: list[InstrumentedBar],
+    verdict: Verdict,
+    doubts: tuple[str, ...],
+    report: Report,
+    *,
+    calibration: Calibration | None = None,
+    shifts: Shifts = NO_SHIFTS,
+    alignment: Alignment | None = None,
+    timing_error: Floats | float = 0.0,
+) -> Reduction:
+    """The curve of a shot with its bands; `bars` are those with gauges, the output bar last.
+
+    `timing_error` is an error of the strain, which joins its band.
+    """
+    first = bars[0]
+    noise_draws = NOISE_DRAWS
+    if max(len(bar.distances) for bar in bars) > 1:
+        noise_draws = TWO_GAUGE_NOISE_DRAWS
+    cut_off = min(first.guide.cut_off, 0.5 / first.dt)
+    resolution = Resolution(first.dt, cut_off, noise_draws)
+    bands = bands_of(shot, curve, calibration, resolution, report)
     return Reduction(
         **vars(curve),
         stress_band=bands.stress,
-        strain_band=bands.strain,
-        one_sample=shot.one_sample(curve),
-        shifts=shot.shifts,
-        verdict=verdict_of(curve, input_bar.impedance, input_bar.first_pulse.rise),
+        strain_band=np.hypot(bands.strain, timing_error),
+        one_sample=one_sample_of(shot, curve, bars[-1].dt),
+        shifts=shifts,
+        verdict=verdict,
         alignment=alignment,
-        disperses=all(bar.mode for bar in recorded),
+        disperses=all(bar.guide.mode for bar in bars),
         doubts=doubts,
     )

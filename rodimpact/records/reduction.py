@@ -14,9 +14,9 @@ from ..units import format_si
 from .alignment import Alignment
 from .curve import Curve
 from .multichannel import signals_to_xarray, write_signals
-from .shot import Shifts
 from .signal import Signal
 from .strain_table import strain_label, table_strains
+from .two_bar_shot import Shifts
 from .verdict import Verdict
 
 TABLE_COLUMNS = {
@@ -50,7 +50,8 @@ class Reduction(Curve):
         Of the two faces, m/s.
     stress_band, strain_band : array, shape (n,)
         Half widths of the 95 % bands: noise, errors of a calibration, and the frequencies that the
-        bars cannot carry.
+        bars cannot carry. If equal forces are assumed, the band of the strain also has a delay of
+        one sample, between the two records or in the start of a direct impact.
     one_sample : array, shape (n,)
         Largest change of `stress` at the same strain if the transmitted wave is shifted by one
         sample, Pa.

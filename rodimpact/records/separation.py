@@ -49,7 +49,7 @@ def _from_two_gauges(bar: InstrumentedBar) -> Waves:
 
     count = len(bar.times)
     signed_distances = bar.distances[:, None, None] * [[-1.0], [1.0]]  # [gauge, wave]
-    size, factors = bar.transfer_functions(count, signed_distances)
+    size, factors = bar.guide.transfer_functions(count, signed_distances)
     travel = bar.distances[0] / bar.speed
     arrival = bar.pulse_start + travel
     if bar.is_output:

@@ -129,8 +129,11 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
     )
 
 
-def verdict_of_equal_forces(curve: Curve) -> Verdict:
-    """Verdict on a curve for which equal forces on both faces were assumed."""
+def verdict_of_equal_forces(curve: Curve, method: str) -> Verdict:
+    """Verdict on a curve for which equal forces on both faces were assumed.
+
+    `method` is a sentence on how the velocity of the input face was found.
+    """
     sentence = "equilibrium is assumed, not measured: one force stands for both faces"
     wave_speed = curve.specimen.wave_speed
     if wave_speed is None:
@@ -143,7 +146,8 @@ def verdict_of_equal_forces(curve: Curve) -> Verdict:
             f"of the specimen, so expect it from {_percent(strain)} of strain on"
         )
     plateau = _plateau(curve)
-    return _with_numbers(curve, plateau, None, math.nan, math.nan, sentence)
+    verdict = _with_numbers(curve, plateau, None, math.nan, math.nan, sentence)
+    return verdict._replace(sentences=(*verdict.sentences, method))
 
 
 def _with_numbers(

@@ -201,6 +201,66 @@ def test_mistakes_of_cut_pulses_are_named_by_option(options, sentence, refuses):
     refuses(["reduce", "bars.toml", *cut_out(), *options, *SPECIMEN], sentence)
 
 
+DIRECT = """
+schema = 1
+[[bodies]]
+kind = "rod"
+length = "0.2 m"
+diameter = "12 mm"
+material = "steel"
+velocity = 10.0
+[[bodies]]
+kind = "rod"
+length = "1.2 m"
+diameter = "12 mm"
+material = "steel"
+[[contacts]]
+law = "yielding"
+stiffness = 4e8
+yield_force = 5e3
+hardening = 1e7
+"""
+
+
+def test_a_direct_impact_is_reduced_with_its_own_case(capsys):
+    Path("direct.toml").write_text(DIRECT)
+    case = ri.read_case("direct.toml")
+    run = ri.solve(case.system, until=3e-4)
+    record = run.gauge(1, 0.6).signal(2e-7).extended(before=3e-5)
+    ri.write_signals("direct.csv", {"transmitted": record})
+    options = ["--gauge", "transmitted=1:0.6", "--length", "4mm", "--diameter", "8mm"]
+    command = ["reduce", "direct.toml", "direct.csv", *options]
+    assert main([*command, "--direct-impact", "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    force = run.contacts[0].force(np.maximum(printed["time"], 0.0))
+    assert max(printed["output_force"]) == pytest.approx(force.max(), rel=0.02)
+    assert printed["verdict"]["in_equilibrium"] is None
+    assert printed["verdict"]["imbalance"] is None
+
+
+def test_equal_forces_by_an_option(capsys):
+    assert reduced(*ALL, "--equal-forces", "--wave-speed", "3700") == 0
+    out = capsys.readouterr().out
+    assert out.startswith("equilibrium is assumed, not measured")
+    assert "it takes some 3.46 us, 4 transit times" in out
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ([*ALL, "--direct-impact"], "--direct-impact: needs --gauge on one bar"),
+        (
+            [*GAUGES[2:], *ALL[4:], "--direct-impact", "--equal-forces"],
+            "--direct-impact: goes with --gauge alone",
+        ),
+        ([*GAUGES[2:], *ALL[4:], "--direct-impact"], "must have a velocity above 0"),
+        ([*ALL, "--equal-forces", "--align-within", "1us"], "--align-within: balances"),
+    ],
+)
+def test_mistakes_of_equal_forces_are_named_by_option(options, sentence, refuses):
+    refuses(["reduce", "bars.toml", RECORD, *options], sentence)
+
+
 def test_a_planned_shot_is_reduced_with_its_own_case(capsys):
     ideal = BARS.replace("poisson_ratio = 0.33\n", "")  # bars that do not disperse
     Path("plan.toml").write_text(

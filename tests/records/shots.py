@@ -12,6 +12,7 @@ import numpy as np
 import rodimpact as ri
 
 STEEL = ri.Material("steel", youngs_modulus=2e11, density=7850.0, poisson_ratio=0.29)
+SOFT = ri.Material("soft", youngs_modulus=1.5e9, density=1200.0, poisson_ratio=0.3)
 POLYMER = ri.Material("polymer", youngs_modulus=6e9, density=1200.0, poisson_ratio=0.3)
 DIAMETER = 0.016
 BAR = ri.Rod(1.5, diameter=DIAMETER, material=STEEL)
@@ -37,6 +38,7 @@ class Shot(NamedTuple):
 
     def strain(self, times):
         """Nominal compressive strain of the specimen."""
+        times = np.maximum(times, 0.0)
         input_rod = self.solution.system.bodies[0]
         input_face = self.solution.displacement(0, float(input_rod.length), times)
         output_face = self.solution.displacement(2, 0.0, times)
@@ -44,6 +46,7 @@ class Shot(NamedTuple):
 
     def stress(self, times):
         """Mean of the nominal stresses at both faces, Pa."""
+        times = np.maximum(times, 0.0)
         forces = [contact.force(times) for contact in self.solution.contacts]
         return np.mean(forces, axis=0) / SPECIMEN.section
 
@@ -86,11 +89,53 @@ def pressure_bar_shot(
     return Shot(solved(row, until, cells))
 
 
+STRIKER = ri.Rod(0.4, diameter=DIAMETER, material=STEEL, velocity=12.0)
+
+
 @cache
-def direct_impact(speed=12.0, striker=0.4, length=1.5, until=7e-4, cells=1500):
-    """A striker hits the specimen, which lies on the output bar."""
+def direct_impact(until=7e-4, cells=3000):
+    """A striker hits a soft specimen with mass, which lies on the output bar."""
     row = ri.System(
-        [rod(striker, velocity=speed), specimen_rod(), rod(length)],
+        [rod(0.4, velocity=12.0), specimen_rod(SOFT), rod(1.5)],
         contacts=[ri.Rigid(), ri.Rigid()],
     )
     return Shot(solved(row, until, cells))
+
+
+class LawShot(NamedTuple):
+    """A striker that hits a bar through a specimen without mass, a contact law."""
+
+    solution: ri.Solution
+
+    def gauge(self, distance, noise=0.002, seed=0):
+        """A gauge of the bar; `noise` over `PULSE_STRAIN`."""
+        signal = self.solution.gauge(1, distance).signal(DT).extended(before=1e-4)
+        rng = np.random.default_rng(seed)
+        noisy = signal.values + noise * PULSE_STRAIN * rng.standard_normal(len(signal))
+        return ri.BarGauge(signal.replace(values=noisy), distance)
+
+    def strain(self, times):
+        """Nominal compressive strain of the specimen."""
+        times = np.maximum(times, 0.0)
+        striker = self.solution.system.bodies[0]
+        x = getattr(striker, "length", 0.0)
+        approach = self.solution.displacement(0, x, times)
+        approach = approach - self.solution.displacement(1, 0.0, times)
+        return approach / SPECIMEN.length
+
+    def stress(self, times):
+        """Nominal stress of the specimen, Pa."""
+        return (
+            self.solution.contacts[0].force(np.maximum(times, 0.0)) / SPECIMEN.section
+        )
+
+
+@cache
+def direct_impact_on_law(is_rigid=False, until=7e-4, cells=3000):
+    """A rod or a rigid mass hits a specimen that yields and hardens."""
+    striker = rod(0.4, velocity=12.0)
+    if is_rigid:
+        striker = ri.RigidMass(STRIKER.mass, velocity=12.0)
+    law = ri.Yielding(stiffness=1.5e8, yield_force=15e3, hardening=8e6)
+    row = ri.System([striker, rod(1.5)], contacts=[law])
+    return LawShot(solved(row, until, cells))

@@ -382,7 +382,7 @@ def test_several_shots_have_a_mean_and_a_scatter():
                 )
             },
             "input_gauges",
-            "the record begins|cuts the pulse off",
+            "the record has 6 samples at rest before the pulse rises",
         ),
         (
             {"input_gauges": lambda first: first.replace(signal=first.signal * 0)},

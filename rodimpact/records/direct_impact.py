@@ -1,0 +1,135 @@
+"""A direct impact: a striker hits the specimen, which lies on a bar with a gauge.
+
+The forces on both faces of the specimen are assumed equal, F. The velocity of the striker's face
+follows from its momentum. A rigid striker of the mass m and the speed V has v1 = V - int F dt/m. In
+a rod of the impedance Z and the length L, whose far end is free, the wave g leaves the face::
+
+    Z c g = F + Z c T(2 L) g          v1 = V - c (g + T(2 L) g)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..model.bodies import RigidMass, Rod
+from ..model.frozen import invalid_argument
+from ..model.quantities import Floats
+from ..units import format_si, shown
+from .calibration import Calibration
+from .curve import Curve, Faces, curve_of, integral
+from .equal_forces import sum_of_passages
+from .instrumented_bar import InstrumentedBar
+from .noise import noise_of_bar
+from .pulses import first_part, line_onset
+from .separation import waves_at_face
+from .specimen import Specimen
+from .waveguide import Waveguide
+
+
+@dataclass(frozen=True)
+class DirectImpactShot:
+    """An output bar, the striker, and the times at which the output face is known."""
+
+    output: InstrumentedBar
+    striker: Rod | RigidMass
+    specimen: Specimen
+    times: Floats
+
+    def curve(self) -> Curve:
+        """Forces, velocities and strain if the forces on both faces are equal."""
+        bar = self.output
+        waves = waves_at_face(bar)
+        force = bar.stiffness * (waves.away + waves.towards)
+        # No force acts before the impact.
+        force[bar.times < self.times[0]] = 0.0
+        force_at_times = np.interp(self.times, bar.times, force)
+        faces = Faces(
+            input_force=force_at_times,
+            output_force=force_at_times,
+            input_velocity=np.interp(
+                self.times, bar.times, self._speed() - self._lost_velocity(force)
+            ),
+            output_velocity=np.interp(
+                self.times, bar.times, bar.speed * (waves.away - waves.towards)
+            ),
+        )
+        return curve_of(faces, self.specimen, self.times)
+
+    def _speed(self) -> float:
+        """Speed of the striker before the impact, m/s."""
+        return float(np.asarray(self.striker.velocity))
+
+    def _lost_velocity(self, force: Floats) -> Floats:
+        """Velocity that the striker's face has lost to a force, m/s."""
+        striker = self.striker
+        if isinstance(striker, RigidMass):
+            return integral(force, self.output.times) / float(striker.mass)
+        guide = Waveguide(striker, self.output.dt)
+        round_trip = 2 * float(striker.length)
+        leaving = sum_of_passages(guide, force / guide.stiffness, round_trip)
+        return guide.speed * (leaving + guide.propagated(leaving, round_trip))
+
+    def with_noise_alone(self, rng: np.random.Generator) -> DirectImpactShot:
+        """The shot with a gauge that records nothing but noise, and a striker at rest."""
+        return replace(
+            self,
+            output=noise_of_bar(self.output, rng),
+            striker=self.striker.replace(velocity=0.0),
+        )
+
+    def with_errors(self, calibration: Calibration) -> Iterator[DirectImpactShot]:
+        """No shots: a calibration is of two bars."""
+        del calibration
+        return iter(())
+
+    def with_later_output(self, delay: float) -> DirectImpactShot:
+        """The shot with an output bar that records later by a delay, s."""
+        later = self.output._replace(times=self.output.times + delay)
+        return replace(self, output=later)
+
+    def sentence(self) -> str:
+        """How the velocity of the input face follows, and how well its start is known."""
+        kind = "a rigid mass"
+        if isinstance(self.striker, Rod):
+            kind = "a rod with a free far end"
+        sentence = (
+            f"velocity of the input face from the momentum of the striker, {kind}"
+        )
+        wave_speed = self.specimen.wave_speed
+        if wave_speed is None:
+            return (
+                f"{sentence}; the strain begins as the force reaches the output face, too late by "
+                "the transit time of the specimen, which Specimen(wave_speed=...) corrects"
+            )
+        transit = self.specimen.length / wave_speed
+        return (
+            f"{sentence}; the strain begins {format_si(transit, 's', 3)}, the transit time of the "
+            "specimen, before the force reaches the output face"
+        )
+
+
+def start_of_impact(bar: InstrumentedBar, specimen: Specimen) -> float:
+    """Time of the impact, s: a transit time of the specimen before the output face moves."""
+    force_strain = waves_at_face(bar).away
+    pulse = first_part(bar.times, force_strain)
+    start = line_onset(bar.times, force_strain, pulse)
+    if specimen.wave_speed is None:
+        return start
+    return start - specimen.length / specimen.wave_speed
+
+
+def check_striker(striker: Any) -> None:
+    """InvalidModel unless the striker is a rigid mass or a uniform rod that moves."""
+    example = "ri.Rod(0.2, diameter=0.016, material=ri.materials.steel, velocity=12.0)"
+    is_uniform = isinstance(striker, Rod) and len(striker.segments) == 1
+    if not is_uniform and not isinstance(striker, RigidMass):
+        message = f"must be a rigid mass or a uniform rod, such as {example}"
+        raise invalid_argument("striker", f"{message}, got {shown(striker)}")
+    velocity = np.asarray(striker.velocity)
+    if velocity.ndim or not velocity > 0:
+        message = "must have a velocity above 0, its speed at the impact"
+        raise invalid_argument("striker", f"{message}, got {shown(striker.velocity)}")

@@ -1,0 +1,128 @@
+"""A shot with one gauge a bar, whose waves overlap: equal forces on both faces separate them.
+
+In the first mode a wave that runs on by x is multiplied by T(x). Let z be the distance of a gauge
+from the specimen, L the length of the output bar, whose far end is free. With the strains at the
+faces (incident i, reflected r, transmitted t, returning s), the records are::
+
+    e2 = T(z) t - T(2 L - z) t        so  t = T(-z) e2 + T(2 L - 2 z) t,   s = -T(2 L) t
+    e1 = T(-z) i + T(z) r             so  i = T(z) e1 - T(2 z) f + T(2 z) i
+
+with f = i + r = E2 A2 (t + s)/(E1 A1). Each passage uses what the one before gave: an offset of the
+input record adds once every 2 z/c.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..model.quantities import Floats
+from ..units import format_si
+from .calibration import Calibration, with_one_error
+from .curve import Curve, Faces, curve_of
+from .instrumented_bar import InstrumentedBar, InstrumentedBars
+from .noise import noise_of_bars
+from .separation import Waves
+from .specimen import Specimen
+from .waveguide import Waveguide
+
+
+@dataclass(frozen=True)
+class EqualForceShot:
+    """Both bars with one gauge each, and the times at which both faces are known."""
+
+    bars: InstrumentedBars
+    specimen: Specimen
+    times: Floats
+
+    def curve(self) -> Curve:
+        """Forces, velocities and strain if the forces on both faces are equal."""
+        input_bar = self.bars.input
+        output_bar = self.bars.output
+        output_waves = waves_with_free_end(output_bar)
+        force = output_bar.stiffness * (output_waves.away + output_waves.towards)
+        strain = np.interp(input_bar.times, output_bar.times, force, left=0.0)
+        strain /= input_bar.stiffness
+        incident = _incident_wave(input_bar, strain)
+        reflected = strain - incident
+        output_velocity = output_bar.speed * (output_waves.away - output_waves.towards)
+        force = np.interp(self.times, output_bar.times, force)
+        faces = Faces(
+            input_force=force,
+            output_force=force,
+            input_velocity=np.interp(
+                self.times, input_bar.times, input_bar.speed * (incident - reflected)
+            ),
+            output_velocity=np.interp(self.times, output_bar.times, output_velocity),
+        )
+        return curve_of(faces, self.specimen, self.times)
+
+    def with_noise_alone(self, rng: np.random.Generator) -> EqualForceShot:
+        """The shot with gauges that record nothing but noise."""
+        return replace(self, bars=noise_of_bars(self.bars, rng))
+
+    def with_errors(self, calibration: Calibration) -> Iterator[EqualForceShot]:
+        """Shots in which one constant of a bar is changed by its standard error."""
+        for bars in with_one_error(calibration, self.bars):
+            yield replace(self, bars=bars)
+
+    def with_later_output(self, delay: float) -> EqualForceShot:
+        """The shot with an output bar that records later by a delay, s."""
+        output = self.bars.output._replace(times=self.bars.output.times + delay)
+        return replace(self, bars=self.bars._replace(output=output))
+
+    def sentence(self) -> str:
+        """For how long the waves are separated, and what an offset of the record does by then."""
+        input_bar = self.bars.input
+        duration = self.times[-1] - self.times[0]
+        period = 2 * float(input_bar.distances[0]) / input_bar.speed
+        passages = math.ceil(duration / period)
+        noise = input_bar.strains[0, : input_bar.rest_samples].std()
+        level_error = noise / math.sqrt(input_bar.rest_samples)
+        offset = 100 * passages * level_error / input_bar.first_pulse.plateau
+        return (
+            f"waves separated by equal forces and a free far end of the output bar, for "
+            f"{format_si(duration, 's', 4)}; an offset of the input record adds once every "
+            f"{format_si(period, 's', 3)}: the error of its level at rest grows to {offset:.2g} % "
+            "of the incident wave by then"
+        )
+
+
+def waves_with_free_end(bar: InstrumentedBar) -> Waves:
+    """Waves at the face of an output bar with one gauge, whose far end is free."""
+    strain = _from_pulse(bar, bar.strains[0])
+    distance = float(bar.distances[0])
+    base = bar.propagated(strain, -distance)
+    base[bar.times > bar.known_until[0]] = 0.0
+    length = float(bar.rod.length)
+    away = sum_of_passages(bar.guide, base, 2 * (length - distance))
+    return Waves(towards=-bar.propagated(away, 2 * length), away=away)
+
+
+def _incident_wave(bar: InstrumentedBar, face_strain: Floats) -> Floats:
+    """Incident wave at the face of an input bar with one gauge; `face_strain` is i + r."""
+    distance = float(bar.distances[0])
+    strain = _from_pulse(bar, bar.strains[0])
+    base = bar.propagated(strain, distance) - bar.propagated(face_strain, 2 * distance)
+    return sum_of_passages(bar.guide, base, 2 * distance)
+
+
+def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
+    """Sum of a wave and of all its passages of a distance, m, while the record lasts."""
+    duration = guide.dt * len(wave)
+    passages = math.floor(duration * guide.speed / distance)
+    total = wave.copy()
+    passing = wave
+    for _ in range(passages):
+        passing = guide.propagated(passing, distance)
+        total += passing
+    return total
+
+
+def _from_pulse(bar: InstrumentedBar, strain: Floats) -> Floats:
+    """The record from its first pulse on, zero before it."""
+    moving: Floats = np.where(bar.times >= bar.pulse_start, strain, 0.0)
+    return moving

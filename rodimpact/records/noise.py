@@ -1,0 +1,35 @@
+"""Noise of the gauges of a shot, drawn at random from their records before the pulse."""
+
+import math
+
+import numpy as np
+
+from .instrumented_bar import InstrumentedBar, InstrumentedBars
+
+NOISE_BLOCKS = 8
+"""Number of blocks in the rest before the pulse, from which noise is drawn."""
+
+
+def noise_of_bars(bars: InstrumentedBars, rng: np.random.Generator) -> InstrumentedBars:
+    """Both bars, with gauges that record nothing but noise."""
+    return InstrumentedBars(
+        input=noise_of_bar(bars.input, rng), output=noise_of_bar(bars.output, rng)
+    )
+
+
+def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> InstrumentedBar:
+    """A bar whose gauges record nothing but noise.
+
+    The noise is a block bootstrap of the record before the pulse. Blocks keep the correlation of
+    the noise. They are short, since the mean over the whole rest was subtracted as the baseline.
+    """
+    block = max(2, bar.rest_samples // NOISE_BLOCKS)
+    count = len(bar.times)
+    drawn = []
+    for strain in bar.strains:
+        starts = rng.integers(0, bar.rest_samples - block + 1, count // block + 1)
+        noise = strain[starts[:, None] + np.arange(block)].ravel()[:count]
+        drawn.append(noise - noise[: bar.rest_samples].mean())
+    # sums of blocks vary less by this factor, because the rest has the mean 0
+    shrinkage = math.sqrt(1 - block / bar.rest_samples)
+    return bar._replace(strains=np.array(drawn) / shrinkage)
