@@ -203,17 +203,20 @@ def test_mistakes_of_cut_pulses_are_named_by_option(options, sentence, refuses):
 
 DIRECT = """
 schema = 1
+[materials.plain]
+youngs_modulus = "200 GPa"
+density = 7850
 [[bodies]]
 kind = "rod"
 length = "0.2 m"
 diameter = "12 mm"
-material = "steel"
+material = "plain"
 velocity = 10.0
 [[bodies]]
 kind = "rod"
 length = "1.2 m"
 diameter = "12 mm"
-material = "steel"
+material = "plain"
 [[contacts]]
 law = "yielding"
 stiffness = 4e8
