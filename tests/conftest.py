@@ -27,10 +27,8 @@ def pytest_collection_finish(session):
     """Workers share the kernels among them, so that no two compile the same."""
     worker = getattr(session.config, "workerinput", None)
     if worker and len(session.items) > MANY and not kernels.why_not():
-        number, count = (
-            int(worker["workerid"].removeprefix("gw")),
-            worker["workercount"],
-        )
+        number = int(worker["workerid"].removeprefix("gw"))
+        count = worker["workercount"]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             for name in [*METHODS][number::count]:

@@ -15,7 +15,9 @@ SECONDS = 3.0
 
 def thicken(rng, segment):
     """The same segment, perhaps damped, with lateral inertia, or tapered."""
-    m, area, polar = segment.material, segment.area, None
+    m = segment.material
+    area = segment.area
+    polar = None
     eta = m.youngs_modulus * logarithmic(rng, 1e-4, 10) if rng.random() < 0.5 else 0.0
     if rng.random() < 0.4:
         polar = logarithmic(rng, 1e-4, 1)

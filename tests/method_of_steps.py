@@ -131,7 +131,8 @@ def _terms(row, slope, k, until):
     """Delays and weights of the waves that come to contact k, with their derivatives."""
     found = []
     for rod, others in ((k, k - 1), (k + 1, k + 1)):
-        T, Z = row.T[rod], row.Z[rod]
+        T = row.T[rod]
+        Z = row.Z[rod]
         for n in range(1, int(until / T) + 1):
             j, sign = (others, 1) if n % 2 else (k, -1)
             if 0 <= j < len(row.gap):
@@ -165,7 +166,8 @@ def _contact(row, slope, k, terms, begin, h, P0, Q0, edges, history):
         by_number += w_slope * earlier_P + w * (earlier_Q - earlier_F * delay_slope)
     c = 1 / row.Z[k] + 1 / row.Z[k + 1]
     c_slope = -slope.Z[k] / row.Z[k] ** 2 - slope.Z[k + 1] / row.Z[k + 1] ** 2
-    K, p = row.K[k], row.p[k]
+    K = row.K[k]
+    p = row.p[k]
     inner = INTEGRAL[:-1] * h
     force = np.zeros(NODES)
     for _ in range(60):

@@ -58,7 +58,8 @@ def random_law(rng, *pair):
     if rng.random() < 0.12 and not all(isinstance(b, ri.Wall) for b in pair):
         return ri.Bonded()
     if rng.random() < 0.12:
-        k, c = logarithmic(rng, 1e-1, 1e4), logarithmic(rng, 1e-2, 1e2)
+        k = logarithmic(rng, 1e-1, 1e4)
+        c = logarithmic(rng, 1e-2, 1e2)
         k, c = [(k, 0.0), (k, c), (0.0, c)][rng.integers(3)]
         return ri.Joint(k, c, stretch=float(rng.uniform(-0.3, 0.3)) / (1 + k))
     k = (

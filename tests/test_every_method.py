@@ -27,11 +27,14 @@ WORKS = "wall_work", "drive_work", "gravity_work", "radiated"
 
 
 def solved(system, method):
-    until, options = 2.0, {}
+    until = 2.0
+    options = {}
     if method == "fronts":
-        until, options = horizon(system, 12.0), {"max_events": 20_000}
+        until = horizon(system, 12.0)
+        options = {"max_events": 20_000}
     if method == "finite-difference":
-        until, options = 1.5, {"dt": STEP}
+        until = 1.5
+        options = {"dt": STEP}
     return ri.solve(system, until, method, **options)
 
 
@@ -70,8 +73,10 @@ def assert_forces_move_bodies(solution, near):
 
     The force on a fixed end is not kept by all methods.
     """
-    system, t = solution.system, np.linspace(0, solution.t_end, 9)
-    ticks, tick = solution.fields.to_ticks(t), solution.fields.clock.tick
+    system = solution.system
+    t = np.linspace(0, solution.t_end, 9)
+    ticks = solution.fields.to_ticks(t)
+    tick = solution.fields.clock.tick
     outer = [
         side.push.integral(0, ticks) * tick
         if side
@@ -92,7 +97,8 @@ def assert_forces_move_bodies(solution, near):
         np.abs(forces)
     )
     for i, before, after in zip(free, forces[:-1], forces[1:], strict=True):
-        V, impulse = solution.mean_velocity(i, t), before - after
+        V = solution.mean_velocity(i, t)
+        impulse = before - after
         gained = masses[i] * (V - V[0] - system.gravity * t)
         assert np.isnan(impulse[-1]) or gained == pytest.approx(
             impulse, abs=near * scale + 1e-15
@@ -127,7 +133,8 @@ def assert_strains_stretch_rods(solution):
 @by_method
 @given(seeds, st.booleans())
 def test_energy_momentum_and_gaps(method, seed, driven):
-    solution, near = solved(ROWS[method](seed, driven), method), NEAR[method]
+    solution = solved(ROWS[method](seed, driven), method)
+    near = NEAR[method]
     assert_books_balance(solution, driven, near)
     assert_forces_move_bodies(solution, near)
     if method != "finite-difference":  # where strains at the start are means over cells
@@ -137,7 +144,8 @@ def test_energy_momentum_and_gaps(method, seed, driven):
 
 def assert_alike(one, other, sign, shift, near):
     """Velocities, gaps and impulses of two runs of a row, the second mirrored or shifted."""
-    count, t = len(one.system.bodies), np.linspace(0, one.t_end, 17)
+    count = len(one.system.bodies)
+    t = np.linspace(0, one.t_end, 17)
     for i in range(count):
         found = sign * other.mean_velocity(count - 1 - i if sign < 0 else i, t) - shift
         assert found == pytest.approx(one.mean_velocity(i, t), abs=near)

@@ -60,7 +60,8 @@ def test_a_wrong_path_is_told_with_the_nearest_of_its_object(door, path, said):
 def test_materials_go_by_name_and_by_body(path):
     """A brass of 8000 kg/m^3 is the same wherever it is asked for."""
     brass = ri.materials.brass
-    system, heavy = chain(last=brass), chain(last=brass.replace(density=8000.0))
+    system = chain(last=brass)
+    heavy = chain(last=brass.replace(density=8000.0))
     v = ri.solve(heavy).outcome.velocities_after
     form = ri.closed_form(system, [path])
     (name,) = form.symbols
@@ -105,6 +106,7 @@ def test_an_atlas_over_a_density_says_what_a_run_there_does(path):
 def test_a_round_rod_goes_by_its_diameter_and_by_its_area():
     round_one = ri.Rod(0.4, diameter=0.01, material=STEEL, velocity=1.0)
     system = ri.System([round_one, ri.Rod(1.0, area=1e-4, material=STEEL)])
-    d, A = "bodies.0.diameter", "bodies.0.area"
+    d = "bodies.0.diameter"
+    A = "bodies.0.area"
     found = ri.gradient(system, of="velocity_after.1", wrt=[d, A])
     assert found[d] == pytest.approx(found[A] * np.pi * 0.01 / 2, rel=1e-12)

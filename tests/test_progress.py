@@ -28,7 +28,9 @@ class Terminal(io.StringIO):
 
     def lines(self):
         """Lines on the screen: what follows a carriage return covers what was there."""
-        lines, row, column = [[]], 0, 0
+        lines = [[]]
+        row = 0
+        column = 0
         for mark in re.findall(r"\x1b\[A|.|\n|\r", self.getvalue()):
             if mark == "\x1b[A":
                 row -= 1

@@ -93,7 +93,8 @@ def test_mirror_is_exact(row, seed):
     assume(solution.stopped_by == "until")
     mirrored = ri.solve(system.mirrored(), solution.t_end, max_events=CAP)
     assert mirrored.stopped_by == "until"
-    lines, images = waves(solution), waves(mirrored, -1.0)
+    lines = waves(solution)
+    images = waves(mirrored, -1.0)
     last = len(lines) + 1
     assert all(lines[i] == images[last - i] for i in range(2, len(lines)))
     impulses = [c.impulse for c in solution.outcome.contacts]

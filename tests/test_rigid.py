@@ -24,7 +24,8 @@ def test_momentum_is_kept_and_energy_never_gained_in_ten_thousand_collisions():
     v = np.sort(rng.normal(scale=10.0, size=(2, 10_000)), axis=0)
     v2, v1 = v
     after = rigid.collide(m1, v1, m2, v2, rng.uniform(-1, 1, size=10_000))
-    w1, w2 = after.velocity_1, after.velocity_2
+    w1 = after.velocity_1
+    w2 = after.velocity_2
     flow = m1 * (abs(v1) + abs(w1)) + m2 * (abs(v2) + abs(w2))
     assert np.all(abs(m1 * w1 + m2 * w2 - (m1 * v1 + m2 * v2)) <= 4 * EPS * flow)
     assert np.all(abs(m2 * (w2 - v2) - after.impulse) <= 4 * EPS * flow)
@@ -97,7 +98,8 @@ def test_a_stack_is_a_row_of_collisions():
 
 
 def test_arrays_broadcast():
-    column, row = np.array([[1.0], [2.0]]), np.array([0.0, 0.5, 1.0])
+    column = np.array([[1.0], [2.0]])
+    row = np.array([0.0, 0.5, 1.0])
     assert {entry.shape for entry in rigid.collide(column, 1.0, 1.0, 0.0, row)} == {
         (2, 3)
     }

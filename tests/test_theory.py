@@ -31,9 +31,12 @@ def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
     """
     leaving_1 = [Fraction(1)] * (2 * T1)
     leaving_2 = [Fraction(0)] * (2 * T2)
-    gap, force, opening = Fraction(0), [], None
+    gap = Fraction(0)
+    force = []
+    opening = None
     for tick in range(12 * max(T1, T2)):
-        a, b = leaving_1[-2 * T1], leaving_2[-2 * T2]
+        a = leaving_1[-2 * T1]
+        b = leaving_2[-2 * T2]
         F = (
             max(Fraction(0), (a - b) / (Fraction(1, Z1) + Fraction(1, Z2)))
             if gap == 0
@@ -76,7 +79,8 @@ def test_agrees_with_waves(Z1, T1, Z2, T2):
     vibration = pytest.approx(float(waves.vibration_energy), abs=ROUND_OFF * all_energy)
     assert pair.vibration_energy == vibration
     start = np.arange(len(waves.force), dtype=float)
-    expected, just_before = [float(F) for F in waves.force], np.nextafter(start[1:], -1)
+    expected = [float(F) for F in waves.force]
+    just_before = np.nextafter(start[1:], -1)
     force = theory.saint_venant_force(start, Z1, T1, Z2, T2)
     assert force == pytest.approx(expected, abs=ROUND_OFF)
     force = theory.saint_venant_force(just_before, Z1, T1, Z2, T2)
@@ -139,10 +143,8 @@ def test_integral_energy_and_bounds(rods, V):
 @given(PAIR, POSITIVE)
 def test_it_does_not_matter_which_rod_is_on_the_left(rods, V):
     Z1, T1, Z2, T2 = rods
-    one, other = (
-        theory.saint_venant(Z1, T1, Z2, T2, V),
-        theory.saint_venant(Z2, T2, Z1, T1, V),
-    )
+    one = theory.saint_venant(Z1, T1, Z2, T2, V)
+    other = theory.saint_venant(Z2, T2, Z1, T1, V)
     assert tuple(one) == pytest.approx(tuple(other), rel=ROUND_OFF, abs=0)
 
 
@@ -164,8 +166,11 @@ def test_equal_up_to_round_off_is_equal():
 )
 def test_a_mass_on_a_free_rod(ratio, e):
     """Values derived independently; momentum and energy balance."""
-    Z, T, V = 3.0, 0.2, 1.7
-    M, m = ratio * Z * T, Z * T
+    Z = 3.0
+    T = 0.2
+    V = 1.7
+    M = ratio * Z * T
+    m = Z * T
     c = theory.mass_on_rod(M, Z, T, V)
     assert c.restitution == pytest.approx(e, abs=5e-7)
     after = V - c.impulse / M, c.impulse / m
@@ -198,9 +203,12 @@ def slope(function, x, step):
 
 def test_an_exponential_horn():
     """u = exp(-beta x) cos(k x - omega t) obeys (A u_x)_x = A u_tt/c^2."""
-    c, k, beta = 1.5, 2.0, 0.6
+    c = 1.5
+    k = 2.0
+    beta = 0.6
     omega = theory.horn_frequency(c, k, beta)
-    x, t = 0.3, 0.2
+    x = 0.3
+    t = 0.2
 
     def u(x, t):
         return math.exp(-beta * x) * math.cos(k * x - omega * t)
@@ -218,7 +226,8 @@ def test_an_exponential_horn():
 @pytest.mark.parametrize("ratio", [0.01, 0.3, 0.9])
 def test_decay_of_a_damped_mode(ratio):
     """The roots of p^2 + (eta/E) omega^2 p + omega^2."""
-    E, omega = 3.0, 7.0
+    E = 3.0
+    omega = 7.0
     eta = 2 * E * ratio / omega
     roots = np.roots([1.0, eta / E * omega**2, omega**2])
     decay = theory.kelvin_voigt_decay(E, eta, omega)
@@ -228,7 +237,10 @@ def test_decay_of_a_damped_mode(ratio):
 
 def test_phase_velocity_with_lateral_inertia():
     """u = cos(k x - omega t) obeys u_tt - nu^2 kappa^2 u_xxtt = c^2 u_xx."""
-    c, nu, kappa, k = 5000.0, 0.29, 7e-3, np.array([0.0, 10.0, 300.0])
+    c = 5000.0
+    nu = 0.29
+    kappa = 7e-3
+    k = np.array([0.0, 10.0, 300.0])
     omega = k * theory.rayleigh_love_speed(c, nu, kappa, k)
     assert omega**2 * (1 + (nu * kappa * k) ** 2) == pytest.approx(
         c**2 * k**2, rel=1e-14

@@ -94,7 +94,9 @@ def test_long_and_short_waves(nu):
 def test_frequencies_and_wave_numbers_of_a_bar():
     bar = waves.Bar(5000.0, 0.29, 0.01)
     f = np.linspace(0.0, 2 * bar.cut_off, 301)
-    k, c, group = bar.wavenumber(f), bar.phase_velocity(f), bar.group_velocity(f)
+    k = bar.wavenumber(f)
+    c = bar.phase_velocity(f)
+    group = bar.group_velocity(f)
     np.testing.assert_allclose(k * c, 2 * math.pi * f, rtol=1e-13)
     np.testing.assert_allclose(
         waves.first_mode(k * bar.radius / (2 * math.pi), 0.29), c / 5000.0, rtol=1e-11
@@ -123,7 +125,8 @@ def test_mindlin_herrmann_against_a_matrix(nu):
     """Roots of det(K - omega^2 M) for u = exp(i k x), q = i exp(i k x); a = E = rho = 1."""
     s = np.array([1e-3, 0.05, 0.3, 2.0, 1e150])
     slow, fast = waves.mindlin_herrmann(s, nu)
-    lame, mu = nu / ((1 + nu) * (1 - 2 * nu)), 1 / (2 + 2 * nu)
+    lame = nu / ((1 + nu) * (1 - 2 * nu))
+    mu = 1 / (2 + 2 * nu)
     for k, *found in zip(2 * np.pi * s[:-1], slow, fast, strict=False):
         K = [
             [(lame + 2 * mu) * k * k, 2 * lame * k],
@@ -140,7 +143,8 @@ def test_mindlin_herrmann_against_a_matrix(nu):
 
 
 def test_mindlin_herrmann_is_near_the_first_mode():
-    s, nu = np.linspace(0.01, 0.6, 30)[:, None], np.array([0.25, 0.29, 0.33, 0.345])
+    s = np.linspace(0.01, 0.6, 30)[:, None]
+    nu = np.array([0.25, 0.29, 0.33, 0.345])
     apart = waves.mindlin_herrmann(s, nu)[0] - waves.first_mode(s, nu)
     assert 0.009 < np.abs(apart).max() <= 0.01
 

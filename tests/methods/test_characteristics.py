@@ -34,7 +34,8 @@ def solved(row, until=None, gaps=None, contacts=None, **options):
 def test_fronts_are_met_to_round_off(seed):
     system = random_system(seed, bodies=4)
     until = horizon(system, 8)
-    exact, found = ri.solve(system, until, "fronts"), ri.solve(system, until, METHOD)
+    exact = ri.solve(system, until, "fronts")
+    found = ri.solve(system, until, METHOD)
     pairs = list(zip(exact.outcome.contacts, found.outcome.contacts, strict=True))
     scale = (
         max((max(abs(a.impulse), a.peak_force * until) for a, _ in pairs), default=0)
@@ -56,10 +57,8 @@ def test_fronts_are_met_to_round_off(seed):
             begun[0] == begun[1] or dense
         )  # what touches at the very end may or may not have
     for i, body in enumerate(system.bodies):
-        v, bound = (
-            float(exact.mean_velocity(i, until)),
-            found.accuracy["velocity"] * largest,
-        )
+        v = float(exact.mean_velocity(i, until))
+        bound = found.accuracy["velocity"] * largest
         assert float(found.mean_velocity(i, until)) == pytest.approx(
             v, abs=bound if dense else 1e-12
         )
@@ -76,7 +75,8 @@ def test_fronts_are_met_to_round_off(seed):
 def mass_on_a_stiff_spring(M, k):
     """Impulse, largest force and duration: two exponentials, and an equation with their echo."""
     root = math.sqrt(k * k - 4 * k / M)
-    slow, fast = (-k + root) / 2, (-k - root) / 2
+    slow = (-k + root) / 2
+    fast = (-k - root) / 2
 
     def indentation(t):
         return (math.exp(slow * t) - math.exp(fast * t)) / root
@@ -122,7 +122,8 @@ def test_a_stiff_spring_is_resolved_in_few_steps(M, k, gap):
 @pytest.mark.parametrize("gravity", [0.0, -0.5])
 def test_forces_in_bonds_of_rigid_bodies(gravity):
     masses = [ri.RigidMass(m) for m in (1.0, 2.0, 3.0)]
-    laws, rod = [ri.Bonded(), ri.Bonded(), ri.Hertz(9.0)], unit_rod(velocity=-1.0)
+    laws = [ri.Bonded(), ri.Bonded(), ri.Hertz(9.0)]
+    rod = unit_rod(velocity=-1.0)
     t = (np.arange(64) + 0.5) / 32
     s = solved(
         [*masses, rod],
@@ -174,7 +175,9 @@ LAWS = {
 def test_mass_through_a_law_on_an_endless_bar(name):
     """A bar that absorbs is a dashpot Z: an ordinary differential equation."""
     law, force = LAWS[name]
-    M, Z, gap = 0.5, 2.0, 0.0837
+    M = 0.5
+    Z = 2.0
+    gap = 0.0837
 
     def rate(_, y):
         x, V, _ = y
@@ -189,7 +192,8 @@ def test_mass_through_a_law_on_an_endless_bar(name):
     def leaves(_, y):
         return y[0] + 1e-12
 
-    leaves.terminal, leaves.direction = True, -1
+    leaves.terminal = True
+    leaves.direction = -1
     exact = solve_ivp(
         rate, (0, 4.0 - gap), [1e-13, 1.0, 0.0], rtol=1e-9, atol=1e-11, events=leaves
     )
@@ -210,7 +214,9 @@ def test_mass_through_a_law_on_an_endless_bar(name):
 )
 def test_restitution_of_masses_through_a_table(method, speed):
     """The area below the table is the energy; what unloads gives back F^2/(2 k)."""
-    x, F, k = np.array([0.0, 0.1, 0.6, 0.7]), np.array([0.0, 0.5, 0.8, 2.5]), 20.0
+    x = np.array([0.0, 0.1, 0.6, 0.7])
+    F = np.array([0.0, 0.5, 0.8, 2.5])
+    k = 20.0
     m = 0.5 * 0.8 / 1.3
     area = np.concatenate(([0.0], np.cumsum(np.diff(x) * (F[1:] + F[:-1]) / 2)))
     energy = m * speed**2 / 2
@@ -259,7 +265,10 @@ def test_what_yields_is_a_table_of_two_points(method, compiling):
 )
 def test_mass_through_what_yields_on_an_endless_bar(mirrored, hardening):
     """Loads as a spring, yields until both move together, and unloads as a spring."""
-    M, Z, k, strength = 0.5, 2.0, 5.0, 0.3
+    M = 0.5
+    Z = 2.0
+    k = 5.0
+    strength = 0.3
 
     def follow(stiffness, y, ends):  # F, V, impulse
         ends.terminal = True
@@ -506,12 +515,11 @@ def test_a_ball_on_a_floor_bounces_by_its_restitution_and_comes_to_rest(
         row, [0.3, 90.0], [ri.Rigid(restitution=0.5), ri.Rigid()], gravity=-1.0
     )
     s = ri.solve(system.mirrored() if mirrored else system, 4.0)
-    t, sign, floor = (
-        np.linspace(0, 4, 257),
-        (-1 if mirrored else 1),
-        s.contacts[-mirrored],
-    )
-    hit, body = math.sqrt(0.6), 1
+    t = np.linspace(0, 4, 257)
+    sign = -1 if mirrored else 1
+    floor = s.contacts[-mirrored]
+    hit = math.sqrt(0.6)
+    body = 1
     assert floor.episodes[0].start == pytest.approx(hit, abs=1e-9)
     before, after = (
         moving - sign * s.velocity(body, 0.0, hit + d) for d in (-1e-6, 1e-6)

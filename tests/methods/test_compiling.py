@@ -118,7 +118,8 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
     module, files, monkeypatch
 ):
     """Those from which it imports constants alone, too."""
-    read, digests = Path.read_bytes, {compiling.digest_of(module)}
+    read = Path.read_bytes
+    digests = {compiling.digest_of(module)}
     for file in files:
         with monkeypatch.context() as patch:
             path = FOLDER / f"{file}.py"

@@ -36,7 +36,8 @@ def commensurate(seed):
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(8)))
 def test_fields_are_those_of_the_other_method(seed):
-    system, until = commensurate(seed), 8.0
+    system = commensurate(seed)
+    until = 8.0
     exact = ri.solve(system, until, "fronts")
     steps = ri.solve(system, until, "characteristics")
     t = STEP * (np.arange(until / STEP) + 0.55)  # on no front
@@ -45,7 +46,8 @@ def test_fields_are_those_of_the_other_method(seed):
         for name in ("velocity", "strain"):
             ours, theirs = (getattr(s, name)(body, x, t) for s in (exact, steps))
             assert np.abs(ours - theirs).max() < 1e-9
-    ours, theirs = exact.outcome, steps.outcome
+    ours = exact.outcome
+    theirs = steps.outcome
     assert ours.velocities_after == pytest.approx(theirs.velocities_after, abs=1e-9)
     assert ours.velocities_before == pytest.approx(theirs.velocities_before, abs=1e-9)
     assert ours.vibration_after == pytest.approx(theirs.vibration_after, abs=1e-9)
@@ -59,7 +61,10 @@ def test_fields_are_those_of_the_other_method(seed):
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
     """What comes out of a rod with that wave in it, or in through an end, drives a bar alike."""
-    c, L, at, strains = 2.0, 6.0, [0.25, 1.0, 1.5], [-0.1, -0.3, 0.05, 0.0]
+    c = 2.0
+    L = 6.0
+    at = [0.25, 1.0, 1.5]
+    strains = [-0.1, -0.3, 0.05, 0.0]
     fast = ri.Material("fast", youngs_modulus=4.0, density=1.0)
     places = [L - c * t for t in reversed(at)]
     wave = ri.Steps(strains[::-1], places)
@@ -79,8 +84,10 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
     bodies = (1, 2), (0, 1)
     if mirrored:
         whole, cut, bodies = whole.mirrored(), cut.mirrored(), ((1, 0), (1, 0))
-    until, t = 5.0, np.linspace(0.013, 4.95, 100)
-    expected, found = ri.solve(whole, until, method), ri.solve(cut, until, method)
+    until = 5.0
+    t = np.linspace(0.013, 4.95, 100)
+    expected = ri.solve(whole, until, method)
+    found = ri.solve(cut, until, method)
     for theirs, ours in zip(*bodies, strict=True):
         v = expected.velocity(theirs, 0.7, t)
         assert np.abs(found.velocity(ours, 0.7, t) - v).max() < 1e-14
@@ -110,7 +117,8 @@ def test_the_peak_force_of_a_bond_is_the_largest_of_its_force(seed):
     for contact, tally in zip(
         solution.contacts, solution.outcome.contacts, strict=True
     ):
-        ticks, force = contact.push.ticks, contact.push.values
+        ticks = contact.push.ticks
+        force = contact.push.values
         long = (
             np.diff(ticks, append=solution.fields.end)
             > solution.fields.clock.longest >> 40
@@ -137,12 +145,14 @@ def test_an_end_stays_within_its_bound(seed, right, endless):
     other = ri.Rod(
         0.1, area=1e-4, material=pieces[0].material, velocity=-9.0 if right else 9.0
     )
-    row, ends = [body, other], (ri.Absorbing() if endless else ri.Free(), ri.Free())
+    row = [body, other]
+    ends = (ri.Absorbing() if endless else ri.Free(), ri.Free())
     if right:
         row, ends = row[::-1], ends[::-1]
     row = ri.System(row, [10.0], ends=ends)
     run = tracked(row, 0.0)
-    it, a = group_of(run, 0, right), run.clock
+    it = group_of(run, 0, right)
+    a = run.clock
     reach = np.sqrt(it.deviation_bound_squared) * a.tick
     until = horizon(row, 60.0)
     solution = ri.solve(row, until, max_events=10 * CAP)
@@ -173,7 +183,8 @@ def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
 @pytest.mark.parametrize("trips", [1, 3, 40])
 def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
     """Aluminium and steel are no whole ratio; the drive is timed by the aluminium."""
-    slow, fast = ri.materials.aluminium, ri.materials.steel
+    slow = ri.materials.aluminium
+    fast = ri.materials.steel
     row = [ri.Rod(0.3, area=1e-4, material=slow), ri.Rod(0.7, area=2e-4, material=fast)]
     T = float(row[0].transit_time)
     force = ri.Pushed(ri.Steps([1e3, 0.0], [2 * trips * T]))

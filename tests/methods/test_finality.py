@@ -22,7 +22,8 @@ M = ri.Material("m", youngs_modulus=1.0, density=1.0)
 
 def pieces_of(solution, bodies):
     """The group's pieces at the end: (length, mass per length, E A, velocity, strain)."""
-    a, found = solution.fields.clock, []
+    a = solution.fields.clock
+    found = []
     for body in bodies:
         rod = solution.system.bodies[body]
         if isinstance(rod, ri.Wall):
@@ -53,7 +54,8 @@ def expected_sway(pieces, wall_velocity):
     if mean is None:
         mean = np.sum(mass * v) / mass.sum()
     beyond = np.cumsum(mass) / mass.sum()
-    g0, g1 = np.concatenate(([0.0], beyond[:-1])), beyond
+    g0 = np.concatenate(([0.0], beyond[:-1]))
+    g1 = beyond
     if wall_velocity is not None:
         g0 = g1 = np.ones(len(pieces))
     deviation = np.sum(strain * length * (g0 + g1) / 2)
@@ -67,7 +69,8 @@ def test_mean_motion_and_bounds(seed, transits):
     system = random_system(seed, bodies=4)
     until = horizon(system, transits)
     run = tracked(system, until, 20_000)
-    solution, tick = solution_of(run, until), run.clock.tick
+    solution = solution_of(run, until)
+    tick = run.clock.tick
     for group in groups(system):
         walls = [
             b.velocity for i in group if isinstance(b := system.bodies[i], ri.Wall)
@@ -188,7 +191,9 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
 )
 def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
     (at,) = blank(1, NODE)
-    at.status, at.gap, at.gap_rate = Status.OPEN.value, gap, rate
+    at.status = Status.OPEN.value
+    at.gap = gap
+    at.gap_rate = rate
     assert (
         contacts.resolve_contact(at, closing, 100, 1e-9, 10),
         at.gap,
@@ -208,7 +213,8 @@ def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
 def test_only_a_contact_that_has_pressed_opens(before, opened):
     """What touched without force since it closed leaves the last opening as it is."""
     (run,), (at,), (row,) = blank(1, RUN), blank(1, NODE), blank(1, FRONT)
-    at.status, at.last_opening_tick = before.value, 7
+    at.status = before.value
+    at.last_opening_tick = 7
     contacts.log_contact_change(run, at, row, 1, 9, Status.OPEN.value, 1.0)
     assert (at.last_opening_tick, row.tick, row.next_row, row.value) == (
         opened,
@@ -238,7 +244,8 @@ def test_round_off_makes_no_fronts():
     pieces = [ri.Segment(0.1, 0.7654321, odd)] * 7
     sizes = {"length": 0.7, "area": 0.7654321, "material": odd}
     state = {"velocity": 0.3, "strain": ri.Steps([0.1, 0.0], [0.33])}
-    cut, whole = ri.Rod(segments=pieces, **state), ri.Rod(**sizes, **state)
+    cut = ri.Rod(segments=pieces, **state)
+    whole = ri.Rod(**sizes, **state)
     broken, one = (
         ri.solve(ri.System([r, ri.Rod(**sizes)]), until=100.0) for r in (cut, whole)
     )
@@ -308,7 +315,8 @@ def test_without_an_opening_the_end_of_the_contact_says_why():
     assert touching.final
     assert math.isnan(touching.t_final)
     assert "Bodies still touch at the end of the run." in touching.status
-    striker, bar = ri.Rod(0.5, area=1.0, material=M, velocity=1.0), PAIR[1]
+    striker = ri.Rod(0.5, area=1.0, material=M, velocity=1.0)
+    bar = PAIR[1]
     at_rest = ri.System([striker, bar], ends=(ri.Free(), ri.Absorbing()))
     assert [ri.solve(at_rest, until).t_final for until in (None, 9.0, 99.0)] == [
         1.0

@@ -30,7 +30,8 @@ def test_a_gap_beyond_reach_is_enough_if_it_does_not_close():
 
 
 def test_on_fractions_it_is_decided_without_a_root():
-    apart, square = Fraction(10**20 + 1, 10**20), Fraction(1)
+    apart = Fraction(10**20 + 1, 10**20)
+    square = Fraction(1)
     assert separation_time(Fraction(0), -math.inf, apart, square, 0) == 0
     assert separation_time(Fraction(0), -math.inf, Fraction(1), square, 0) == math.inf
 

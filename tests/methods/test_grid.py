@@ -95,7 +95,8 @@ def test_rows_of_rods_meet_the_exact_method_without_chatter(name):
     system = ROWS[name]
     exact = ri.solve(system, method="fronts")
     until = exact.t_end
-    errors, impulses = [], []
+    errors = []
+    impulses = []
     for n in (70, 110):
         s = ri.solve(system, until, METHOD, cells=n, snapshots=5)
         assert [c.episodes for c in s.outcome.contacts] == [
@@ -104,7 +105,8 @@ def test_rows_of_rods_meet_the_exact_method_without_chatter(name):
         for k, (a, b) in enumerate(zip(exact.contacts, s.contacts, strict=True)):
             assert len(b.episodes) == len(a.episodes)
             if isinstance(a.law, ri.Rigid):
-                force, gap = b.push.values, gaps_of(s, k)
+                force = b.push.values
+                gap = gaps_of(s, k)
                 assert gap.min() >= 0
                 shut = (force[:-1] > 0) & (
                     force[1:] > 0
@@ -132,7 +134,8 @@ def test_viscous_ends_that_touch_at_the_start_are_no_part_of_a_step_late():
         for L, v in ((0.4, 1.0), (1.0, 0.0))
     ]
     s = solved(pair, 2.0, 100)
-    edges, force = s.run.signals.edges * s.run.clock.tick, s.contacts[0].push.values
+    edges = s.run.signals.edges * s.run.clock.tick
+    force = s.contacts[0].push.values
     passed = np.concatenate(([0.0], np.cumsum(force * np.diff(edges))))
     halfway = np.interp(passed[-1] / 2, passed, edges)
     assert halfway == pytest.approx(0.4, abs=0.1 * edges[1])
@@ -140,7 +143,8 @@ def test_viscous_ends_that_touch_at_the_start_are_no_part_of_a_step_late():
 
 def test_fields_at_jumps_are_of_order_one_half():
     system = ROWS["unequal impedances"]
-    exact, t = ri.solve(system, method="fronts"), np.array([0.4, 1.3, 2.0])
+    exact = ri.solve(system, method="fronts")
+    t = np.array([0.4, 1.3, 2.0])
     errors = []
     for n in (50, 100, 200, 400):
         s = ri.solve(system, exact.t_end, METHOD, cells=n, snapshots=t)
@@ -162,7 +166,8 @@ def test_an_opening_is_where_the_gap_begins(left, right):
         for x, v in ((left, 1.0), (right, 0.0))
     ]
     s = solved(pair, None, 200)
-    contact, h = s.contacts[0], s.fields.clock.tick * STEP_TICKS
+    contact = s.contacts[0]
+    h = s.fields.clock.tick * STEP_TICKS
     (episode,) = contact.episodes
     assert episode.force_end <= episode.opening <= episode.force_end + 2 * h
     assert contact.gap(episode.opening) <= 1e-4 * h
@@ -254,7 +259,8 @@ def test_rows_meet_characteristics(name):
     """Second order where all is smooth, between one and two where forces have kinks."""
     row, contacts, options = COMPLIANT[name]
     system = ri.System(row, contacts=contacts, **options)
-    until, t = 2.3, np.linspace(0, 2.3, 24)
+    until = 2.3
+    t = np.linspace(0, 2.3, 24)
     fine = ri.solve(system, until, "characteristics")
     errors = []
     for n in (40, 80, 160):
@@ -287,7 +293,10 @@ def test_rows_meet_characteristics(name):
 @pytest.mark.parametrize("wave", [1, 3])
 def test_a_mode_with_lateral_inertia_swings_slower(wave):
     """w^2 = E k^2/(rho (1 + nu^2 k^2 I_p/A)), with sigma = 0 at free ends: v = cos(k x)."""
-    nu, polar, area, k = 0.3, 0.8, 2.0, wave * math.pi
+    nu = 0.3
+    polar = 0.8
+    area = 2.0
+    k = wave * math.pi
     w = k / math.sqrt(1 + nu * nu * k * k * polar / area)
     errors = []
     for n in (40, 80):
@@ -440,10 +449,8 @@ def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
 )
 def test_stated_errors_bound_those_of_the_outcome(rods, until):
     system = ri.System([unit_rod(L, A, velocity=v) for L, A, v in rods])
-    s, exact = (
-        ri.solve(system, until, METHOD, snapshots=2),
-        ri.solve(system, until).outcome,
-    )
+    s = ri.solve(system, until, METHOD, snapshots=2)
+    exact = ri.solve(system, until).outcome
     assert "Not converged" not in s.status
 
     def apart(found, known, scale):
@@ -496,7 +503,8 @@ def test_snapshots_by_number_and_by_time():
 @pytest.mark.parametrize("moment", ["kept", "between"])
 def test_fields_at_chosen_times_are_of_order_two(moment):
     """v = cos(pi x) cos(pi t), at the states and between two of them."""
-    x, errors = np.linspace(0.06, 0.94, 21)[:, None], {"velocity": [], "strain": []}
+    x = np.linspace(0.06, 0.94, 21)[:, None]
+    errors = {"velocity": [], "strain": []}
     for n in (20, 40, 80):
         t = np.array([0.377, 1.411, 2.9])
         if moment == "kept":

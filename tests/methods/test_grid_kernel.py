@@ -38,7 +38,9 @@ def bits(run, states=True):
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_compiled_and_plain_runs_are_bit_identical():
     for seed in range(25):
-        system, runs, waits = random_row(seed, driven=seed % 2 == 1), [], []
+        system = random_row(seed, driven=seed % 2 == 1)
+        runs = []
+        waits = []
         for compiling_it in (False, True):
             with kernels.forced(compiling_it):
                 runs.append(grid_run(system, 48))
@@ -52,7 +54,8 @@ def test_compiled_and_plain_runs_are_bit_identical():
 def test_a_run_in_pieces_is_the_whole_run(driven):
     for seed in range(8):
         system = random_row(seed, driven=driven)
-        whole, pieces = grid_run(system, 100), grid_run(system, 100)
+        whole = grid_run(system, 100)
+        pieces = grid_run(system, 100)
         whole.advance(100)
         for end in (
             *np.random.default_rng(seed).choice(np.arange(1, 100), 5).cumsum(),
@@ -72,7 +75,8 @@ def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
     rng = np.random.default_rng(seed)
     before, after = rng.integers(0, 3, 2)
     n = before + nodes + after
-    a, b = before, before + nodes - 1
+    a = before
+    b = before + nodes - 1
     bound = rng.uniform(0.01, 100, n + 1)
     bound[: a + 1] = bound[b + 1 :] = 0.0  # what stands beside is a piece by itself
     diagonal = rng.uniform(0.1, 10, n) + bound[:-1] + bound[1:]
@@ -107,11 +111,9 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
     }.items():
         links[name] = value
     links["coupling_mobility"][0] = 0.0
-    link, sweeps, relax = (
-        record_lists.as_objects(links),
-        [],
-        contacts.gauss_seidel_sweep,
-    )
+    link = record_lists.as_objects(links)
+    sweeps = []
+    relax = contacts.gauss_seidel_sweep
     monkeypatch.setattr(
         contacts, "gauss_seidel_sweep", lambda *given: sweeps.append(1) or relax(*given)
     )
@@ -133,7 +135,8 @@ def dense_run(mesh, step, v, force, radial, steps, push):
     )
     free = np.append(mesh.held == 0, J > 0)
     x = np.concatenate(([0.0], np.cumsum((force - b * radial) / k), radial))
-    rate, outer = np.append(v, np.zeros(n - 1)), np.zeros(2 * n - 1)
+    rate = np.append(v, np.zeros(n - 1))
+    outer = np.zeros(2 * n - 1)
     outer[0], outer[n - 1] = push[0], -push[1]
     left = (M / step + damping / 2)[np.ix_(free, free)]
     for _ in range(steps):
@@ -165,13 +168,16 @@ def test_steps_against_dense_matrices(seed, ends):
         "fixed": (ri.Fixed(), ri.Free()),
         "pushed": (ri.Pushed(0.3), ri.Pushed(-0.2)),
     }
-    row, push = [rod], (0.3, -0.2) if ends == "pushed" else (0.0, 0.0)
+    row = [rod]
+    push = (0.3, -0.2) if ends == "pushed" else (0.0, 0.0)
     if ends == "pushed" and seed % 2:
         row = [rod, ri.RigidMass(0.8, velocity=0.4)]
     system = ri.System(row, contacts=[ri.Bonded()] * (len(row) - 1), ends=kinds[ends])
     run = grid_run(system, 40)
     run.advance(40)
-    n, velocity, force = len(run.mesh.mass), run.history.velocity, run.history.force
+    n = len(run.mesh.mass)
+    velocity = run.history.velocity
+    force = run.history.force
     radial = np.zeros_like(force)
     if run.mesh.has_radial_strain:
         radial = run.step * run.history.radial
@@ -188,7 +194,9 @@ def test_steps_against_dense_matrices(seed, ends):
 
 def energy_of_bodies(run):
     """[state] kinetic and strain energy, J: what leapfrog keeps."""
-    mesh, states, h = run.mesh, run.history, run.step
+    mesh = run.mesh
+    states = run.history
+    h = run.step
     v = (
         states.velocity
         + run.row.frame
@@ -196,7 +204,8 @@ def energy_of_bodies(run):
     )
     change = np.diff(v, axis=1)
     inside = mesh.stiffness[1:-1] > 0
-    k, lateral = mesh.stiffness[1:-1][inside], mesh.lateral[1:-1][inside]
+    k = mesh.stiffness[1:-1][inside]
+    lateral = mesh.lateral[1:-1][inside]
     change, force = change[:, inside], states.force[:, 1:-1][:, inside]
     free = mesh.mass * (mesh.held == 0)
     for node in np.flatnonzero(mesh.held):  # half cells on a driven end move with it
@@ -205,7 +214,8 @@ def energy_of_bodies(run):
     total = kinetic + force**2 @ (1 / k) / 2
     if mesh.has_radial_strain:
         J, b, G = (x[1:-1][inside] for x in mesh.cells[4:7])
-        q, p = h * states.radial[:, 1:-1], states.radial_rate[:, 1:-1]
+        q = h * states.radial[:, 1:-1]
+        p = states.radial_rate[:, 1:-1]
         for moved, share in ((q, 1.0), (h * p / 2, -1.0)):
             total += share * np.diff(moved, axis=1) ** 2 @ mesh.shear[1:-1] / 2
         q, p = q[:, inside], p[:, inside]
@@ -307,7 +317,9 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
     )
     end = (ri.Free(), ri.Fixed(), ri.Absorbing())[seed % 2 + (seed > 9)]
     other = ri.RigidMass(2.0, velocity=float(rod.velocity.values[0]))
-    row, laws, gaps = [rod, unit_rod()], [ri.Rigid()], [90.0]
+    row = [rod, unit_rod()]
+    laws = [ri.Rigid()]
+    gaps = [90.0]
     if seed % 2 == 0 and seed < 10:
         row, laws, gaps = [other, *row], [ri.Bonded(), *laws], [0.0, *gaps]
     system = ri.System(row, gaps, laws, ends=(end, ri.Free()))

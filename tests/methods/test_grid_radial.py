@@ -12,7 +12,8 @@ from rodimpact.methods.grid.mesh import Mesh, lasting_mode, most_cells, stable_s
 from rodimpact.methods.grid.method import run_grid
 from rodimpact.methods.row_builder import build_row
 
-METHOD, THEORY = "finite-difference", "mindlin-herrmann"
+METHOD = "finite-difference"
+THEORY = "mindlin-herrmann"
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3)
 
 
@@ -60,10 +61,8 @@ def test_the_stable_step_holds_where_sections_and_theories_differ():
         polar_moment="circular",
         lateral_inertia=THEORY,
     )
-    pieces, counts = (
-        [segment(0.5), cone, segment(0.3, 0.1), segment(0.2, theory=None)],
-        [20, 9, 5],
-    )
+    pieces = [segment(0.5), cone, segment(0.3, 0.1), segment(0.2, theory=None)]
+    counts = [20, 9, 5]
     mesh = Mesh(build_row(ri.System([rod(*pieces)])), [*counts, 4])
     step = min(stable_step(s, N) for s, N in zip(pieces, [*counts, 4], strict=True))
     assert 0.9 < step * fastest(mesh) / 2 <= 1 + 1e-12
@@ -78,7 +77,8 @@ def test_a_held_rod_strained_evenly_stays_at_rest():
     """w = -nu a u_x at the start: the radius is that of slow stretching."""
     held = ri.System([rod(segment(1.0), strain=1e-3)], ends=(ri.Fixed(), ri.Fixed()))
     s = ri.solve(held, 1.0, METHOD, cells=40)
-    x, t = np.linspace(0, 1, 21)[:, None], np.linspace(0, 1, 11)
+    x = np.linspace(0, 1, 21)[:, None]
+    t = np.linspace(0, 1, 11)
     assert np.abs(s.velocity(0, x, t)).max() <= 1e-15
     assert s.strain(0, x, t) == pytest.approx(1e-3, abs=1e-15)
     assert s.energy(t).strain == pytest.approx(math.pi * 0.05**2 * 1e-6 / 2, rel=1e-12)

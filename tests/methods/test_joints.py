@@ -28,7 +28,9 @@ def quick_rod(length=1.0, **state):
 @both
 def test_a_chain_of_masses_swings_as_its_matrix_says(method):
     """Wall, spring, mass, spring and dashpot, mass; the rod beyond is never met."""
-    k, c, M = (3.0, 5.0), 0.3, np.array([0.4, 0.7])
+    k = (3.0, 5.0)
+    c = 0.3
+    M = np.array([0.4, 0.7])
     row = ri.System(
         [ri.Wall(), ri.RigidMass(M[0]), ri.RigidMass(M[1], velocity=1.0), unit_rod()],
         [0.0, 0.0, 100.0],
@@ -97,7 +99,8 @@ def sides_of(system, steps):
 
     At the ends of some steps 1/64, in the laboratory and in SI units.
     """
-    run, found = grid_run(system, steps[-1], step=1 / 64), []
+    run = grid_run(system, steps[-1], step=1 / 64)
+    found = []
     for j in steps:
         run.advance(j)
         side = side_of(run, int(run.grid.links["left_node"][-1]), True, present(run))

@@ -65,7 +65,8 @@ def test_rounding_is_at_most_half_a_tick_where_ratios_are_unknown():
 
 
 def test_three_rods_whose_waves_meet_exactly():
-    steel, aluminium = ri.materials.steel, ri.materials.aluminium
+    steel = ri.materials.steel
+    aluminium = ri.materials.aluminium
     row = [
         (0.1, steel),
         (0.25, steel),
@@ -149,7 +150,8 @@ def spent_before_compiling(kernel, job=0.125):
     return count * job
 
 
-FOLLOW, PIECES = members.run_members, pieces.run_nodes
+FOLLOW = members.run_members
+PIECES = pieces.follow
 
 
 def test_plain_python_goes_on_until_it_has_taken_as_long_as_machine_code(fresh):
@@ -208,7 +210,8 @@ def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
 
 def asked_about():
     """Kernels that `worth_compiling` is asked about anywhere."""
-    root, found = Path(ri.__file__).parents[1], set()
+    root = Path(ri.__file__).parents[1]
+    found = set()
     for path in root.glob("rodimpact/**/*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if (

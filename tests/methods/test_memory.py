@@ -52,7 +52,8 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name):
     pytest.importorskip(
         "numba"
     )  # plain Python, which short jobs run, has lists beside arrays
-    asked, options = [], {"method": "finite-difference", "cells": 40, "until": 0.06}
+    asked = []
+    options = {"method": "finite-difference", "cells": 40, "until": 0.06}
     monkeypatch.setattr(memory, "MAX_BYTES", np.inf)
     monkeypatch.setattr(memory, "SHARE", np.inf)
     with kernels.forced(True):
@@ -129,7 +130,9 @@ def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypa
     monkeypatch.setattr(
         memory, "installed", lambda: 4 * 8 * 400.0
     )  # numbers: 400, of 4 threads
-    together, at_work, most = threading.Barrier(4, timeout=20), [], []
+    together = threading.Barrier(4, timeout=20)
+    at_work = []
+    most = []
 
     def work(number):
         memory.require_memory(100, "until", "this", "do less")
@@ -157,7 +160,9 @@ def test_a_sweep_takes_no_more_memory_with_more_threads(monkeypatch):
         [rod(np.linspace(0.3, 0.5, 20), velocity=even), rod()], contacts=[HERTZ]
     )
     alone = ri.sweep(family, "finite-difference", cells=200, workers=1)
-    share, solution, turns = memory.limit_to_share, chunks.Solution, []
+    share = memory.limit_to_share
+    solution = chunks.Solution
+    turns = []
     monkeypatch.setattr(
         memory, "limit_to_share", lambda threads: share(10**9 * threads)
     )

@@ -110,10 +110,8 @@ def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
 
 @pytest.mark.exhaustive
 def test_what_numba_has_compiled_runs_compiled(own):
-    mass, given = (
-        ri.RigidMass(0.1, velocity=1.0),
-        [ri.Law(function) for _, function in own],
-    )
+    mass = ri.RigidMass(0.1, velocity=1.0)
+    given = [ri.Law(function) for _, function in own]
     row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=given)
     plain = ri.solve(row, 1e-3).outcome
     with kernels.forced(True):

@@ -102,7 +102,8 @@ def test_the_maximum_is_that_of_a_fine_grid(seed):
 def test_elimination_with_bands(n, band):
     rng = np.random.default_rng(n)
     near = np.abs(np.subtract.outer(np.arange(n), np.arange(n))) < band
-    A, b = rng.normal(size=(n, n)) * near, rng.normal(size=n)
+    A = rng.normal(size=(n, n)) * near
+    b = rng.normal(size=n)
     G = np.column_stack((A, b)).tolist()
     series.eliminate(G, n, band)
     assert [row[n] for row in G] == pytest.approx(
@@ -139,15 +140,15 @@ def stock(*pieces, delay=0, room=4, **run):
         )
     ]
     log = record_lists.as_objects(np.zeros(len(pieces) + room, PIECE))
-    for i, (start, end, order, c) in enumerate(pieces):
-        piece = log[i]
-        piece.start = start
-        piece.end = end
-        piece.break_order = order
-        piece.degree = N if len(c) > 1 else 0
-        piece.coefficients = [*c, *[0.0] * (POINTS - len(c))]
-        piece.next = i + 1 if i + 1 < len(pieces) else NONE
-    run.piece_count = len(pieces)
+    for i, (start, stop, order, c) in enumerate(pieces):
+        it = log[i]
+        it.start = start
+        it.stop = stop
+        it.order = order
+        it.degree = N if len(c) > 1 else 0
+        it.coefficient = [*c, *[0.0] * (POINTS - len(c))]
+        it.after = i + 1 if i + 1 < len(pieces) else NONE
+    run.pieces = len(pieces)
     return run, line, log
 
 
@@ -331,7 +332,9 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
     it = one(
         LINK, **{"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS, **LAWS[name]}
     )
-    d, closing, small = 0.3, 1.7, 1e-6
+    d = 0.3
+    closing = 1.7
+    small = 1e-6
     F, by_d, by_closing = contact_laws.force(it, d, closing)
     rate = closing - it.mobility * F
     if it.law == Law.BOND:

@@ -71,7 +71,8 @@ USUAL += [("quick", ri.Moved, ri.Free)]
 @pytest.mark.parametrize("case", few_of(CASES, USUAL))
 def test_a_driven_rod_moves_as_dalembert_says(case):
     name, kind, far = case
-    profile, Z = PROFILES[name], 2.0
+    profile = PROFILES[name]
+    Z = 2.0
     end = kind(profile, duration=UNTIL) if callable(profile) else kind(profile)
     s = ri.solve(
         ri.System([unit_rod(1.0, Z)], gravity=gravity_of(far), ends=[end, far()]),
@@ -79,7 +80,8 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
         "characteristics",
     )
     rng = np.random.default_rng(1)
-    x, t = rng.uniform(0, 1, 200), rng.uniform(0, UNTIL, 200)
+    x = rng.uniform(0, 1, 200)
+    t = rng.uniform(0, UNTIL, 200)
     away = leaving(kind, far, profile, t - x, Z)
     back = leaving(kind, far, profile, t + x - 2, Z) * ECHO[far]
     size = np.abs(leaving(kind, far, profile, np.linspace(0, UNTIL, 999), Z)).max()
@@ -97,7 +99,9 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
 @pytest.mark.parametrize("name", few_of(list(PROFILES), ["steps", "even"]))
 def test_a_driven_rod_presses_a_spring(name):
     """What arrives, u = 2 f, drives d' = u - F/Z - F/Z of two endless bars: F is u low-passed."""
-    profile, k, Z = PROFILES[name], 5.0, 2.0
+    profile = PROFILES[name]
+    k = 5.0
+    Z = 2.0
     end = (
         ri.Incoming(profile, duration=UNTIL)
         if callable(profile)

@@ -17,7 +17,8 @@ from rodimpact.methods.states import Status
 
 
 def stepped(rng, velocity, n=3):
-    lengths, areas = rng.integers(2, 9, n) / 8, rng.uniform(0.3, 3, n)
+    lengths = rng.integers(2, 9, n) / 8
+    areas = rng.uniform(0.3, 3, n)
     segments = [
         ri.Segment(float(L), float(A), unit_rod().segments[0].material)
         for L, A in zip(lengths, areas, strict=True)
@@ -47,7 +48,8 @@ def test_a_group_swings_within_its_bounds(seed):
     """Both ends of a stepped rod, or of one with a mass on a joint, for some transits."""
     rng = np.random.default_rng(seed)
     rod = stepped(rng, 0.2)
-    row, contacts = [rod], []
+    row = [rod]
+    contacts = []
     if seed % 2:
         row.append(
             ri.RigidMass(float(rng.uniform(0.1, 2)), velocity=float(rng.uniform(-1, 1)))
@@ -137,22 +139,23 @@ def test_the_energy_about_the_mean_is_that_of_the_ledger():
     ],
 )
 def test_a_gap_must_be_wider_than_both_bounds(gap, opening, over):
-    """Each side deviates by up to 1: sqrt(2 E s) with E = 2 and the compliance integral s = 1/4."""
-    (run,) = record_lists.blank(1, RUN)
-    run.velocity_scale = 1.0
+    """Each side deviates by up to 1: sqrt(2 E slack) with E = 2, slack = 1/4."""
+    run, link, *part = (
+        record_lists.as_objects(np.zeros(1, kind))[0]
+        for kind in (RUN, LINK, PART, PART)
+    )
+    run.scale = 1.0
     run.tolerance = 1e-12
-    run.tick_duration = 1e-9
-    (link,) = record_lists.blank(1, LINK)
+    run.tick = 1e-9
     link.law = Law.SPRING
     link.status = Status.OPEN
     link.left_group = 0
     link.right_group = 1
     link.overlap = -gap
-    parts = record_lists.blank(2, GROUP_PART)
-    for part in parts:
-        part.reference_energy = 2.0
-        part.compliance_integrals = [0.25, 0.25]
-        part.min_wave = -3.0
-        part.max_wave = 3.0
-    parts[1].reference_velocity = opening
-    assert (finality.time_until_over(run, [link], parts) == 0) is over
+    for it in part:
+        it.bound = 2.0
+        it.slack = [0.25, 0.25]
+        it.low = -3.0
+        it.high = 3.0
+    part[1].speed = opening
+    assert (finality.time_until_over(run, [link], part) == 0) is over

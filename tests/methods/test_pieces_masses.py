@@ -53,11 +53,9 @@ def test_two_bodies_exchange_what_rigid_bodies_do(law, wall):
     M, v = (2.0, 1.5) if not wall else (2.0, 2.0)
     row = [ri.RigidMass(M, velocity=v), ri.Wall() if wall else ri.RigidMass(3.0)]
     s, found = velocities(ri.System(row, [0.1], [law]))
-    m, p, k = (
-        (M if wall else M * 3 / (M + 3)),
-        getattr(law, "exponent", 1.0),
-        law.stiffness,
-    )
+    m = M if wall else M * 3 / (M + 3)
+    p = getattr(law, "exponent", 1.0)
+    k = law.stiffness
     expected = [-v, 0.0] if wall else [(M - 3) / (M + 3) * v, 2 * M / (M + 3) * v]
     depth = ((p + 1) * m * v * v / (2 * k)) ** (1 / (p + 1))
     half = (

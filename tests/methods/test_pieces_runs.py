@@ -122,7 +122,8 @@ def test_random_rows_are_those_of_finite_differences(seed):
 def test_waves_that_are_smoothed_keep_their_momentum():
     """What the two contacts of a rod give it is its change of momentum."""
     rng = np.random.default_rng(22)
-    lengths, areas = rng.uniform(0.11, 1.3, 4), rng.uniform(0.3, 2.0, 4)
+    lengths = rng.uniform(0.11, 1.3, 4)
+    areas = rng.uniform(0.3, 2.0, 4)
     bodies = [
         unit_rod(length, area, velocity=v)
         for length, area, v in zip(lengths, areas, (1.0, 0.2, -0.1, -0.7), strict=True)

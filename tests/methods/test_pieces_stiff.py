@@ -25,7 +25,8 @@ def test_stiff_contacts_of_rods_tend_to_rigid_ones(law):
     slow = (
         (0.5 / law.stiffness) if law.exponent == 1 else (0.5 / law.stiffness) ** (2 / 3)
     )
-    found, rigid = ri.solve(pair(law)), ri.solve(pair(ri.Rigid()))
+    found = ri.solve(pair(law))
+    rigid = ri.solve(pair(ri.Rigid()))
     assert found.final
     assert found.outcome.velocities_after == pytest.approx(
         rigid.outcome.velocities_after, abs=20 * slow + 1e-9

@@ -23,7 +23,8 @@ class Signal:
     """A step function of rational time, continuous from the right."""
 
     def __init__(self):
-        self.times, self.values = [], []
+        self.times = []
+        self.values = []
 
     def send(self, t, value):
         if not self.values or value != self.values[-1]:
@@ -52,9 +53,11 @@ class Piece:
             c * c * Fraction(segment.material.density)
             == segment.material.youngs_modulus
         )
-        self.c, self.T = c, Fraction(segment.length) / c
+        self.c = c
+        self.T = Fraction(segment.length) / c
         self.Z = Fraction(segment.material.density) * Fraction(segment.area) * c
-        self.a, self.b = Signal(), Signal()
+        self.a = Signal()
+        self.b = Signal()
 
     def fill(self, state, left):
         """Make the state at t = 0 the history of the end signals; `left` is the left end's x."""
@@ -87,7 +90,9 @@ class Reference:
 
     def __init__(self, system):
         self.t = Fraction(0)
-        self.pieces, self.joints, self.first = [], [], []
+        self.pieces = []
+        self.joints = []
+        self.first = []
         self.wall = {}
         laws = [*(law.law for law in system.contacts), "free"]
         if isinstance(system.bodies[0], ri.Rod):
@@ -97,7 +102,8 @@ class Reference:
             if isinstance(body, ri.Wall):
                 self.wall[len(self.pieces)] = Fraction(body.velocity)
             else:
-                left, state = Fraction(0), InitialState(body)
+                left = Fraction(0)
+                state = InitialState(body)
                 for segment in body.segments:
                     piece = Piece(segment)
                     piece.fill(state, left)
@@ -112,8 +118,10 @@ class Reference:
         self.gap = [Fraction(0)] * count
         for k, gap in zip(self.contacts, system.gaps, strict=True):
             self.gap[k] = Fraction(gap)
-        self.rate, self.force = [Fraction(0)] * count, [Fraction(0)] * count
-        self.impulse, self.pressed = [Fraction(0)] * count, [Fraction(0)] * count
+        self.rate = [Fraction(0)] * count
+        self.force = [Fraction(0)] * count
+        self.impulse = [Fraction(0)] * count
+        self.pressed = [Fraction(0)] * count
         self.presses = []
 
     def solve(self, k):
@@ -165,7 +173,8 @@ class Reference:
     def state(self, piece, part, t):
         """Velocity and strain at a part of a piece's length from its left end."""
         p = self.pieces[piece]
-        a, b = p.a.at(t - part * p.T), p.b.at(t - (1 - part) * p.T)
+        a = p.a.at(t - part * p.T)
+        b = p.b.at(t - (1 - part) * p.T)
         return (a + b) / 2, (b - a) / (2 * p.c)
 
     def mean_velocity(self, first, last):
@@ -185,7 +194,8 @@ def random_row(seed):
     longest = pick.choice([3, 6, 12])
 
     def segment():
-        c, T = pick.choice([1, 1, 2]), pick.randint(1, longest)
+        c = pick.choice([1, 1, 2])
+        T = pick.randint(1, longest)
         material = ri.Material("m", youngs_modulus=float(c * c), density=1.0)
         return ri.Segment(float(c * T), pick.choice(impedances) / c, material)
 
@@ -248,7 +258,8 @@ def test_agrees_with_brute_force(seed):
         left = 0.0
         for i, segment in enumerate(rod.segments):
             for _ in range(8):
-                part, t = pick.random(), pick.random() * float(until)
+                part = pick.random()
+                t = pick.random() * float(until)
                 x = left + part * segment.length
                 found = [
                     float(f(body, x, t)) for f in (solution.velocity, solution.strain)

@@ -31,7 +31,8 @@ def test_value_limits_and_integral(pairs, t, u):
     s = signal(pairs)
     assert s.at(t) == brute(pairs, t)
     assert s.at(t, "left") == brute(pairs, t - 1)
-    low, high = min(t, u), max(t, u)
+    low = min(t, u)
+    high = max(t, u)
     exact = sum(brute(pairs, k) for k in range(low, high))
     assert s.integral(low, high) == exact
     assert s.integral(high, low) == -exact
@@ -103,7 +104,8 @@ def test_integrals_of_polynomials(seed):
     f, known = random_pieces(seed)
     g, others = random_pieces(seed + 10, size=4, count=9)
     start, stop = int(f.ticks[1]) - 99, max(f.end, g.end) + 999  # beyond the end, too
-    low, high = float(start - LATE), float(stop - LATE)
+    low = float(start - LATE)
+    high = float(stop - LATE)
     breaks = [p.domain[0] for p in others] + [others[-1].domain[1]]
     span = high - low
     by_scipy = integrated(lambda t: exactly(known, t), known, low, high)
@@ -127,13 +129,15 @@ def test_integrals_of_polynomials(seed):
 
 @pytest.mark.parametrize("size", [1, 2, 9])
 def test_signals_that_are_made_of_others(size):
-    f, g = random_pieces(1, size)[0], random_pieces(2, count=3)[0]
+    f = random_pieces(1, size)[0]
+    g = random_pieces(2, count=3)[0]
     ticks = np.random.default_rng(3).integers(f.ticks[0], min(f.end, g.end), 40)
     assert (f - g).at(ticks) == pytest.approx(f.at(ticks) - g.at(ticks), abs=1e-13)
     assert (f * g).at(ticks) == pytest.approx(f.at(ticks) * g.at(ticks), abs=1e-13)
     later = f.later(5).plus(2.0).times(3.0)
     assert later.at(ticks + 5) == pytest.approx(3 * (f.at(ticks) + 2), abs=1e-13)
-    start, stop = int(f.ticks[1]), int(f.ticks[3])
+    start = int(f.ticks[1])
+    stop = int(f.ticks[3])
     inside = f.within(start, stop)
     assert len(inside.ticks) < len(f.ticks)
     between = ticks[(ticks >= start) & (ticks <= stop)]
@@ -154,7 +158,8 @@ def test_straight_lines_between_marks_follow_a_signal():
 
 def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():
     """As the force of a wall that a bar under gravity left long ago."""
-    count, width = 40000, 7
+    count = 40000
+    width = 7
     force = np.zeros((count, 1))
     force[7] = 0.1
     end = count * width

@@ -57,7 +57,9 @@ def test_names():
 
 # Mistakes
 
-INF, NAN, OAK = math.inf, math.nan, ri.materials.oak
+INF = math.inf
+NAN = math.nan
+OAK = ri.materials.oak
 DENSE = ri.Material("m", youngs_modulus=1e149, density=1e149, poisson_ratio=0)
 
 
@@ -186,7 +188,8 @@ def test_what_may_be_left_out_or_be_0():
 
 def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
     """F = 4 E* a^3/(3 R) and d = a^2/R, with a the radius of the circle: Johnson, section 4.2."""
-    R, a = 0.02, 1e-4
+    R = 0.02
+    a = 1e-4
     law = ri.Hertz.from_radii(math.inf, R, ri.materials.brass, STEEL)
     compliance = (1 - 0.35**2) / 100.6e9 + (1 - 0.29**2) / 200e9
     force = 4 / (3 * compliance) * a**3 / R
@@ -221,9 +224,11 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(expon
     for power in range(-14, 3):
         x0 = float(rng.uniform(0.1, 2))
         for x1 in (x0 * (1 + 10.0**power), x0 / (1 + 10.0**power), x0):
-            expected, slope = 3 * (x0 + x1) / 2, 1.5
+            expected = 3 * (x0 + x1) / 2
+            slope = 1.5
             if exponent == 1.5:  # without a difference, by r = sqrt(x)
-                r, s = math.sqrt(x0), math.sqrt(x1)
+                r = math.sqrt(x0)
+                s = math.sqrt(x1)
                 powers = sum(r ** (4 - n) * s**n for n in range(5))
                 expected = 6 * powers / (5 * (r + s))
                 slope = (
@@ -238,8 +243,11 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(expon
 
 @pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
 def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
-    rng, link = np.random.default_rng(2), record_lists.blank(1, LINK)[0]
-    link.law, link.stiffness, link.exponent = Law.POWER, 5.0, exponent
+    rng = np.random.default_rng(2)
+    link = record_lists.blank(1, LINK)[0]
+    link.law = Law.POWER
+    link.stiffness = 5.0
+    link.exponent = exponent
     for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
         F, dF = contact_laws.mean_force(link, x0, x1)
         held, holds = (
@@ -254,11 +262,9 @@ def test_what_yields_meets_its_mean_force_on_any_table():
     link = record_lists.blank(1, LINK)[0]
     for seed in range(200):
         rng = np.random.default_rng(seed)
-        k, strength, count = (
-            10 ** rng.uniform(-3, 8),
-            10 ** rng.uniform(-4, 2),
-            rng.integers(6),
-        )
+        k = 10 ** rng.uniform(-3, 8)
+        strength = 10 ** rng.uniform(-4, 2)
+        count = rng.integers(6)
         link.law = Law.YIELD
         link.stiffness = k
         link.yield_force = strength

@@ -241,7 +241,8 @@ class Quantity:
     names = ("magnitude", "units")
 
     def __init__(self, number, unit):
-        self.number, self.unit_name = number, unit
+        self.number = number
+        self.unit_name = unit
         for name, value in zip(self.names, (number, unit), strict=True):
             setattr(self, name, value)
 
@@ -271,7 +272,8 @@ class Labelled:
     """An array with named dimensions, as xarray makes them."""
 
     def __init__(self, values):
-        self.values, self.dims = np.asarray(values), ("case",)
+        self.values = np.asarray(values)
+        self.dims = ("case",)
 
     def __array__(self, dtype=None, copy=None):
         return np.array(self.values, dtype=dtype)
@@ -574,7 +576,8 @@ def test_labels_are_refused_in_lists_and_lists_of_steps_too():
 
 # Shapes
 
-THREE, FOUR = np.ones(3), np.ones(4)
+THREE = np.ones(3)
+FOUR = np.ones(4)
 SHAPES = {
     "length and area": (
         lambda: ri.Rod(THREE, area=FOUR, material=STEEL),

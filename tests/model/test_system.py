@@ -41,7 +41,9 @@ def test_sizes_must_be_positive_numbers(field, value):
 
 
 MASS = ri.RigidMass(2.0, velocity=-1.0)
-PIECE, WALL, NAN = ri.Segment(1.0, 1.0, steel), ri.Wall(), float("nan")
+PIECE = ri.Segment(1.0, 1.0, steel)
+WALL = ri.Wall()
+NAN = float("nan")
 TOO_MUCH = "must be 0 or of a magnitude from 1e-150 to 1e+150 in consistent units, got "
 UNDECIDED = (
     "no wave decides this contact: give Rigid(restitution=...) or a compliant law such as "
@@ -344,7 +346,8 @@ def test_equal_objects_have_equal_digests_whatever_the_sign_of_zero():
 
 
 def test_numbers_of_every_kind_make_families_by_their_paths():
-    two, three = np.array([1.0, 2.0]), np.array([[1.0], [2.0], [3.0]])
+    two = np.array([1.0, 2.0])
+    three = np.array([[1.0], [2.0], [3.0]])
     row = ri.System(
         [
             ri.Wall(),

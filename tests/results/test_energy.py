@@ -10,7 +10,8 @@ import rodimpact as ri
 
 
 def solved(row, until=4.0, **options):
-    gaps, contacts = options.pop("gaps", None), options.pop("contacts", None)
+    gaps = options.pop("gaps", None)
+    contacts = options.pop("contacts", None)
     return ri.solve(ri.System(row, gaps, contacts, **options), until, "characteristics")
 
 
@@ -22,7 +23,8 @@ def solved(row, until=4.0, **options):
 def test_a_mass_bonded_to_a_wall_belongs_to_the_wall(
     method, cells, near, tick, gravity
 ):
-    laws, t = [ri.Bonded(), ri.Rigid()], np.linspace(0, 4, 65)
+    laws = [ri.Bonded(), ri.Rigid()]
+    t = np.linspace(0, 4, 65)
     plain = ri.solve(
         ri.System([ri.Wall(0.1), unit_rod(velocity=-1.0)], [0.2], gravity=gravity),
         4.0,
@@ -81,7 +83,8 @@ def test_energy_of_a_dashpot_under_the_cut():
     """The spring still overlaps while the force is cut to 0; what it stored is lost."""
     rod = unit_rod(1.0, velocity=ri.Steps([-1.0, 1.0], [0.5]))
     s = solved([rod, unit_rod()], until=1.5, contacts=[ri.SpringDashpot(0.2, 1.0)])
-    contact, t = s.contacts[0], np.linspace(0, 1.5, 193)
+    contact = s.contacts[0]
+    t = np.linspace(0, 1.5, 193)
     cut = (contact.force(t) == 0) & (contact.gap(t) < 0)
     cut = cut[1:] & cut[:-1]
     assert cut.sum() > 10

@@ -156,7 +156,8 @@ def test_nonsense_is_refused_by_name(method):
 def test_rigid_bodies_are_at_their_place_only(method):
     """A place in a rigid mass or a wall is 0, as it has no length."""
     run = solution(method)
-    mass, wall = 2, 3
+    mass = 2
+    wall = 3
     for body in (mass, wall):
         for field in (run.velocity, run.displacement, run.position):
             for given in NO_NUMBERS:

@@ -205,7 +205,8 @@ def struck(law=None, **options):
 )
 def test_a_signal_is_the_mean_under_a_spline(options):
     """Against the mean over very short pieces of the record."""
-    record, step = struck(**options), 2.7e-6
+    record = struck(**options)
+    step = 2.7e-6
     signal = record.signal(step)
     pieces = np.arange(-1.5, 1.5, 1e-4) + 5e-5
     weights = (
@@ -250,7 +251,8 @@ def test_signals_vary_smoothly_with_the_length_of_a_striker(method, dt):
         solution = ri.solve(ri.System(rods), until=1e-4, method=method, dt=dt)
         return solution.gauge(1, 0.2).signal(1e-7).values
 
-    wanted, lengths = values(0.128), np.linspace(0.127, 0.1272, 25)
+    wanted = values(0.128)
+    lengths = np.linspace(0.127, 0.1272, 25)
     records = [values(length) for length in lengths]
     assert len({record.tobytes() for record in records}) == 25
     off = np.array([np.sqrt(np.mean((record - wanted) ** 2)) for record in records])

@@ -86,7 +86,8 @@ def test_what_is_linear_is_met_exactly_inside():
 def test_fields_of_the_mirrored_row_are_those_of_the_row(row, share):
     """Also within half a cell of either end of a rod, where its end has values of its own."""
     image = ri.solve(ROW.mirrored(), 3.0, METHOD, cells=64)
-    t, last = np.linspace(0.2, 3.0, 9), len(ROW.bodies) - 1
+    t = np.linspace(0.2, 3.0, 9)
+    last = len(ROW.bodies) - 1
     for body in (0, 2, 5):
         length = ROW.bodies[body].length
         x = length * share / 32 * np.array([1.0, 3.0, 20.0])[:, None]
@@ -96,7 +97,8 @@ def test_fields_of_the_mirrored_row_are_those_of_the_row(row, share):
             ("stress", 1),
             ("strain", 1),
         ):
-            here, there = getattr(row, name), getattr(image, name)
+            here = getattr(row, name)
+            there = getattr(image, name)
             for place, opposite in ((x, length - x), (length - x, x)):
                 assert there(last - body, opposite, t) == pytest.approx(
                     sign * here(body, place, t), rel=1e-8, abs=1e-8
@@ -117,7 +119,9 @@ def mode(x):
 @pytest.mark.parametrize("viscosity", [0.0, 0.04, 4.0])
 def test_a_damped_mode_between_held_ends_is_of_order_two(viscosity):
     """u'' + eta w^2/E u' + w^2 u = 0 for the mode sin(pi x)."""
-    w, t, errors = math.pi, np.linspace(0.2, 2.4, 23), []
+    w = math.pi
+    t = np.linspace(0.2, 2.4, 23)
+    errors = []
     decay = viscosity * w * w / 2
     s = np.roots([1.0, 2 * decay, w * w]).astype(complex)
     for n in (20, 40, 80):
@@ -134,7 +138,8 @@ def test_a_damped_mode_between_held_ends_is_of_order_two(viscosity):
         )
         rate = (s[0] * np.exp(s[0] * t) - s[1] * np.exp(s[1] * t)) / (s[0] - s[1])
         u = (np.exp(s[0] * t) - np.exp(s[1] * t)) / (s[0] - s[1])
-        strain, stress = (w * u).real, (w * (u + viscosity * rate)).real
+        strain = (w * u).real
+        stress = (w * (u + viscosity * rate)).real
         errors.append(
             [
                 np.abs(found.stress(0, x, t) - sign * stress).max()
@@ -156,7 +161,8 @@ def test_a_damped_rod_shows_the_contact_force_at_its_end():
         for L, A, v in ((0.7, 1, 1), (1.1, 2, 0))
     ]
     s = ri.solve(ri.System(row), 3.0, METHOD, cells=60)
-    h, F = s.fields.clock.tick * STEP_TICKS, s.contacts[0].push.values
+    h = s.fields.clock.tick * STEP_TICKS
+    F = s.contacts[0].push.values
     between = np.arange(1, len(F)) * h
     mean = (F[1:] + F[:-1]) / 2
     assert s.axial_force(0, 0.7, between) == pytest.approx(-mean, abs=1e-6)  # ticks
@@ -168,7 +174,8 @@ def test_strains_beside_contacts_steps_and_masses_are_of_order_two():
     rod = ri.Rod(segments=[ri.Segment(0.6, 1.0, UNIT), ri.Segment(0.5, 2.0, UNIT)])
     row = [ri.RigidMass(0.5, velocity=1.0), rod, ri.RigidMass(0.7)]
     system = ri.System(row, [0.1, 0.0], [ri.Hertz(5.0), ri.Bonded()])
-    h, t = 1 / 3200, np.linspace(0.6, 2.4, 41)
+    h = 1 / 3200
+    t = np.linspace(0.6, 2.4, 41)
     exact = ri.solve(system, 2.5, "characteristics")
     before = (np.floor(t / h - 0.5) + 0.5) * h
     share = (t - before) / h
@@ -188,7 +195,8 @@ def test_strains_beside_contacts_steps_and_masses_are_of_order_two():
 
 def test_an_end_that_is_driven_or_absorbs_shows_its_force():
     ends = ri.Pushed(lambda t: 0.3 * math.sin(2 * t), duration=3.0), ri.Absorbing()
-    t, errors = np.linspace(0.1, 2.9, 57), []
+    t = np.linspace(0.1, 2.9, 57)
+    errors = []
     for n in (20, 40, 80):
         s = ri.solve(ri.System([unit_rod(area=2.0)], ends=ends), 3.0, METHOD, cells=n)
         driven = s.axial_force(0, 0.0, t) + 0.3 * np.sin(2 * t)
@@ -251,7 +259,8 @@ def test_energies_and_their_integrals(row):
 
 
 def test_broadcasting_and_sides(row):
-    x, t = np.linspace(0, 1.25, 7)[:, None], np.linspace(0, 3, 5)
+    x = np.linspace(0, 1.25, 7)[:, None]
+    t = np.linspace(0, 3, 5)
     for name in (
         "velocity",
         "strain",
@@ -288,7 +297,8 @@ def test_gauge_is_the_field_at_its_place():
 def test_means_between_times():
     rod = unit_rod(velocity=lambda x: math.cos(math.pi * x))
     s = ri.solve(ri.System([rod]), 2.0, METHOD, cells=80)
-    x, t = np.array([0.0, 0.25, 0.7]), np.array([0.0, 0.33, 1.1, 2.0])
+    x = np.array([0.0, 0.25, 0.7])
+    t = np.array([0.0, 0.33, 1.1, 2.0])
     velocity, strain = s.fields.averaged(0, x, t)
     exact = (
         np.diff(np.sin(math.pi * t) / math.pi)

@@ -52,7 +52,8 @@ def test_a_rod_on_a_wall(wall, mirrored):
     system = ri.System([stepped([1.0, 3.0], velocity=1.0), ri.Wall(wall)])
     outcome = ri.solve(system.mirrored() if mirrored else system).outcome
     body = outcome.as_rigid()
-    moved, kept = body.velocity_1, body.velocity_2
+    moved = body.velocity_1
+    kept = body.velocity_2
     if mirrored:
         moved, kept = -kept, -moved
     assert kept == wall
@@ -79,7 +80,8 @@ def test_mirror_images_of_stepped_rods(impedances, e):
 
 
 def test_masses_of_bonded_rods_are_summed():
-    rigid_contact, bonded = ri.Rigid(), ri.Bonded()
+    rigid_contact = ri.Rigid()
+    bonded = ri.Bonded()
     outcome = outcome_of(
         rod(1.0, 1.0, 1.0),
         rod(2.0, 1.0, 1.0),
@@ -125,7 +127,8 @@ def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
     method, walls, mirrored
 ):
     # The wave of the one that moves has been at the other and come back a quarter of the way.
-    system, turn = held(rod(1.0, 1.0), *walls), -1 if mirrored else 1
+    system = held(rod(1.0, 1.0), *walls)
+    turn = -1 if mirrored else 1
     if walls[0] is None:
         turn = -turn
     if mirrored:

@@ -9,7 +9,8 @@ from rodimpact.results.pair_theory import COLUMNS, pair_theory
 
 DAMPED = ri.Material("damped", youngs_modulus=1e9, density=1000.0, viscosity=[1.0, 2.0])
 
-LEFT, RIGHT = rod(0.4, 1.0), rod()
+LEFT = rod(0.4, 1.0)
+RIGHT = rod()
 MASS = ri.RigidMass(0.7, velocity=1.0)
 STEPPED = ri.Rod(segments=[ri.Segment(0.1, area, STEEL) for area in (1e-4, 2e-4)])
 PAIR = ri.System([LEFT, RIGHT])
@@ -26,7 +27,8 @@ PAIR = ri.System([LEFT, RIGHT])
     ],
 )
 def test_a_closed_form_is_that_of_the_collision(system, source):
-    outcome, theory = ri.solve(system).outcome, pair_theory(system)
+    outcome = ri.solve(system).outcome
+    theory = pair_theory(system)
     assert theory.source == source
     found = theory.collision()
     for name in ("restitution", "impulse", "duration", "peak_force"):

@@ -23,9 +23,14 @@ ROD = ri.Rod(
     2.0, area=0.5, material=ri.Material("unit", youngs_modulus=2.0, density=2.0)
 )
 T, TICKS = 2.0, (1 << 50) + 7  # transit in s and in ticks
-TICK, Z, C = T / TICKS, 1.0, 1.0
-MASS, SPEED = 1.5, 3.0
-VIBRATION, FALL, DRIFT = 5.0, 0.7, 1.25
+TICK = T / TICKS
+Z = 1.0
+C = 1.0
+MASS = 1.5
+SPEED = 3.0
+VIBRATION = 5.0
+FALL = 0.7
+DRIFT = 1.25
 
 
 def pieces_of(function, marks):
@@ -141,12 +146,15 @@ def away(x, t):
 
 
 def test_velocity_and_strain_are_sums_of_waves():
-    s, rng = vibrating(), np.random.default_rng(1)
-    x, t = rng.uniform(0, 2, 500), rng.uniform(0, 5.5, 500)
+    s = vibrating()
+    rng = np.random.default_rng(1)
+    x = rng.uniform(0, 2, 500)
+    t = rng.uniform(0, 5.5, 500)
     far = away(x, t)
     for field, known in ((s.velocity, velocity), (s.strain, strain)):
         assert field(0, x, t)[far] == pytest.approx(known(x, t)[far], abs=1e-11)
-        places, times = np.sort(x)[:40], np.sort(t)[:30]
+        places = np.sort(x)[:40]
+        times = np.sort(t)[:30]
         one_by_one = np.array(
             [[field(0, place, when) for when in times] for place in places]
         )
@@ -167,7 +175,8 @@ def test_displacement_is_the_integral_of_velocity_and_of_strain(x, t):
 
 
 def test_momentum_and_energy_are_integrals_along_the_rod():
-    s, t = vibrating(), 3.21
+    s = vibrating()
+    t = 3.21
     mean = integral(lambda x: velocity(x, t), 0.0, 2.0, jumps_along(t)) / 2
     assert s.mean_velocity(0, t) == pytest.approx(mean, abs=1e-11)
     assert s.mean_velocity(0, [0.0, t, 5.5]) - FALL * np.array(
@@ -186,7 +195,8 @@ def test_momentum_and_energy_are_integrals_along_the_rod():
 
 
 def test_a_gauge_follows_the_strain():
-    s, x = vibrating(), 0.45
+    s = vibrating()
+    x = 0.45
     gauge = s.gauge(0, x)
     t = np.random.default_rng(2).uniform(0, 5.5, 2000)
     t = t[away(x, t)]
@@ -205,7 +215,8 @@ def test_a_gauge_follows_the_strain():
 
 
 def test_a_system_at_a_time_holds_the_state():
-    s, t = vibrating(), 2.2
+    s = vibrating()
+    t = 2.2
     rod = s.system_at(t).bodies[0]
     places = np.linspace(0.0, 2.0, 201)
     jumps = jumps_along(t)
@@ -237,7 +248,8 @@ def speed(t):
 
 
 def test_force_and_work_of_a_contact():
-    contact, t = struck().contacts[0], np.linspace(0.0, 3.5, 50)
+    contact = struck().contacts[0]
+    t = np.linspace(0.0, 3.5, 50)
     assert contact.force(t) == pytest.approx(Z * speed(t), abs=1e-12)
     assert contact.impulse_until(t) == pytest.approx(
         MASS * (SPEED - speed(t)), abs=1e-12
@@ -252,7 +264,8 @@ def test_force_and_work_of_a_contact():
 
 
 def test_motion_of_a_mass():
-    s, t = struck(), np.linspace(0.0, 3.5, 50)
+    s = struck()
+    t = np.linspace(0.0, 3.5, 50)
     assert s.velocity(0, 0.0, t) == pytest.approx(speed(t), abs=1e-12)
     assert s.displacement(0, 0.0, t) == pytest.approx(
         MASS * (SPEED - speed(t)) / Z, abs=1e-12
@@ -260,7 +273,8 @@ def test_motion_of_a_mass():
     assert s.displacement(1, 0.0, t) == pytest.approx(
         MASS * (SPEED - speed(t)) / Z, abs=1e-12
     )
-    book, start = s.energy(t), MASS * SPEED**2 / 2
+    book = s.energy(t)
+    start = MASS * SPEED**2 / 2
     assert book.total == pytest.approx(start, abs=1e-11)
     assert book.residual == pytest.approx(0.0, abs=1e-11)
     assert s.outcome.momentum_residual == pytest.approx(0.0, abs=1e-12)

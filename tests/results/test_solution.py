@@ -40,7 +40,8 @@ def test_lengths_too_far_apart_say_so():
 
 
 def test_the_box(unequal):
-    outcome, t1 = unequal.outcome, 0.4 / C
+    outcome = unequal.outcome
+    t1 = 0.4 / C
     assert outcome.velocities_after == pytest.approx((0.0, 0.4), abs=1e-14)
     contact = unequal.contacts[0]
     assert contact.episodes[0] == pytest.approx((0.0, 2 * t1, 2 / C), rel=1e-14)
@@ -77,7 +78,8 @@ def test_fields_of_the_box(unequal):
 @pytest.mark.parametrize("transposed", [False, True])
 @pytest.mark.parametrize("compiling", [False, True])
 def test_grids_and_points_agree_bit_for_bit(mixed, compiling, transposed):
-    x, t = np.linspace(0, 0.8, 41), np.linspace(0, 1e-3, 57)
+    x = np.linspace(0, 0.8, 41)
+    t = np.linspace(0, 1e-3, 57)
     shape = (x[None, :], t[:, None]) if transposed else (x[:, None], t)
     with kernels.forced(compiling):
         grid = mixed.velocity(2, *shape)
@@ -119,14 +121,16 @@ def test_questions_outside_the_solution_are_refused(mixed, call, name):
 
 
 def test_regions_tile_the_plane_and_agree_with_the_fields(mixed):
-    start, stop = 1e-5, 2e-4
+    start = 1e-5
+    stop = 2e-4
     regions = regions_of(mixed, start, stop)
     assert (regions.t.min(), regions.t.max()) == pytest.approx((start, stop))
     for body, length in ((1, 0.4), (2, 0.8), (3, 0.25)):
         area = 0.0
         for i in np.flatnonzero(regions.body == body):
             corners = slice(regions.start[i], regions.start[i + 1])
-            x, t = regions.x[corners], regions.t[corners]
+            x = regions.x[corners]
+            t = regions.t[corners]
             area += abs(np.dot(x, np.roll(t, -1)) - np.dot(t, np.roll(x, -1))) / 2
             inside = x.mean(), t.mean()
             assert mixed.velocity(body, *inside) == regions.velocity[i]
@@ -246,7 +250,8 @@ def test_a_solution_can_be_copied_and_sent(options, copied):
 
 def test_to_xarray_asks_every_field_and_labels_it(mixed):
     pytest.importorskip("xarray")
-    x, t = np.array([0.0, 0.2, 0.4, 0.8]), np.array([0.0, 1e-4, 1e-3])
+    x = np.array([0.0, 0.2, 0.4, 0.8])
+    t = np.array([0.0, 1e-4, 1e-3])
     data = mixed.to_xarray(x, t)
     assert dict(data.sizes) == {"body": 4, "x": 4, "time": 3, "contact": 3, "part": 12}
     assert data["kind"].values.tolist() == ["wall", "rod", "rod", "rod"]

@@ -126,8 +126,10 @@ def test_without_a_gap_there_is_one_side():
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
 def test_scaling(seed):
     system = random_row(seed)
-    lengths, gaps = fields(system, "length"), fields(system, "gap")
-    areas, motion = fields(system, "area"), fields(system, "velocity", "strain")
+    lengths = fields(system, "length")
+    gaps = fields(system, "gap")
+    areas = fields(system, "area")
+    motion = fields(system, "velocity", "strain")
     paths = [*lengths, *gaps, *areas, *motion]
     for of, of_size in (("velocity_after.0", 0), ("impulse.0", 1), ("duration.0", 1)):
         with kernels.forced(True):
@@ -208,9 +210,11 @@ def test_what_holds_a_rod():
 def test_a_striker_on_an_endless_bar(area):
     """It takes (r - 1)/(r + 1) of its speed back; r is the ratio of impedances."""
     row = ri.System(pair(0.4, 0.5, area).bodies, ends=[ri.Free(), ri.Absorbing()])
-    mass, r = 0.4 * 1e-4 * STEEL.density, area / 1e-4
+    mass = 0.4 * 1e-4 * STEEL.density
+    r = area / 1e-4
     for system, striker, bar in ((row, 0, 1), (row.mirrored(), 1, 0)):
-        back, v = (r - 1) / (r + 1), 1 - 2 * striker
+        back = (r - 1) / (r + 1)
+        v = 1 - 2 * striker
         paths = [
             f"bodies.{striker}.velocity",
             f"bodies.{striker}.length",

@@ -23,9 +23,14 @@ class Cluster(Executor):
     """
 
     def __init__(self, workers, members, clock):
-        self.workers, self.clock = workers, clock
-        self.free, self.flying, self.number = [0.0] * workers, [], itertools.count()
-        self.now, self.to_come, self.lasted = 0.0, members, []
+        self.workers = workers
+        self.clock = clock
+        self.free = [0.0] * workers
+        self.flying = []
+        self.number = itertools.count()
+        self.now = 0.0
+        self.to_come = members
+        self.lasted = []
 
     def submit(self, run, chunk):
         begun = self.clock.now = max(self.now, heapq.heappop(self.free))

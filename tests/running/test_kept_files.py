@@ -14,7 +14,8 @@ ALIKE = {"rel": 1e-12, "abs": 1e-15}
 
 
 def test_a_kept_family_opens():
-    family, facts = ri.load(KEPT / "sweep.npz"), FACTS["sweep"]
+    family = ri.load(KEPT / "sweep.npz")
+    facts = FACTS["sweep"]
     assert np.array(family.velocities_after) == pytest.approx(
         np.array(facts["velocities_after"]), **ALIKE
     )

@@ -326,8 +326,10 @@ def write_with(path, result):
 
 
 def test_every_falsified_entry_is_named_with_both_values(tmp_path):
-    path, result = tmp_path / "run.toml", saved_case().result
-    loud, names = [], ["stopped_by", "final", "method", *result.numbers]
+    path = tmp_path / "run.toml"
+    result = saved_case().result
+    loud = []
+    names = ["stopped_by", "final", "method", *result.numbers]
     for name in names:
         write_with(path, changed(result, name))
         with pytest.warns(ri.OutcomeDiffers, match=r"run\.toml: ") as seen:
@@ -341,7 +343,8 @@ def test_every_falsified_entry_is_named_with_both_values(tmp_path):
 
 def test_what_stated_errors_allow_is_no_difference(tmp_path):
     """Both runs state the error; a velocity may differ by nearly twice as much, and no more."""
-    path, result = tmp_path / "run.toml", saved_case().result
+    path = tmp_path / "run.toml"
+    result = saved_case().result
     solution = ri.solve(TWICE, until=4e-4, rtol=1e-6)
     velocities = map(abs, solution.outcome.velocities_after)
     scale = max(solution.run.clock.scale, *velocities)
@@ -355,7 +358,8 @@ def test_what_stated_errors_allow_is_no_difference(tmp_path):
 
 
 def test_unknown_errors_allow_everything_and_texts_are_not_compared(tmp_path):
-    path, result = tmp_path / "run.toml", saved_case().result
+    path = tmp_path / "run.toml"
+    result = saved_case().result
     unknown = dict.fromkeys(result.accuracy, math.inf)
     for name in ("duration.0", "episodes.0", "velocity_after.1"):
         result = changed(result, name)
@@ -365,7 +369,8 @@ def test_unknown_errors_allow_everything_and_texts_are_not_compared(tmp_path):
 
 
 def test_many_differences_are_counted(tmp_path):
-    path, result = tmp_path / "run.toml", saved_case().result
+    path = tmp_path / "run.toml"
+    result = saved_case().result
     for name in result.numbers:
         result = changed(result, name)
     write_with(path, result)

@@ -98,7 +98,8 @@ def varied(seed, driven):
         if isinstance(thing.get(name), float):
             thing[name] = thing[name] * rng.uniform(-1, 1, 6)
         elif name in thing:
-            profile, shares = thing[name], rng.uniform(0.3, 1, 6)
+            profile = thing[name]
+            shares = rng.uniform(0.3, 1, 6)
             profile["values"] = [profile["values"][0] * shares, *profile["values"][1:]]
             profile["at"] = [at * shares for at in profile["at"]]
 
@@ -139,10 +140,8 @@ def test_bonds_and_joints_have_totals(options):
 
 def even_network(seed):
     """Two members of a random row: masses, laws, ends, gravity; all at t = 0 and outside even."""
-    system, shares = (
-        random_network(seed, bodies=3, driven=seed % 2 == 1),
-        np.array([1.0, 0.9]),
-    )
+    system = random_network(seed, bodies=3, driven=seed % 2 == 1)
+    shares = np.array([1.0, 0.9])
 
     def even(profile):
         return float(np.mean(getattr(profile, "values", profile)))
@@ -255,7 +254,8 @@ def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
-    system, asked = small_map((10, 10)), []
+    system = small_map((10, 10))
+    asked = []
     plain = ri.sweep(system)
 
     def in_turns(seconds, kernel, ahead=0.0):
@@ -694,7 +694,8 @@ def test_displacements_and_stresses_are_those_of_the_fields(row, until, compilin
 
 
 def test_ground_that_yields_takes_the_yield_force_times_the_set():
-    F, speeds = 1.8e4, np.array([0.1, 5.0])
+    F = 1.8e4
+    speeds = np.array([0.1, 5.0])
     pile = ri.Rod(1.0, area=1e-3, material=STEEL, velocity=speeds)
     ground = ri.Yielding(stiffness=1e8, yield_force=F)
     system = ri.System([pile, ri.Wall()], contacts=[ground])
