@@ -27,16 +27,21 @@ from rodimpact.methods.states import Status
 X = np.array(series.X)
 
 
-def drawn(seed, n=POINTS):
+def random_series(seed, n=POINTS):
     return np.random.default_rng(seed).normal(size=n)
 
 
-def one(record, **fields):
+def record_with(record, **fields):
     """An object with the fields of a record; those that are not given are 0."""
-    made = record_lists.as_objects(np.zeros(1, record))[0]
+    (blank,) = record_lists.as_objects(np.zeros(1, record))
     for name, value in fields.items():
-        setattr(made, name, value)
-    return made
+        setattr(blank, name, value)
+    return blank
+
+
+def work():
+    """Memory that a kernel writes over."""
+    return [0.0] * POINTS
 
 
 # Series ------------------------------------------------------------------------------------------
@@ -49,107 +54,108 @@ def test_integrals_are_exact_to_the_degree_of_radau(degree):
 
 
 def test_the_tail_is_that_of_the_last_two_coefficients():
-    c = drawn(5)
-    assert series.truncation_estimate(
-        chebyshev.chebval(X, c).tolist()
-    ) == pytest.approx(abs(c[-2]) + abs(c[-1]), abs=1e-12)
+    c = random_series(5)
+    values = chebyshev.chebval(X, c).tolist()
+    tail = abs(c[-2]) + abs(c[-1])
+    assert series.tail(values) == pytest.approx(tail, abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_smallest_value_of_a_series_is_found(seed):
-    c = drawn(seed)
+    c = random_series(seed)
     c[0] = 0.0
-    least = chebyshev.chebval(np.linspace(-1, 1, 100_001), c).min()
-    assert series.minimum(c.tolist()) == pytest.approx(least, abs=1e-6)
+    smallest = chebyshev.chebval(np.linspace(-1, 1, 100_001), c).min()
+    assert series.minimum(c.tolist()) == pytest.approx(smallest, abs=1e-6)
 
 
 @pytest.mark.parametrize("end", [-1.0, 1.0])
 def test_slopes_at_the_ends_of_a_piece(end):
-    c = drawn(7)
-    wanted = chebyshev.chebval(end, chebyshev.chebder(c))
-    assert series.slope_at_end(c.tolist(), end) == pytest.approx(wanted, rel=1e-12)
+    c = random_series(7)
+    slope = chebyshev.chebval(end, chebyshev.chebder(c))
+    assert series.slope_at_end(c.tolist(), end) == pytest.approx(slope, rel=1e-12)
 
 
 @pytest.mark.parametrize("y", [-0.9, 0.1, 1.0])
 def test_a_part_of_a_piece_is_the_same_polynomial(y):
-    c = drawn(6)
-    f = chebyshev.chebval(X, c).tolist()
-    series.restrict(f, y, [0.0] * POINTS)
-    assert f == pytest.approx(
-        chebyshev.chebval((y + 1) * (X + 1) / 2 - 1, c), abs=1e-13
-    )
+    c = random_series(6)
+    values = chebyshev.chebval(X, c).tolist()
+
+    series.restrict(values, y, work())
+
+    x = (y + 1) * (X + 1) / 2 - 1
+    assert values == pytest.approx(chebyshev.chebval(x, c), abs=1e-13)
 
 
 @pytest.mark.parametrize("root", [-0.999, -0.2, 0.6180339887498949, 1.0])
 def test_the_first_zero_is_found_to_round_off(root):
-    c = chebyshev.poly2cheb(np.polynomial.polynomial.polyfromroots([root, 3.0]))
-    c = np.append(c, np.zeros(POINTS - 3)).tolist()  # positive on the left
-    zero = series.first_zero(c, -1.0, 1.0)
+    powers = np.polynomial.polynomial.polyfromroots([root, 3.0])  # positive on the left
+    c = np.append(chebyshev.poly2cheb(powers), np.zeros(POINTS - 3))
+    zero = series.first_zero(c.tolist(), -1.0, 1.0)
     assert zero == pytest.approx(root, abs=1e-15)
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_maximum_is_that_of_a_fine_grid(seed):
-    rng = np.random.default_rng(seed)
-    c = rng.normal(size=POINTS) * 0.2 ** np.arange(POINTS)  # smooth, as pieces are
-    f = chebyshev.chebval(X, c).tolist()
-    fine = chebyshev.chebval(np.linspace(-1, 1, 20001), c).max()
-    assert series.maximum(f, [0.0] * POINTS, -math.inf) == pytest.approx(fine, abs=1e-7)
-    assert series.maximum(f, [0.0] * POINTS, -math.inf) >= max(f)
+    smooth = 0.2 ** np.arange(POINTS)  # as pieces are
+    c = random_series(seed) * smooth
+    values = chebyshev.chebval(X, c).tolist()
+
+    maximum = series.maximum(values, work(), -math.inf)
+
+    on_fine_grid = chebyshev.chebval(np.linspace(-1, 1, 20001), c).max()
+    assert maximum == pytest.approx(on_fine_grid, abs=1e-7)
+    assert maximum >= max(values)
 
 
 @pytest.mark.parametrize(("n", "band"), [(8, 24), (24, 8), (40, 3), (5, 1)])
 def test_elimination_with_bands(n, band):
     rng = np.random.default_rng(n)
-    near = np.abs(np.subtract.outer(np.arange(n), np.arange(n))) < band
-    A = rng.normal(size=(n, n)) * near
+    distance = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    A = rng.normal(size=(n, n)) * (distance < band)
     b = rng.normal(size=n)
-    G = np.column_stack((A, b)).tolist()
-    series.eliminate(G, n, band)
-    assert [row[n] for row in G] == pytest.approx(
-        np.linalg.solve(A, b), rel=1e-9, abs=1e-9
-    )
+    rows = np.column_stack((A, b)).tolist()
+
+    series.eliminate(rows, n, band)
+
+    solution = [row[n] for row in rows]
+    expected = np.linalg.solve(A, b)
+    assert solution == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
-    found = np.exp(X).tolist()
-    series.flatten(found)
+    values = np.exp(X).tolist()
+
+    series.flatten(values)
+
     nodes, weights = legendre.leggauss(20)
-    exact = [
-        (2 * k + 1) / 2 * weights @ (np.exp(nodes) * legendre.Legendre.basis(k)(nodes))
-        for k in range(3)
-    ]
-    assert found == pytest.approx(legendre.legval(X, exact), abs=1e-9)
-    assert max(abs(np.exp(X) - found)) > 1e-3  # of degree 2 alone
+    parabola = []
+    for k in range(3):
+        projection = weights @ (np.exp(nodes) * legendre.Legendre.basis(k)(nodes))
+        parabola.append((2 * k + 1) / 2 * projection)
+    assert values == pytest.approx(legendre.legval(X, parabola), abs=1e-9)
+    assert max(abs(np.exp(X) - values)) > 1e-3  # of degree 2 alone
 
 
 # Lines -------------------------------------------------------------------------------------------
 
 
-def stock(*pieces, delay=0, room=4, **run):
-    """Run, lines and log with one line that holds these pieces: (start, end, order, series)."""
-    run = one(RUN, tolerance=1e-8, shortest_transit=1000, **run)
-    line = [
-        one(
-            LINE,
-            delay=delay,
-            first_piece=0,
-            read_piece=0,
-            last_piece=len(pieces) - 1,
-            unread_breaks=sum(order <= HARD for _, _, order, _ in pieces[1:]),
-        )
-    ]
+def line_of(*pieces, delay=0, room=4, **run):
+    """Run, lines and log with one line that holds these pieces: (start, stop, order, series)."""
+    hard_breaks = sum(order <= HARD for _, _, order, _ in pieces[1:])
+    last = len(pieces) - 1
+    line = record_with(LINE, delay=delay, first=0, head=0, tail=last, hard=hard_breaks)
     log = record_lists.as_objects(np.zeros(len(pieces) + room, PIECE))
     for i, (start, stop, order, c) in enumerate(pieces):
-        it = log[i]
-        it.start = start
-        it.stop = stop
-        it.order = order
-        it.degree = N if len(c) > 1 else 0
-        it.coefficient = [*c, *[0.0] * (POINTS - len(c))]
-        it.after = i + 1 if i + 1 < len(pieces) else NONE
+        piece = log[i]
+        piece.start = start
+        piece.stop = stop
+        piece.order = order
+        piece.degree = N if len(c) > 1 else 0
+        piece.coefficient = [*c, *[0.0] * (POINTS - len(c))]
+        piece.after = i + 1 if i < last else NONE
+    run = record_with(RUN, tolerance=1e-8, shortest=1000, **run)
     run.pieces = len(pieces)
-    return run, line, log
+    return run, [line], log
 
 
 PIECES = [
@@ -161,79 +167,112 @@ PIECES = [
 
 def arriving(t, delay, before=False):
     """What the pieces above bring at a tick."""
-    i = np.searchsorted([-400, 100], t - delay, "left" if before else "right")
-    start, stop, _, c = PIECES[i]
-    return chebyshev.chebval(2 * (t - delay - start) / (stop - start) - 1, c)
+    side = "left" if before else "right"
+    start, stop, _, c = PIECES[np.searchsorted([-400, 100], t - delay, side)]
+    y = 2 * (t - delay - start) / (stop - start) - 1
+    return chebyshev.chebval(y, c)
 
 
 @pytest.mark.parametrize(
     ("tick", "ticks"), [(0, 300), (0, 600), (350, 700), (1100, 900)]
 )
 def test_what_left_arrives_a_delay_later(tick, ticks):
-    _, line, log = stock(*PIECES, delay=1000)
-    f = [0.0] * POINTS
-    lines.advance_to(line, log, 0, tick)
-    lines.sample(line, log, 0, tick, ticks, f)
-    t = tick + ticks * (X + 1) / 2
-    wanted = [arriving(float(u), 1000, before=j == N) for j, u in enumerate(t)]
-    assert f == pytest.approx(wanted, abs=1e-13)
+    _, line, log = line_of(*PIECES, delay=1000)
+    lines.move_on(line, log, 0, tick)
+    values = work()
+
+    lines.sample(line, log, 0, tick, ticks, values)
+
+    times = tick + ticks * (X + 1) / 2
+    expected = [float(arriving(t, 1000)) for t in times[:-1]]
+    expected.append(float(arriving(times[-1], 1000, before=True)))
+    assert values == pytest.approx(expected, abs=1e-13)
 
 
 def test_breaks_of_a_line_in_their_order():
-    _, line, log = stock(*PIECES, delay=1000)
+    _, line, log = line_of(*PIECES, delay=1000)
     assert lines.known_until(line, log, 0) == 2000
     assert lines.next_break(line, log, 0, 0, 2000) == 600
     assert lines.next_break(line, log, 0, 0, 500) == 500
     assert lines.next_break(line, log, 0, 600, 2000) == 1100
     assert lines.order_at(line, log, 0, 0) == 0  # at the beginning anything may jump
-    lines.advance_to(line, log, 0, 599)
-    assert (line[0].read_piece, line[0].unread_breaks) == (0, 2)
-    lines.advance_to(line, log, 0, 600)
-    assert (line[0].read_piece, line[0].unread_breaks) == (1, 1)
+
+
+def test_breaks_that_have_passed_are_left_behind():
+    _, line, log = line_of(*PIECES, delay=1000)
+
+    def after(tick):
+        lines.move_on(line, log, 0, tick)
+        return line[0].head, line[0].hard
+
+    assert after(599) == (0, 2)
+    assert after(600) == (1, 1)
     assert lines.order_at(line, log, 0, 600) == 0
     assert lines.order_at(line, log, 0, 601) == SMOOTH
-    lines.advance_to(line, log, 0, 5000)
-    assert (line[0].read_piece, line[0].unread_breaks) == (2, 0)
+    assert after(5000) == (2, 0)
+
+
+def between_breaks(tick, ticks):
+    """Times and weights of a quadrature that is exact for the pieces above, 1000 ticks late."""
+    breaks = [t for t in (600, 1100) if tick < t < tick + ticks]
+    edges = [tick, *breaks, tick + ticks]
+    nodes, weights = legendre.leggauss(12)
+    times = []
+    all_weights = []
+    for start, stop in pairwise(edges):
+        times.append(start + (stop - start) * (nodes + 1) / 2)
+        all_weights.append((stop - start) / 2 * weights)
+    return np.concatenate(times), np.concatenate(all_weights)
 
 
 @pytest.mark.parametrize(
     ("tick", "ticks"), [(0, 2000), (500, 300), (550, 700), (1400, 64)]
 )
 def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
-    _, line, log = stock(*PIECES, delay=1000)
-    f = [0.0] * POINTS
-    lines.advance_to(line, log, 0, tick)
-    lines.project(line, log, 0, tick, ticks, f)
-    edges = sorted(
-        {tick, tick + ticks, *(e for e in (600, 1100) if tick < e < tick + ticks)}
-    )
-    nodes, weights = legendre.leggauss(12)
-    t = np.concatenate([a + (b - a) * (nodes + 1) / 2 for a, b in pairwise(edges)])
-    w = np.concatenate([(b - a) / 2 * weights for a, b in pairwise(edges)])
-    came = np.array([arriving(x, 1000) for x in t])
-    kept = ticks / 2 * series.integral(f)
-    energy = ticks / 2 * series.integral([v * v for v in f])
-    assert kept == pytest.approx(w @ came, rel=1e-12)
-    assert energy <= w @ came**2 * (1 + 1e-12)
-    moment = (
-        ticks / 2 * series.integral([v * y for v, y in zip(f, series.X, strict=True)])
-    )
-    assert moment == pytest.approx(w @ (came * (2 * (t - tick) / ticks - 1)), rel=1e-11)
+    _, line, log = line_of(*PIECES, delay=1000)
+    lines.move_on(line, log, 0, tick)
+    smoothed = work()
+
+    lines.project(line, log, 0, tick, ticks, smoothed)
+
+    def integral(values):
+        return ticks / 2 * series.integral(values)
+
+    times, weights = between_breaks(tick, ticks)
+    arrived = np.array([arriving(t, 1000) for t in times])
+    y = 2 * (times - tick) / ticks - 1
+    assert integral(smoothed) == pytest.approx(weights @ arrived, rel=1e-12)
+    energy = integral([value**2 for value in smoothed])
+    assert energy <= weights @ arrived**2 * (1 + 1e-12)
+    moment = integral((np.array(smoothed) * series.X).tolist())
+    assert moment == pytest.approx(weights @ (arrived * y), rel=1e-11)
+
+
+def constant(value):
+    """Values of a constant piece."""
+    return [value] * POINTS
 
 
 def test_what_is_constant_stays_one_piece():
-    run, line, log = stock((0, 100, SMOOTH, [2.0]))
-    assert (
-        lines.append_values(run, line, log, 0, 100, 50, [2.0] * POINTS, [0.0] * POINTS)
-        == NONE
-    )
-    assert (run.piece_count, log[0].end) == (1, 150)
-    assert (
-        lines.append_values(run, line, log, 0, 150, 50, [3.0] * POINTS, [0.0] * POINTS)
-        == 1
-    )
-    assert (run.piece_count, log[1].degree) == (2, 0)
-    assert (log[0].next, line[0].last_piece) == (1, 1)
+    run, line, log = line_of((0, 100, SMOOTH, [2.0]))
+
+    new = lines.append(run, line, log, 0, 100, 50, constant(2.0), work())
+
+    assert new == NONE
+    assert run.pieces == 1
+    assert log[0].stop == 150
+
+
+def test_another_constant_is_another_piece():
+    run, line, log = line_of((0, 150, SMOOTH, [2.0]))
+
+    new = lines.append(run, line, log, 0, 150, 50, constant(3.0), work())
+
+    assert new == 1
+    assert run.pieces == 2
+    assert log[1].degree == 0
+    assert log[0].after == 1
+    assert line[0].tail == 1
 
 
 @pytest.mark.parametrize(
@@ -252,56 +291,71 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
     jump, slope, bend, order, sent
 ):
     """Slope and bend over the shortest transit, 1000 ticks; pieces of 1000 and 500."""
-    run, line, log = stock(
-        (0, 1000, SMOOTH, chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist())
-    )
-    u = (X + 1) / 4  # transits since the break
-    f = (
-        0.9 + jump + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2
-    )  # y = 1 + 2 u before
-    node = one(NODE, now=1000, outgoing=f.tolist())
+    before = chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist()  # ends with 0.9
+    run, line, log = line_of((0, 1000, SMOOTH, before))
+    u = (X + 1) / 4  # transits since the break; y = 1 + 2 u in the piece before
+    after = (0.9 + jump) + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2
+    node = record_with(NODE, now=1000, leaving=after.tolist())
+
     lines.send(run, line, log, 0, node, 500, order)
-    assert (log[1].break_order, line[0].unread_breaks) == (sent, int(sent <= HARD))
+
+    assert log[1].order == sent
+    assert line[0].hard == int(sent <= HARD)
 
 
 @pytest.mark.parametrize(("sent", "order"), [(2.0, 0), (0.5, 1)])
 def test_what_a_free_end_sends_back_first_may_jump(sent, order):
     """What arrives at t = 0 begins with 0.5, and is sent after what is under way."""
-    run, line, log = stock((-1000, 0, SMOOTH, [1.0, 0.5]), delay=1000)
-    line.append(one(LINE, last_piece=NONE))
-    lines.append_values(run, line, log, 1, -1000, 1000, [sent] * POINTS, [0.0] * POINTS)
-    end = one(
-        NODE, incoming_lines=[0, NONE], outgoing_lines=[1, NONE], mobility=[1.0, 0.0]
-    )
+    run, line, log = line_of((-1000, 0, SMOOTH, [1.0, 0.5]), delay=1000)
+    line.append(record_with(LINE, tail=NONE))
+    lines.append(run, line, log, 1, -1000, 1000, constant(sent), work())
+    end = record_with(NODE, source=[0, NONE], target=[1, NONE], mobility=[1.0, 0.0])
+
     assert lines.reflect(run, line, log, end) == 1000
-    assert (log[1].next, log[2].end) == (2, 1000)
-    assert log[2].coefficients[:2] == [1.0, 0.5]
-    assert (log[2].break_order, line[1].unread_breaks) == (order, 1)
+
+    under_way = log[1]
+    reflected = log[2]
+    assert under_way.after == 2
+    assert reflected.stop == 1000
+    assert reflected.coefficient[:2] == [1.0, 0.5]
+    assert reflected.order == order
+    assert line[1].hard == 1
 
 
-def test_a_wave_with_a_jump_and_a_kink_becomes_pieces_either_way():
-    signal = Pieces.lines(
-        [0, 300, 700], np.array([1.0, 3.0, 2.0]), np.array([1.0, 2.0, 4.0]), 1000
-    )
-    made, missed = profile_pieces.in_pieces(signal, 0, 1000, 1e-9, 1e-9)
+@pytest.fixture
+def wave_with_a_jump_and_a_kink():
+    begins = np.array([1.0, 3.0, 2.0])
+    ends = np.array([1.0, 2.0, 4.0])
+    signal = Pieces.lines([0, 300, 700], begins, ends, 1000)
+    wave, missed = waves.in_pieces(signal, 0, 1000, 1e-9, 1e-9)
     assert missed == 0
-    back = profile_pieces.backwards(made)
-    assert (made["start"].tolist(), made["break_order"].tolist()) == (
-        [0, 300, 700],
-        [SMOOTH, 0, 1],
-    )
-    assert (back["start"].tolist(), back["break_order"].tolist()) == (
-        [-1000, -700, -300],
-        [SMOOTH, 1, 0],
-    )
-    assert (made["end"].tolist(), back["end"].tolist()) == (
-        [300, 700, 1000],
-        [-700, -300, 0],
-    )
-    for fit, ends in ((made, [1, 1, 3, 2, 2, 4]), (back, [4, 2, 2, 3, 1, 1])):
-        found = [chebyshev.chebval(y, c) for c in fit["coefficients"] for y in (-1, 1)]
-        assert found == pytest.approx(ends, abs=1e-12)
-    assert made["degree"].tolist() == [0, N, N]  # what is constant stays so
+    return wave
+
+
+def values_at_ends(wave):
+    """Values at the begin and the end of each piece."""
+    values = []
+    for c in wave["coefficient"]:
+        values.append(chebyshev.chebval(-1, c))
+        values.append(chebyshev.chebval(1, c))
+    return values
+
+
+def test_a_wave_with_a_jump_and_a_kink_becomes_pieces(wave_with_a_jump_and_a_kink):
+    wave = wave_with_a_jump_and_a_kink
+    assert wave["start"].tolist() == [0, 300, 700]
+    assert wave["stop"].tolist() == [300, 700, 1000]
+    assert wave["order"].tolist() == [SMOOTH, 0, 1]
+    assert values_at_ends(wave) == pytest.approx([1, 1, 3, 2, 2, 4], abs=1e-12)
+    assert wave["degree"].tolist() == [0, N, N]  # what is constant stays so
+
+
+def test_a_wave_can_run_backwards(wave_with_a_jump_and_a_kink):
+    wave = waves.backwards(wave_with_a_jump_and_a_kink)
+    assert wave["start"].tolist() == [-1000, -700, -300]
+    assert wave["stop"].tolist() == [-700, -300, 0]
+    assert wave["order"].tolist() == [SMOOTH, 1, 0]
+    assert values_at_ends(wave) == pytest.approx([4, 2, 2, 3, 1, 1], abs=1e-12)
 
 
 # Laws --------------------------------------------------------------------------------------------
@@ -327,34 +381,47 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
-    it = one(
-        LINK, **{"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS, **LAWS[name]}
-    )
-    d = 0.3
+def pressed_link(fields):
+    defaults = {"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS}
+    return record_with(LINK, **{**defaults, **fields})
+
+
+@pytest.mark.parametrize("fields", LAWS.values(), ids=LAWS)
+def test_a_force_satisfies_its_law(fields):
+    link = pressed_link(fields)
+    overlap = 0.3
     closing = 1.7
-    small = 1e-6
-    F, by_d, by_closing = contact_laws.force(it, d, closing)
-    rate = closing - it.mobility * F
-    if it.law == Law.BOND:
+
+    F, _, _ = contact_laws.force(link, overlap, closing)
+
+    rate = closing - link.mobility * F
+    if link.law == Law.BOND:
         assert rate == pytest.approx(0.0, abs=1e-15)
-    elif it.law == Law.POWER:
-        assert pytest.approx(F) == 7.0 * d**it.exponent * (1 + it.damping * rate)
+    elif link.law == Law.POWER:
+        damped = 1 + link.damping * rate
+        assert pytest.approx(F) == 7.0 * overlap**link.exponent * damped
     else:
-        assert pytest.approx(F) == 7.0 * d + it.damping * rate
-    around = [contact_laws.force(it, d + i * small, closing)[0] for i in (-1, 1)]
-    assert by_d == pytest.approx(
-        (around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9
-    )
-    around = [contact_laws.force(it, d, closing + i * small)[0] for i in (-1, 1)]
-    assert by_closing == pytest.approx(
-        (around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9
-    )
+        assert pytest.approx(F) == 7.0 * overlap + link.damping * rate
+
+
+@pytest.mark.parametrize("fields", LAWS.values(), ids=LAWS)
+def test_a_force_has_these_derivatives(fields):
+    link = pressed_link(fields)
+    step = 1e-6
+
+    def force(overlap, closing):
+        return contact_laws.force(link, overlap, closing)[0]
+
+    _, by_overlap, by_closing = contact_laws.force(link, 0.3, 1.7)
+
+    slope = (force(0.3 + step, 1.7) - force(0.3 - step, 1.7)) / (2 * step)
+    assert by_overlap == pytest.approx(slope, rel=1e-7, abs=1e-9)
+    slope = (force(0.3, 1.7 + step) - force(0.3, 1.7 - step)) / (2 * step)
+    assert by_closing == pytest.approx(slope, rel=1e-7, abs=1e-9)
 
 
 @pytest.mark.parametrize(
-    ("law", "status", "d", "closing", "to"),
+    ("law", "status", "overlap", "closing", "next_status"),
     [
         (Law.SPRING, Status.OPEN, 1e-3, 1.0, Status.PRESS),
         (Law.SPRING, Status.PRESS, -1e-3, 1.0, Status.OPEN),
@@ -367,8 +434,8 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
         (Law.POWER, Status.GRAZE, -0.5, -9.0, Status.OPEN),
     ],
 )
-def test_what_ends_a_status(law, status, d, closing, to):
-    it = one(
+def test_what_ends_a_status(law, status, overlap, closing, next_status):
+    link = record_with(
         LINK,
         law=law,
         status=status,
@@ -379,39 +446,34 @@ def test_what_ends_a_status(law, status, d, closing, to):
         mobility=0.1,
         damping=0.5 if law == Law.POWER else 0.0,
     )
-    it.knots[0] = 9.0
-    F = (
-        contact_laws.force(it, d, closing)[0]
-        if status in (Status.PRESS, Status.PLASTIC)
-        else 0.0
-    )
-    ended = [
-        after
-        for g, after in (
-            contact_laws.guard(it, i, d, closing, F, 1.0, 1.0)
-            for i in range(contact_laws.guards(it))
-        )
-        if g < 0
-    ]
-    assert ended == [to]
-    assert all(
-        math.isfinite(contact_laws.guard(it, i, d, closing, F, 1.0, 1.0)[0])
-        for i in range(contact_laws.guards(it))
-    )
+    link.knots[0] = 9.0
+    F = 0.0
+    if status in (Status.PRESS, Status.PLASTIC):
+        F, _, _ = contact_laws.force(link, overlap, closing)
+
+    reached = []
+    for i in range(contact_laws.guards(link)):
+        guard, after = contact_laws.guard(link, i, overlap, closing, F, 1.0, 1.0)
+        assert math.isfinite(guard)
+        if guard < 0:
+            reached.append(after)
+
+    assert reached == [next_status]
 
 
 @pytest.mark.parametrize(("law", "side"), [(Law.PUSH_LEFT, 0), (Law.PUSH_RIGHT, 1)])
 def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, side):
     """What comes in is a force there, and a velocity at the other side."""
-    forces = drawn(7).tolist()
-    link = one(LINK, law=law, effective_mobility=0.03)
-    node = one(NODE, link_count=1)
+    forces = random_series(7).tolist()
+    ease = 0.03
+    link = record_with(LINK, law=law, ease=ease)
+    node = record_with(NODE, links=1)
     node.incoming[side] = forces
-    estimate = series.truncation_estimate(forces)
-    error = nodes.truncation_error([link], [], node)
-    assert error == pytest.approx(2 * 0.03 * estimate)
+    pushed = nodes.roughness([link], [], node)
+    assert pushed == pytest.approx(2 * ease * series.tail(forces))
+
     link.law = Law.RIGID
-    assert nodes.truncation_error([link], [], node) == estimate
+    assert nodes.roughness([link], [], node) == series.tail(forces)
 
 
 # A force that is almost 0
@@ -424,7 +486,7 @@ def test_a_force_that_is_the_difference_of_large_terms_is_found():
     ask for more. Once this was said to be a mass that two walls squeeze.
     """
     closing = -6.860369287269019e-05
-    link = one(
+    link = record_with(
         LINK,
         law=Law.POWER.value,
         status=Status.PRESS.value,
@@ -435,11 +497,15 @@ def test_a_force_that_is_the_difference_of_large_terms_is_found():
         overlap=0.18203465728144244,
         overlap_rate=closing,
     )
-    node = one(NODE, link_count=1, mobility=[5.60433405e-09, 3.75933741e-03])
-    node.incoming[0] = [-0.11930282] * POINTS
-    for j in range(POINTS):  # round-off of the last digit
-        node.incoming[1][j] = -0.11930282 - closing + (j % 2) * 1.4e-17
-    run = one(RUN, velocity_scale=1.1193)
+    node = record_with(NODE, links=1, mobility=[5.60433405e-09, 3.75933741e-03])
+    node.incoming[0] = constant(-0.11930282)
+    for j in range(POINTS):
+        round_off = (j % 2) * 1.4e-17
+        node.incoming[1][j] = -0.11930282 - closing + round_off
+    run = record_with(RUN, scale=1.1193)
     matrix = np.zeros((N, N + 1)).tolist()
-    assert nodes.collocate(run, [link], [], node, 8.4e-14, matrix)
+
+    found = nodes.collocate(run, [link], [], node, 8.4e-14, matrix)
+
+    assert found
     assert np.all(np.abs(link.force) < 1e-11)
