@@ -550,7 +550,7 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
     assert have_same_bits(compiled, serial)
 
     readings = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
-    serial_readings = ri.sweep(system, executor=Here(), **readings)
+    serial_readings = ri.sweep(system, executor=SerialExecutor(), **readings)
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=spawn) as pool:
         for how in ({"workers": 1}, {"workers": 5}, {"executor": pool}):
