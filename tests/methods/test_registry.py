@@ -34,54 +34,53 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("name", "value"), MISTAKES)
-def test_mistakes_are_the_same_whoever_asks(name, value):
-    for ask in (
-        lambda o: Options(**o),
-        lambda o: ri.solve(ROW, **o),
-        lambda o: ri.sweep(ROW, **o),
-    ):
-        found = problems(lambda ask=ask: ask({name: value}))
-        assert list(found) == [name]
-        assert found == problems(lambda: Options(**{name: value}))
+@pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
+def test_mistakes_are_the_same_whoever_asks(name, value, ask):
+    messages = problems(lambda: Options(**{name: value}))
+    assert list(messages) == [name]
+    assert problems(lambda: ask(ROW, **{name: value})) == messages
 
 
 @pytest.mark.parametrize(
-    ("snapshots", "said"),
+    ("snapshots", "until", "message"),
     [
-        ("soon", "a list of times from 0 s on, got 'soon'"),
-        ([-1.0], "from 0 s on, got"),
-        ([], "must be"),
-        ([[1.0]], "must be"),
-        ([2e-5], "from 0 s on up to until = 1e-05 s, got"),
+        ("soon", None, "a list of times from 0 s on, got 'soon'"),
+        ([-1.0], None, "from 0 s on, got"),
+        ([], None, "must be"),
+        ([[1.0]], None, "must be"),
+        ([2e-5], 1e-5, "from 0 s on up to until = 1e-05 s, got"),
     ],
 )
-def test_snapshots_are_a_number_or_times_within_the_run(snapshots, said):
-    until = 1e-5 if snapshots == [2e-5] else None
-    assert refused(said, Options, until, snapshots=snapshots) == ["snapshots"]
+def test_snapshots_are_a_number_or_times_within_the_run(snapshots, until, message):
+    assert refused(message, Options, until, snapshots=snapshots) == ["snapshots"]
+
+
+ALL_WRONG = {
+    "until": -1,
+    "method": "magic",
+    "max_events": 0,
+    "dt": 1.0,
+    "rtol": 1.0,
+    "cells": 0,
+}
 
 
 @pytest.mark.parametrize(
     "wrong",
     [
-        {
-            "until": -1,
-            "method": "magic",
-            "max_events": 0,
-            "dt": 1.0,
-            "rtol": 1.0,
-            "cells": 0,
-        },
+        ALL_WRONG,
         {"dt": 0.0, "rtol": 1.0},
         {"cells": 0, "rtol": 1.0},
         {"dt": 1.0, "cells": 0, "rtol": 1.0},
     ],
 )
 def test_all_mistakes_are_told_once_each(wrong):
-    assert sorted(refused("must|give", Options, **wrong)) == sorted({*wrong} - {"rtol"})
+    paths = refused("must|give", Options, **wrong)
+    assert sorted(paths) == sorted({*wrong} - {"rtol"})
 
 
 @pytest.mark.parametrize(
-    ("given", "path", "said"),
+    ("options", "path", "message"),
     [
         (
             {"method": "fronts", "dt": 1e-6},
@@ -102,43 +101,43 @@ def test_all_mistakes_are_told_once_each(wrong):
     ],
 )
 @pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
-def test_options_of_another_method_are_refused(given, path, said, ask):
-    assert said in problems(lambda: ask(ROW, **given))[path]
+def test_options_of_another_method_are_refused(options, path, message, ask):
+    messages = problems(lambda: ask(ROW, **options))
+    assert message in messages[path]
+
+
+def driven_pair(end):
+    return ri.System([ROD, STILL], gaps=[1e-3], ends=(end, ri.Free()))
+
+
+FALLING_FROM_AN_END = ri.System([ROD], gravity=9.81, ends=(ri.Fixed(), ri.Free()))
 
 
 @pytest.mark.parametrize(
-    ("bodies", "more", "acting"),
+    ("system", "acting"),
     [
-        ([ROD, ri.Wall()], {"gravity": 9.81}, "gravity"),
-        ([ROD], {"gravity": 9.81, "ends": (ri.Fixed(), ri.Free())}, "gravity"),
-        *(
-            (
-                [ROD, STILL],
-                {"gaps": [1e-3], "ends": (end, ri.Free())},
-                "an end is driven",
-            )
-            for end in (
-                ri.Pushed(0.0),
-                ri.Moved(0.0),
-                ri.Pushed(ri.Steps([1.0, 0.0], [1e-5])),
-            )
-        ),
+        (ri.System([ROD, ri.Wall()], gravity=9.81), "gravity"),
+        (FALLING_FROM_AN_END, "gravity"),
+        (driven_pair(ri.Pushed(0.0)), "an end is driven"),
+        (driven_pair(ri.Moved(0.0)), "an end is driven"),
+        (driven_pair(ri.Pushed(ri.Steps([1.0, 0.0], [1e-5]))), "an end is driven"),
     ],
+    ids=["gravity", "gravity and a fixed end", "push", "motion", "steps"],
 )
-def test_a_row_on_which_something_acts_needs_an_end_and_is_never_final(
-    bodies, more, acting
-):
-    row = ri.System(bodies, **more)
+def test_a_row_on_which_something_acts_needs_an_end_and_is_never_final(system, acting):
+    message = "must be given: .*" + acting.split()[-1][:5]  # driven, drive
     for ask in (ri.solve, ri.sweep):
-        assert refused(f"must be given: .*{acting.split()[-1][:5]}", ask, row) == [
-            "until"
-        ]
-    solution = ri.solve(row, 1e-4)
+        assert refused(message, ask, system) == ["until"]
+
+    solution = ri.solve(system, 1e-4)
+
     assert not solution.final
     assert solution.outcome.driven
     assert acting in solution.status
-    said = "gravity or a driven end" if len(bodies) > 1 else "no contact of this row"
-    assert said in solution.outcome.why_no_restitution()
+    reason = "gravity or a driven end"
+    if len(system.bodies) == 1:
+        reason = "no contact of this row"
+    assert reason in solution.outcome.why_no_restitution()
 
 
 def test_bodies_that_fall_alike_come_to_an_end():
@@ -155,14 +154,14 @@ def test_bodies_that_fall_alike_come_to_an_end():
 )
 @pytest.mark.parametrize("cap", [7, 100])
 def test_the_cap_ends_a_run_that_does_not_end(method, counted, remedy, cap):
-    row = ri.System([ri.Wall(), ROD, ri.Wall()], [1e-3, 1e-3])
-    solution = ri.solve(row, method=method, max_events=cap)
-    assert (solution.stopped_by, solution.final) == ("max_events", False)
-    assert (
-        cap - 3 <= solution.events <= cap + 7
-    )  # what happens at once is taken together
+    system = ri.System([ri.Wall(), ROD, ri.Wall()], [1e-3, 1e-3])
+    solution = ri.solve(system, method=method, max_events=cap)
+    assert solution.stopped_by == "max_events"
+    assert not solution.final
+    assert cap - 3 <= solution.events <= cap + 7  # events at one time are not divided
     assert math.isnan(solution.t_final)
-    assert re.search(rf"Stopped by the cap of \d+ {counted}.*{remedy}", solution.status)
+    sentence = rf"Stopped by the cap of \d+ {counted}.*{remedy}"
+    assert re.search(sentence, solution.status)
 
 
 def test_an_accuracy_that_is_asked_for_chooses_a_method_that_takes_one():
@@ -173,22 +172,28 @@ def test_an_accuracy_that_is_asked_for_chooses_a_method_that_takes_one():
 GRID = [{"dt": 1e-6}, {"cells": 9}, {"snapshots": [0.0, 1e-5]}]
 
 
+SPRING = [ri.Spring(1e8)]
+
+
+MASS_ON_SPRING = ri.System(
+    [ri.RigidMass(1.0, velocity=1.0), ri.Wall()], contacts=SPRING
+)
+
+
 @pytest.mark.parametrize("options", GRID)
 @pytest.mark.parametrize(
-    "row",
-    [
-        ROW,
-        ri.System([ROD, ri.Wall()], contacts=[ri.Spring(1e8)]),
-        ri.System(
-            [ri.RigidMass(1.0, velocity=1.0), ri.Wall()], contacts=[ri.Spring(1e8)]
-        ),
-    ],
+    "system",
+    [ROW, ri.System([ROD, ri.Wall()], contacts=SPRING), MASS_ON_SPRING],
     ids=["fronts", "characteristics", "without a rod"],
 )
-def test_options_of_a_grid_do_not_choose_it(row, options):
-    [(path, message)] = problems(lambda: Options(**options).method_for(row)).items()
-    assert path == next(iter(options))
-    assert message.startswith('is for method "finite-difference", not "')
+def test_options_of_a_grid_do_not_choose_it(system, options):
+    messages = problems(lambda: Options(**options).method_for(system))
+    path = next(iter(options))
+    assert list(messages) == [path]
+    assert messages[path].startswith('is for method "finite-difference", not "')
+
+
+ON_GRID = {"method": "finite-difference", "cells": 20}
 
 
 @pytest.mark.parametrize("options", GRID)
@@ -199,126 +204,150 @@ def test_options_of_a_grid_are_taken_where_the_row_needs_one(options):
 STEEL = ri.materials.steel
 THICK = ri.Rod(0.4, diameter=0.01, material=STEEL, lateral_inertia="rayleigh-love")
 LOSSY = ri.Rod(0.4, area=1e-4, material=STEEL.damped(0.01, 1e4))
-PUSHED = {"contacts": [ri.Spring(1e8)]}
 
 
 @pytest.mark.parametrize(
-    ("system", "options", "said"),
+    ("system", "options", "sentence"),
     [
-        (
+        pytest.param(
             ri.System([ROD, THICK]),
             {"cells": 20},
-            'the slower method "finite-difference" because of bodies.1.lateral_inertia: the method '
-            '"fronts" has no lateral inertia.',
+            'the slower method "finite-difference" because of bodies.1.lateral_inertia: '
+            'the method "fronts" has no lateral inertia.',
+            id="lateral inertia",
         ),
-        (
-            ri.System([LOSSY, LOSSY], **PUSHED),
+        pytest.param(
+            ri.System([LOSSY, LOSSY], contacts=SPRING),
             {"cells": 20},
             'the slower method "finite-difference" because of '
             "bodies.0.material.viscosity and 1 more: "
             'the method "characteristics" has no damping.',
+            id="damping",
         ),
-        (
+        pytest.param(
             ri.System([ROD, ROD], gravity=9.81),
             {},
             'the slower method "characteristics" because of gravity: '
             'the method "fronts" has no gravity.',
+            id="gravity",
         ),
-        (ri.System([ROD, ROD]), {}, ""),
-        (ri.System([ROD, ROD], **PUSHED), {}, ""),
-        (ri.System([ROD, ROD], gravity=9.81), {"rtol": 1e-3}, ""),
-        (ri.System([ROD, THICK]), {"method": "finite-difference", "cells": 20}, ""),
     ],
 )
 def test_the_status_names_the_entry_that_calls_for_a_slower_method(
-    system, options, said
+    system, options, sentence
 ):
-    status = ri.solve(system, until=1e-5, **options).status
-    assert said in status
-    assert ("slower" in status) == bool(said)
+    assert sentence in ri.solve(system, until=1e-5, **options).status
+
+
+@pytest.mark.parametrize(
+    ("system", "options"),
+    [
+        pytest.param(ri.System([ROD, ROD]), {}, id="fronts"),
+        pytest.param(ri.System([ROD, ROD], contacts=SPRING), {}, id="characteristics"),
+        pytest.param(ri.System([ROD, ROD], gravity=9.81), {"rtol": 1e-3}, id="rtol"),
+        pytest.param(ri.System([ROD, THICK]), ON_GRID, id="grid"),
+    ],
+)
+def test_the_status_names_no_entry_where_nothing_slower_was_chosen(system, options):
+    assert "slower" not in ri.solve(system, until=1e-5, **options).status
 
 
 CONE = ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4]), material=STEEL)
 RAMP = ri.Samples([0.0, 1.0], step=1e-5)
-MIXED = ri.Rod(
-    segments=[
-        ri.Segment(0.5, 1e-4, STEEL),
-        ri.Segment(
-            0.5,
-            1e-4,
-            LOSSY.segments[0].material,
-            polar_moment=1e-8,
-            lateral_inertia="rayleigh-love",
-        ),
-    ]
+
+
+LOSSY_AND_THICK = ri.Segment(
+    0.5,
+    1e-4,
+    LOSSY.segments[0].material,
+    polar_moment=1e-8,
+    lateral_inertia="rayleigh-love",
 )
+MIXED = ri.Rod(segments=[ri.Segment(0.5, 1e-4, STEEL), LOSSY_AND_THICK])
+
+
+SMOOTH = ROD.replace(velocity=ri.Samples([0.0, 1.0]))
+
+
+VERY_THICK = THICK.replace(lateral_inertia="mindlin-herrmann")
+
+
+FOR_CHARACTERISTICS = {  # a row, and by path what other methods lack
+    "mass": (ri.System([ri.RigidMass(2.0), ROD]), {"bodies.0": "rigid masses"}),
+    "law": (
+        ri.System([ROD, ROD], contacts=SPRING),
+        {"contacts.0.law": "compliant contacts"},
+    ),
+    "gravity": (ri.System([ROD], gravity=1.0), {"gravity": "gravity"}),
+    "joint": (
+        ri.System([ROD, ROD], contacts=[ri.Joint(1.0)]),
+        {"contacts.0.law": "joints"},
+    ),
+    "samples": (
+        ri.System([SMOOTH]),
+        {"bodies.0.velocity": "profiles other than steps"},
+    ),
+    "drive": (
+        ri.System([ROD], ends=(ri.Moved(RAMP), ri.Free())),
+        {"ends.left.value": "drives other than steps"},
+    ),
+}
+
+
+FOR_A_GRID = {
+    "three rods": (
+        ri.System([THICK, MIXED, CONE]),
+        {
+            "bodies.0.lateral_inertia": "lateral inertia",
+            "bodies.1.segments.1.material.viscosity": "damping",
+            "bodies.1.segments.1.lateral_inertia": "lateral inertia",
+            "bodies.2.area": "tapered rods",
+        },
+    ),
+    "Mindlin and Herrmann": (
+        ri.System([ROD, VERY_THICK]),
+        {"bodies.1.lateral_inertia": "lateral inertia"},
+    ),
+}
+
+
+def messages_of(method, system):
+    """What a method says that it lacks, by path."""
+    return problems(lambda: Options(method=method).method_for(system))
 
 
 @pytest.mark.parametrize(
-    ("needed", "bodies", "more", "lacked"),
-    [
-        ("characteristics", [ri.RigidMass(2.0), ROD], {}, {"bodies.0": "rigid masses"}),
-        (
-            "characteristics",
-            [ROD, ROD],
-            PUSHED,
-            {"contacts.0.law": "compliant contacts"},
-        ),
-        ("characteristics", [ROD], {"gravity": 1.0}, {"gravity": "gravity"}),
-        (
-            "characteristics",
-            [ROD, ROD],
-            {"contacts": [ri.Joint(1.0)]},
-            {"contacts.0.law": "joints"},
-        ),
-        (
-            "characteristics",
-            [ROD.replace(velocity=ri.Samples([0.0, 1.0]))],
-            {},
-            {"bodies.0.velocity": "profiles other than steps"},
-        ),
-        (
-            "characteristics",
-            [ROD],
-            {"ends": (ri.Moved(RAMP), ri.Free())},
-            {"ends.left.value": "drives other than steps"},
-        ),
-        (
-            "finite-difference",
-            [THICK, MIXED, CONE],
-            {},
-            {
-                "bodies.0.lateral_inertia": "lateral inertia",
-                "bodies.1.segments.1.material.viscosity": "damping",
-                "bodies.1.segments.1.lateral_inertia": "lateral inertia",
-                "bodies.2.area": "tapered rods",
-            },
-        ),
-        (
-            "finite-difference",
-            [ROD, THICK.replace(lateral_inertia="mindlin-herrmann")],
-            {},
-            {"bodies.1.lateral_inertia": "lateral inertia"},
-        ),
-    ],
+    ("system", "lacked"), FOR_CHARACTERISTICS.values(), ids=FOR_CHARACTERISTICS
 )
-def test_a_method_says_what_it_lacks_and_which_has_it(needed, bodies, more, lacked):
-    row = ri.System(bodies, **more)
-    for method in list(METHODS)[: list(METHODS).index(needed)]:
-        assert problems(
-            lambda method=method: Options(method=method).method_for(row)
-        ) == {
-            path: f'method "{method}" has no {what}; method "{needed}" has'
-            for path, what in lacked.items()
-        }
-    assert Options(until=1.0).method_for(row) == needed
+def test_fronts_say_what_they_lack_and_which_method_has_it(system, lacked):
+    messages = {}
+    for path, feature in lacked.items():
+        messages[path] = (
+            f'method "fronts" has no {feature}; method "characteristics" has'
+        )
+    assert messages_of("fronts", system) == messages
+    assert Options(until=1.0).method_for(system) == "characteristics"
+
+
+@pytest.mark.parametrize("method", ["fronts", "characteristics"])
+@pytest.mark.parametrize(("system", "lacked"), FOR_A_GRID.values(), ids=FOR_A_GRID)
+def test_methods_say_what_they_lack_and_that_the_grid_has_it(system, lacked, method):
+    messages = {}
+    for path, feature in lacked.items():
+        messages[path] = (
+            f'method "{method}" has no {feature}; method "finite-difference" has'
+        )
+    assert messages_of(method, system) == messages
+    assert Options(until=1.0).method_for(system) == "finite-difference"
+
+
+def test_methods_are_tried_in_this_order():
+    assert list(METHODS) == ["fronts", "characteristics", "finite-difference"]
 
 
 def test_steps_are_a_remedy_where_all_that_is_lacked_is_a_taper():
-    [said] = problems(
-        lambda: Options(method="fronts").method_for(ri.System([CONE, ROD]))
-    ).values()
-    assert said.endswith('"finite-difference" has, or give rod.in_steps(n)')
+    (message,) = messages_of("fronts", ri.System([CONE, ROD])).values()
+    assert message.endswith('"finite-difference" has, or give rod.in_steps(n)')
 
 
 def test_options_are_values():
