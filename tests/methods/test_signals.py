@@ -1,3 +1,5 @@
+"""Signals in time: steps beside sums over ticks, polynomials beside NumPy and SciPy."""
+
 from itertools import pairwise
 
 import numpy as np
@@ -9,42 +11,59 @@ from scipy.integrate import quad
 
 from rodimpact.methods.signals import Pieces
 
-steps = st.lists(
+STEPS = st.lists(
     st.tuples(st.integers(0, 60), st.integers(-5, 5)),
     min_size=1,
     max_size=8,
-    unique_by=lambda pair: pair[0],
+    unique_by=lambda step: step[0],
 ).map(sorted)
 
 
-def signal(pairs):
-    return Pieces([t for t, _ in pairs], [float(v) for _, v in pairs])
+"""Steps of a signal, each a tick and the value from then on."""
 
 
-def brute(pairs, t):
-    values = [v for tick, v in pairs if tick <= t]
-    return values[-1] if values else pairs[0][1]
+TICKS = st.integers(-20, 80)
 
 
-@given(steps, st.integers(-20, 80), st.integers(-20, 80))
-def test_value_limits_and_integral(pairs, t, u):
-    s = signal(pairs)
-    assert s.at(t) == brute(pairs, t)
-    assert s.at(t, "left") == brute(pairs, t - 1)
+def signal_of(steps):
+    ticks = [tick for tick, _ in steps]
+    values = [float(value) for _, value in steps]
+    return Pieces(ticks, values)
+
+
+def value_at(steps, t):
+    """The last value until a tick; the first one before."""
+    _, value = steps[0]
+    for tick, later_value in steps:
+        if tick <= t:
+            value = later_value
+    return value
+
+
+@given(STEPS, TICKS, TICKS)
+def test_value_limits_and_integral(steps, t, u):
+    signal = signal_of(steps)
+    assert signal.at(t) == value_at(steps, t)
+    assert signal.at(t, "left") == value_at(steps, t - 1)
     low = min(t, u)
     high = max(t, u)
-    exact = sum(brute(pairs, k) for k in range(low, high))
-    assert s.integral(low, high) == exact
-    assert s.integral(high, low) == -exact
+    exact = sum(value_at(steps, k) for k in range(low, high))
+    assert signal.integral(low, high) == exact
+    assert signal.integral(high, low) == -exact
 
 
-@given(steps, steps, st.integers(-20, 80), st.integers(0, 60), st.integers(-30, 130))
-def test_integral_of_a_product(f, g, start, length, about):
+@given(STEPS, STEPS, TICKS, st.integers(0, 60), st.integers(-30, 130))
+def test_integral_of_a_product(first, second, start, length, about):
     stop = start + length
-    plain = sum(brute(f, k) * brute(g, k) for k in range(start, stop))
-    assert (signal(f) * signal(g)).integral(start, stop) == plain
-    turned = sum(brute(f, k) * brute(g, about - k - 1) for k in range(start, stop))
-    assert (signal(f) * signal(g).time_reversed(about)).integral(start, stop) == turned
+    f = signal_of(first)
+    g = signal_of(second)
+    exact = 0
+    exact_turned = 0
+    for k in range(start, stop):
+        exact += value_at(first, k) * value_at(second, k)
+        exact_turned += value_at(first, k) * value_at(second, about - k - 1)
+    assert (f * g).integral(start, stop) == exact
+    assert (f * g.turned(about)).integral(start, stop) == exact_turned
 
 
 # Polynomial pieces, beside NumPy's polynomials and SciPy's quadrature
@@ -55,105 +74,136 @@ LATE = 1 << 50  # ticks at which a run may be
 def random_pieces(seed, size=9, count=6, start=LATE):
     """Pieces of unequal length, and the same as NumPy's polynomials in time from `start`."""
     rng = np.random.default_rng(seed)
-    ticks = start + np.concatenate(([0], np.cumsum(rng.integers(3, 1 << 30, count))))
-    coefficients = rng.normal(size=(count, size)) / (1 + np.arange(size)) ** 2
-    known = [
-        Chebyshev(c, domain=[a, b])
-        for c, a, b in zip(
-            coefficients,
-            (ticks[:-1] - start).astype(float),
-            (ticks[1:] - start).astype(float),
-            strict=True,
-        )
-    ]
-    return Pieces(ticks[:-1], coefficients, ticks[-1]), known
+    durations = rng.integers(3, 1 << 30, count)
+    times = np.concatenate(([0], np.cumsum(durations)))
+    decay = (1 + np.arange(size)) ** 2
+    coefficients = rng.normal(size=(count, size)) / decay
+    polynomials = []
+    for c, (begin, end) in zip(coefficients, pairwise(times), strict=True):
+        polynomials.append(Chebyshev(c, domain=[float(begin), float(end)]))
+    ticks = start + times
+    return Pieces(ticks[:-1], coefficients, ticks[-1]), polynomials
 
 
-def exactly(known, t):
+def exact_value(polynomials, t):
     """Value at t, from the start; the first and the last value hold outside."""
-    t = min(max(t, known[0].domain[0]), known[-1].domain[1])
-    return next(p for p in reversed(known) if p.domain[0] <= t)(t)
+    first = polynomials[0].domain[0]
+    last = polynomials[-1].domain[1]
+    inside = min(max(t, first), last)
+    begun = [p for p in polynomials if p.domain[0] <= inside]
+    return begun[-1](inside)
 
 
-def integrated(function, known, start, stop, *more):
+def breaks_of(polynomials):
+    """Times at which the polynomials begin, and the end of the last."""
+    return [*(p.domain[0] for p in polynomials), polynomials[-1].domain[1]]
+
+
+def integrated(function, start, stop, breaks):
     """By SciPy, from break to break."""
-    breaks = sorted(
-        {start, stop, *(p.domain[0] for p in known), known[-1].domain[1], *more}
-    )
-    inside = [t for t in breaks if start <= t <= stop]
-    return sum(
-        quad(function, a, b, epsabs=0, epsrel=1e-12)[0] for a, b in pairwise(inside)
-    )
+    inside = [t for t in breaks if start < t < stop]
+    total = 0.0
+    for low, high in pairwise(sorted({start, *inside, stop})):
+        total += quad(function, low, high, epsabs=0, epsrel=1e-12)[0]
+    return total
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_polynomials_are_those_of_numpy(seed):
-    signal, known = random_pieces(seed)
+    signal, polynomials = random_pieces(seed)
     rng = np.random.default_rng(seed)
     ticks = rng.integers(signal.ticks[0] - 1000, signal.end + 1000, 50)
-    wanted = [exactly(known, float(t - LATE)) for t in ticks]
-    assert signal.at(ticks) == pytest.approx(wanted, abs=1e-13)
-    assert signal.values == pytest.approx([p(p.domain[0]) for p in known], abs=1e-13)
+    expected = [exact_value(polynomials, float(t - LATE)) for t in ticks]
+    assert signal.at(ticks) == pytest.approx(expected, abs=1e-13)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_polynomials_have_two_sides_at_breaks(seed):
+    signal, polynomials = random_pieces(seed)
+    at_begins = [p(p.domain[0]) for p in polynomials]
+    at_ends = [p(p.domain[1]) for p in polynomials]
     before = signal.at(signal.ticks[1:], "left")
-    assert before == pytest.approx([p(p.domain[1]) for p in known[:-1]], abs=1e-13)
+    assert signal.values == pytest.approx(at_begins, abs=1e-13)
+    assert before == pytest.approx(at_ends[:-1], abs=1e-13)
     assert np.abs(before - signal.values[1:]).min() > 1e-3  # the two sides differ
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_integrals_of_polynomials(seed):
-    f, known = random_pieces(seed)
-    g, others = random_pieces(seed + 10, size=4, count=9)
-    start, stop = int(f.ticks[1]) - 99, max(f.end, g.end) + 999  # beyond the end, too
+    f, of_f = random_pieces(seed)
+    g, of_g = random_pieces(seed + 10, size=4, count=9)
+    start = int(f.ticks[1]) - 99
+    stop = max(f.end, g.end) + 999  # beyond the end, too
     low = float(start - LATE)
     high = float(stop - LATE)
-    breaks = [p.domain[0] for p in others] + [others[-1].domain[1]]
     span = high - low
-    by_scipy = integrated(lambda t: exactly(known, t), known, low, high)
-    assert f.integral([start, stop], [stop, start]) / span == pytest.approx(
-        np.array([1, -1]) * by_scipy / span, abs=1e-12
-    )
-    both = integrated(
-        lambda t: exactly(known, t) * exactly(others, t), known, low, high, *breaks
-    )
-    assert (f * g).integral(start, stop) / span == pytest.approx(both / span, abs=1e-12)
-    turned = integrated(
-        lambda t: exactly(known, t) * exactly(others, low + high - t),
-        known,
-        low,
-        high,
-        *(low + high - t for t in breaks),
-    )
-    found = (f * g.time_reversed(start + stop)).integral(start, stop)
-    assert found / span == pytest.approx(turned / span, abs=1e-12)
+    breaks_of_f = breaks_of(of_f)
+    breaks_of_g = breaks_of(of_g)
+    turned_breaks = [low + high - t for t in breaks_of_g]
+
+    def value(t):
+        return exact_value(of_f, t)
+
+    def product(t):
+        return exact_value(of_f, t) * exact_value(of_g, t)
+
+    def product_with_turned(t):
+        return exact_value(of_f, t) * exact_value(of_g, low + high - t)
+
+    mean = integrated(value, low, high, breaks_of_f) / span
+    forth, back = f.integral([start, stop], [stop, start]) / span
+    assert forth == pytest.approx(mean, abs=1e-12)
+    assert back == pytest.approx(-mean, abs=1e-12)
+
+    mean = integrated(product, low, high, breaks_of_f + breaks_of_g) / span
+    integral = (f * g).integral(start, stop)
+    assert integral / span == pytest.approx(mean, abs=1e-12)
+
+    breaks = breaks_of_f + turned_breaks
+    mean = integrated(product_with_turned, low, high, breaks) / span
+    integral = (f * g.turned(start + stop)).integral(start, stop)
+    assert integral / span == pytest.approx(mean, abs=1e-12)
 
 
 @pytest.mark.parametrize("size", [1, 2, 9])
 def test_signals_that_are_made_of_others(size):
-    f = random_pieces(1, size)[0]
-    g = random_pieces(2, count=3)[0]
+    f, _ = random_pieces(1, size)
+    g, _ = random_pieces(2, count=3)
     ticks = np.random.default_rng(3).integers(f.ticks[0], min(f.end, g.end), 40)
-    assert (f - g).at(ticks) == pytest.approx(f.at(ticks) - g.at(ticks), abs=1e-13)
-    assert (f * g).at(ticks) == pytest.approx(f.at(ticks) * g.at(ticks), abs=1e-13)
-    later = f.later(5).plus(2.0).times(3.0)
-    assert later.at(ticks + 5) == pytest.approx(3 * (f.at(ticks) + 2), abs=1e-13)
-    start = int(f.ticks[1])
-    stop = int(f.ticks[3])
-    inside = f.within(start, stop)
-    assert len(inside.ticks) < len(f.ticks)
-    between = ticks[(ticks >= start) & (ticks <= stop)]
-    assert (inside.at(between) == f.at(between)).all()
+    difference = f.at(ticks) - g.at(ticks)
+    product = f.at(ticks) * g.at(ticks)
+    assert (f - g).at(ticks) == pytest.approx(difference, abs=1e-13)
+    assert (f * g).at(ticks) == pytest.approx(product, abs=1e-13)
+    changed = f.later(5).plus(2.0).times(3.0)
+    expected = 3 * (f.at(ticks) + 2)
+    assert changed.at(ticks + 5) == pytest.approx(expected, abs=1e-13)
+
+
+@pytest.mark.parametrize("size", [1, 2, 9])
+def test_a_part_of_a_signal_has_its_values(size):
+    signal, _ = random_pieces(1, size)
+    start = int(signal.ticks[1])
+    stop = int(signal.ticks[3])
+    part = signal.within(start, stop)
+    assert len(part.ticks) < len(signal.ticks)
+    ticks = np.random.default_rng(3).integers(start, stop + 1, 40)
+    assert (part.at(ticks) == signal.at(ticks)).all()
 
 
 def test_straight_lines_between_marks_follow_a_signal():
-    f, _ = random_pieces(5)
-    ticks = np.random.default_rng(5).integers(f.ticks[0], f.end, 2000)
-    lines = np.interp(
-        (ticks - LATE).astype(float), (f.marks - LATE).astype(float), f.at(f.marks)
-    )
-    swing = np.ptp(f.at(f.marks))
-    assert np.abs(lines - f.at(ticks)).max() < 1e-4 * swing
-    assert len(f.marks) < 1000 * len(f.ticks)
-    assert Pieces([0, 3], [[1.0, 0.0], [1.0, 0.0]], 9).marks.tolist() == [0, 3, 9]
+    signal, _ = random_pieces(5)
+    ticks = np.random.default_rng(5).integers(signal.ticks[0], signal.end, 2000)
+    times = (ticks - LATE).astype(float)
+    times_of_marks = (signal.marks - LATE).astype(float)
+    at_marks = signal.at(signal.marks)
+    lines = np.interp(times, times_of_marks, at_marks)
+    assert np.abs(lines - signal.at(ticks)).max() < 1e-4 * np.ptp(at_marks)
+    assert len(signal.marks) < 1000 * len(signal.ticks)
+
+
+def test_a_constant_signal_needs_no_marks_but_its_breaks():
+    constant = Pieces([0, 3], [[1.0, 0.0], [1.0, 0.0]], 9)
+    assert constant.marks.tolist() == [0, 3, 9]
 
 
 def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():
@@ -163,5 +213,6 @@ def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():
     force = np.zeros((count, 1))
     force[7] = 0.1
     end = count * width
-    passed = Pieces(np.arange(count) * width, force).integrated_twice(end)
-    assert passed == pytest.approx(0.1 * width * (end - 7.5 * width), rel=1e-14)
+    signal = Pieces(np.arange(count) * width, force)
+    integral = signal.integrated_twice(end)
+    assert integral == pytest.approx(0.1 * width * (end - 7.5 * width), rel=1e-14)

@@ -37,22 +37,32 @@ def rod(**changes):
         ri.Samples([0.0, 1.0], step=1e-6),
         ri.Samples([0.0, 1.0], [1e-6, 2e-6]),
         ri.Steps([1.0, 2.0], [0.5]),
-        3.0,
     ],
 )
 def test_a_profile_survives_its_description(profile):
-    described = profile if isinstance(profile, float) else profile.to_dict()
-    assert profile_from(described) == profile
+    assert profile_from(profile.to_dict()) == profile
+
+
+def test_a_number_is_a_profile():
+    assert profile_from(3.0) == 3.0
 
 
 def test_samples_are_one_thing_and_no_family():
-    row = ri.System(
-        [rod(velocity=ri.Samples([0.0, 1.0, 2.0]), strain=np.zeros(5)), ri.Wall()]
-    )
-    assert row.shape == (5,)
-    assert list(row.parameters) == ["bodies.0.strain"]
-    assert row[2].bodies[0].velocity.values is row.bodies[0].velocity.values
-    assert ri.System.from_dict(row.to_dict()) == row
+    velocity = ri.Samples([0.0, 1.0, 2.0])
+    system = ri.System([rod(velocity=velocity, strain=np.zeros(5)), ri.Wall()])
+    assert system.shape == (5,)
+    assert list(system.parameters) == ["bodies.0.strain"]
+    family_values = system.bodies[0].velocity.values
+    assert system[2].bodies[0].velocity.values is family_values
+    assert ri.System.from_dict(system.to_dict()) == system
+
+
+def sine_of_list(x):
+    return [math.sin(value) for value in x] if np.ndim(x) else math.sin(x)
+
+
+def sine_of_arrays_only(x):
+    return np.array([math.sin(value) for value in x])
 
 
 def test_the_step_between_samples_may_be_a_family():
@@ -66,13 +76,7 @@ def test_the_step_between_samples_may_be_a_family():
 
 
 @pytest.mark.parametrize(
-    "function",
-    [
-        np.sin,
-        math.sin,
-        lambda x: [math.sin(v) for v in x] if np.ndim(x) else math.sin(x),
-        lambda x: np.array([math.sin(v) for v in x]),  # of arrays only
-    ],
+    "function", [np.sin, math.sin, sine_of_list, sine_of_arrays_only]
 )
 def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
     samples = rod(velocity=function).velocity
@@ -82,14 +86,16 @@ def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
     assert samples.values == pytest.approx(np.sin(places), rel=1e-15)
 
 
-def test_a_constant_function_and_one_with_a_branch():
-    assert rod(strain=lambda x: 1e-3).strain == ri.Samples(
-        np.full(SAMPLES_ALONG_ROD, 1e-3)
-    )
-    values = rod(strain=lambda x: 1 if x < 1.0 else 0).strain.values
-    assert values.tolist() == [1.0] * (SAMPLES_ALONG_ROD // 2) + [0.0] * (
-        SAMPLES_ALONG_ROD // 2 + 1
-    )
+def test_a_constant_function():
+    strain = rod(strain=lambda x: 1e-3).strain
+    assert strain == ri.Samples(np.full(SAMPLES_ALONG_ROD, 1e-3))
+
+
+def test_a_function_with_a_branch():
+    strain = rod(strain=lambda x: 1 if x < 1.0 else 0).strain
+    first_half = [1.0] * (SAMPLES_ALONG_ROD // 2)
+    second_half = [0.0] * (SAMPLES_ALONG_ROD // 2 + 1)
+    assert strain.values.tolist() == first_half + second_half
 
 
 # In time
@@ -97,118 +103,149 @@ def test_a_constant_function_and_one_with_a_branch():
 
 @pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
 def test_a_function_of_time_is_sampled(drive):
-    value = drive(lambda t: 3 * t, duration=2e-3).value
-    assert value.step == 2e-3 / (SAMPLES_IN_TIME - 1)
-    assert value.values == pytest.approx(
-        np.linspace(0, 6e-3, SAMPLES_IN_TIME), rel=1e-14
+    samples = drive(lambda t: 3 * t, duration=2e-3).value
+    assert samples.step == 2e-3 / (SAMPLES_IN_TIME - 1)
+    expected = np.linspace(0, 6e-3, SAMPLES_IN_TIME)
+    assert samples.values == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        1.0,
+        [],
+        [1.0],
+        [[1.0, 2.0], [3.0, 4.0]],
+        "12",
+        None,
+        ["a", "b"],
+        [True, False],
+        {},
+        [1, [2]],
+    ],
+)
+def test_samples_are_a_list_of_two_numbers_or_more(values):
+    assert_told(lambda: ri.Samples(values), {"values": ""})
+
+
+def test_numbers_of_samples_are_finite_and_their_step_positive():
+    assert_told(
+        lambda: ri.Samples([1.0, math.nan, math.inf], step=0.0),
+        {
+            "values[1]": "=must be a finite number, got nan",
+            "step": "positive number of seconds",
+        },
     )
 
 
 # Mistakes
 
-NO_SAMPLES = [
-    1.0,
-    [],
-    [1.0],
-    [[1.0, 2.0], [3.0, 4.0]],
-    "12",
-    None,
-    ["a", "b"],
-    [True, False],
-    {},
-    [1, [2]],
-]
-NO_PROFILES = [
-    (lambda x: math.nan, "returns finite numbers, got nan at 0.0"),
-    (
-        lambda x: math.inf if x > 1.999 else 0.0,
-        "returns finite numbers, got inf at 2.0",
-    ),
-    (lambda x: None, "returns numbers: must be a number of m/s, got [None, None"),
-    (lambda x: [1.0, 2.0], "returns numbers, got"),
-    (lambda x: 1 / 0, "cannot be evaluated: ZeroDivisionError: division by zero"),
-]
+
+def infinite_at_the_end(x):
+    return math.inf if x > 1.999 else 0.0
 
 
 @pytest.mark.parametrize(
-    ("make", "wanted"),
+    ("function", "message"),
     [
-        *(
-            (lambda values=values: ri.Samples(values), {"values": ""})
-            for values in NO_SAMPLES
+        pytest.param(
+            lambda x: math.nan, "returns finite numbers, got nan at 0.0", id="nan"
         ),
-        (
-            lambda: ri.Samples([1.0, math.nan, math.inf], step=0.0),
-            {
-                "values[1]": "=must be a finite number, got nan",
-                "step": "positive number of seconds",
-            },
+        pytest.param(
+            infinite_at_the_end, "returns finite numbers, got inf at 2.0", id="inf"
         ),
-        *(
-            (
-                lambda function=function: rod(velocity=function, area=1.0),
-                {"velocity": said},
-            )
-            for function, said in NO_PROFILES
+        pytest.param(
+            lambda x: None,
+            "returns numbers: must be a number of m/s, got [None, None",
+            id="None",
         ),
-        (
-            lambda: rod(length=[1.0, 2.0], velocity=np.sin),
-            {"velocity": "differ in length; give Samples"},
-        ),
-        (
-            lambda: rod(
-                length=-1.0, velocity=np.sin, strain=ri.Samples([0, 1], step=1.0)
-            ),
-            {"length": "", "strain.step": "from end to end; leave it out"},
-        ),
-        (
-            lambda: rod(velocity=ri.Steps([1, 2], [3.0]), strain="x"),
-            {"velocity.at.0": "", "strain": ""},
-        ),
-        *(
-            (lambda drive=drive, given=given: drive(**given), {path: said})
-            for drive in (ri.Pushed, ri.Moved)
-            for given, path, said in (
-                ({"value": math.sin}, "duration", "is missing; give the seconds"),
-                (
-                    {"value": math.sin, "duration": [1.0, 2.0]},
-                    "duration",
-                    "single number",
-                ),
-                ({"value": 1.0, "duration": 1.0}, "duration", "belongs to a function"),
-                ({"value": ri.Samples([0, 1])}, "value.step", "is missing"),
-                (
-                    {"value": lambda t: 1 / t, "duration": 1.0},
-                    "value",
-                    "ZeroDivisionError",
-                ),
-            )
+        pytest.param(lambda x: [1.0, 2.0], "returns numbers, got", id="list"),
+        pytest.param(
+            lambda x: 1 / 0,
+            "cannot be evaluated: ZeroDivisionError: division by zero",
+            id="division by zero",
         ),
     ],
 )
-def test_mistakes_of_profiles(make, wanted):
-    assert_told(make, wanted)
+def test_functions_that_make_no_profile_are_refused(function, message):
+    assert_told(lambda: rod(velocity=function, area=1.0), {"velocity": message})
+
+
+@pytest.mark.parametrize(
+    ("changes", "messages"),
+    [
+        pytest.param(
+            {"length": [1.0, 2.0], "velocity": np.sin},
+            {"velocity": "differ in length; give Samples"},
+            id="a family of lengths",
+        ),
+        pytest.param(
+            {
+                "length": -1.0,
+                "velocity": np.sin,
+                "strain": ri.Samples([0, 1], step=1.0),
+            },
+            {"length": "", "strain.step": "from end to end; leave it out"},
+            id="a step along a rod",
+        ),
+        pytest.param(
+            {"velocity": ri.Steps([1, 2], [3.0]), "strain": "x"},
+            {"velocity.at.0": "", "strain": ""},
+            id="a jump beyond the rod",
+        ),
+    ],
+)
+def test_profiles_that_do_not_fit_their_rod_are_refused(changes, messages):
+    assert_told(lambda: rod(**changes), messages)
+
+
+@pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
+@pytest.mark.parametrize(
+    ("arguments", "path", "message"),
+    [
+        ({"value": math.sin}, "duration", "is missing; give the seconds"),
+        ({"value": math.sin, "duration": [1.0, 2.0]}, "duration", "single number"),
+        ({"value": 1.0, "duration": 1.0}, "duration", "belongs to a function"),
+        ({"value": ri.Samples([0, 1])}, "value.step", "is missing"),
+        ({"value": lambda t: 1 / t, "duration": 1.0}, "value", "ZeroDivisionError"),
+    ],
+)
+def test_mistakes_of_drives_are_refused(drive, arguments, path, message):
+    assert_told(lambda: drive(**arguments), {path: message})
 
 
 def test_a_function_bears_other_sizes_than_the_length_in_a_family():
-    assert (
-        rod(area=[1.0, 2.0], velocity=np.sin).velocity == rod(velocity=np.sin).velocity
-    )
+    family = rod(area=[1.0, 2.0], velocity=np.sin)
+    assert family.velocity == rod(velocity=np.sin).velocity
+
+
+@pytest.fixture
+def sampled():
+    """A rod with samples of velocity and strain before a wall."""
+    velocity = ri.Samples([1.0, 2.0, 4.0])
+    strain = ri.Samples([0.0, 1e-3])
+    return ri.System([rod(velocity=velocity, strain=strain), ri.Wall()])
 
 
 # Turned round
 
 
-def test_mirrors():
-    moving = rod(velocity=ri.Samples([1.0, 2.0, 4.0]), strain=ri.Samples([0.0, 1e-3]))
-    row = ri.System([moving, ri.Wall()])
-    image = row.mirrored().bodies[1]
+def test_mirrors_turn_samples(sampled):
+    image = sampled.mirrored().bodies[1]
     assert image.velocity == ri.Samples([-4.0, -2.0, -1.0])
     assert image.strain == ri.Samples([1e-3, 0.0])
-    assert row.mirrored().mirrored() == row
-    assert row.reversed().bodies[0].velocity == ri.Samples([-1.0, -2.0, -4.0])
-    assert row.reversed().reversed() == row
-    image = ri.System([rod(area=ri.Samples([1.0, 2.0, 4.0]))]).mirrored().bodies[0]
+    assert sampled.mirrored().mirrored() == sampled
+
+
+def test_samples_change_sign_when_time_is_turned_round(sampled):
+    back = sampled.reversed()
+    assert back.bodies[0].velocity == ri.Samples([-1.0, -2.0, -4.0])
+    assert back.reversed() == sampled
+
+
+def test_mirrors_turn_tapers():
+    tapered = ri.System([rod(area=ri.Samples([1.0, 2.0, 4.0]))])
+    image = tapered.mirrored().bodies[0]
     assert image.segments[0].area == ri.Samples([4.0, 2.0, 1.0])
 
 
@@ -244,31 +281,40 @@ def integral(profile, start, end, length):
 
 
 NUMBERS = st.floats(-10, 10)
-PLACES = st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True).map(
-    lambda ticks: np.array(sorted(ticks)) / 500
-)  # some beyond the last of the samples in time
+
+
+TICKS = st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True)
+PLACES = TICKS.map(lambda ticks: np.array(sorted(ticks)) / 500)
+
+
+"""Some lie beyond the last of the samples in time."""
+
+
+VALUES = st.lists(NUMBERS, min_size=2, max_size=9)
+
+
+THREE_VALUES = st.lists(NUMBERS, min_size=3, max_size=3)
+
+
+TWO_PLACES = st.tuples(st.floats(0.1, 0.9), st.floats(1.0, 1.9))
 PROFILED = st.one_of(
-    st.lists(NUMBERS, min_size=2, max_size=9).map(ri.Samples),
-    st.lists(NUMBERS, min_size=2, max_size=9).map(
-        lambda values: ri.Samples(values, step=0.17)
-    ),
-    st.tuples(
-        st.lists(NUMBERS, min_size=3, max_size=3),
-        st.floats(0.1, 0.9),
-        st.floats(1.0, 1.9),
-    ).map(lambda drawn: ri.Steps(drawn[0], drawn[1:])),
+    st.builds(ri.Samples, VALUES),
+    st.builds(ri.Samples, VALUES, step=st.just(0.17)),
+    st.builds(ri.Steps, THREE_VALUES, TWO_PLACES),
 )
 
 
 @given(PROFILED, PLACES)
 def test_averages_are_integrals_over_widths(profile, edges):
     expected = []
-    for a, b in pairwise(edges):
-        expected.append(integral(profile, a, b, 2.0) / (b - a))
+    for start, end in pairwise(edges):
+        mean = integral(profile, start, end, 2.0) / (end - start)
+        expected.append(mean)
     means = averages(profile, edges, 2.0)
     assert means == pytest.approx(expected, rel=1e-9, abs=1e-9)
     low, high = extremes(profile)
-    assert (low, high) == (min(profile.values), max(profile.values))
+    assert low == min(profile.values)
+    assert high == max(profile.values)
     assert np.all((means > low - 1e-9) & (means < high + 1e-9))
 
 
