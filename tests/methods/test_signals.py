@@ -63,7 +63,7 @@ def test_integral_of_a_product(first, second, start, length, about):
         exact += value_at(first, k) * value_at(second, k)
         exact_turned += value_at(first, k) * value_at(second, about - k - 1)
     assert (f * g).integral(start, stop) == exact
-    assert (f * g.turned(about)).integral(start, stop) == exact_turned
+    assert (f * g.time_reversed(about)).integral(start, stop) == exact_turned
 
 
 # Polynomial pieces, beside NumPy's polynomials and SciPy's quadrature
@@ -161,7 +161,7 @@ def test_integrals_of_polynomials(seed):
 
     breaks = breaks_of_f + turned_breaks
     mean = integrated(product_with_turned, low, high, breaks) / span
-    integral = (f * g.turned(start + stop)).integral(start, stop)
+    integral = (f * g.time_reversed(start + stop)).integral(start, stop)
     assert integral / span == pytest.approx(mean, abs=1e-12)
 
 
