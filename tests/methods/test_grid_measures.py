@@ -13,72 +13,118 @@ from rodimpact.methods.grid.measures import (
 EVEN = np.arange(41.0)
 
 
-def spans(force, gap):
-    return contact_intervals(np.array(force, float), np.array(gap, float), np.inf)[
-        :, :2
-    ]
+def intervals(force, gap):
+    """Begin and end of each interval of contact, in steps."""
+    forces = np.array(force, float)
+    gaps = np.array(gap, float)
+    return contact_intervals(forces, gaps, np.inf)[:, :2]
 
 
 def means(force, times):
+    """Means of a polynomial over steps of 1, as an integral."""
     return np.diff(force.integ()(times))
 
 
-def test_peaks_behind_averages():
-    hump = Polynomial([1 - 20.3**2 / 1600, 2 * 20.3 / 1600, -1 / 1600])
+def test_the_peak_of_a_hump_is_behind_its_averages():
+    peak = 20.3
+    hump = Polynomial([1 - peak**2 / 1600, 2 * peak / 1600, -1 / 1600])
     assert largest_force(means(hump, EVEN)) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_no_force_has_no_peak():
     assert largest_force(np.zeros(3)) == 0.0
-    jump = means(Polynomial([1.0, -0.02, 1e-4]), EVEN)
-    for force in (jump, jump[::-1]):
-        padded = np.concatenate(([0.0, 0.0], force, [0.0, 0.0]))
-        assert largest_force(padded) == pytest.approx(1.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("roots", [(-2.3, 2.7), (2.7, 9.0), (0.5, 2.7)])
-def test_an_indentation_ends_where_its_parabola_does(roots):
-    """It may have to turn first; a line where there are too few ends."""
-    x = Polynomial.fromroots(roots)
-    gap = x(np.arange(6.0)) * (-1 if roots[1] > 3 else 1)
-    assert spans([1, 1, 1, 0, 0], gap)[0, 1] == pytest.approx(2.7)
-    line = 2 - gap[2] / (gap[3] - gap[2])
-    assert spans([0, 0, 1, 0, 0], gap)[0, 1] == pytest.approx(line)
-    assert spans([1, 1, 1, 0, 0], [-1.0] * 6)[0, 1] == 3.0
+@pytest.mark.parametrize("direction", [1, -1])
+def test_the_peak_of_a_jump_is_at_the_jump(direction):
+    falling = means(Polynomial([1.0, -0.02, 1e-4]), EVEN)
+    force = np.concatenate(([0.0, 0.0], falling[::direction], [0.0, 0.0]))
+    assert largest_force(force) == pytest.approx(1.0, abs=1e-12)
+
+
+PARABOLAS = {  # it ends at 2.7
+    "shuts again": -Polynomial.fromroots((2.7, 9.0)),
+    "shut at the start": Polynomial.fromroots((-2.3, 2.7)),
+    "open at the start": Polynomial.fromroots((0.5, 2.7)),
+}
+
+
+@pytest.mark.parametrize("parabola", PARABOLAS.values(), ids=PARABOLAS)
+def test_an_indentation_ends_where_its_parabola_does(parabola):
+    """It may have to turn first."""
+    ((_, end),) = intervals([1, 1, 1, 0, 0], parabola(np.arange(6.0)))
+    assert end == pytest.approx(2.7)
+
+
+@pytest.mark.parametrize("parabola", PARABOLAS.values(), ids=PARABOLAS)
+def test_an_indentation_ends_on_a_line_where_there_are_too_few_ends(parabola):
+    gap = parabola(np.arange(6.0))
+    ((_, end),) = intervals([0, 0, 1, 0, 0], gap)
+    on_line = 2 - gap[2] / (gap[3] - gap[2])
+    assert end == pytest.approx(on_line)
+
+
+def test_an_indentation_that_does_not_end_ends_with_its_force():
+    ((_, end),) = intervals([1, 1, 1, 0, 0], [-1.0] * 6)
+    assert end == 3.0
 
 
 @pytest.mark.parametrize("end", [20.04, 20.28, 20.8])
 def test_a_dashpot_lets_go_inside_a_step_while_there_is_an_indentation(end):
-    mean = means(Polynomial([end, -1.0]), np.minimum(EVEN, end))
-    assert spans(mean, np.full(41, -0.1)) == pytest.approx(
-        np.array([[0.0, end]]), rel=1e-9
-    )
+    force = means(Polynomial([end, -1.0]), np.minimum(EVEN, end))
+    expected = np.array([[0.0, end]])
+    assert intervals(force, np.full(41, -0.1)) == pytest.approx(expected, rel=1e-9)
 
 
-def test_when_a_force_begins():
-    """Where the gap would close, if that is within two steps; a faint first force is none."""
-    found = spans([0, 0, 5, 8, 0], [0.9, 0.7, 0.1, -0.1, 0.3, 0.5])
-    assert found == pytest.approx(np.array([[2 + 1 / 6, 3.25]]))
-    assert spans([0, 1, 1], [5.1, 5.0, 0.0, 0.0])[0, 0] == 1.0
-    assert spans([1e-7, 1, 1], [0.0] * 4)[0, 0] == 1.0
+def test_a_force_begins_where_the_gap_would_close():
+    force = [0, 0, 5, 8, 0]
+    gap = [0.9, 0.7, 0.1, -0.1, 0.3, 0.5]
+    expected = np.array([[2 + 1 / 6, 3.25]])
+    assert intervals(force, gap) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("force", "gap"),
+    [
+        pytest.param([0, 1, 1], [5.1, 5.0, 0.0, 0.0], id="the gap closes far away"),
+        pytest.param([1e-7, 1, 1], [0.0] * 4, id="a faint first force is none"),
+    ],
+)
+def test_a_force_begins_with_its_first_step(force, gap):
+    ((begin, _),) = intervals(force, gap)
+    assert begin == 1.0
+
+
+LINE_TO_ZERO = np.maximum(3.3 - np.arange(8) - 0.5, 0)
+
+
+"""Means of a line that falls to 0 at 3.3, but for that of its last step."""
+
+
+EVEN_CHANGE = np.exp(-np.arange(8) / 20)
 
 
 @pytest.mark.parametrize(
     ("force", "end"),
     [
-        ([0, 4, 4, 4, 4 * 0.3, 0], 4.3),
-        ([*np.exp(-np.arange(8) / 20), 0, 0], 8.0),  # changes evenly before the jump
-        (
-            [*np.maximum(3.3 - np.arange(8) - 0.5, 0), 0],
-            3.3,
-        ),  # means of a line that falls to 0
+        pytest.param([0, 4, 4, 4, 4 * 0.3, 0], 4.3, id="jump"),
+        pytest.param([*EVEN_CHANGE, 0, 0], 8.0, id="even change before a jump"),
+        pytest.param([*LINE_TO_ZERO, 0], 3.3, id="line"),
     ],
 )
 def test_a_rigid_contact_lets_go(force, end):
-    assert spans(force, [0.0] * (len(force) + 1))[0, 1] == pytest.approx(end)
+    shut = np.zeros(len(force) + 1)
+    assert intervals(force, shut)[0, 1] == pytest.approx(end)
 
 
 def test_a_force_that_goes_on_has_no_end():
-    found = spans([0, 1, 0, 2, 2], [0.0] * 6)
-    assert found == pytest.approx(np.array([[1.0, 2.0], [3.0, np.nan]]), nan_ok=True)
-    assert spans([0, 0], [0.0] * 3).shape == (0, 2)
+    expected = np.array([[1.0, 2.0], [3.0, np.nan]])
+    found = intervals([0, 1, 0, 2, 2], [0.0] * 6)
+    assert found == pytest.approx(expected, nan_ok=True)
+
+
+def test_without_force_there_is_no_interval():
+    assert intervals([0, 0], [0.0] * 3).shape == (0, 2)
 
 
 @pytest.mark.parametrize(
