@@ -15,27 +15,38 @@ SECONDS = 3.0
 
 def thicken(rng, segment):
     """The same segment, perhaps damped, with lateral inertia, or tapered."""
-    m = segment.material
+    material = segment.material
     area = segment.area
-    polar = None
-    eta = m.youngs_modulus * logarithmic(rng, 1e-4, 10) if rng.random() < 0.5 else 0.0
+    polar_moment = None
+    viscosity = 0.0
+    if rng.random() < 0.5:
+        viscosity = material.youngs_modulus * logarithmic(rng, 1e-4, 10)
     if rng.random() < 0.4:
-        polar = logarithmic(rng, 1e-4, 1)
+        polar_moment = logarithmic(rng, 1e-4, 1)
     if rng.random() < 0.4:
-        area = ri.Samples((area * rng.uniform(0.3, 3, rng.integers(2, 6))).tolist())
-        polar = polar and "circular"
-    material = ri.Material(
-        f"{m.name}, {eta}",
-        youngs_modulus=m.youngs_modulus,
-        density=m.density,
+        factors = rng.uniform(0.3, 3, rng.integers(2, 6))
+        area = ri.Samples((area * factors).tolist())
+        if polar_moment:
+            polar_moment = "circular"
+    lossy = ri.Material(
+        f"{material.name}, {viscosity}",
+        youngs_modulus=material.youngs_modulus,
+        density=material.density,
         poisson_ratio=0.3,
-        viscosity=eta,
+        viscosity=viscosity,
     )
-    theory = polar and ("mindlin-herrmann" if rng.random() < 0.5 else "rayleigh-love")
-    if theory == "mindlin-herrmann" and polar != "circular":
-        polar = max(polar, 0.02 * area)  # or the step would have to be shorter
+    theory = None
+    if polar_moment:
+        theory = "mindlin-herrmann" if rng.random() < 0.5 else "rayleigh-love"
+    if theory == "mindlin-herrmann" and polar_moment != "circular":
+        # A smaller one would need a shorter step.
+        polar_moment = max(polar_moment, 0.02 * area)
     return ri.Segment(
-        segment.length, area, material, polar_moment=polar, lateral_inertia=theory
+        segment.length,
+        area,
+        lossy,
+        polar_moment=polar_moment,
+        lateral_inertia=theory,
     )
 
 
@@ -43,42 +54,39 @@ def random_row(seed, *, driven=False, bodies=5):
     """A random network, half of whose rods are damped, tapered, or have lateral inertia."""
     system = random_network(seed, bodies=bodies, driven=driven)
     rng = np.random.default_rng([seed, 1])
-    row = [
-        ri.Rod(
-            segments=[thicken(rng, s) for s in body.segments],
-            velocity=body.velocity,
-            strain=body.strain,
-        )
-        if isinstance(body, ri.Rod) and rng.random() < 0.5
-        else body
-        for body in system.bodies
-    ]
-    return ri.System(
-        row, system.gaps, system.contacts, gravity=system.gravity, ends=system.ends
-    )
+    row = []
+    for body in system.bodies:
+        if isinstance(body, ri.Rod) and rng.random() < 0.5:
+            segments = [thicken(rng, segment) for segment in body.segments]
+            body = ri.Rod(segments=segments, velocity=body.velocity, strain=body.strain)
+        row.append(body)
+    return system.replace(bodies=row)
 
 
 def matrices(mesh):
     """Mass, damping and stiffness of one piece: of its nodes, then of the radial strains."""
     n = len(mesh.mass)
-    inner, between = (np.diff(np.eye(size), axis=0) for size in (n, n - 1))
-    k, d, j, J, b, G = (
-        getattr(mesh.cells, name)[1:n, None]
-        for name in (
-            "stiffness",
-            "viscous",
-            "lateral",
-            "swelling",
-            "coupling",
-            "radial",
-        )
-    )
-    swelling = np.diag(G[:, 0]) + between.T @ (mesh.shear[1 : n - 1, None] * between)
-    return (
-        block_diag(np.diag(mesh.mass) + inner.T @ (j * inner), np.diag(J[:, 0])),
-        block_diag(inner.T @ (d * inner), np.zeros((n - 1, n - 1))),
-        np.block([[inner.T @ (k * inner), inner.T * b[:, 0]], [b * inner, swelling]]),
-    )
+    cells = mesh.cells
+    between_nodes = np.diff(np.eye(n), axis=0)
+    between_cells = np.diff(np.eye(n - 1), axis=0)
+
+    def of_cells(name):
+        return getattr(cells, name)[1:n, None]
+
+    lateral = between_nodes.T @ (of_cells("lateral") * between_nodes)
+    axial_mass = np.diag(mesh.mass) + lateral
+    radial_mass = np.diag(of_cells("swelling")[:, 0])
+    mass = block_diag(axial_mass, radial_mass)
+
+    viscous = between_nodes.T @ (of_cells("viscous") * between_nodes)
+    damping = block_diag(viscous, np.zeros((n - 1, n - 1)))
+
+    axial = between_nodes.T @ (of_cells("stiffness") * between_nodes)
+    coupling = of_cells("coupling") * between_nodes
+    shear = between_cells.T @ (mesh.shear[1 : n - 1, None] * between_cells)
+    radial = np.diag(of_cells("radial")[:, 0]) + shear
+    stiffness = np.block([[axial, coupling.T], [coupling, radial]])
+    return mass, damping, stiffness
 
 
 def grid_run(system, room, snapshots=None, step=STEP):

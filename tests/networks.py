@@ -18,6 +18,7 @@ def unit_rod(length=1.0, area=1.0, **state):
 
 
 def logarithmic(rng, low, high):
+    """A random number between two, its logarithm evenly distributed."""
     return float(math.exp(rng.uniform(math.log(low), math.log(high))))
 
 
@@ -28,74 +29,86 @@ def random_state(rng, length, scale):
         return float(scale * rng.uniform(-1, 1))
     values = (scale * rng.uniform(-1, 1, rng.integers(2, 7))).tolist()
     if kind < 0.75:
-        at = (
-            np.sort(rng.choice(np.arange(1, 32), size=len(values) - 1, replace=False))
-            / 32
-        )
-        return ri.Steps(values, (at * length).tolist())
+        n_jumps = len(values) - 1
+        jumps = rng.choice(np.arange(1, 32), size=n_jumps, replace=False)
+        places = np.sort(jumps) / 32 * length
+        return ri.Steps(values, places.tolist())
     return ri.Samples(values)
 
 
+def random_segment(rng):
+    if rng.random() < 0.5:
+        length = rng.integers(4, 33) / 32
+    else:
+        length = rng.uniform(0.1, 1)
+    area = logarithmic(rng, 0.1, 10)
+    material = UNIT if rng.random() < 0.7 else QUICK
+    return ri.Segment(float(length), area, material)
+
+
 def random_rod(rng):
-    segments = [
-        ri.Segment(
-            float(
-                rng.integers(4, 33) / 32 if rng.random() < 0.5 else rng.uniform(0.1, 1)
-            ),
-            logarithmic(rng, 0.1, 10),
-            UNIT if rng.random() < 0.7 else QUICK,
-        )
-        for _ in range(rng.choice([1, 1, 1, 2, 3]))
-    ]
-    length = sum(s.length for s in segments)
-    strain = random_state(rng, length, 0.5) if rng.random() < 0.3 else 0.0
-    return ri.Rod(
-        segments=segments, velocity=random_state(rng, length, 1.0), strain=strain
-    )
+    n_segments = rng.choice([1, 1, 1, 2, 3])
+    segments = [random_segment(rng) for _ in range(n_segments)]
+    length = sum(segment.length for segment in segments)
+    strain = 0.0
+    if rng.random() < 0.3:
+        strain = random_state(rng, length, 0.5)
+    velocity = random_state(rng, length, 1.0)
+    return ri.Rod(segments=segments, velocity=velocity, strain=strain)
 
 
-def random_law(rng, *pair):
-    if rng.random() < 0.12 and not all(isinstance(b, ri.Wall) for b in pair):
+def random_joint(rng):
+    """A spring, a dashpot, or both."""
+    stiffness = logarithmic(rng, 1e-1, 1e4)
+    damping = logarithmic(rng, 1e-2, 1e2)
+    kind = rng.integers(3)
+    if kind == 0:
+        damping = 0.0
+    elif kind == 2:
+        stiffness = 0.0
+    stretch = float(rng.uniform(-0.3, 0.3)) / (1 + stiffness)
+    return ri.Joint(stiffness, damping, stretch=stretch)
+
+
+def random_law(rng, left, right):
+    between_walls = isinstance(left, ri.Wall) and isinstance(right, ri.Wall)
+    if rng.random() < 0.12 and not between_walls:
         return ri.Bonded()
     if rng.random() < 0.12:
-        k = logarithmic(rng, 1e-1, 1e4)
-        c = logarithmic(rng, 1e-2, 1e2)
-        k, c = [(k, 0.0), (k, c), (0.0, c)][rng.integers(3)]
-        return ri.Joint(k, c, stretch=float(rng.uniform(-0.3, 0.3)) / (1 + k))
-    k = (
-        logarithmic(rng, 1e-2, 1e3)
-        if rng.random() < 0.7
-        else logarithmic(rng, 1e3, 1e9)
-    )
+        return random_joint(rng)
+    if rng.random() < 0.7:
+        stiffness = logarithmic(rng, 1e-2, 1e3)
+    else:
+        stiffness = logarithmic(rng, 1e3, 1e9)
     kind = rng.integers(6)
     if kind == 0:
-        has_rod = any(isinstance(b, ri.Rod) for b in pair)
-        return (
-            ri.Rigid()
-            if has_rod
-            else ri.Rigid(restitution=float(rng.choice([0, 1, 0.6])))
-        )
-    return [
-        ri.Spring(k),
-        ri.SpringDashpot(k, logarithmic(rng, 1e-3, 1e2)),
-        ri.Hertz(k),
-        ri.HuntCrossley(k, logarithmic(rng, 1e-2, 10)),
+        if isinstance(left, ri.Rod) or isinstance(right, ri.Rod):
+            return ri.Rigid()
+        return ri.Rigid(restitution=float(rng.choice([0, 1, 0.6])))
+    # All laws are made, so that a seed makes the same row whatever its law is.
+    laws = [
+        ri.Spring(stiffness),
+        ri.SpringDashpot(stiffness, logarithmic(rng, 1e-3, 1e2)),
+        ri.Hertz(stiffness),
+        ri.HuntCrossley(stiffness, logarithmic(rng, 1e-2, 10)),
         ri.Yielding(
-            k, logarithmic(rng, 1e-3, 1.0), float(k * rng.choice([0.0, 0.1, 0.8]))
+            stiffness,
+            logarithmic(rng, 1e-3, 1.0),
+            float(stiffness * rng.choice([0.0, 0.1, 0.8])),
         ),
-    ][kind - 1]
+    ]
+    return laws[kind - 1]
 
 
 def random_drive(rng, scale):
+    """A number, steps or samples of time."""
     kind = rng.integers(3)
     if kind == 0:
         return float(scale * rng.uniform(-1, 1))
     values = (scale * rng.uniform(-1, 1, 5)).tolist()
-    return (
-        ri.Steps(values, [0.5, 0.71, 1.9, 2.0])
-        if kind == 1
-        else ri.Samples(values, step=0.6)
-    )
+    if kind == 1:
+        return ri.Steps(values, [0.5, 0.71, 1.9, 2.0])
+    return ri.Samples(values, step=0.6)
 
 
 def random_end(rng, body, driven):
@@ -105,79 +118,87 @@ def random_end(rng, body, driven):
     if isinstance(body, ri.Rod):
         kinds += [ri.Absorbing, ri.Fixed]
     if driven:
-        kinds += [ri.Pushed] * 2
-        kinds += [ri.Moved, ri.Moved, ri.Incoming] if isinstance(body, ri.Rod) else []
+        kinds += [ri.Pushed, ri.Pushed]
+    if driven and isinstance(body, ri.Rod):
+        kinds += [ri.Moved, ri.Moved, ri.Incoming]
     kind = kinds[rng.integers(len(kinds))]
     if kind is ri.Pushed:
         return ri.Pushed(random_drive(rng, 1.0))
-    return kind(random_drive(rng, 0.3)) if kind in (ri.Moved, ri.Incoming) else kind()
+    if kind in (ri.Moved, ri.Incoming):
+        return kind(random_drive(rng, 0.3))
+    return kind()
 
 
-def move_together(row, contacts):
+def move_together(bodies, contacts):
     """Give rigid bodies that are bonded the velocity of the first, or of their wall."""
-    pairs = [(i, i + 1) for i in range(len(contacts))]
-    for one, other in [*pairs, *((j, i) for i, j in reversed(pairs))]:
-        law = contacts[min(one, other)]
-        if (
-            isinstance(law, ri.Bonded)
-            and isinstance(row[other], ri.RigidMass)
-            and not isinstance(row[one], ri.Rod)
-        ):
-            row[other] = ri.RigidMass(row[other].mass, velocity=row[one].velocity)
+    rightward = [(i, i + 1) for i in range(len(contacts))]
+    leftward = [(j, i) for i, j in reversed(rightward)]
+    for leader, follower in [*rightward, *leftward]:
+        law = contacts[min(leader, follower)]
+        follows = isinstance(bodies[follower], ri.RigidMass)
+        leads = not isinstance(bodies[leader], ri.Rod)
+        if isinstance(law, ri.Bonded) and follows and leads:
+            velocity = bodies[leader].velocity
+            bodies[follower] = ri.RigidMass(bodies[follower].mass, velocity=velocity)
+
+
+def random_body(rng):
+    if rng.random() < 0.4:
+        mass = logarithmic(rng, 0.02, 20)
+        return ri.RigidMass(mass, velocity=float(rng.uniform(-1, 1)))
+    return random_rod(rng)
 
 
 def random_network(seed, *, bodies=5, driven=False):
     """A row; only a driven one has gravity, moving walls and drives."""
     rng = np.random.default_rng(seed)
-    row = [
-        ri.RigidMass(logarithmic(rng, 0.02, 20), velocity=float(rng.uniform(-1, 1)))
-        if rng.random() < 0.4
-        else random_rod(rng)
-        for _ in range(rng.integers(1, bodies + 1))
-    ]
-    if not any(isinstance(b, ri.Rod) for b in row):
+    row = [random_body(rng) for _ in range(rng.integers(1, bodies + 1))]
+    if not any(isinstance(body, ri.Rod) for body in row):
         row[rng.integers(len(row))] = random_rod(rng)
     for place in (0, len(row) + 1):
         if rng.random() < 0.3:
-            moving = driven and rng.random() < 0.5
-            row.insert(place, ri.Wall(float(rng.uniform(-0.2, 0.2)) if moving else 0.0))
-    contacts = [random_law(rng, *pair) for pair in pairwise(row)]
+            velocity = 0.0
+            if driven and rng.random() < 0.5:
+                velocity = float(rng.uniform(-0.2, 0.2))
+            row.insert(place, ri.Wall(velocity))
+    contacts = [random_law(rng, left, right) for left, right in pairwise(row)]
     move_together(row, contacts)
-    gaps = [
-        0.0 if not law.opens or rng.random() < 0.5 else float(rng.uniform(0, 0.3))
-        for law in contacts
-    ]
-    ends = [random_end(rng, row[i], driven) for i in (0, -1)]
-    gravity = float(rng.uniform(-1, 1)) if driven and rng.random() < 0.6 else 0.0
-    return ri.System(row, gaps, contacts, gravity=gravity, ends=ends)
+    gaps = []
+    for law in contacts:
+        gap = 0.0
+        if law.opens and rng.random() >= 0.5:
+            gap = float(rng.uniform(0, 0.3))
+        gaps.append(gap)
+    left_end = random_end(rng, row[0], driven)
+    right_end = random_end(rng, row[-1], driven)
+    gravity = 0.0
+    if driven and rng.random() < 0.6:
+        gravity = float(rng.uniform(-1, 1))
+    return ri.System(row, gaps, contacts, gravity=gravity, ends=(left_end, right_end))
+
+
+def shifted_body(body, v):
+    return body.replace(velocity=shifted_profile(body.velocity, v))
+
+
+def shifted_end(end, v):
+    if isinstance(end, ri.Fixed):
+        return ri.Moved(v)
+    if isinstance(end, ri.Moved):
+        return ri.Moved(shifted_profile(end.value, v))
+    return end
+
+
+def shifted_profile(profile, v):
+    if isinstance(profile, ri.Steps):
+        return ri.Steps([value + v for value in profile.values], profile.at)
+    if isinstance(profile, ri.Samples):
+        return ri.Samples(profile.values + v, profile.step)
+    return profile + v
 
 
 def shifted(system, v):
     """The same system seen by someone who moves at -v."""
-
-    def profile(p):
-        if isinstance(p, ri.Steps):
-            return ri.Steps([x + v for x in p.values], p.at)
-        return ri.Samples(p.values + v, p.step) if isinstance(p, ri.Samples) else p + v
-
-    def body(b):
-        if isinstance(b, ri.Rod):
-            return ri.Rod(
-                segments=b.segments, velocity=profile(b.velocity), strain=b.strain
-            )
-        if isinstance(b, ri.Wall):
-            return ri.Wall(b.velocity + v)
-        return ri.RigidMass(b.mass, velocity=b.velocity + v)
-
-    def end(e):
-        if isinstance(e, ri.Fixed):
-            return ri.Moved(v)
-        return ri.Moved(profile(e.value)) if isinstance(e, ri.Moved) else e
-
-    return ri.System(
-        [body(b) for b in system.bodies],
-        system.gaps,
-        system.contacts,
-        gravity=system.gravity,
-        ends=[end(e) for e in system.ends],
-    )
+    bodies = [shifted_body(body, v) for body in system.bodies]
+    ends = [shifted_end(end, v) for end in system.ends]
+    return system.replace(bodies=bodies, ends=ends)

@@ -48,7 +48,7 @@ def parts(file):
     "page",
     [
         page
-        if page in ("student", "teacher")
+        if page == "student"
         else pytest.param(page, marks=pytest.mark.exhaustive)
         for page in page_figures.PAGES
     ],
