@@ -47,9 +47,7 @@ def parts(file):
 @pytest.mark.parametrize(
     "page",
     [
-        page
-        if page == "student"
-        else pytest.param(page, marks=pytest.mark.exhaustive)
+        page if page == "student" else pytest.param(page, marks=pytest.mark.exhaustive)
         for page in page_figures.PAGES
     ],
 )

@@ -57,7 +57,7 @@ def test_the_tail_is_that_of_the_last_two_coefficients():
     c = random_series(5)
     values = chebyshev.chebval(X, c).tolist()
     tail = abs(c[-2]) + abs(c[-1])
-    assert series.tail(values) == pytest.approx(tail, abs=1e-12)
+    assert series.truncation_estimate(values) == pytest.approx(tail, abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -140,21 +140,28 @@ def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
 
 
 def line_of(*pieces, delay=0, room=4, **run):
-    """Run, lines and log with one line that holds these pieces: (start, stop, order, series)."""
+    """Run, lines and log with one line that holds these pieces: (start, end, order, series)."""
     hard_breaks = sum(order <= HARD for _, _, order, _ in pieces[1:])
     last = len(pieces) - 1
-    line = record_with(LINE, delay=delay, first=0, head=0, tail=last, hard=hard_breaks)
+    line = record_with(
+        LINE,
+        delay=delay,
+        first_piece=0,
+        read_piece=0,
+        last_piece=last,
+        unread_breaks=hard_breaks,
+    )
     log = record_lists.as_objects(np.zeros(len(pieces) + room, PIECE))
-    for i, (start, stop, order, c) in enumerate(pieces):
+    for i, (start, end, order, c) in enumerate(pieces):
         piece = log[i]
         piece.start = start
-        piece.stop = stop
-        piece.order = order
+        piece.end = end
+        piece.break_order = order
         piece.degree = N if len(c) > 1 else 0
-        piece.coefficient = [*c, *[0.0] * (POINTS - len(c))]
-        piece.after = i + 1 if i < last else NONE
-    run = record_with(RUN, tolerance=1e-8, shortest=1000, **run)
-    run.pieces = len(pieces)
+        piece.coefficients = [*c, *[0.0] * (POINTS - len(c))]
+        piece.next = i + 1 if i < last else NONE
+    run = record_with(RUN, tolerance=1e-8, shortest_transit=1000, **run)
+    run.piece_count = len(pieces)
     return run, [line], log
 
 
@@ -178,7 +185,7 @@ def arriving(t, delay, before=False):
 )
 def test_what_left_arrives_a_delay_later(tick, ticks):
     _, line, log = line_of(*PIECES, delay=1000)
-    lines.move_on(line, log, 0, tick)
+    lines.advance_to(line, log, 0, tick)
     values = work()
 
     lines.sample(line, log, 0, tick, ticks, values)
@@ -202,8 +209,8 @@ def test_breaks_that_have_passed_are_left_behind():
     _, line, log = line_of(*PIECES, delay=1000)
 
     def after(tick):
-        lines.move_on(line, log, 0, tick)
-        return line[0].head, line[0].hard
+        lines.advance_to(line, log, 0, tick)
+        return line[0].read_piece, line[0].unread_breaks
 
     assert after(599) == (0, 2)
     assert after(600) == (1, 1)
@@ -230,7 +237,7 @@ def between_breaks(tick, ticks):
 )
 def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
     _, line, log = line_of(*PIECES, delay=1000)
-    lines.move_on(line, log, 0, tick)
+    lines.advance_to(line, log, 0, tick)
     smoothed = work()
 
     lines.project(line, log, 0, tick, ticks, smoothed)
@@ -256,23 +263,23 @@ def constant(value):
 def test_what_is_constant_stays_one_piece():
     run, line, log = line_of((0, 100, SMOOTH, [2.0]))
 
-    new = lines.append(run, line, log, 0, 100, 50, constant(2.0), work())
+    new = lines.append_values(run, line, log, 0, 100, 50, constant(2.0), work())
 
     assert new == NONE
-    assert run.pieces == 1
-    assert log[0].stop == 150
+    assert run.piece_count == 1
+    assert log[0].end == 150
 
 
 def test_another_constant_is_another_piece():
     run, line, log = line_of((0, 150, SMOOTH, [2.0]))
 
-    new = lines.append(run, line, log, 0, 150, 50, constant(3.0), work())
+    new = lines.append_values(run, line, log, 0, 150, 50, constant(3.0), work())
 
     assert new == 1
-    assert run.pieces == 2
+    assert run.piece_count == 2
     assert log[1].degree == 0
-    assert log[0].after == 1
-    assert line[0].tail == 1
+    assert log[0].next == 1
+    assert line[0].last_piece == 1
 
 
 @pytest.mark.parametrize(
@@ -295,31 +302,33 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
     run, line, log = line_of((0, 1000, SMOOTH, before))
     u = (X + 1) / 4  # transits since the break; y = 1 + 2 u in the piece before
     after = (0.9 + jump) + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2
-    node = record_with(NODE, now=1000, leaving=after.tolist())
+    node = record_with(NODE, now=1000, outgoing=after.tolist())
 
     lines.send(run, line, log, 0, node, 500, order)
 
-    assert log[1].order == sent
-    assert line[0].hard == int(sent <= HARD)
+    assert log[1].break_order == sent
+    assert line[0].unread_breaks == int(sent <= HARD)
 
 
 @pytest.mark.parametrize(("sent", "order"), [(2.0, 0), (0.5, 1)])
 def test_what_a_free_end_sends_back_first_may_jump(sent, order):
     """What arrives at t = 0 begins with 0.5, and is sent after what is under way."""
     run, line, log = line_of((-1000, 0, SMOOTH, [1.0, 0.5]), delay=1000)
-    line.append(record_with(LINE, tail=NONE))
-    lines.append(run, line, log, 1, -1000, 1000, constant(sent), work())
-    end = record_with(NODE, source=[0, NONE], target=[1, NONE], mobility=[1.0, 0.0])
+    line.append(record_with(LINE, last_piece=NONE))
+    lines.append_values(run, line, log, 1, -1000, 1000, constant(sent), work())
+    end = record_with(
+        NODE, incoming_lines=[0, NONE], outgoing_lines=[1, NONE], mobility=[1.0, 0.0]
+    )
 
     assert lines.reflect(run, line, log, end) == 1000
 
     under_way = log[1]
     reflected = log[2]
-    assert under_way.after == 2
-    assert reflected.stop == 1000
-    assert reflected.coefficient[:2] == [1.0, 0.5]
-    assert reflected.order == order
-    assert line[1].hard == 1
+    assert under_way.next == 2
+    assert reflected.end == 1000
+    assert reflected.coefficients[:2] == [1.0, 0.5]
+    assert reflected.break_order == order
+    assert line[1].unread_breaks == 1
 
 
 @pytest.fixture
@@ -327,7 +336,7 @@ def wave_with_a_jump_and_a_kink():
     begins = np.array([1.0, 3.0, 2.0])
     ends = np.array([1.0, 2.0, 4.0])
     signal = Pieces.lines([0, 300, 700], begins, ends, 1000)
-    wave, missed = waves.in_pieces(signal, 0, 1000, 1e-9, 1e-9)
+    wave, missed = profile_pieces.in_pieces(signal, 0, 1000, 1e-9, 1e-9)
     assert missed == 0
     return wave
 
@@ -335,7 +344,7 @@ def wave_with_a_jump_and_a_kink():
 def values_at_ends(wave):
     """Values at the begin and the end of each piece."""
     values = []
-    for c in wave["coefficient"]:
+    for c in wave["coefficients"]:
         values.append(chebyshev.chebval(-1, c))
         values.append(chebyshev.chebval(1, c))
     return values
@@ -344,17 +353,17 @@ def values_at_ends(wave):
 def test_a_wave_with_a_jump_and_a_kink_becomes_pieces(wave_with_a_jump_and_a_kink):
     wave = wave_with_a_jump_and_a_kink
     assert wave["start"].tolist() == [0, 300, 700]
-    assert wave["stop"].tolist() == [300, 700, 1000]
-    assert wave["order"].tolist() == [SMOOTH, 0, 1]
+    assert wave["end"].tolist() == [300, 700, 1000]
+    assert wave["break_order"].tolist() == [SMOOTH, 0, 1]
     assert values_at_ends(wave) == pytest.approx([1, 1, 3, 2, 2, 4], abs=1e-12)
     assert wave["degree"].tolist() == [0, N, N]  # what is constant stays so
 
 
 def test_a_wave_can_run_backwards(wave_with_a_jump_and_a_kink):
-    wave = waves.backwards(wave_with_a_jump_and_a_kink)
+    wave = profile_pieces.backwards(wave_with_a_jump_and_a_kink)
     assert wave["start"].tolist() == [-1000, -700, -300]
-    assert wave["stop"].tolist() == [-700, -300, 0]
-    assert wave["order"].tolist() == [SMOOTH, 1, 0]
+    assert wave["end"].tolist() == [-700, -300, 0]
+    assert wave["break_order"].tolist() == [SMOOTH, 1, 0]
     assert values_at_ends(wave) == pytest.approx([4, 2, 2, 3, 1, 1], abs=1e-12)
 
 
@@ -465,15 +474,17 @@ def test_what_ends_a_status(law, status, overlap, closing, next_status):
 def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, side):
     """What comes in is a force there, and a velocity at the other side."""
     forces = random_series(7).tolist()
-    ease = 0.03
-    link = record_with(LINK, law=law, ease=ease)
-    node = record_with(NODE, links=1)
+    mobility = 0.03
+    link = record_with(LINK, law=law, effective_mobility=mobility)
+    node = record_with(NODE, link_count=1)
     node.incoming[side] = forces
-    pushed = nodes.roughness([link], [], node)
-    assert pushed == pytest.approx(2 * ease * series.tail(forces))
+    pushed = nodes.truncation_error([link], [], node)
+    assert pushed == pytest.approx(2 * mobility * series.truncation_estimate(forces))
 
     link.law = Law.RIGID
-    assert nodes.roughness([link], [], node) == series.tail(forces)
+    assert nodes.truncation_error([link], [], node) == series.truncation_estimate(
+        forces
+    )
 
 
 # A force that is almost 0
@@ -497,12 +508,12 @@ def test_a_force_that_is_the_difference_of_large_terms_is_found():
         overlap=0.18203465728144244,
         overlap_rate=closing,
     )
-    node = record_with(NODE, links=1, mobility=[5.60433405e-09, 3.75933741e-03])
+    node = record_with(NODE, link_count=1, mobility=[5.60433405e-09, 3.75933741e-03])
     node.incoming[0] = constant(-0.11930282)
     for j in range(POINTS):
         round_off = (j % 2) * 1.4e-17
         node.incoming[1][j] = -0.11930282 - closing + round_off
-    run = record_with(RUN, scale=1.1193)
+    run = record_with(RUN, velocity_scale=1.1193)
     matrix = np.zeros((N, N + 1)).tolist()
 
     found = nodes.collocate(run, [link], [], node, 8.4e-14, matrix)

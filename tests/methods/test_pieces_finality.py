@@ -37,21 +37,12 @@ def stepped_rod(rng, velocity, n=3):
 def parts_at_start(system):
     """The parts of a row at t = 0, as the proof finds them."""
     request = RunRequest(8.0, 1e-8, 10**6, keep=True)
-    arrays = Members(build_row(system), request).start()
-    lists = {}
-    for name in ("link", "mass", "line", "log", "part"):
-        lists[name] = record_lists.as_objects(arrays[name])
-    tick = float(arrays["run"][0]["tick"])
-    finality.survey(
-        lists["link"],
-        lists["mass"],
-        lists["line"],
-        lists["log"],
-        lists["part"],
-        tick,
-        0,
-    )
-    return lists["part"]
+    members = Members(build_row(system), request)
+    members.batch.to_lists()
+    members.load()
+    state = members.batch.state
+    finality.update_groups(state, 0)
+    return state.parts
 
 
 def rod_with_a_mass(rng, rod):
@@ -76,13 +67,13 @@ def test_a_group_swings_within_its_bounds(seed):
 
     solution = ri.solve(system, 8.0, "characteristics")
 
-    velocity = group.mean + solution.run.clock.frame
+    velocity = group.group_velocity + solution.run.clock.frame
     for side, (body, x) in enumerate([(0, 0.0), right_end]):
         displacement = solution.displacement(body, x, t)
         change = displacement - solution.displacement(body, x, 0.0)
-        deviation = change - velocity * t + group.deviation[side]
+        deviation = change - velocity * t + group.end_deviations[side]
         largest = np.abs(deviation).max()
-        bound = np.sqrt(2 * group.bound * group.slack[side])
+        bound = np.sqrt(2 * group.reference_energy * group.compliance_integrals[side])
         assert largest <= bound * (1 + 1e-9)
         assert largest >= 0.05 * bound  # a bound that says something
 
@@ -134,21 +125,21 @@ def test_the_energy_about_the_mean_is_that_of_the_ledger():
     system = ri.System([stepped_rod(rng, 0.4)])
     (group, *_) = parts_at_start(system)
     energy = ri.solve(system, 1.0, "characteristics").energy(0.0)
-    assert group.bound == pytest.approx(float(energy.vibration), rel=1e-12)
+    assert group.reference_energy == pytest.approx(float(energy.vibration), rel=1e-12)
 
 
 def blank(record):
-    (only,) = record_lists.as_objects(np.zeros(1, record))
+    (only,) = record_lists.blank(1, record)
     return only
 
 
 def part_within_1():
-    """A part that deviates by up to 1: sqrt(2 E slack) with E = 2, slack = 1/4."""
-    part = blank(PART)
-    part.bound = 2.0
-    part.slack = [0.25, 0.25]
-    part.low = -3.0
-    part.high = 3.0
+    """A part that deviates by up to 1: sqrt(2 E s) with E = 2, compliance integral s = 1/4."""
+    part = blank(GROUP_PART)
+    part.reference_energy = 2.0
+    part.compliance_integrals = [0.25, 0.25]
+    part.min_wave = -3.0
+    part.max_wave = 3.0
     return part
 
 
@@ -163,9 +154,9 @@ def part_within_1():
 )
 def test_a_gap_must_be_wider_than_both_bounds(gap, opening, over):
     run = blank(RUN)
-    run.scale = 1.0
+    run.velocity_scale = 1.0
     run.tolerance = 1e-12
-    run.tick = 1e-9
+    run.tick_duration = 1e-9
     link = blank(LINK)
     link.law = Law.SPRING
     link.status = Status.OPEN
@@ -174,7 +165,7 @@ def test_a_gap_must_be_wider_than_both_bounds(gap, opening, over):
     link.overlap = -gap
     left = part_within_1()
     right = part_within_1()
-    right.speed = opening
+    right.reference_velocity = opening
 
     time = finality.time_until_over(run, [link], [left, right])
 
