@@ -63,15 +63,15 @@ def random_row(kind, seed):
     contacts = []
     gaps = []
     for before, behind in pairwise(bodies):
-        own = kind
+        contact_kind = kind
         if kind == "mixed":
-            own = str(rng.choice(["power", "dashpot", "yielding", "rigid"]))
+            contact_kind = str(rng.choice(["power", "dashpot", "yielding", "rigid"]))
         beside_rod = isinstance(before, ri.Rod) or isinstance(behind, ri.Rod)
-        if own == "rigid" and beside_rod:
+        if contact_kind == "rigid" and beside_rod:
             contacts.append(ri.Rigid())
-        elif own == "rigid":
+        elif contact_kind == "rigid":
             contacts.append(random_contact(rng, "power"))
         else:
-            contacts.append(random_contact(rng, own))
+            contacts.append(random_contact(rng, contact_kind))
         gaps.append(float(rng.uniform(0, 0.3)) if rng.random() < 0.4 else 0.0)
     return ri.System(bodies, gaps, contacts), float(rng.uniform(2.0, 5.0))

@@ -80,16 +80,16 @@ def collisions(drawn, dpi=100):
             box.p1 = (box.x1, (box.y0 + box.y1) / 2)
         if text.get_rotation() % 90 == 0:
             boxes.append((text.get_text(), box))
-    found = []
+    overlaps = []
     for k, (name, box) in enumerate(boxes):
-        for other, beside in boxes[:k]:
-            across = min(box.x1, beside.x1) - max(box.x0, beside.x0)
-            along = min(box.y1, beside.y1) - max(box.y0, beside.y0)
+        for other, other_box in boxes[:k]:
+            across = min(box.x1, other_box.x1) - max(box.x0, other_box.x0)
+            along = min(box.y1, other_box.y1) - max(box.y0, other_box.y0)
             if across > 1 and along > 3:  # boxes reach a little over their letters
-                found.append((other, name))
+                overlaps.append((other, name))
         if box.x0 < -1 or box.x1 > figure.bbox.x1 + 1:
-            found.append((name, "frame of the figure"))
-    return found
+            overlaps.append((name, "frame of the figure"))
+    return overlaps
 
 
 def texts_of(artists):

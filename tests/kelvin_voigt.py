@@ -45,10 +45,12 @@ class Modes(NamedTuple):
         slow = np.where(w == 0, 0.0, slow)
         u0 = self.displacement[:, None]
         v0 = self.velocity[:, None]
-        one = (v0 - slow * u0) / (fast - slow + (w == 0))
-        other = u0 - one
-        q = one * np.exp(fast * t) + other * np.exp(slow * t)
-        rate = one * fast * np.exp(fast * t) + other * slow * np.exp(slow * t)
+        fast_share = (v0 - slow * u0) / (fast - slow + (w == 0))
+        slow_share = u0 - fast_share
+        q = fast_share * np.exp(fast * t) + slow_share * np.exp(slow * t)
+        rate = fast_share * fast * np.exp(fast * t) + slow_share * slow * np.exp(
+            slow * t
+        )
         q = np.where(w == 0, u0 + v0 * t, q).real
         rate = np.where(w == 0, v0 + 0 * t, rate).real
         return q, rate
@@ -62,8 +64,8 @@ class Modes(NamedTuple):
 
 def pressing_modes():
     """The rod from its touching on."""
-    place = np.arange(MODES) + 0.5
-    frequency = place * math.pi
+    half_orders = np.arange(MODES) + 0.5
+    frequency = half_orders * math.pi
     velocity = 2 * (-1.0) ** np.arange(MODES) / frequency
     return Modes(frequency, np.zeros(MODES), velocity)
 

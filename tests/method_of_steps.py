@@ -108,12 +108,12 @@ def impulses(row, slope, until):
 
 def _arrivals(start, T, until):
     """Times at which what happens at `start` may arrive anywhere."""
-    found = {start}
+    times_of_arrival = {start}
     newest = {start}
     for _ in range(MOST_TRANSITS):
-        newest = {t + one for t in newest for one in T if t + one < until}
-        found |= newest
-    times = np.array(sorted(found))
+        newest = {t + transit for t in newest for transit in T if t + transit < until}
+        times_of_arrival |= newest
+    times = np.array(sorted(times_of_arrival))
     return times[np.append(True, np.diff(times) > 1e-12)]
 
 
@@ -129,16 +129,16 @@ def _next_edge(begin, breaks, T, until):
 
 def _terms(row, slope, k, until):
     """Delays and weights of the waves that come to contact k, with their derivatives."""
-    found = []
-    for rod, others in ((k, k - 1), (k + 1, k + 1)):
+    terms = []
+    for rod, numbers in ((k, k - 1), (k + 1, k + 1)):
         T = row.T[rod]
         Z = row.Z[rod]
         for n in range(1, int(until / T) + 1):
-            j, sign = (others, 1) if n % 2 else (k, -1)
+            j, sign = (numbers, 1) if n % 2 else (k, -1)
             if 0 <= j < len(row.gap):
                 w = sign * 2 / Z
-                found.append((j, n * T, w, n * slope.T[rod], -w / Z * slope.Z[rod]))
-    return found
+                terms.append((j, n * T, w, n * slope.T[rod], -w / Z * slope.Z[rod]))
+    return terms
 
 
 class _Solved(NamedTuple):
@@ -182,11 +182,13 @@ def _contact(row, slope, k, terms, begin, h, P0, Q0, edges, history):
     P_end = P0 + h * INTEGRAL[-1] @ force
     overlap = free - c * np.concatenate([[P0], P, [P_end]])
     inside = overlap[1:-1]
-    known = by_number[1:-1] - c_slope * P - c * Q0
+    slope_of_known = by_number[1:-1] - c_slope * P - c * Q0
     with np.errstate(divide="ignore", invalid="ignore"):
         by_exponent = np.where(inside > 0, np.log(inside), 0.0)
     pushed = np.maximum(inside, 0.0) ** p
-    source = stiffness * known + pushed * (slope.K[k] + K * by_exponent * slope.p[k])
+    source = stiffness * slope_of_known + pushed * (
+        slope.K[k] + K * by_exponent * slope.p[k]
+    )
     rate = np.linalg.solve(np.eye(NODES) + (c * stiffness)[:, None] * inner, source)
     Q = Q0 + inner @ rate
     Q_end = Q0 + h * INTEGRAL[-1] @ rate
@@ -196,23 +198,25 @@ def _contact(row, slope, k, terms, begin, h, P0, Q0, edges, history):
 
 def _earlier(times, j, edges, history):
     """P, force and Q of contact j at earlier times; 0 before the start."""
-    found = np.zeros((3, len(times)))
-    at = np.clip(np.searchsorted(edges, times, side="right") - 1, -1, len(history) - 1)
-    for i in np.unique(at[times > 0]):
-        here = (at == i) & (times > 0)
+    values = np.zeros((3, len(times)))
+    interval = np.clip(
+        np.searchsorted(edges, times, side="right") - 1, -1, len(history) - 1
+    )
+    for i in np.unique(interval[times > 0]):
+        here = (interval == i) & (times > 0)
         x = 2 * (times[here] - edges[i]) / (edges[i + 1] - edges[i]) - 1
-        found[:, here] = chebyshev.chebval(x, (history[i][j] @ TO_COEFFICIENTS.T).T)
-    return found
+        values[:, here] = chebyshev.chebval(x, (history[i][j] @ TO_COEFFICIENTS.T).T)
+    return values
 
 
 def _crossing(overlap):
     """Share of the interval at which the overlap changes its sign first; 1 if it does not."""
     sign = np.where(np.abs(overlap) <= CLOSED, 0, np.sign(overlap))
     seen = np.flatnonzero(sign)
-    others = seen[sign[seen] != sign[seen[:1]]]
-    if len(others) == 0:
+    opposite = seen[sign[seen] != sign[seen[:1]]]
+    if len(opposite) == 0:
         return 1.0
-    after = others[0]
+    after = opposite[0]
     before = after - 1
     part = overlap[before] / (overlap[before] - overlap[after])
     return float(SHARES[before] + (SHARES[after] - SHARES[before]) * part)

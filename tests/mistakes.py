@@ -9,17 +9,20 @@ def problems(make):
     """Messages of the mistakes by their paths, each path once."""
     with pytest.raises(ri.InvalidModel) as caught:
         make()
-    found = dict(caught.value.problems)
-    assert len(found) == len(caught.value.problems)
-    return found
+    messages = dict(caught.value.problems)
+    assert len(messages) == len(caught.value.problems)
+    return messages
 
 
-def assert_told(make, wanted):
+def assert_told(make, expected):
     """That these mistakes are told, by their paths: a part of each message, or = and all of it."""
-    found = problems(make)
-    assert list(found) == list(wanted)
-    for path, said in wanted.items():
-        assert found[path] == said[1:] if said[:1] == "=" else said in found[path]
+    messages = problems(make)
+    assert list(messages) == list(expected)
+    for path, text in expected.items():
+        if text.startswith("="):
+            assert messages[path] == text[1:]
+        else:
+            assert text in messages[path]
 
 
 def refused(match, function, *args, **options):

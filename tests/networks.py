@@ -155,12 +155,12 @@ def random_network(seed, *, bodies=5, driven=False):
     row = [random_body(rng) for _ in range(rng.integers(1, bodies + 1))]
     if not any(isinstance(body, ri.Rod) for body in row):
         row[rng.integers(len(row))] = random_rod(rng)
-    for place in (0, len(row) + 1):
+    for index in (0, len(row) + 1):
         if rng.random() < 0.3:
             velocity = 0.0
             if driven and rng.random() < 0.5:
                 velocity = float(rng.uniform(-0.2, 0.2))
-            row.insert(place, ri.Wall(velocity))
+            row.insert(index, ri.Wall(velocity))
     contacts = [random_law(rng, left, right) for left, right in pairwise(row)]
     move_together(row, contacts)
     gaps = []

@@ -112,20 +112,20 @@ class Line:
     def values(self, times):
         """Incoming wave at increasing times, which begin with the cell that is being read."""
         sent = times - self.transit
-        found = np.empty(len(times))
+        wave = np.empty(len(times))
         begin = 0
-        place = self.reading
+        number = self.reading
         while begin < len(times):
-            cell = self.cells[place]
+            cell = self.cells[number]
             end = len(times)
-            if place + 1 < len(self.cells):
+            if number + 1 < len(self.cells):
                 end = int(np.searchsorted(sent, cell.stop, "right"))
             if end > begin:
                 share = 2 * (sent[begin:end] - cell.start) / (cell.stop - cell.start)
-                found[begin:end] = evaluate(cell.coefficients, share - 1)
+                wave[begin:end] = evaluate(cell.coefficients, share - 1)
                 begin = end
-            place += 1
-        return found
+            number += 1
+        return wave
 
 
 class Link:
@@ -234,8 +234,8 @@ class Node:
         return [i for i, mass in enumerate(self.masses) if mass is not None]
 
     def state(self):
-        own = [link.overlap for link in self.links]
-        return np.array(own + [self.speeds[i] for i in self.moving()])
+        overlaps = [link.overlap for link in self.links]
+        return np.array(overlaps + [self.speeds[i] for i in self.moving()])
 
     def unpack(self, states, waves):
         """Overlaps, closing rates without own forces, and forces of all links."""
@@ -259,14 +259,14 @@ class Node:
 
     def rates(self, states, waves):
         closings, forces = self.unpack(states, waves)
-        found = np.empty_like(states)
+        rates_of_state = np.empty_like(states)
         for i, link in enumerate(self.links):
-            found[:, i] = link.overlap_rate(closings[i], forces[i])
+            rates_of_state[:, i] = link.overlap_rate(closings[i], forces[i])
         for column, i in enumerate(self.moving(), len(self.links)):
             before = forces[i - 1] if i > 0 else 0.0
             behind = forces[i] if i < len(forces) else 0.0
-            found[:, column] = (before - behind) / self.masses[i]
-        return found
+            rates_of_state[:, column] = (before - behind) / self.masses[i]
+        return rates_of_state
 
 
 class Totals(NamedTuple):
@@ -487,7 +487,7 @@ class Row:
 
     def _first_event(self, node, start, stop, solved):
         """Time, link and next state of the first guard that changes its sign; None if none."""
-        found = None
+        first = None
         half = 0.5 * (stop - start)
         length = self.speed * self.transit
         for i, link in enumerate(node.links):
@@ -510,9 +510,9 @@ class Row:
                 if len(positive):
                     k = positive[-1]
                     where = start + half * (1 + root(values, k, negative[0]))
-                if found is None or where < found[0]:
-                    found = where, link, state
-        return found
+                if first is None or where < first[0]:
+                    first = where, link, state
+        return first
 
     def _enter(self, node, start, stop, solved, breaks):
         """Send what leaves, and add up what the links and masses did."""

@@ -559,8 +559,8 @@ def test_large_strains_are_those_of_the_rod_in_which_they_are(direction):
 def test_auto_takes_fronts_where_it_can():
     pair = ri.System([unit_rod(velocity=1.0), unit_rod()])
     assert ri.solve(pair).method == "fronts"
-    held = ri.System([unit_rod()], ends=(ri.Fixed(), ri.Free()))
-    assert ri.solve(held, 1.0).method == "fronts"
+    fixed = ri.System([unit_rod()], ends=(ri.Fixed(), ri.Free()))
+    assert ri.solve(fixed, 1.0).method == "fronts"
 
 
 def test_auto_takes_characteristics_where_it_must():

@@ -140,8 +140,8 @@ def test_records_become_objects_and_objects_records(record):
         % 64
     )
     records = filled.view(record)
-    made = record_lists.as_records(record_lists.as_objects(records), record)
-    assert all((made[name] == records[name]).all() for name in record.names)
+    read_back = record_lists.as_records(record_lists.as_objects(records), record)
+    assert all((read_back[name] == records[name]).all() for name in record.names)
     assert len(record_lists.as_records([], record)) == 0
 
 
@@ -175,10 +175,10 @@ def cache(tmp_path, monkeypatch):
     return tmp_path
 
 
-def answers(made):
+def answers(kernel):
     """What a kernel says, made or read as if another process began; and how often it was read."""
-    assert made(0.5) == recognise(0.5) == (1, 2)
-    return sum(made._fast.stats.cache_hits.values())
+    assert kernel(0.5) == recognise(0.5) == (1, 2)
+    return sum(kernel._fast.stats.cache_hits.values())
 
 
 def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch):
@@ -200,27 +200,27 @@ def test_without_a_place_for_machine_code_it_is_made_in_each_process(
 ):
     from numba import njit
 
-    def nowhere(*given, cache=False, **more):
+    def nowhere(*arguments, cache=False, **more):
         if cache:
             raise RuntimeError("cannot cache function: no locator available")
-        return njit(*given, **more)
+        return njit(*arguments, **more)
 
     monkeypatch.setattr("numba.njit", nowhere)
-    made = compiling.Compiled(recognise)
-    assert answers(made) == 0
-    assert made.place == ""
-    assert made.files() == []
+    kernel = compiling.Compiled(recognise)
+    assert answers(kernel) == 0
+    assert kernel.place == ""
+    assert kernel.files() == []
 
 
 def test_a_full_disk_is_no_failure(cache, monkeypatch):
-    def full(*given, **more):
+    def full(*arguments, **more):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "replace", full)
-    made = compiling.Compiled(recognise)
+    kernel = compiling.Compiled(recognise)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert answers(made) == 0
+        assert answers(kernel) == 0
     assert not list(cache.rglob("*.nbi"))
 
 

@@ -189,9 +189,9 @@ def test_a_clamped_rod_swings_back():
 def test_a_grazing_contact_that_presses_again_is_one_episode():
     """Two compressive pulses, one after the other, pass from rod to rod; between them the ends
     only touch."""
-    at = [1.0, 1.5, 2.0, 2.5]
-    velocity = ri.Steps([0, 1, 0, 1, 0], at)
-    strain = ri.Steps([0, -1, 0, -1, 0], at)
+    jumps = [1.0, 1.5, 2.0, 2.5]
+    velocity = ri.Steps([0, 1, 0, 1, 0], jumps)
+    strain = ri.Steps([0, -1, 0, -1, 0], jumps)
     pulses = ri.Rod(3.0, area=1.0, material=M, velocity=velocity, strain=strain)
     system = ri.System([pulses, ri.Rod(3.0, area=1.0, material=M)])
 

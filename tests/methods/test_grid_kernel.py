@@ -67,14 +67,14 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
 # The elimination ----------------------------------------------------------------------------------
 
 
-def tridiagonal(diagonal, beside, held):
+def tridiagonal(diagonal, coupling, is_held):
     """The matrix of nodes a to b: identity in held rows, -beside[i] between i - 1 and i."""
     n = len(diagonal)
     matrix = np.diag(diagonal)
     for i in range(1, n):
-        matrix[i, i - 1] = -beside[i]
-        matrix[i - 1, i] = -beside[i]
-    matrix[held == 1] = np.eye(n)[held == 1]
+        matrix[i, i - 1] = -coupling[i]
+        matrix[i - 1, i] = -coupling[i]
+    matrix[is_held == 1] = np.eye(n)[is_held == 1]
     return matrix
 
 
@@ -88,20 +88,20 @@ def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
     n = before + nodes + after
     first = before
     last = before + nodes - 1
-    beside = rng.uniform(0.01, 100, n + 1)
-    beside[: first + 1] = 0.0  # nodes before and after are pieces by themselves
-    beside[last + 1 :] = 0.0
-    diagonal = rng.uniform(0.1, 10, n) + beside[:-1] + beside[1:]
-    held = np.zeros(n, int)
-    held[first] = held_left
-    held[last] = held_right
+    coupling = rng.uniform(0.01, 100, n + 1)
+    coupling[: first + 1] = 0.0  # nodes before and after are pieces by themselves
+    coupling[last + 1 :] = 0.0
+    diagonal = rng.uniform(0.1, 10, n) + coupling[:-1] + coupling[1:]
+    is_held = np.zeros(n, int)
+    is_held[first] = held_left
+    is_held[last] = held_right
 
-    multipliers = elimination.factor(beside, diagonal, held)
+    multipliers = elimination.factor(coupling, diagonal, is_held)
     right_side = rng.uniform(-1, 1, n)
     solution = right_side.copy()
     elimination.substitute(*multipliers, solution)
 
-    expected = np.linalg.solve(tridiagonal(diagonal, beside, held), right_side)
+    expected = np.linalg.solve(tridiagonal(diagonal, coupling, is_held), right_side)
     assert solution == pytest.approx(expected, rel=1e-10, abs=1e-12)
     alone = right_side[last + 1 :] / diagonal[last + 1 :]
     assert solution[last + 1 :] == pytest.approx(alone, rel=1e-15)

@@ -119,8 +119,8 @@ def test_a_rigid_contact_lets_go(force, end):
 
 def test_a_force_that_goes_on_has_no_end():
     expected = np.array([[1.0, 2.0], [3.0, np.nan]])
-    found = intervals([0, 1, 0, 2, 2], [0.0] * 6)
-    assert found == pytest.approx(expected, nan_ok=True)
+    two = intervals([0, 1, 0, 2, 2], [0.0] * 6)
+    assert two == pytest.approx(expected, nan_ok=True)
 
 
 def test_without_force_there_is_no_interval():

@@ -70,8 +70,10 @@ def test_smoothed_velocities_where_few_states_are_kept(cells):
     x = PLACES[:, None]
     assert len(chosen.fields.motion.when) <= 4 * 3 + 4 + 3
     for name in FIELDS:
-        kept = getattr(chosen, name)(0, x, t)
-        assert kept == pytest.approx(getattr(full, name)(0, x, t), rel=1e-12, abs=1e-13)
+        values_of_chosen = getattr(chosen, name)(0, x, t)
+        assert values_of_chosen == pytest.approx(
+            getattr(full, name)(0, x, t), rel=1e-12, abs=1e-13
+        )
     few = ri.solve(system, 3.0, METHOD, cells=cells, snapshots=40)
     when = few.fields.motion.when
     assert len(when) <= 40 + 3
@@ -116,11 +118,11 @@ def test_a_mode_is_of_order_two_everywhere(ends, viscosity):
     errors = []
     for cells in (50, 100, 200, 400):
         solution = ri.solve(system, 2.5, METHOD, cells=cells)
-        found = []
+        errors_of_mesh = []
         for name, values in exact.items():
             field = getattr(solution, name)(0, PLACES[:, None], times)
-            found.append(np.abs(field - values).max(axis=1))
-        errors.append(found)
+            errors_of_mesh.append(np.abs(field - values).max(axis=1))
+        errors.append(errors_of_mesh)
     errors = np.maximum(errors, 1e-9)
     zero = errors[0] <= 1e-9
     orders = np.log2(errors[0] / errors[-1]) / 3

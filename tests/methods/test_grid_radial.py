@@ -36,9 +36,13 @@ def solved(bodies, until=1.0, contacts=None, **mesh):
 def fastest(mesh):
     """Largest angular frequency of a mesh, from its whole matrices."""
     M, _, K = matrices(mesh)
-    kept = np.append(np.ones(len(mesh.mass), bool), mesh.cells.swelling[1:-1] > 0)
+    in_motion = np.append(np.ones(len(mesh.mass), bool), mesh.cells.swelling[1:-1] > 0)
     return math.sqrt(
-        eigh(K[np.ix_(kept, kept)], M[np.ix_(kept, kept)], eigvals_only=True)[-1]
+        eigh(
+            K[np.ix_(in_motion, in_motion)],
+            M[np.ix_(in_motion, in_motion)],
+            eigvals_only=True,
+        )[-1]
     )
 
 
@@ -75,15 +79,15 @@ def test_a_step_beyond_the_radial_motion_is_refused():
 
 def test_a_held_rod_strained_evenly_stays_at_rest():
     """w = -nu a u_x at the start: the radius is that of slow stretching."""
-    held = ri.System([rod(segment(1.0), strain=1e-3)], ends=(ri.Fixed(), ri.Fixed()))
-    s = ri.solve(held, 1.0, METHOD, cells=40)
+    system = ri.System([rod(segment(1.0), strain=1e-3)], ends=(ri.Fixed(), ri.Fixed()))
+    s = ri.solve(system, 1.0, METHOD, cells=40)
     x = np.linspace(0, 1, 21)[:, None]
     t = np.linspace(0, 1, 11)
     assert np.abs(s.velocity(0, x, t)).max() <= 1e-15
     assert s.strain(0, x, t) == pytest.approx(1e-3, abs=1e-15)
     assert s.energy(t).strain == pytest.approx(math.pi * 0.05**2 * 1e-6 / 2, rel=1e-12)
     assert run_grid(
-        build_row(held), 1.0, 10**9, cells=40
+        build_row(system), 1.0, 10**9, cells=40
     ).largest_strain == pytest.approx(1e-3, rel=1e-12)
 
 
@@ -113,8 +117,8 @@ LOSSY = UNIT.replace(viscosity=1e-3)
     ],
 )
 def test_the_lasting_mode(pieces, omega, share):
-    found, rate = lasting_mode(pieces)
-    assert found == pytest.approx(omega, rel=3e-4)
+    frequency, rate = lasting_mode(pieces)
+    assert frequency == pytest.approx(omega, rel=3e-4)
     assert rate == pytest.approx(
         share * ri.theory.kelvin_voigt_decay(1.0, 1e-3, omega), rel=1e-2
     )

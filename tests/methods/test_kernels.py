@@ -132,12 +132,12 @@ def fresh(monkeypatch):
     return monkeypatch
 
 
-def kept_on_disk(monkeypatch, kept):
+def kept_on_disk(monkeypatch, kernels_on_disk):
     """Let machine code of these kernels be on disk, and of no others."""
     monkeypatch.setattr(
         kernels,
         "compiled",
-        lambda kernel: SimpleNamespace(files=lambda: kernel in kept),
+        lambda kernel: SimpleNamespace(files=lambda: kernel in kernels_on_disk),
     )
 
 
@@ -151,7 +151,7 @@ def spent_before_compiling(kernel, job=0.125):
 
 
 FOLLOW = members.run_members
-PIECES = pieces.follow
+PIECES = pieces.run_nodes
 
 
 def test_plain_python_goes_on_until_it_has_taken_as_long_as_machine_code(fresh):
@@ -179,8 +179,8 @@ def test_one_line_tells_who_watches_that_compiling_takes_long(fresh, capsys, wat
     fresh.setattr(sys.stderr, "isatty", lambda: watched, raising=False)
     assert kernels.worth_compiling(60.0, FOLLOW)
     assert kernels.worth_compiling(60.0, PIECES)
-    told = capsys.readouterr().err
-    assert told.count("compiling once, ") == told.count("\n") == int(watched)
+    output = capsys.readouterr().err
+    assert output.count("compiling once, ") == output.count("\n") == int(watched)
 
 
 def test_where_compiling_is_disabled_nothing_is(fresh):
@@ -211,7 +211,7 @@ def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
 def asked_about():
     """Kernels that `worth_compiling` is asked about anywhere."""
     root = Path(ri.__file__).parents[1]
-    found = set()
+    kernels_asked_about = set()
     for path in root.glob("rodimpact/**/*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if (
@@ -221,8 +221,8 @@ def asked_about():
                 asking = import_module(
                     ".".join(path.relative_to(root).with_suffix("").parts)
                 )
-                found.add(eval(ast.unparse(node.args[1]), vars(asking)))
-    return found
+                kernels_asked_about.add(eval(ast.unparse(node.args[1]), vars(asking)))
+    return kernels_asked_about
 
 
 @pytest.mark.exhaustive

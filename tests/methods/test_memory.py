@@ -52,7 +52,7 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name):
     pytest.importorskip(
         "numba"
     )  # plain Python, which short jobs run, has lists beside arrays
-    asked = []
+    bytes_asked_for = []
     options = {"method": "finite-difference", "cells": 40, "until": 0.06}
     monkeypatch.setattr(memory, "MAX_BYTES", np.inf)
     monkeypatch.setattr(memory, "SHARE", np.inf)
@@ -60,12 +60,12 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name):
         peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
     monkeypatch.setattr(
         "rodimpact.methods.grid.run.require_memory",
-        lambda numbers, *rest: asked.append(8 * numbers),
+        lambda numbers, *rest: bytes_asked_for.append(8 * numbers),
     )
     with kernels.forced(True):
         peak = peak_of(ROWS[name], **options)
-    assert peak <= max(asked) + 1e6
-    assert max(asked) <= 8 * peak
+    assert peak <= max(bytes_asked_for) + 1e6
+    assert max(bytes_asked_for) <= 8 * peak
 
 
 @pytest.mark.parametrize(

@@ -45,15 +45,17 @@ def errors_of(solution, reference):
         "time": ([c.first for c in contacts], reference.firsts),
     }
     errors = {}
-    for name, (found, wanted) in pairs.items():
-        found = np.nan_to_num(np.asarray(found, dtype=float), nan=-1.0)
+    for name, (values, wanted) in pairs.items():
+        values = np.nan_to_num(np.asarray(values, dtype=float), nan=-1.0)
         wanted = np.nan_to_num(wanted, nan=-1.0)
         whole = float(np.abs(wanted).max())
         if name == "velocity":
             whole = solution.fields.clock.scale
         if name == "time":
             whole = solution.t_end
-        errors[name] = float(np.abs(found - wanted).max()) / whole if whole > 0 else 0.0
+        errors[name] = (
+            float(np.abs(values - wanted).max()) / whole if whole > 0 else 0.0
+        )
     return errors
 
 
@@ -102,9 +104,9 @@ def test_half_the_stated_errors_are_less_than_a_hundred_times_the_true_ones():
 
 def touching_rods(*contacts):
     """Three rods that touch; the right one strikes the middle one, whose transit time is .73."""
-    given = ((0.8, 0.0, 1.0), (0.73, 0.0, 1.0), (0.36, -1.0, 0.85))
+    sizes = ((0.8, 0.0, 1.0), (0.73, 0.0, 1.0), (0.36, -1.0, 0.85))
     rods = []
-    for length, velocity, area in given:
+    for length, velocity, area in sizes:
         rods.append(ri.Rod(length, area=area, material=UNIT, velocity=velocity))
     return ri.System(rods, contacts=contacts)
 
@@ -198,12 +200,16 @@ def test_a_run_that_goes_on_is_as_exact_as_one_that_does_not_stop(row):
     system, until = random_row(*row)
     whole = ri.solve(system, until, "characteristics", rtol=1e-10)
     half = ri.solve(system, until / 2, "characteristics", rtol=1e-10)
-    rest = ri.solve(half.system_at(until / 2), until / 2, "characteristics", rtol=1e-10)
+    second_part = ri.solve(
+        half.system_at(until / 2), until / 2, "characteristics", rtol=1e-10
+    )
     scale = whole.fields.clock.scale
     stated = whole.accuracy["velocity"] * scale
-    stated += rest.accuracy["velocity"] * rest.fields.clock.scale
+    stated += second_part.accuracy["velocity"] * second_part.fields.clock.scale
     off = np.abs(
-        np.subtract(whole.outcome.velocities_after, rest.outcome.velocities_after)
+        np.subtract(
+            whole.outcome.velocities_after, second_part.outcome.velocities_after
+        )
     )
     assert off.max() <= stated + 1e-12 * scale
     assert off.max() <= 1e-9 * scale
@@ -218,8 +224,8 @@ def test_a_state_carries_the_stated_error_of_its_run():
     assert isinstance(velocity, ri.Polynomials)
     error = solution.accuracy["velocity"] * solution.fields.clock.scale
     assert velocity.error == error
-    rest = ri.solve(state, 1.0, "characteristics")
-    assert rest.accuracy["velocity"] * rest.fields.clock.scale >= error
+    second_part = ri.solve(state, 1.0, "characteristics")
+    assert second_part.accuracy["velocity"] * second_part.fields.clock.scale >= error
 
 
 def test_a_state_is_written_and_read_again():

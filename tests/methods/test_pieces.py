@@ -516,7 +516,7 @@ def test_a_force_that_is_the_difference_of_large_terms_is_found():
     run = record_with(RUN, velocity_scale=1.1193)
     matrix = np.zeros((N, N + 1)).tolist()
 
-    found = nodes.collocate(run, [link], [], node, 8.4e-14, matrix)
+    converged = nodes.collocate(run, [link], [], node, 8.4e-14, matrix)
 
-    assert found
+    assert converged
     assert np.all(np.abs(link.force) < 1e-11)

@@ -24,13 +24,13 @@ def stepped_rod(rng, velocity, n=3):
     for length, area in zip(lengths, areas, strict=True):
         segments.append(ri.Segment(float(length), float(area), UNIT))
     total = float(lengths.sum())
-    at = [0.3 * total, 0.6 * total]
+    places = [0.3 * total, 0.6 * total]
     velocities = velocity + rng.uniform(-1, 1, 3)
     strains = 0.3 * rng.uniform(-1, 1, 3)
     return ri.Rod(
         segments=segments,
-        velocity=ri.Steps(velocities.tolist(), at),
-        strain=ri.Steps(strains.tolist(), at),
+        velocity=ri.Steps(velocities.tolist(), places),
+        strain=ri.Steps(strains.tolist(), places),
     )
 
 

@@ -25,16 +25,16 @@ def test_stiff_contacts_of_rods_tend_to_rigid_ones(law):
     slow = (
         (0.5 / law.stiffness) if law.exponent == 1 else (0.5 / law.stiffness) ** (2 / 3)
     )
-    found = ri.solve(pair(law))
+    solution = ri.solve(pair(law))
     rigid = ri.solve(pair(ri.Rigid()))
-    assert found.final
-    assert found.outcome.velocities_after == pytest.approx(
+    assert solution.final
+    assert solution.outcome.velocities_after == pytest.approx(
         rigid.outcome.velocities_after, abs=20 * slow + 1e-9
     )
-    assert found.outcome.peak_force == pytest.approx(0.5, abs=20 * slow + 1e-9)
-    assert abs(found.outcome.energy_residual) <= 1e-9
-    assert found.events <= 2000
-    assert max(found.accuracy["impulse"], found.accuracy["velocity"]) <= 1e-6
+    assert solution.outcome.peak_force == pytest.approx(0.5, abs=20 * slow + 1e-9)
+    assert abs(solution.outcome.energy_residual) <= 1e-9
+    assert solution.events <= 2000
+    assert max(solution.accuracy["impulse"], solution.accuracy["velocity"]) <= 1e-6
 
 
 @pytest.mark.parametrize("k", few_of([10.0**n for n in range(2, 11)], [1e5, 1e10]))
@@ -43,15 +43,15 @@ def test_a_mass_between_two_stiff_contacts(law, k):
     """Against rigid contacts: the mass is one with both rods as long as all press."""
     row = [unit_rod(1.0, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.0, 2.0)]
     until = 1.5
-    found = ri.solve(ri.System(row, contacts=[law(k), law(k)]), until)
+    solution = ri.solve(ri.System(row, contacts=[law(k), law(k)]), until)
     rigid = ri.solve(ri.System(row), until)
     slow = 1 / math.sqrt(k) if law is ri.Spring else k ** (-1 / 3)
-    for a, b in zip(found.contacts, rigid.contacts, strict=True):
+    for a, b in zip(solution.contacts, rigid.contacts, strict=True):
         assert a.impulse == pytest.approx(b.impulse, abs=10 * slow + 1e-9)
-    assert abs(found.outcome.momentum_residual) <= 1e-12
-    assert abs(found.energy(until).residual) <= 1e-8
+    assert abs(solution.outcome.momentum_residual) <= 1e-12
+    assert abs(solution.energy(until).residual) <= 1e-8
     # where a graze ends is a matter of round-off; velocities and impulses are not
-    assert max(found.accuracy["impulse"], found.accuracy["velocity"]) <= 1e-6
+    assert max(solution.accuracy["impulse"], solution.accuracy["velocity"]) <= 1e-6
 
 
 @pytest.mark.parametrize("damping", [0.01, 0.3, 2.0, 30.0])
@@ -77,12 +77,14 @@ def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
     if k * grown > damping:  # d = (grown + 1/k) exp(-rate t) - 1/k, until k d = c
         end += math.log((k * grown + 1) / (damping + 1)) / rate
     contact = s.contacts[0]
-    found = contact.episodes[0]
-    assert (found.start, found.force_end) == pytest.approx((0.0, end), abs=1e-8)
+    solution = contact.episodes[0]
+    assert (solution.start, solution.force_end) == pytest.approx((0.0, end), abs=1e-8)
     assert contact.duration == pytest.approx(
         end, abs=s.accuracy["duration"] * end + 1e-12
     )
     left = grown if end == 0.5 else damping / k
     moved = 0.5 - (end - 0.5)  # integral of v, of which d is what is left of F
     assert contact.impulse == pytest.approx(moved - left, abs=1e-8)
-    assert found.opening == pytest.approx(end + left, abs=1e-8)  # with v = -1, no force
+    assert solution.opening == pytest.approx(
+        end + left, abs=1e-8
+    )  # with v = -1, no force

@@ -51,10 +51,10 @@ def test_a_row_with_a_ratio_of_1e4_is_right():
     pytest.importorskip("numba")
     system = row(1e-4, "rigid")
     with kernels.forced(True):
-        found = ri.solve(system, method="characteristics")
+        solution = ri.solve(system, method="characteristics")
     exact = ri.solve(system, method="fronts")
-    stated = found.accuracy["velocity"] * found.fields.clock.scale
-    off = np.subtract(found.outcome.velocities_after, exact.outcome.velocities_after)
+    stated = solution.accuracy["velocity"] * solution.fields.clock.scale
+    off = np.subtract(solution.outcome.velocities_after, exact.outcome.velocities_after)
     assert np.abs(off).max() <= stated + 1e-13
 
 

@@ -256,13 +256,13 @@ def random_rod(pick, impedances, longest):
         return ri.Rod(segments=segments, velocity=pick.randint(-3, 3))
     length = int(sum(segment.length for segment in segments))
     jumps = pick.randint(0, min(2, length - 1))
-    at = sorted(pick.sample(range(1, length), jumps))
+    places = sorted(pick.sample(range(1, length), jumps))
     velocities = [pick.randint(-3, 3) for _ in range(jumps + 1)]
     strains = [pick.randint(-2, 2) for _ in range(jumps + 1)]
     return ri.Rod(
         segments=segments,
-        velocity=ri.Steps(velocities, at),
-        strain=ri.Steps(strains, at),
+        velocity=ri.Steps(velocities, places),
+        strain=ri.Steps(strains, places),
     )
 
 

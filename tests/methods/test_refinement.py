@@ -32,10 +32,10 @@ def search(values, goal, last=64, order=1.0):
         run.append(factor)
         return Run(factor)
 
-    found, estimates = refined(
+    finest, estimates = refined(
         level, lambda r: {"impulse": np.array([values(r.factor)])}, order, goal, last
     )
-    return found, estimates, run
+    return finest, estimates, run
 
 
 def test_levels_are_not_powers_of_two_only():
@@ -44,9 +44,9 @@ def test_levels_are_not_powers_of_two_only():
 
 def test_coarser_levels_must_agree():
     values = {1: 0.0, 2: 0.0, 3: 1.0, 4: 1.0, 6: 1.0, 8: 1.0, 12: 1.0}.get
-    found, estimates, run = search(values, 1e-3)
+    finest, estimates, run = search(values, 1e-3)
     assert run == [1, 2, 3, 4, 6, 8, 12]
-    assert found.factor == 12
+    assert finest.factor == 12
     assert estimates == {"impulse": 0.0}
 
 
@@ -59,10 +59,10 @@ def test_what_powers_of_two_do_not_see_is_seen():
 
 @pytest.mark.parametrize("order", [0.5, 1, 2])
 def test_the_estimate_bounds_the_error_of_a_method_of_that_order(order):
-    found, estimates, _ = search(
+    finest, estimates, _ = search(
         lambda factor: 1 + 0.01 / factor**order, 1e-3, 1024, order
     )
-    error = 0.01 / found.factor**order
+    error = 0.01 / finest.factor**order
     assert estimates["impulse"] <= 1e-3
     assert SAFETY_FACTOR * error == pytest.approx(estimates["impulse"], rel=0.02)
 
@@ -74,13 +74,13 @@ def test_a_duration_is_known_to_a_part_of_a_step_at_best_and_not_waited_for():
             "duration": np.array([0.0, 2.0 + run.factor % 2]),
         }
 
-    found, estimates = refined(Run, measures, 1.0, 0.01, 64)
-    assert found.factor == 4
+    finest, estimates = refined(Run, measures, 1.0, 0.01, 64)
+    assert finest.factor == 4
     assert estimates == {
         "impulse": 0.0,
         "duration": pytest.approx(SAFETY_FACTOR * 5 / 3 * 3.0 / 2),
     }
-    _, estimates = refined(Run, lambda _: {**measures(found)}, 1.0, 0.01, 64)
+    _, estimates = refined(Run, lambda _: {**measures(finest)}, 1.0, 0.01, 64)
     assert estimates == {
         "impulse": 0.0,
         "duration": pytest.approx(TIME_RESOLUTION / 4 / 2),
@@ -93,8 +93,8 @@ def test_a_run_that_is_too_long_ends_the_search():
             raise TooLong([("until", "no room")])
         return Run(factor)
 
-    found, estimates = refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
-    assert found.factor == 1
+    finest, estimates = refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
+    assert finest.factor == 1
     assert estimates == {"impulse": math.inf}
 
 

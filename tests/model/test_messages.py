@@ -13,8 +13,8 @@ def test_no_control_character_of_a_name_reaches_a_terminal():
     family = ri.System([rod.replace(length=[0.1, 0.2]), ri.Wall()])
     solution = ri.solve(system)
     shown = [red, rod, rod.segments[0], system, solution, solution.outcome, family]
-    for thing in [*shown, ri.sweep(family), ri.Case(system)]:
-        for text in (repr(thing), str(thing)):
+    for value in [*shown, ri.sweep(family), ri.Case(system)]:
+        for text in (repr(value), str(value)):
             assert text.replace("\n", "").isprintable()
 
 

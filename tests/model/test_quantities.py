@@ -88,23 +88,37 @@ APART = {
 
 
 def declared(examples):
-    """Every number that the classes of the examples declare."""
+    """Every number that the classes of the examples declare: how to set it, and a unit."""
     for example in examples:
         for name, field in type(example).fields.items():
-            is_bare = re.search(
-                r"\^\(?[a-z]", field.unit
-            )  # its power is another number
-            if name not in APART and not is_bare:
-                unit = OTHER[_library_spelling(field.unit)]
-                yield (
-                    f"{type(example).__name__}.{name}",
-                    (
-                        lambda q, made=example, name=name: getattr(
-                            made.replace(**{name: q}), name
-                        ),
-                        unit,
-                    ),
-                )
+            # The power of such a unit is another number.
+            has_variable_unit = re.search(r"\^\(?[a-z]", field.unit)
+            if name in APART or has_variable_unit:
+                continue
+
+            def replaced(value, example=example, name=name):
+                return getattr(example.replace(**{name: value}), name)
+
+            unit = OTHER[_library_spelling(field.unit)]
+            yield f"{type(example).__name__}.{name}", (replaced, unit)
+
+
+def refuses(make, value, message):
+    """Whether a value is refused, in a sentence that bears the message."""
+    try:
+        make(value)
+    except ValueError as error:
+        return re.search(message, str(error)) is not None
+    return False
+
+
+def taken_by(fields, value_for, message):
+    """Names of the fields that do not refuse a value, by their unit, with this message."""
+    taken = []
+    for name, (make, unit) in fields.items():
+        if not refuses(make, value_for(unit), message):
+            taken.append(name)
+    return taken
 
 
 PULSE = ri.Signal([0.0, 1.0, 1.0], dt=1.0, unit="V")
@@ -226,15 +240,6 @@ MODEL = dict(declared(EXAMPLES))
 ALL = MODEL | dict(declared(SINGLE)) | FIELDS
 
 
-def refused(make, given, message):
-    """Whether that is refused, in a sentence that bears the message."""
-    try:
-        make(given)
-    except ValueError as error:
-        return re.search(message, str(error)) is not None
-    return False
-
-
 class Quantity:
     """A number with a unit, as pint makes them."""
 
@@ -243,8 +248,9 @@ class Quantity:
     def __init__(self, number, unit):
         self.number = number
         self.unit_name = unit
-        for name, value in zip(self.names, (number, unit), strict=True):
-            setattr(self, name, value)
+        name_of_number, name_of_unit = self.names
+        setattr(self, name_of_number, number)
+        setattr(self, name_of_unit, unit)
 
     def to(self, unit):
         factor, si = UNITS[self.unit_name]
@@ -287,15 +293,13 @@ class Labelled:
 
 def pint_quantity(number, unit):
     pint = pytest.importorskip("pint")
-    return pint.application_registry.get().Quantity(
-        number, unit.replace("%", "percent")
-    )
+    spelling = unit.replace("%", "percent")
+    return pint.application_registry.get().Quantity(number, spelling)
 
 
 def astropy_quantity(number, unit):
-    return number * pytest.importorskip("astropy.units").Unit(
-        unit.replace("^1.5", "^(1.5)")
-    )
+    units = pytest.importorskip("astropy.units")
+    return number * units.Unit(unit.replace("^1.5", "^(1.5)"))
 
 
 QUANTITIES = [Quantity, OtherQuantity, pint_quantity, astropy_quantity]
@@ -306,75 +310,80 @@ QUANTITIES = [Quantity, OtherQuantity, pint_quantity, astropy_quantity]
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_field_converts_by_the_unit_of_the_quantity(quantity):
-    found = {name: make(quantity(3.0, unit)) for name, (make, unit) in ALL.items()}
-    wanted = {name: make(3.0 * UNITS[unit][0]) for name, (make, unit) in ALL.items()}
-    assert found == pytest.approx(wanted, rel=1e-14)
-    assert set(map(np.ndim, found.values())) == {0}
+    converted = {}
+    expected = {}
+    for name, (make, unit) in ALL.items():
+        factor, _ = UNITS[unit]
+        converted[name] = make(quantity(3.0, unit))
+        expected[name] = make(3.0 * factor)
+    assert converted == pytest.approx(expected, rel=1e-14)
+    assert set(map(np.ndim, converted.values())) == {0}
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_number_of_the_model_takes_an_array_with_a_unit(quantity):
-    given = np.array([3.0, 2.0])
-    found = {name: make(quantity(given, unit)) for name, (make, unit) in MODEL.items()}
-    wanted = {name: given * UNITS[unit][0] for name, (_, unit) in MODEL.items()}
-    assert found == {
-        name: pytest.approx(values, rel=1e-14) for name, values in wanted.items()
-    }
+    numbers = np.array([3.0, 2.0])
+    for name, (make, unit) in MODEL.items():
+        factor, _ = UNITS[unit]
+        converted = make(quantity(numbers, unit))
+        assert converted == pytest.approx(numbers * factor, rel=1e-14), name
+
+
+def subclasses(kind):
+    """A class and all that are derived from it."""
+    kinds = {kind}
+    for subclass in kind.__subclasses__():
+        kinds |= subclasses(subclass)
+    return kinds
 
 
 def test_every_class_that_declares_numbers_is_tried():
-    def kinds(of):
-        return {of}.union(*map(kinds, of.__subclasses__()))
-
-    declare = {
-        kind
-        for kind in kinds(Frozen)
-        if kind.fields
-        and kind.__name__[0] != "_"
-        and kind.__module__.startswith("rodimpact.")
-    }
-    assert declare == {type(example) for example in (*EXAMPLES, *SINGLE)}
+    declaring = set()
+    for kind in subclasses(Frozen):
+        is_public = not kind.__name__.startswith("_")
+        if kind.fields and is_public and kind.__module__.startswith("rodimpact."):
+            declaring.add(kind)
+    assert declaring == {type(example) for example in (*EXAMPLES, *SINGLE)}
 
 
 def test_a_stiffness_of_any_power_must_be_bare():
-    with pytest.raises(
-        ri.InvalidModel, match=r"unit that converts to N/m\^p, got <3.0 kN/mm>"
-    ):
+    message = r"unit that converts to N/m\^p, got <3.0 kN/mm>"
+    with pytest.raises(ri.InvalidModel, match=message):
         ri.PowerLaw(Quantity(3.0, "kN/mm"), 1.5)
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_field_refuses_a_quantity_of_something_else(quantity):
-    wrong = {unit: quantity(4.0, "mm" if unit == "g" else "g") for unit in UNITS}
-    taken = [
-        name
-        for name, (make, unit) in ALL.items()
-        if not refused(make, wrong[unit], r"got .*\b4\b")
-    ]
-    assert taken == []
+    def wrong_quantity(unit):
+        return quantity(4.0, "mm" if unit == "g" else "g")
+
+    assert taken_by(ALL, wrong_quantity, r"got .*\b4\b") == []
 
 
 def test_a_refusal_names_field_value_and_unit():
-    assert problems(
-        lambda: ri.Rod(
-            Quantity(4, "g"), area=1e-4, material=STEEL, strain=Quantity(0.1, "mm")
-        )
-    ) == {
+    length = Quantity(4, "g")
+    strain = Quantity(0.1, "mm")
+    messages = problems(
+        lambda: ri.Rod(length, area=1e-4, material=STEEL, strain=strain)
+    )
+    assert messages == {
         "length": "must be in a unit that converts to m, got <4 g>",
         "strain": "must have no unit, got <0.1 mm>",
     }
 
 
+class Mute:
+    """A number with a unit that says nothing of its conversion."""
+
+    units = "furlongs"
+
+    def __float__(self):
+        return 2.0
+
+
 def test_what_has_a_unit_and_does_not_convert_is_refused():
-    class Mute:
-        units = "furlongs"
-
-        def __float__(self):
-            return 2.0
-
-    with pytest.raises(
-        ri.InvalidModel, match="length: must be in a unit that converts to m"
-    ):
+    message = "length: must be in a unit that converts to m"
+    with pytest.raises(ri.InvalidModel, match=message):
         ri.Rod(Mute(), area=1e-4, material=STEEL)
     with pytest.raises(ValueError, match="m1: must be in a unit that converts to kg"):
         ri.rigid.contact_mass(Mute(), 1.0)
@@ -382,18 +391,21 @@ def test_what_has_a_unit_and_does_not_convert_is_refused():
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_families_convert_as_arrays_and_as_lists(quantity):
-    for given in (
-        quantity(np.array([400.0, 1000.0]), "mm"),
-        [quantity(400.0, "mm"), 1.0],
-        ([quantity(400.0, "mm")], [1]),
-    ):
-        found = ri.Rod(given, area=1e-4, material=STEEL).length
-        assert isinstance(found, np.ndarray)
-        assert found.ravel() == pytest.approx([0.4, 1.0], rel=1e-15)
-    with pytest.raises(
-        ri.InvalidModel, match=r"length\[1\]: must be a finite positive number"
-    ):
-        ri.Rod(quantity(np.array([1.0, -2.0]), "mm"), area=1e-4, material=STEEL)
+    array = quantity(np.array([400.0, 1000.0]), "mm")
+    mixed = [quantity(400.0, "mm"), 1.0]
+    nested = ([quantity(400.0, "mm")], [1])
+    for lengths in (array, mixed, nested):
+        converted = ri.Rod(lengths, area=1e-4, material=STEEL).length
+        assert isinstance(converted, np.ndarray)
+        assert converted.ravel() == pytest.approx([0.4, 1.0], rel=1e-15)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_a_bad_member_of_a_quantity_is_named(quantity):
+    lengths = quantity(np.array([1.0, -2.0]), "mm")
+    message = r"length\[1\]: must be a finite positive number"
+    with pytest.raises(ri.InvalidModel, match=message):
+        ri.Rod(lengths, area=1e-4, material=STEEL)
 
 
 def test_steps_of_a_quantity_are_refused_as_a_whole():
@@ -401,25 +413,30 @@ def test_steps_of_a_quantity_are_refused_as_a_whole():
         ri.Steps(Quantity(np.array([1.0, 2.0]), "km/s"), at=[0.1])
 
 
-def test_solve_takes_times_with_a_unit():
-    system = ri.System(
-        [ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0), ri.Wall()]
-    )
-    assert ri.solve(system, until=Quantity(0.25, "ms")).t_end == 0.25e-3
-    stepped = {"method": "finite-difference", "until": 1e-4}
-    assert (
-        ri.solve(system, dt=Quantity(0.001, "ms"), **stepped).outcome.velocities_after
-        == ri.solve(system, dt=1e-6, **stepped).outcome.velocities_after
-    )
-    grid = ri.solve(
-        system, snapshots=Quantity(np.array([0.0, 0.05]), "ms"), cells=10, **stepped
-    )
-    same = ri.solve(system, snapshots=[0.0, 5e-5], cells=10, **stepped)
-    assert grid.velocity(0, 0.1, 5e-5) == same.velocity(0, 0.1, 5e-5)
-    with pytest.raises(
-        ri.InvalidModel, match="until: must be in a unit that converts to s"
-    ):
-        ri.solve(system, until=Quantity(1.0, "mm"))
+ON_A_WALL = ri.System([ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
+
+
+ON_GRID = {"method": "finite-difference", "until": 1e-4}
+
+
+def test_solve_takes_an_end_with_a_unit():
+    assert ri.solve(ON_A_WALL, until=Quantity(0.25, "ms")).t_end == 0.25e-3
+    message = "until: must be in a unit that converts to s"
+    with pytest.raises(ri.InvalidModel, match=message):
+        ri.solve(ON_A_WALL, until=Quantity(1.0, "mm"))
+
+
+def test_solve_takes_a_time_step_with_a_unit():
+    converted = ri.solve(ON_A_WALL, dt=Quantity(0.001, "ms"), **ON_GRID).outcome
+    bare = ri.solve(ON_A_WALL, dt=1e-6, **ON_GRID).outcome
+    assert converted.velocities_after == bare.velocities_after
+
+
+def test_solve_takes_snapshots_with_a_unit():
+    times = Quantity(np.array([0.0, 0.05]), "ms")
+    converted = ri.solve(ON_A_WALL, snapshots=times, cells=10, **ON_GRID)
+    bare = ri.solve(ON_A_WALL, snapshots=[0.0, 5e-5], cells=10, **ON_GRID)
+    assert converted.velocity(0, 0.1, 5e-5) == bare.velocity(0, 0.1, 5e-5)
 
 
 @pytest.mark.parametrize(
@@ -481,20 +498,15 @@ NO_NUMBERS = {
     "lists of 3000 levels": (DEEP, r"got \[\[\[\["),
 }
 TAKERS = {
-    "a field": lambda v: ri.RigidMass(1.0, velocity=v),
-    "an argument": lambda v: ri.rigid.contact_mass(v, 1.0),
-    "theory": lambda v: ri.theory.rod_on_wall(v, 1.0, 1.0),
-    "steps": lambda v: ri.Steps([0.0, v], at=[1.0]),
+    "a field": lambda value: ri.RigidMass(1.0, velocity=value),
+    "an argument": lambda value: ri.rigid.contact_mass(value, 1.0),
+    "theory": lambda value: ri.theory.rod_on_wall(value, 1.0, 1.0),
+    "steps": lambda value: ri.Steps([0.0, value], at=[1.0]),
 }
 
 
-@pytest.mark.parametrize(
-    "take", [pytest.param(take, id=name) for name, take in TAKERS.items()]
-)
-@pytest.mark.parametrize(
-    ("value", "message"),
-    [pytest.param(*given, id=name) for name, given in NO_NUMBERS.items()],
-)
+@pytest.mark.parametrize("take", TAKERS.values(), ids=TAKERS)
+@pytest.mark.parametrize(("value", "message"), NO_NUMBERS.values(), ids=NO_NUMBERS)
 def test_what_is_no_number_is_refused_wherever_it_is_given(take, value, message):
     with pytest.raises(ValueError, match=message) as error:
         take(value)
@@ -538,39 +550,28 @@ def masked():
     return np.ma.array([1.0, 2.0], mask=[True, False])
 
 
+BY_NAME = "dimensions are not matched by name here; give .values of arrays from"
+
 LABELLED = [
-    (
-        labelled,
-        "dimensions are not matched by name here; give .values of arrays from",
-    ),
-    (
-        data_array,
-        "dimensions are not matched by name here; give .values of arrays from",
-    ),
-    (series, r"its index is not matched; give .to_numpy()"),
-    (masked, r"its mask would be lost; give .compressed() or .filled(...)"),
+    (labelled, BY_NAME),
+    (data_array, BY_NAME),
+    (series, "its index is not matched; give .to_numpy()"),
+    (masked, "its mask would be lost; give .compressed() or .filled(...)"),
 ]
 
 
-@pytest.mark.parametrize(("labels", "remedy"), LABELLED)
-def test_every_field_refuses_what_is_found_by_name(labels, remedy):
-    given = labels()
-    taken = [
-        name
-        for name, (make, _) in ALL.items()
-        if not refused(make, given, re.escape(remedy))
-    ]
-    assert taken == []
+@pytest.mark.parametrize(("make_labels", "remedy"), LABELLED)
+def test_every_field_refuses_what_is_found_by_name(make_labels, remedy):
+    labels = make_labels()
+    assert taken_by(ALL, lambda unit: labels, re.escape(remedy)) == []
 
 
 def test_labels_are_refused_in_lists_and_lists_of_steps_too():
-    with pytest.raises(
-        ri.InvalidModel, match="length: must be bare numbers, got a Lab"
-    ):
+    message = "length: must be bare numbers, got a Lab"
+    with pytest.raises(ri.InvalidModel, match=message):
         ri.Rod([labelled(), labelled()], area=1e-4, material=STEEL)
-    with pytest.raises(
-        ri.InvalidModel, match="values: must be bare numbers, got a Labelled"
-    ):
+    message = "values: must be bare numbers, got a Labelled"
+    with pytest.raises(ri.InvalidModel, match=message):
         ri.Steps(labelled(), at=[0.1])
 
 
@@ -625,11 +626,10 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize(
-    ("make", "fields"), [pytest.param(*v, id=k) for k, v in SHAPES.items()]
-)
+@pytest.mark.parametrize(("make", "fields"), SHAPES.values(), ids=SHAPES)
 def test_arrays_that_do_not_broadcast_are_named_with_their_shapes(make, fields):
-    assert problems(make) == {
-        fields[0]: f"arrays do not broadcast: {fields[0]} has shape (3,), "
-        f"{fields[1]} has shape (4,)"
-    }
+    first, second = fields
+    message = (
+        f"arrays do not broadcast: {first} has shape (3,), {second} has shape (4,)"
+    )
+    assert problems(make) == {first: message}

@@ -937,30 +937,34 @@ OF_EACH_CLASS = [
 ]
 
 
-def numbers_of(thing):
+def numbers_of(instance):
     """The fields of an object that are numbers, by name."""
-    described = thing.to_dict()
+    described = instance.to_dict()
     return {
         name: value
         for name, value in described.items()
-        if name in thing.fields and isinstance(value, float)
+        if name in instance.fields and isinstance(value, float)
     }
 
 
-@pytest.mark.parametrize("thing", OF_EACH_CLASS, ids=lambda thing: type(thing).__name__)
-def test_replace_changes_only_what_it_is_told(thing):
-    assert thing.replace() == thing
-    for name, value in numbers_of(thing).items():
-        changed = thing.replace(**{name: value / 2})
+@pytest.mark.parametrize(
+    "instance", OF_EACH_CLASS, ids=lambda instance: type(instance).__name__
+)
+def test_replace_changes_only_what_it_is_told(instance):
+    assert instance.replace() == instance
+    for name, value in numbers_of(instance).items():
+        changed = instance.replace(**{name: value / 2})
         assert getattr(changed, name) == value / 2
-        assert changed.replace(**{name: value}) == thing
+        assert changed.replace(**{name: value}) == instance
 
 
-@pytest.mark.parametrize("thing", OF_EACH_CLASS, ids=lambda thing: type(thing).__name__)
-def test_replace_refuses_names_of_no_parameter(thing):
-    message = f"colour: is no parameter of {type(thing).__name__}"
+@pytest.mark.parametrize(
+    "instance", OF_EACH_CLASS, ids=lambda instance: type(instance).__name__
+)
+def test_replace_refuses_names_of_no_parameter(instance):
+    message = f"colour: is no parameter of {type(instance).__name__}"
     with pytest.raises(ri.InvalidModel, match=message):
-        thing.replace(colour="red")
+        instance.replace(colour="red")
 
 
 def test_replace_names_the_nearest_parameter_and_checks_values():

@@ -135,13 +135,13 @@ def test_the_stress_is_no_less_than_the_peak_force_over_the_area(method, seed):
         if any(segment.lateral_inertia is not None for segment in segments):
             continue  # which takes a share of the force
         largest = solution.extreme_stress(body).largest
-        for contact, segment, place in ((body - 1, 0, 0), (body, -1, -1)):
+        for contact, segment, end in ((body - 1, 0, 0), (body, -1, -1)):
             if not 0 <= contact < len(solution.contacts):
                 continue
             peak = solution.contacts[contact].peak_force
             area = segments[segment].area
             if isinstance(area, ri.Samples):
-                area = area.values[place]
+                area = area.values[end]
             if not math.isnan(peak):
                 assert largest >= peak / area * (1 - stated)
 

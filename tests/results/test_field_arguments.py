@@ -91,16 +91,18 @@ def test_quantities_are_converted(method, quantity):
         ([quantity(100.0, "mm"), quantity(0.25, "m")], [0.1, 0.25]),
     )
     for name, call in calls_with_a_place(run):
-        for given, metres in given_places:
-            np.testing.assert_array_equal(call(given), call(metres), name)
+        for value, metres in given_places:
+            np.testing.assert_array_equal(call(value), call(metres), name)
     given_times = (
         (quantity(150.0, "us"), 150 * 1e-6),
         (quantity(np.array([50.0, 150.0]), "us"), [50 * 1e-6, 150 * 1e-6]),
     )
     for name, call in calls_with_a_time(run):
-        for given, seconds in given_times:
-            found = call(given)
-            np.testing.assert_allclose(found, call(seconds), rtol=1e-12, err_msg=name)
+        for value, seconds in given_times:
+            converted = call(value)
+            np.testing.assert_allclose(
+                converted, call(seconds), rtol=1e-12, err_msg=name
+            )
     gauge = run.gauge(0, quantity(100.0, "mm"))
     np.testing.assert_array_equal(gauge.strain, run.gauge(0, 0.1).strain)
     law = run.contacts[0].law_at(quantity(150.0, "us"))
@@ -139,17 +141,17 @@ NO_NUMBERS = [
 @pytest.mark.parametrize("method", METHODS)
 def test_nonsense_is_refused_by_name(method):
     run = solution(method)
-    for given in NO_NUMBERS:
+    for value in NO_NUMBERS:
         for _, call in calls_with_a_place(run):
-            assert refused("must|shape", call, given) == ["x"]
+            assert refused("must|shape", call, value) == ["x"]
         for _, call in calls_with_a_time(run):
-            assert refused("must|shape", call, given) == ["t"]
+            assert refused("must|shape", call, value) == ["t"]
         for name, call in calls_with_one_time(run):
             if name == "signal":
-                if given is not None:  # the interval that is usual
-                    assert refused("must|shape", call, given) == ["interval"]
+                if value is not None:  # the interval that is usual
+                    assert refused("must|shape", call, value) == ["interval"]
             else:
-                assert refused("must|shape", call, given) == ["t"]
+                assert refused("must|shape", call, value) == ["t"]
 
 
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
@@ -160,8 +162,8 @@ def test_rigid_bodies_are_at_their_place_only(method):
     wall = 3
     for body in (mass, wall):
         for field in (run.velocity, run.displacement, run.position):
-            for given in NO_NUMBERS:
-                assert refused("must|shape", field, body, given, TIME) == ["x"]
+            for value in NO_NUMBERS:
+                assert refused("must|shape", field, body, value, TIME) == ["x"]
             at_places = field(body, [[0.0], [0.0]], [0.0, TIME, END])
             assert at_places.shape == (2, 3)
             np.testing.assert_array_equal(at_places[1], field(body, 0, [0, TIME, END]))

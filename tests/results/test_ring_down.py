@@ -22,23 +22,23 @@ def pair(material, *, lengths=(0.4, 1.0), area=1e-4):
 
 def test_energy_falls_to_that_of_the_rigid_motion():
     solution = ri.solve(pair(LOSSY), until=8e-3, cells=40)
-    found = solution.ring_down()
-    E = found.vibration
+    decay = solution.ring_down()
+    E = decay.vibration
     assert np.all(np.diff(E) <= 1e-12 * E[0])
     assert E[-1] < 1e-5 * E[0]
-    assert found.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
-    total = solution.energy(found.times).total
-    assert total == pytest.approx(found.rigid + E, rel=1e-12)
-    assert found.momentum_change < 1e-13
-    assert found.decay_time == pytest.approx(found.modal_decay_time, rel=5e-3)
+    assert decay.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
+    total = solution.energy(decay.times).total
+    assert total == pytest.approx(decay.rigid + E, rel=1e-12)
+    assert decay.momentum_change < 1e-13
+    assert decay.decay_time == pytest.approx(decay.modal_decay_time, rel=5e-3)
 
 
 def test_without_damping_it_never_does():
     solution = ri.solve(pair(STEEL), until=3e-3, method="finite-difference", cells=40)
-    found = solution.ring_down()
-    assert found.vibration == pytest.approx(found.vibration[0], rel=1e-11)
-    assert found.decay_time == found.modal_decay_time == math.inf
-    assert "never" in str(found)
+    decay = solution.ring_down()
+    assert decay.vibration == pytest.approx(decay.vibration[0], rel=1e-11)
+    assert decay.decay_time == decay.modal_decay_time == math.inf
+    assert "never" in str(decay)
 
 
 def test_masses_and_the_rod_that_lasts():
@@ -48,9 +48,9 @@ def test_masses_and_the_rod_that_lasts():
     )
     solution = ri.solve(row, until=12e-3, method="finite-difference", cells=20)
     assert solution.final
-    found = solution.ring_down()
-    assert found.body == 1
-    assert found.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
+    decay = solution.ring_down()
+    assert decay.body == 1
+    assert decay.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
 
 
 def test_what_has_no_ring_down_says_so():

@@ -174,8 +174,8 @@ def test_places_and_times_broadcast(vibrating, field):
     t = np.sort(rng.uniform(0, 5.5, 30))
     of = getattr(vibrating, field)
     one_by_one = []
-    for place in x:
-        one_by_one.append([float(of(0, place, time)) for time in t])
+    for x_alone in x:
+        one_by_one.append([float(of(0, x_alone, time)) for time in t])
     assert of(0, x[:, None], t) == pytest.approx(np.array(one_by_one), abs=1e-14)
 
 

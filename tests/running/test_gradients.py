@@ -168,8 +168,8 @@ def test_scaling(seed, quantity, by_size, by_area, by_speed):
 
 def test_families_compiled_and_in_plain_python():
     lengths = np.array([[0.4], [0.41]])
-    others = np.array([1.0, 1.03, 0.4])
-    family = pair(lengths, others)
+    struck_lengths = np.array([1.0, 1.03, 0.4])
+    family = pair(lengths, struck_lengths)
 
     with kernels.forced(False):
         plain = ri.gradient(family, wrt=BY)
@@ -424,10 +424,10 @@ def mass_on_an_endless_bar(M, k, Z, V):
 
 
 @pytest.mark.parametrize(
-    ("place", "quantity"),
+    ("index", "quantity"),
     [(0, "velocity_after.0"), (1, "impulse.0"), (2, "peak_force.0"), (3, "duration.0")],
 )
-def test_a_mass_on_a_spring_at_an_endless_bar(place, quantity):
+def test_a_mass_on_a_spring_at_an_endless_bar(index, quantity):
     """Its equation is that of a damped oscillator: complex steps give exact derivatives."""
     numbers = {
         "bodies.0.mass": 0.7,
@@ -444,12 +444,12 @@ def test_a_mass_on_a_spring_at_an_endless_bar(place, quantity):
 
     g = ri.gradient(system, quantity, list(numbers))
 
-    value = mass_on_an_endless_bar(M, k, Z, V)[place]
+    value = mass_on_an_endless_bar(M, k, Z, V)[index]
     assert g.value == pytest.approx(value, rel=1e-9)
     for n, path in enumerate(numbers):
         stepped = np.array([M, k, Z, V], complex)
         stepped[n] += 1e-30j
-        slope = mass_on_an_endless_bar(*stepped)[place].imag / 1e-30
+        slope = mass_on_an_endless_bar(*stepped)[index].imag / 1e-30
         assert abs(g[path] - slope) <= g.errors[path] + 1e-14
         assert g.errors[path] <= 1e-7
 

@@ -166,7 +166,7 @@ RUNS = {
 def facts(s):
     """All that a solution knows, in a form in which equal means the same bits."""
     t = np.linspace(0, s.t_end, 23)
-    found = {
+    all_facts = {
         name: getattr(s, name)
         for name in (
             "method",
@@ -183,14 +183,14 @@ def facts(s):
         )
     }
     assert {type(error) for error in s.accuracy.values()} <= {float}
-    found["t_final"] = repr(s.t_final)
-    found["types"] = [
+    all_facts["t_final"] = repr(s.t_final)
+    all_facts["types"] = [
         type(getattr(s, name)) for name in ("until", "t_end", "t_final", "events")
     ]
-    found["energy"] = [
+    all_facts["energy"] = [
         np.asarray(entry).tobytes() for entry in vars(s.energy(t)).values()
     ]
-    found["contacts"] = [
+    all_facts["contacts"] = [
         (
             repr(c.episodes),
             repr((c.impulse, c.duration, c.peak_force)),
@@ -201,13 +201,13 @@ def facts(s):
         for c in s.contacts
     ]
     for i, body in enumerate(s.system.bodies):
-        found[i, "mean"] = s.mean_velocity(i, t).tobytes()
-        found[i, "position"] = s.position(i, 0.0, t).tobytes()
+        all_facts[i, "mean"] = s.mean_velocity(i, t).tobytes()
+        all_facts[i, "position"] = s.position(i, 0.0, t).tobytes()
         if isinstance(body, ri.Rod):
             x = np.linspace(0, body.length, 7)[:, None]
             for field in (s.velocity, s.strain, s.displacement):
-                found[i, field.__name__] = field(i, x, t).tobytes()
-    return found
+                all_facts[i, field.__name__] = field(i, x, t).tobytes()
+    return all_facts
 
 
 USUAL = [
@@ -500,14 +500,14 @@ def test_a_file_that_ends_anywhere_is_refused_in_sentences():
     """Or it is a case without an outcome; or all is there but stated errors."""
     text = ri.write_case(saved_case())
     ends = range(0, len(text), 7)
-    found = [outcome_in(text[:end]) for end in ends]
-    sentences = [one for one in found if isinstance(one, str)]
-    assert all(0 < len(one) < 4000 for one in sentences)
+    results = [outcome_in(text[:end]) for end in ends]
+    sentences = [result for result in results if isinstance(result, str)]
+    assert all(0 < len(result) < 4000 for result in sentences)
     assert len(ends) / 2 < len(sentences) < len(ends)
-    for end, one in zip(ends, found, strict=True):
-        if isinstance(one, SavedResult):
+    for end, result in zip(ends, results, strict=True):
+        if isinstance(result, SavedResult):
             assert end > text.index("[result.accuracy]")
-            assert one._replace(accuracy={}) == saved_case().result._replace(
+            assert result._replace(accuracy={}) == saved_case().result._replace(
                 accuracy={}
             )
 
