@@ -119,12 +119,14 @@ def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
     starts = np.asarray(times, float)
     forces = np.asarray(values, float)
     edges = np.minimum(np.append(starts, end), end)
-    lasts = np.diff(edges) > MIN_DURATION_RTOL * end
+    shortest = MIN_DURATION_RTOL * end
+    lasts = np.diff(edges) > shortest
     starts = starts[lasts]
     forces = forces[lasts]
     next_starts = np.append(starts[1:], end)
     ends = np.nextafter(next_starts, -np.inf)
-    sample_times = np.column_stack([starts, ends]).ravel()
+    limits = np.column_stack([starts, ends])
+    sample_times = limits.ravel()
     samples = np.repeat(forces, 2)
     return Signal(samples, sample_times, unit="N", name=name)
 
@@ -180,25 +182,32 @@ class StepDifferences(NamedTuple):
 def differences(wanted: Signal, reached: Signal, edges: Floats) -> StepDifferences:
     """Difference reached - wanted in the intervals between edges, s."""
     times = np.concatenate([edges, wanted.times, reached.times])
-    times = _between(times, edges[0], edges[-1])
+    end = edges[-1]
+    times = _between(times, edges[0], end)
     kinks = np.unique(times)
     durations = np.diff(kinks)
-    is_long = durations > MIN_DURATION_RTOL * edges[-1]
-    middles = (kinks[1:] + kinks[:-1])[is_long] / 2
+    is_long = durations > MIN_DURATION_RTOL * end
+    starts = kinks[:-1]
+    ends = kinks[1:]
+    middles = (starts + ends)[is_long] / 2
     half_durations = durations[is_long] / 2
     offsets = half_durations / math.sqrt(3)
-    gauss_points = np.column_stack([middles - offsets, middles + offsets])
+    earlier = middles - offsets
+    later = middles + offsets
+    gauss_points = np.column_stack([earlier, later])
     reached_force = np.interp(gauss_points, reached.times, reached.values)
     wanted_force = np.interp(gauss_points, wanted.times, wanted.values)
     difference = reached_force - wanted_force
     interval = np.searchsorted(edges[1:-1], middles, "right")
+    n_intervals = len(edges) - 1
 
     def mean(values: Floats) -> Floats:
         """Mean over each interval, from values at Gauss's points."""
         integrals = half_durations * values.sum(axis=1)
-        sums = np.bincount(interval, integrals, len(edges) - 1)
+        sums = np.bincount(interval, integrals, n_intervals)
         return sums / np.diff(edges)
 
     means = mean(difference)
     deviation = difference - means[interval, None]
-    return StepDifferences(means, mean(deviation**2))
+    variances = mean(deviation**2)
+    return StepDifferences(means, variances)

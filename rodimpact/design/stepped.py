@@ -135,8 +135,10 @@ def striker(
     )
     best = _exact_striker(search)
     if best is None:
-        best = _simplest_best(_strikers(search, progress))
-    search = search._replace(segments=len(best.logarithms))
+        strikers = _strikers(search, progress)
+        best = _simplest_best(strikers)
+    n_segments = len(best.logarithms)
+    search = search._replace(segments=n_segments)
     return PulseDesign(
         system=search.system(best.logarithms),
         body=0,
@@ -228,6 +230,7 @@ def _bounded_segments(logarithms: Floats, bounds: Floats) -> dict[int, str]:
     bounded = {}
     for bound, name in zip(bounds, ("smallest", "largest"), strict=True):
         is_at_limit = np.abs(logarithms - bound) <= AT_LIMIT_RTOL
-        for i in np.flatnonzero(is_at_limit).tolist():
+        indices = np.flatnonzero(is_at_limit)
+        for i in indices.tolist():
             bounded[i] = name
     return bounded

@@ -81,14 +81,18 @@ class StrikerSearch(NamedTuple):
 
     def system(self, logarithms: Floats, left_end: Free | Absorbing = FREE) -> System:
         """The striker and the semi-infinite bar."""
-        length = self.duration / 2 * self.material.wave_speed / self.segments
+        material = self.material
+        transit_time = self.duration / 2
+        length = transit_time * material.wave_speed / self.segments
         segments = []
         for logarithm in logarithms[::-1]:
             area = self.bar_area * math.exp(logarithm)
-            segments.append(Segment(length, area, self.material))
+            segment = Segment(length, area, material)
+            segments.append(segment)
         striker = Rod(segments=segments, velocity=self.velocity)
+        contacts = [self.contact]
         ends = (left_end, Absorbing())
-        return System([striker, self.bar], contacts=[self.contact], ends=ends)
+        return System([striker, self.bar], contacts=contacts, ends=ends)
 
     def force(
         self, logarithms: Floats, until: float, left_end: Free | Absorbing = FREE
@@ -96,15 +100,17 @@ class StrikerSearch(NamedTuple):
         """Force on the bar, N, until a time, s."""
         system = self.system(logarithms, left_end)
         solution = solve(system, until=until, method="fronts")
-        times, force, _ = solution.contacts[0].breakpoints()
+        contact = solution.contacts[0]
+        times, force, _ = contact.breakpoints()
         return staircase(times, force, until, "force on the bar")
 
     def misfits(self, reached: Signal) -> Misfits:
         """Parts of the misfit of a force on the bar."""
-        peak = np.abs(self.wanted.values).max()
+        wanted = self.wanted
+        peak = np.abs(wanted.values).max()
         durations = np.diff(self.edges)
-        weights = durations / self.wanted.end / peak**2
-        mean, variance = differences(self.wanted, reached, self.edges)
+        weights = durations / wanted.end / peak**2
+        mean, variance = differences(wanted, reached, self.edges)
         of_means = np.sqrt(weights) * mean
         within_steps = np.sqrt(weights * variance)
         return Misfits(of_means, within_steps)
@@ -115,9 +121,11 @@ class StrikerSearch(NamedTuple):
         """Striker in which each area alone would give its step of the force, N."""
         bar = self.bar.segments[0]
         velocity = force / (bar.impedance * self.velocity)
-        velocity = np.clip(velocity, REFLECTION_MARGIN, 1 - REFLECTION_MARGIN)
+        highest = 1 - REFLECTION_MARGIN
+        velocity = np.clip(velocity, REFLECTION_MARGIN, highest)
         impedance = velocity / (1 - velocity) * bar.impedance
-        areas = impedance / (self.material.density * self.material.wave_speed)
+        material = self.material
+        areas = impedance / (material.density * material.wave_speed)
         logarithms = np.log(areas / self.bar_area)
         return np.clip(logarithms, *self.bounds)
 
@@ -126,7 +134,9 @@ class StrikerSearch(NamedTuple):
 
         Areas stay within the bounds.
         """
-        logarithms = self.matched(force[:1])
+        first_force = force[:1]
+        logarithms = self.matched(first_force)
+        strongest = 1 - REFLECTION_MARGIN
         bonded = self._replace(contact=Bonded())
         for k in range(1, len(force)):
             until = self.edges[k + 1]
@@ -136,10 +146,12 @@ class StrikerSearch(NamedTuple):
             slope = if_free.values[-1] - force_without_reflection
             reflection = 0.0
             if slope:
-                reflection = (force[k] - force_without_reflection) / slope
-            reflection = max(reflection, REFLECTION_MARGIN - 1)
-            reflection = min(reflection, 1 - REFLECTION_MARGIN)
-            step = math.log((1 - reflection) / (1 + reflection))
+                change = force[k] - force_without_reflection
+                reflection = change / slope
+            reflection = max(reflection, -strongest)
+            reflection = min(reflection, strongest)
+            area_ratio = (1 - reflection) / (1 + reflection)
+            step = math.log(area_ratio)
             logarithm = np.clip(logarithms[-1] + step, *self.bounds)
             logarithms = np.append(logarithms, logarithm)
         return logarithms
@@ -156,17 +168,22 @@ class StrikerSearch(NamedTuple):
         """
         from scipy.optimize import least_squares
 
+        end = self.wanted.end
+
         def residuals(logarithms: Floats) -> Floats:
-            force = self.force(logarithms, self.wanted.end)
+            force = self.force(logarithms, end)
             return self.misfits(force).of_means
 
         def sum_of_squares(logarithms: Floats) -> float:
-            return float(np.sum(residuals(logarithms) ** 2))
+            squares = residuals(logarithms) ** 2
+            return float(np.sum(squares))
 
-        nothing = no_force(self.wanted.end)
+        nothing = no_force(end)
         steps = differences(nothing, self.wanted, self.edges)
         force = steps.mean[: self.segments]
-        starts = [self.peeled(force), self.matched(force)]
+        peeled = self.peeled(force)
+        matched = self.matched(force)
+        starts = [peeled, matched]
         if coarser.size:
             positions = _middles(self.segments)
             coarser_positions = _middles(coarser.size)
@@ -182,7 +199,7 @@ class StrikerSearch(NamedTuple):
             xtol=1e-8,
             gtol=None,
         ).x
-        reached = self.force(best, self.wanted.end)
+        reached = self.force(best, end)
         misfits = self.misfits(reached)
         of_means = np.linalg.norm(misfits.of_means)
         within_steps = float(np.linalg.norm(misfits.within_steps))
@@ -191,5 +208,6 @@ class StrikerSearch(NamedTuple):
 
 def _middles(segments: int) -> Floats:
     """Middles of segments along a striker of length 1."""
-    middles: Floats = (np.arange(segments) + 0.5) / segments
+    numbers = np.arange(segments)
+    middles: Floats = (numbers + 0.5) / segments
     return middles

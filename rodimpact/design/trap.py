@@ -103,14 +103,16 @@ def momentum_trap(
     bar_index = len(system.bodies) - 1
     waves = _end_waves(untrapped, bar_index)
     is_before = waves.times < passed * (1 - TIME_RTOL)
-    gap = _gap(untrapped, bar_index, waves.times[is_before], passed)
+    times_before = waves.times[is_before]
+    gap = _gap(untrapped, bar_index, times_before, passed)
     row = _TrappedRow(system, bar, material, gap)
     largest_wave = np.abs(waves.rightward).max()
     if largest_wave == 0:
         raise _nothing_pushes(passed, end)
     force_start, force_end = _pressed_interval(row, passed, end)
     wave_speed = float(material.wave_speed)
-    trapped = row.with_length(wave_speed * (force_end - force_start) / 2)
+    duration = force_end - force_start
+    trapped = row.with_length(wave_speed * duration / 2)
 
     trapped_waves = _end_waves(solve(trapped, until=end), bar_index)
     reached = staircase(
@@ -119,13 +121,16 @@ def momentum_trap(
         end,
         "force of the wave back into the bar",
     )
-    times = [*waves.times[is_before], passed]
+    times = [*times_before, passed]
     forces = [*waves.leftward[is_before], 0.0]
     wanted = staircase(times, forces, end, "wanted")
     edges = np.array([passed, end])
     after_pulse = differences(wanted, reached, edges)
-    mean_square = after_pulse.mean[0] ** 2 + after_pulse.variance[0]
-    misfit = float(np.sqrt(mean_square) / largest_wave)
+    mean = after_pulse.mean[0]
+    variance = after_pulse.variance[0]
+    mean_square = mean**2 + variance
+    root_mean_square = np.sqrt(mean_square)
+    misfit = float(root_mean_square / largest_wave)
     return PulseDesign(trapped, bar_index + 1, wanted, reached, misfit, staircase=0.0)
 
 
@@ -141,7 +146,8 @@ def _end_waves(solution: Solution, body: int) -> _EndWaves:
     """Waves at the right end of a rod."""
     rod: Any = solution.system.bodies[body]
     segment = rod.segments[-1]
-    gauge = solution.gauge(body, float(rod.length))
+    length = float(rod.length)
+    gauge = solution.gauge(body, length)
     stiffness = float(segment.impedance * segment.wave_speed)
     arriving = -stiffness * gauge.rightward
     leaving = -stiffness * gauge.leftward
@@ -169,10 +175,14 @@ def _gap(solution: Solution, body: int, times: Any, passed: float) -> float:
     """
     rod: Any = solution.system.bodies[body]
     times = [0.0, *times, passed]
-    positions = solution.displacement(body, float(rod.length), times)
-    gap = float(positions[-1] - positions[0])
-    furthest = float(positions.max() - positions[0])
-    if furthest > gap + DISPLACEMENT_RTOL * float(np.ptp(positions)):
+    length = float(rod.length)
+    positions = solution.displacement(body, length, times)
+    start = positions[0]
+    gap = float(positions[-1] - start)
+    furthest = float(positions.max() - start)
+    path = np.ptp(positions)
+    round_off = DISPLACEMENT_RTOL * float(path)
+    if furthest > gap + round_off:
         message = (
             f"the right end is at {gap:.6g} m at {passed!r} s, and was at "
             f"{furthest:.6g} m before; take the time at which it is furthest"
@@ -192,8 +202,9 @@ class _TrappedRow(NamedTuple):
     def with_length(self, length: float) -> System:
         """The row with a trap of this length, m, and of the impedance of the bar."""
         impedance = float(self.bar.segments[-1].impedance)
-        area = impedance / float(self.material.density * self.material.wave_speed)
-        trap = Rod(length, area=area, material=self.material)
+        material = self.material
+        area = impedance / float(material.density * material.wave_speed)
+        trap = Rod(length, area=area, material=material)
         system = self.system
         return System(
             [*system.bodies, trap],
@@ -221,14 +232,19 @@ def _pressed_interval(
         If nothing pushes on it between `passed` and `end`.
     """
     longest = float(row.material.wave_speed) * end
-    solution = solve(row.with_length(longest), until=end)
+    trapped = row.with_length(longest)
+    solution = solve(trapped, until=end)
     times, force, _ = solution.contacts[-1].breakpoints()
     has_passed = times >= passed * (1 - TIME_RTOL)
-    is_pressed = force > LEAST_FORCE_RTOL * force.max()
-    pressed = np.flatnonzero(has_passed & (times < end) & is_pressed)
+    least_force = LEAST_FORCE_RTOL * force.max()
+    is_pressed = force > least_force
+    is_early = times < end
+    pressed = np.flatnonzero(has_passed & is_early & is_pressed)
     if not pressed.size:
         raise _nothing_pushes(passed, end)
-    start = float(times[pressed[0]])
+    first = pressed[0]
+    last = pressed[-1]
+    start = float(times[first])
     next_times = np.append(times[1:], end)
-    stop = min(end, float(next_times[pressed[-1]]))
+    stop = min(end, float(next_times[last]))
     return start, stop

@@ -10,14 +10,14 @@ from exhaustive import few_of
 import rodimpact as ri
 
 STEEL = ri.materials.steel
-BAR = ri.Rod(2.0, area=3e-4, material=STEEL)
-BAR_AREA = 3e-4
+BAR_AREA = 3e-4  # m^2
+BAR = ri.Rod(2.0, area=BAR_AREA, material=STEEL)
 BAR_IMPEDANCE = BAR.segments[0].impedance
-SPEED = 10.0
-T = 100e-6
+SPEED = 10.0  # m/s
+T = 100e-6  # duration of a pulse, s
 PEAK = 0.8 * BAR_IMPEDANCE * SPEED / 2
-WIDE = (np.exp(-4.0), np.exp(1.5))
-"""Limits of areas that a lathe cannot make."""
+WIDE = (np.exp(-4.0), np.exp(1.5))  # limits of areas that a lathe cannot make
+STEPS = 10  # segments of a hidden striker
 
 
 class Shape(NamedTuple):
@@ -27,15 +27,24 @@ class Shape(NamedTuple):
     percent: float
 
 
-SHARE = np.linspace(0, 1, 1001)
+def half_sine():
+    share = np.linspace(0, 1, 1001)
+    return ri.Signal(PEAK * np.sin(np.pi * share), share * T, unit="N")
+
+
+def trapezoid():
+    times = [0, 0.3 * T, 0.8 * T, T]
+    return ri.Signal([0, PEAK, PEAK, 0], times, unit="N")
+
+
+def ramp():
+    return ri.Signal([0, PEAK], [0, T], unit="N")
+
+
 SHAPES = {
-    "half sine": Shape(
-        ri.Signal(PEAK * np.sin(np.pi * SHARE), SHARE * T, unit="N"), 6.4
-    ),
-    "trapezoid": Shape(
-        ri.Signal([0, PEAK, PEAK, 0], [0, 0.3 * T, 0.8 * T, T], unit="N"), 8.6
-    ),
-    "ramp": Shape(ri.Signal([0, PEAK], [0, T], unit="N"), 13.0),
+    "half sine": Shape(half_sine(), 6.4),
+    "trapezoid": Shape(trapezoid(), 8.6),
+    "ramp": Shape(ramp(), 13.0),
 }
 
 
@@ -45,7 +54,7 @@ def areas(design):
     return np.array([segment.area for segment in striker.segments])[::-1]
 
 
-# A hidden striker ---------------------------------------------------------------------
+# A hidden striker
 
 
 def pulse(impedances, steps):
@@ -65,13 +74,14 @@ def pulse(impedances, steps):
     towards_bar = np.ones(len(Z))
     away = np.ones(len(Z))
     forces = []
+    sums = Z[:-1] + Z[1:]
     for tick in range(2 * steps):
         force = towards_bar[0] / (1 / Z[0] + 1)
         if tick % 2 == 0:
             forces.append(force)
-        joint_velocity = (Z[:-1] * away[:-1] + Z[1:] * towards_bar[1:]) / (
-            Z[:-1] + Z[1:]
-        )
+        from_left = Z[:-1] * away[:-1]
+        from_right = Z[1:] * towards_bar[1:]
+        joint_velocity = (from_left + from_right) / sums
         back_from_bar = towards_bar[0] - 2 * force / Z[0]
         back_from_free_end = away[-1]
         back_from_joints = 2 * joint_velocity - away[:-1]
@@ -86,8 +96,9 @@ def sensitivity(ratios):
     step = 1e-4
     changes = []
     for change in step * np.eye(len(ratios)):
-        larger = pulse(ratios * np.exp(change), 20)
-        smaller = pulse(ratios * np.exp(-change), 20)
+        factor = np.exp(change)
+        larger = pulse(ratios * factor, 2 * STEPS)
+        smaller = pulse(ratios / factor, 2 * STEPS)
         changes.append((larger - smaller) / (2 * step))
     _, singular_values, _ = np.linalg.svd(changes)
     return singular_values[-1]
@@ -95,9 +106,11 @@ def sensitivity(ratios):
 
 @pytest.mark.parametrize("seed", few_of([*range(20), 82], (0, 1, 2, 82)))
 def test_a_hidden_striker_is_found_as_well_as_its_pulse_tells(seed):
-    ratios = np.exp(np.random.default_rng(seed).uniform(-4, 1.5, 10))
-    forces = pulse(ratios, 20) * SPEED * BAR_IMPEDANCE
-    wanted = ri.Steps(forces, np.arange(1, 20) * T / 10)
+    rng = np.random.default_rng(seed)
+    ratios = np.exp(rng.uniform(-4, 1.5, STEPS))
+    forces = pulse(ratios, 2 * STEPS) * SPEED * BAR_IMPEDANCE
+    edges = np.arange(1, 2 * STEPS) * T / STEPS
+    wanted = ri.Steps(forces, edges)
 
     design = ri.design.striker(
         wanted,
@@ -109,72 +122,86 @@ def test_a_hidden_striker_is_found_as_well_as_its_pulse_tells(seed):
     )
 
     errors = areas(design) / BAR_AREA / ratios - 1
-    assert np.abs(errors).max() < max(1e-6, 2e-14 / sensitivity(ratios))
+    amplified_round_off = 2e-14 / sensitivity(ratios)
+    assert np.abs(errors).max() < max(1e-6, amplified_round_off)
     assert design.misfit < 1e-12
 
 
-# Shapes -------------------------------------------------------------------------------
+# Shapes
+
+
+def root_mean_square(values):
+    return np.sqrt(np.mean(values**2))
 
 
 @pytest.mark.parametrize("shape", few_of(SHAPES, {"trapezoid"}))
-def test_shapes_are_met_to_what_ten_steps_can(shape):
+def test_shapes_are_met_as_well_as_ten_steps_can(shape):
     wanted, percent = SHAPES[shape]
+
     design = ri.design.striker(wanted, BAR, velocity=SPEED, duration=T, area_ratio=WIDE)
 
+    smallest, largest = WIDE
     ratios = areas(design) / BAR_AREA
-    assert ratios.min() >= WIDE[0] * (1 - 1e-9)
-    assert ratios.max() <= WIDE[1] * (1 + 1e-9)
+    assert ratios.min() >= smallest * (1 - 1e-9)
+    assert ratios.max() <= largest * (1 + 1e-9)
 
     times = (np.arange(20_000) + 0.5) * T / 10_000
-    force = ri.solve(design.system, until=2 * T).contacts[0].force(times)
+    solution = ri.solve(design.system, until=2 * T)
+    force = solution.contacts[0].force(times)
     wanted_force = np.interp(times, wanted.times, wanted.values, right=0.0)
     difference = (force - wanted_force) / PEAK
-    assert design.misfit == pytest.approx(np.sqrt(np.mean(difference**2)), rel=1e-3)
+    misfit = root_mean_square(difference)
+    assert design.misfit == pytest.approx(misfit, rel=1e-3)
     assert design.misfit < percent / 100
 
     step_means = difference.reshape(20, -1).mean(axis=1)
-    of_means = np.sqrt(np.mean(step_means**2))
-    total = np.hypot(of_means, design.staircase)
+    total = np.hypot(root_mean_square(step_means), design.staircase)
     assert total == pytest.approx(design.misfit, rel=1e-3)
 
 
 def test_one_misfit_is_shown_everywhere():
     wanted = SHAPES["trapezoid"].wanted
+
     design = ri.design.striker(wanted, BAR, velocity=SPEED, duration=T, segments=4)
+
+    picture = ri.plot.design(design)
     percent = f"{100 * design.misfit:.3g} %"
     assert percent in str(design)
-    assert percent in ri.plot.design(design).reached.get_label()
+    assert percent in picture.reached.get_label()
 
 
 def test_areas_at_a_limit_are_named():
     high = ri.Steps([5 * PEAK, 0.0], [T])
+
     design = ri.design.striker(high, BAR, velocity=SPEED, duration=T, segments=3)
+
+    picture = ri.plot.design(design)
     assert areas(design) == pytest.approx(9 / 4 * BAR_AREA)
     assert set(design.bounded.values()) == {"largest"}
     assert len(design.bounded) == len(areas(design))
     assert "largest" in str(design)
     assert "at a limit" in str(design)
-    assert "at a limit" in ri.plot.design(design).reached.get_label()
+    assert "at a limit" in picture.reached.get_label()
 
 
 def test_wider_limits_bring_the_pulse_nearer():
     settings = {"velocity": SPEED, "duration": T, "segments": 3}
     high = ri.Steps([5 * PEAK, 0.0], [T])
+
     narrow = ri.design.striker(high, BAR, **settings)
     wide = ri.design.striker(high, BAR, area_ratio=(0.1, 99), **settings)
+
     assert wide.misfit < narrow.misfit
 
 
-def test_a_single_segment_has_the_area_that_momentum_says():
+def test_a_single_segment_has_the_area_of_the_momentum():
     force = 0.3 * BAR_IMPEDANCE * SPEED
+    wanted = ri.Steps([force, 0.0], [T])
+
     design = ri.design.striker(
-        ri.Steps([force, 0.0], [T]),
-        BAR,
-        velocity=SPEED,
-        duration=T,
-        until=T,
-        segments=1,
+        wanted, BAR, velocity=SPEED, duration=T, until=T, segments=1
     )
+
     assert areas(design) == pytest.approx([BAR_AREA * 0.3 / 0.7])
     assert design.misfit == pytest.approx(0, abs=1e-12)
     assert design.staircase == pytest.approx(0, abs=1e-12)
@@ -183,29 +210,23 @@ def test_a_single_segment_has_the_area_that_momentum_says():
     assert str(design).splitlines()[-1].endswith("%")
 
 
-# Mistakes -----------------------------------------------------------------------------
+# Mistakes
 
 
 RAMP = SHAPES["ramp"].wanted
 VALID = {"wanted": RAMP, "bar": BAR, "velocity": SPEED, "duration": T}
+VOLTS = ri.Signal([0, 1], [0, T], unit="V")
+FAMILY = ri.Steps([1.0, np.array([1.0, 2.0])], [T])
+PULLING = ri.Steps([1.0, -2.0], [T])
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("change", "message"),
     [
         ({"wanted": RAMP.values}, "wanted: must be a force over time"),
-        (
-            {"wanted": ri.Signal([0, 1], [0, T], unit="V")},
-            "wanted: must be a force over time",
-        ),
-        (
-            {"wanted": ri.Steps([1.0, np.array([1.0, 2.0])], [T])},
-            "wanted: must be a force over time",
-        ),
-        (
-            {"wanted": ri.Steps([1.0, -2.0], [T])},
-            "wanted: pulls with 2.0 N, and faces only push",
-        ),
+        ({"wanted": VOLTS}, "wanted: must be a force over time"),
+        ({"wanted": FAMILY}, "wanted: must be a force over time"),
+        ({"wanted": PULLING}, "wanted: pulls with 2.0 N, and faces only push"),
         ({"wanted": ri.Steps([0.0, 1.0], [2 * T])}, "wanted: is 0 from impact on"),
         ({"bar": STEEL}, "bar: must be a Rod"),
         (
@@ -235,7 +256,8 @@ VALID = {"wanted": RAMP, "bar": BAR, "velocity": SPEED, "duration": T}
         ({"contact": ri.Spring(1e8)}, "contact: must be Rigid() or Bonded()"),
     ],
 )
-def test_invalid_arguments_are_refused(change, sentence):
+def test_invalid_arguments_are_refused(change, message):
     arguments = VALID | change
-    with pytest.raises(ValueError, match=re.escape(sentence)):
+
+    with pytest.raises(ValueError, match=re.escape(message)):
         ri.design.striker(**arguments)
