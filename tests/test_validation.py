@@ -39,7 +39,7 @@ def lines_of_page(path):
     for line in path.read_text("utf-8").splitlines():
         if line.startswith("| "):
             cells = line.strip("|").split("|")
-            lines.append(tuple(cell.strip() for cell in cells))
+            lines.append(tuple(map(str.strip, cells)))
     return lines
 
 

@@ -1,4 +1,4 @@
-"""closed_form(): formulas against Saint-Venant's, and against runs on fractions elsewhere."""
+"""closed_form(): formulas against Saint-Venant's, and against runs on fractions."""
 
 import random
 import sys
@@ -39,11 +39,14 @@ def same(formula, expected):
     return sympy.simplify(formula - expected) == 0
 
 
-# Formulas of two rods -----------------------------------------------------------------
+# Formulas of two rods
 
 
 def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
-    form = ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL), ["length"])
+    box = row([0.4, 1.0], [1e-4, 1e-4], STEEL)
+
+    form = ri.closed_form(box, ["length"])
+
     l1, l2 = names("l")
     assert same(form.restitution, l1 / l2)
     assert form.cell == (l1 < l2,)
@@ -56,63 +59,84 @@ def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
 
 
 def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
-    form = ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL), ["length"])
+    box = row([0.4, 1.0], [1e-4, 1e-4], STEEL)
+
+    form = ri.closed_form(box, ["length"])
+
     ((start, end),) = form.contact_times[0]
     l1, _ = names("l")
     slowness = (STEEL.density / STEEL.youngs_modulus) ** 0.5
+    duration = float(end.subs(l1, 0.4))
     assert start == 0
-    assert float(end.subs(l1, 0.4)) == pytest.approx(0.8 * slowness, rel=1e-14)
+    assert duration == pytest.approx(0.8 * slowness, rel=1e-14)
 
 
 def test_a_longer_rod_of_higher_impedance():
     form = ri.closed_form(row([2, 5], [1, 1.5]))
+
     T1, T2, Z1, Z2 = names("T", "Z")
-    assert same(form.restitution, (2 * T1 * Z1 + (Z2 - Z1) * T2) / (T2 * (Z1 + Z2)))
+    e = (2 * T1 * Z1 + (Z2 - Z1) * T2) / (T2 * (Z1 + Z2))
+    impulse = 2 * T1 * Z1 * Z2 / (Z1 + Z2)
+    assert same(form.restitution, e)
+    assert same(form.impulses[0], impulse)
     assert set(form.cell) == {Z1 < Z2, T1 < T2}
-    assert same(form.impulses[0], 2 * T1 * Z1 * Z2 / (Z1 + Z2))
     assert form.contact_times == (((0, 2 * T1),),)
 
 
 @pytest.mark.parametrize("K", [1, 2, 4])
 def test_a_longer_rod_of_lower_impedance(K):
     form = ri.closed_form(row([2, 2 * K + 1], [2, 1]))
+
     T1, T2, Z1, Z2 = names("T", "Z")
     q = (Z1 - Z2) / (Z1 + Z2)
-    whole_round_trips = sum(q**k for k in range(K)) * T1
+    powers = [q**k for k in range(K)]
+    whole_round_trips = sum(powers) * T1
     last_round_trip = q**K * (T2 - K * T1)
     impulse = 2 * Z1 * Z2 / (Z1 + Z2) * (whole_round_trips + last_round_trip)
     inverse_masses = 1 / (Z1 * T1) + 1 / (Z2 * T2)
-    assert same(form.restitution, impulse * inverse_masses - 1)
     shortest = K * T1 < T2
-    assert set(form.cell) == {Z2 < Z1, shortest, T2 < (K + 1) * T1}
+    longest = T2 < (K + 1) * T1
+    assert same(form.restitution, impulse * inverse_masses - 1)
+    assert set(form.cell) == {Z2 < Z1, shortest, longest}
 
 
-# Borders between formulas -------------------------------------------------------------
+# Borders between formulas
 
 
 def test_on_a_border_there_are_both_formulas():
     form = ri.closed_form(row([1, 2], [1, 0.5]))
+
     (other,) = form.sides
-    T1, T2, *_ = names("T")
+    T1, T2 = names("T")
     borders = {T2 < 2 * T1, 2 * T1 < T2}
+    longer = Fraction(21, 10)
     assert len(borders & set(form.cell)) == 1
     assert len(borders & set(other.cell)) == 1
     assert form.restitution != other.restitution
     assert form.at().restitution == Fraction(7, 9)
     assert other.at().restitution == Fraction(7, 9)
     assert not form.holds()
-    assert form.holds(T2=Fraction(21, 10)) != other.holds(T2=Fraction(21, 10))
+    assert form.holds(T2=longer) != other.holds(T2=longer)
 
 
-def test_a_formula_prints_the_formulas_that_it_meets():
-    three = ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])
-    assert str(three).splitlines()[3:] == [
+def test_a_formula_of_three_rods_prints_the_formula_that_it_meets():
+    three = row([1, 1, 1], [1, 1, 1])
+
+    form = ri.closed_form(three, ["transit_time"])
+
+    assert str(form).splitlines()[3:] == [
         "where T1 < T3",
         "It meets another formula where T1 = T3, as here:",
         "V1 = 0, V2 = (T1 - T3)/T2, V3 = 1 where T3 < T1",
     ]
-    box = ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL))
-    lines = str(box).splitlines()
+
+
+def test_a_formula_of_two_rods_prints_the_formula_that_it_meets():
+    box = row([0.4, 1.0], [1e-4, 1e-4], STEEL)
+
+    form = ri.closed_form(box)
+
+    lines = str(form).splitlines()
     assert lines[1] == "where T1 < T2, Z1 < Z2"
     assert lines[2] == "It meets another formula where Z1 = Z2, as here (e = 2/5):"
     assert lines[3].endswith(" where Z2 < Z1")
@@ -120,30 +144,37 @@ def test_a_formula_prints_the_formulas_that_it_meets():
 
 def test_sides_beyond_the_cap_on_cells_are_announced(monkeypatch):
     monkeypatch.setattr("rodimpact.algebra.formula.MAX_CELLS", 1)
+
     form = ri.closed_form(row([1, 1], [1, 1]))
+
     assert form.unsolved
     assert str(form).endswith("cells, left out by max_events or by the cap on cells.")
 
 
-# Other rows, other symbols ------------------------------------------------------------
+# Other rows, other symbols
 
 
 def test_a_bond_has_an_average_impulse_which_has_a_formula():
-    rods = []
-    for T, Z, v in [(3.0, 2.5, 1.0), (1.0, 2.0, 0.5), (3.0, 0.5, 0.0)]:
-        rods.append(ri.Rod(T, area=Z, material=UNIT, velocity=v))
-    system = ri.System(rods, contacts=[ri.Bonded(), ri.Rigid()])
+    first = ri.Rod(3.0, area=2.5, material=UNIT, velocity=1.0)
+    second = ri.Rod(1.0, area=2.0, material=UNIT, velocity=0.5)
+    third = ri.Rod(3.0, area=0.5, material=UNIT)
+    contacts = [ri.Bonded(), ri.Rigid()]
+    system = ri.System([first, second, third], contacts=contacts)
+    rng = random.Random(2)
+
     form = ri.closed_form(system)
-    assert count_agreements(form, system, form.symbols, random.Random(2), 3) > 0
 
     collision = ri.exact(system)
     momentum_lost = Fraction(15, 2) * (1 - collision.velocities_after[0])
+    assert count_agreements(form, system, form.symbols, rng, 3) > 0
     assert collision.impulses[0] == momentum_lost
 
 
 def test_gaps_and_velocities_in_symbols():
     system = row([1, 2], [1, 3], gaps=[0.25])
+
     form = ri.closed_form(system, ["gap", "velocity", "length"])
+
     l1, l2 = names("l")
     v1, v2 = sympy.symbols("v1 v2", real=True)
     g1 = sympy.Symbol("g1", positive=True)
@@ -155,22 +186,29 @@ def test_gaps_and_velocities_in_symbols():
 
 def test_materials_in_symbols():
     system = row([2, 5], [1, 1], STEEL)
+
     form = ri.closed_form(system, ["youngs_modulus", "density"])
+
     E1, rho1 = sympy.symbols("E1 rho1", positive=True)
-    assert form.restitution == Fraction(2, 5)
     ((_, end),) = form.contact_times[0]
+    assert form.restitution == Fraction(2, 5)
     assert same(end, 4 * sympy.sqrt(rho1 / E1))
     assert not form.holds(E1=-1)
     assert form.at(rho1=0).contact_times == (((0, None),),)
 
 
 def test_a_stepped_striker():
-    segments = [ri.Segment(0.3, 1.0, UNIT), ri.Segment(0.2, 3.0, UNIT)]
-    striker = ri.Rod(segments=segments, velocity=1.0)
-    system = ri.System([striker, ri.Rod(1.0, area=2.0, material=UNIT)])
+    thin = ri.Segment(0.3, 1.0, UNIT)
+    thick = ri.Segment(0.2, 3.0, UNIT)
+    striker = ri.Rod(segments=[thin, thick], velocity=1.0)
+    struck = ri.Rod(1.0, area=2.0, material=UNIT)
+    system = ri.System([striker, struck])
+
     form = ri.closed_form(system, ["length"])
+
+    e = ri.exact(system).restitution
     for side in (form, *form.sides):
-        assert side.at().restitution == ri.exact(system).restitution
+        assert side.at().restitution == e
     paths = {
         "l1": "bodies.0.segments.0.length",
         "l2": "bodies.0.segments.1.length",
@@ -179,19 +217,21 @@ def test_a_stepped_striker():
     count_agreements(form, system, paths, random.Random(1), 4)
 
 
-# Random rows --------------------------------------------------------------------------
+# Random rows
 
 
 def exact_at(system, paths, point):
     """The collision in fractions with the values of a point, by the paths of its names."""
-    return ri.exact(system, {paths[name]: value for name, value in point.items()})
+    values = {paths[name]: value for name, value in point.items()}
+    return ri.exact(system, values)
 
 
 def point_near(form, rng, low, high, step):
     """Values of the symbols, each changed at random by `low` to `high` steps."""
     point = {}
     for name, value in form.values.items():
-        point[name] = value * (1 + rng.randint(low, high) * step)
+        change = rng.randint(low, high) * step
+        point[name] = value * (1 + change)
     return point
 
 
@@ -220,7 +260,7 @@ def agrees_at_its_border(form, system, paths, rng):
     if not form.holds(**inside) or form.holds(**outside):
         return False
     for _ in range(20):
-        middle = {name: (x + outside[name]) / 2 for name, x in inside.items()}
+        middle = {name: (inside[name] + outside[name]) / 2 for name in inside}
         if form.holds(**middle):
             inside = middle
         else:
@@ -282,11 +322,11 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
     assert borders >= rows / 8
 
 
-# Mistakes and texts -------------------------------------------------------------------
+# Mistakes and texts
 
 
 @pytest.mark.parametrize(
-    ("symbols", "cap", "sentence"),
+    ("symbols", "cap", "message"),
     [
         (
             ["lenght"],
@@ -303,37 +343,46 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
         (["length"], 1, "max_events: the collision is not over after 1"),
     ],
 )
-def test_mistakes_and_a_cap_are_named(symbols, cap, sentence):
-    with pytest.raises(ri.InvalidModel, match=sentence):
-        ri.closed_form(row([2, 5], [1, 1]), symbols, max_events=cap)
+def test_mistakes_and_a_cap_are_named(symbols, cap, message):
+    system = row([2, 5], [1, 1])
+
+    with pytest.raises(ri.InvalidModel, match=message):
+        ri.closed_form(system, symbols, max_events=cap)
 
 
 def test_a_value_of_an_unknown_symbol_is_refused():
     form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
+
     with pytest.raises(ri.InvalidModel, match="l3: is no symbol here"):
         form.at(l3=1)
 
 
 def test_without_sympy_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "sympy", None)
-    with pytest.raises(
-        ImportError, match=r"sympy is not installed; pip install 'rodimpact\[sympy"
-    ):
+    message = r"sympy is not installed; pip install 'rodimpact\[sympy"
+
+    with pytest.raises(ImportError, match=message):
         ri.closed_form(row([2, 5], [1, 1]))
 
 
 def test_notebooks_show_latex():
     form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
-    assert r"\frac{l_{1}}{l_{2}}" in form._repr_latex_()
-    assert "l_{1} < l_{2}" in form._repr_latex_()
+
+    latex = form._repr_latex_()
+
+    assert r"\frac{l_{1}}{l_{2}}" in latex
+    assert "l_{1} < l_{2}" in latex
 
 
 def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
     three = row([0.4, 1.0, 0.7], [1e-4, 2e-4, 3e-4])
     monkeypatch.setattr("rodimpact.algebra.rational_functions.MAX_PRODUCT_TERMS", 20)
+
     with pytest.raises(ri.InvalidModel, match=r"symbols: a formula .* name fewer"):
         str(ri.closed_form(three))
-    assert "l1" in str(ri.closed_form(three, ["bodies.0.length"]))
+    shorter = ri.closed_form(three, ["bodies.0.length"])
+
+    assert "l1" in str(shorter)
 
 
 def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
@@ -344,7 +393,9 @@ def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
         steps.append(step)
         totals.add(total)
 
-    form = ri.closed_form(row([0.4, 1.0], [1e-4, 2e-4]), ["length"], progress=progress)
+    system = row([0.4, 1.0], [1e-4, 2e-4])
+    form = ri.closed_form(system, ["length"], progress=progress)
+
     assert str(form)
     assert steps == list(range(1, len(steps) + 1))
     assert totals == {None}
