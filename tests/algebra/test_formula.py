@@ -27,6 +27,16 @@ def row(lengths, areas, material=UNIT, **settings):
     return ri.System(rods, **settings)
 
 
+BOX = row([0.4, 1.0], [1e-4, 1e-4], STEEL)
+TWO_TO_FIVE = row([2, 5], [1, 1])
+
+
+def only_contact(form):
+    """Start and end of the contact of two rods that meet once."""
+    (episode,) = form.contact_times[0]
+    return episode
+
+
 def names(*letters):
     """Positive symbols: each letter with 1, then with 2."""
     numbered = []
@@ -43,9 +53,7 @@ def same(formula, expected):
 
 
 def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
-    box = row([0.4, 1.0], [1e-4, 1e-4], STEEL)
-
-    form = ri.closed_form(box, ["length"])
+    form = ri.closed_form(BOX, ["length"])
 
     l1, l2 = names("l")
     assert same(form.restitution, l1 / l2)
@@ -59,11 +67,9 @@ def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
 
 
 def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
-    box = row([0.4, 1.0], [1e-4, 1e-4], STEEL)
+    form = ri.closed_form(BOX, ["length"])
 
-    form = ri.closed_form(box, ["length"])
-
-    ((start, end),) = form.contact_times[0]
+    start, end = only_contact(form)
     l1, _ = names("l")
     slowness = (STEEL.density / STEEL.youngs_modulus) ** 0.5
     duration = float(end.subs(l1, 0.4))
@@ -113,8 +119,9 @@ def test_on_a_border_there_are_both_formulas():
     assert len(borders & set(form.cell)) == 1
     assert len(borders & set(other.cell)) == 1
     assert form.restitution != other.restitution
-    assert form.at().restitution == Fraction(7, 9)
-    assert other.at().restitution == Fraction(7, 9)
+    e = Fraction(7, 9)
+    assert form.at().restitution == e
+    assert other.at().restitution == e
     assert not form.holds()
     assert form.holds(T2=longer) != other.holds(T2=longer)
 
@@ -132,9 +139,7 @@ def test_a_formula_of_three_rods_prints_the_formula_that_it_meets():
 
 
 def test_a_formula_of_two_rods_prints_the_formula_that_it_meets():
-    box = row([0.4, 1.0], [1e-4, 1e-4], STEEL)
-
-    form = ri.closed_form(box)
+    form = ri.closed_form(BOX)
 
     lines = str(form).splitlines()
     assert lines[1] == "where T1 < T2, Z1 < Z2"
@@ -180,7 +185,7 @@ def test_gaps_and_velocities_in_symbols():
     g1 = sympy.Symbol("g1", positive=True)
     assert same(form.restitution, (l1 + l2) / (2 * l2))
     assert set(form.cell) == {l1 < l2, v2 < v1}
-    ((start, _),) = form.contact_times[0]
+    start, _ = only_contact(form)
     assert same(start, g1 / (v1 - v2))
 
 
@@ -190,7 +195,7 @@ def test_materials_in_symbols():
     form = ri.closed_form(system, ["youngs_modulus", "density"])
 
     E1, rho1 = sympy.symbols("E1 rho1", positive=True)
-    ((_, end),) = form.contact_times[0]
+    _, end = only_contact(form)
     assert form.restitution == Fraction(2, 5)
     assert same(end, 4 * sympy.sqrt(rho1 / E1))
     assert not form.holds(E1=-1)
@@ -344,14 +349,12 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
     ],
 )
 def test_mistakes_and_a_cap_are_named(symbols, cap, message):
-    system = row([2, 5], [1, 1])
-
     with pytest.raises(ri.InvalidModel, match=message):
-        ri.closed_form(system, symbols, max_events=cap)
+        ri.closed_form(TWO_TO_FIVE, symbols, max_events=cap)
 
 
 def test_a_value_of_an_unknown_symbol_is_refused():
-    form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
+    form = ri.closed_form(TWO_TO_FIVE, ["length"])
 
     with pytest.raises(ri.InvalidModel, match="l3: is no symbol here"):
         form.at(l3=1)
@@ -362,11 +365,11 @@ def test_without_sympy_the_extra_is_named(monkeypatch):
     message = r"sympy is not installed; pip install 'rodimpact\[sympy"
 
     with pytest.raises(ImportError, match=message):
-        ri.closed_form(row([2, 5], [1, 1]))
+        ri.closed_form(TWO_TO_FIVE)
 
 
 def test_notebooks_show_latex():
-    form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
+    form = ri.closed_form(TWO_TO_FIVE, ["length"])
 
     latex = form._repr_latex_()
 
