@@ -252,7 +252,7 @@ def sentence_of(run: Any) -> str:
     row, ended, tick, it = (
         run["row"],
         run["ended"],
-        run["clock"].tick_duration,
+        run["clock"].tick,
         run["ended"].run,
     )
     strains = [
