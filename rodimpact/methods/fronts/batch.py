@@ -24,12 +24,14 @@ from .records import (
     State,
 )
 
-INITIAL_LOG_ROWS = 32  # rows of the log, in addition to those at t = 0
-NUMBERS_PER_ROW = (
-    18  # memory of a row of the log with its signals, in numbers of 8 bytes
-)
-NUMBERS_PER_LIST_ROW = 60  # the same in plain Python
-PLAIN_ROW_TIME = 1e-5  # s, approximate cost of a row of the log in plain Python
+INITIAL_LOG_ROWS = 32
+"""Rows of the log, in addition to those at t = 0."""
+NUMBERS_PER_ROW = 18
+"""Memory of a row of the log with its signals, in numbers of 8 bytes."""
+NUMBERS_PER_LIST_ROW = 60
+"""The same in plain Python."""
+PLAIN_ROW_TIME = 1e-5
+"""Approximate time of a row of the log in plain Python, s."""
 
 RECORD_TYPES = {
     "runs": RUN,
