@@ -45,7 +45,9 @@ class Calibration:
     speed_errors : (float, float)
         Standard errors of the wave speeds due to noise, m/s.
     gain_errors : (float, float)
-        Standard errors of the gains.
+        Standard errors of the gains: from the ringing plateau of the pulse, if a striker speed is
+        given, and from the difference between the incident pulse at the output gauge and the
+        recorded one.
     reflected : float
         Strain reflected at the joint divided by the incident strain. `expected` is its value from
         the impedances, (Z2 - Z1)/(Z2 + Z1).
@@ -209,17 +211,21 @@ def calibrate(
     Z1 = input_bar.impedance
     Z2 = output_bar.impedance
     transmission = 2 * Z2 / (Z1 + Z2) * input_bar.stiffness / output_bar.stiffness
-    output_gain = input_gain * transmission * incident / transmitted
+    ratio = _ratio(_at_output_gauge(input_bar, output_bar), output_bar)
+    output_gain = input_gain * transmission * ratio.value
+    input_error = _plateau_error(input_bar) * input_gain
+    if striker_speed is None:
+        input_error = 0.0  # the gain is 1 by definition
+    output_error = math.hypot(
+        input_error / input_gain * output_gain, input_gain * transmission * ratio.error
+    )
     input_noise = _noise(input_bar) / incident
     output_noise = _noise(output_bar) / transmitted
     return Calibration(
         bars=(input_bar.rod, output_bar.rod),
         gains=(input_gain, output_gain),
         speed_errors=(first.speed_error, output.speed_error),
-        gain_errors=(
-            _gain_error(input_bar, input_gain, input_noise),
-            _gain_error(output_bar, output_gain, output_noise),
-        ),
+        gain_errors=(input_error, output_error),
         reflected=_reflected_ratio(input_bar),
         expected=(Z2 - Z1) / (Z1 + Z2),
         noise=(input_noise, output_noise),
@@ -261,12 +267,9 @@ def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     output_bar = output.bar
     input_path = float(input_bar.distances[0])
     output_path = float(output_bar.distances[0])
-    passing = _passing(input_bar)
-    pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
 
     def transmitted(bar: InstrumentedBar) -> Floats:
-        at_joint = bar._replace(dt=output_bar.dt).propagated(pulse, input_path)
-        return output_bar.propagated(at_joint, output_path)
+        return _at_output_gauge(bar, output_bar)
 
     timed = _fit_wave_speed(input_bar, input_path, output_bar, transmitted)
     # error of the travel time in the output bar, s
@@ -299,8 +302,8 @@ def _fit_wave_speed(
         last = pulse[-1]
         slack = TRAVEL_RANGE_RTOL * travel
         low = recording.times[first] - slack
-        high = recording.times[last] + slack
-        _check_record_end(recording, high)
+        high = min(recording.times[last] + slack, recording.times[-1])
+        _check_record_end(recording, last, size)
         misfit = record.window(low, high).misfit(
             Signal(predicted, recording.times), shift=(-slack, slack)
         )
@@ -317,13 +320,20 @@ def _fit_wave_speed(
     return _Timed(bar, arrival_error * bar.speed**2 / path)
 
 
-def _check_record_end(recording: InstrumentedBar, needed: float) -> None:
-    """InvalidModel if the record of a gauge ends before a time, s."""
+def _check_record_end(recording: InstrumentedBar, last: int, size: Floats) -> None:
+    """InvalidModel if the record ends before a predicted pulse of this size is over.
+
+    `last` is the index of the last sample that counts to the pulse.
+    """
     end = recording.times[-1]
-    if needed > end:
-        message = f"the record ends at {end:.4g} s, before the pulse returns"
-        remedy = f"from the far end; record up to {needed:.4g} s"
-        raise invalid_argument("output_gauges", f"{message} {remedy}")
+    if last < len(size) - 1:
+        return
+    pulse = recording.first_pulse
+    half = int(np.argmax(size >= 0.5 * abs(pulse.plateau)))
+    needed = max(recording.times[half], end) + pulse.width + 2 * pulse.rise
+    message = f"the record ends at {end:.4g} s, before the pulse returns"
+    remedy = f"from the far end; record up to {needed:.4g} s"
+    raise invalid_argument("output_gauges", f"{message} {remedy}")
 
 
 def _reflected_ratio(input_bar: InstrumentedBar) -> float:
@@ -342,10 +352,57 @@ def _noise(bar: InstrumentedBar) -> float:
     return float(bar.strains[0, : bar.rest_samples].std())
 
 
-def _gain_error(bar: InstrumentedBar, gain: float, noise: float) -> float:
-    """Standard error of a gain: that of the mean of the plateau; `noise` is over the plateau."""
-    plateau_samples = max(1.0, bar.first_pulse.width / bar.dt)
-    return noise / math.sqrt(plateau_samples) * gain
+def _at_output_gauge(input_bar: InstrumentedBar, output_bar: InstrumentedBar) -> Floats:
+    """The incident pulse as it would pass the output gauge, if the joint transmitted all."""
+    passing = _passing(input_bar)
+    pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
+    same_steps = input_bar._replace(dt=output_bar.dt)
+    at_joint = same_steps.propagated(pulse, float(input_bar.distances[0]))
+    return output_bar.propagated(at_joint, float(output_bar.distances[0]))
+
+
+class _Ratio(NamedTuple):
+    """A factor between two pulses, and its standard error."""
+
+    value: float
+    error: float
+
+
+def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
+    """Predicted pulse over the recorded one, by least squares.
+
+    Residuals are alike for a rise time, so the standard error is that of blocks of this length.
+    """
+    pulse = np.abs(predicted) > PULSE_RTOL * np.abs(predicted).max()
+    recorded = bar.strains[0][pulse]
+    power = float(recorded @ recorded)
+    ratio = float(predicted[pulse] @ recorded) / power
+    products = recorded * (predicted[pulse] - ratio * recorded)
+    sums = _block_sums(products, bar)
+    return _Ratio(ratio, math.sqrt(float(sums @ sums)) / power)
+
+
+def _plateau_error(bar: InstrumentedBar) -> float:
+    """Standard error of the level of the plateau, over this level.
+
+    The plateau of a pulse rings, and each rise time is one measurement of its level.
+    """
+    pulse = bar.first_pulse
+    begin = pulse.start + pulse.rise
+    end = pulse.start + pulse.width - pulse.rise
+    plateau = bar.strains[0][(bar.times >= begin) & (bar.times <= end)]
+    if len(plateau) < 2:
+        return _noise(bar) / pulse.plateau
+    sums = _block_sums(plateau - plateau.mean(), bar)
+    return math.sqrt(float(sums @ sums)) / len(plateau) / pulse.plateau
+
+
+def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
+    """Sums over blocks of the rise time of the pulse."""
+    block = max(1, round(bar.first_pulse.rise / bar.dt))
+    starts = np.arange(0, len(values), block)
+    sums: Floats = np.add.reduceat(values, starts)
+    return sums
 
 
 def _passing(bar: InstrumentedBar) -> Floats:

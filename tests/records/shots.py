@@ -72,6 +72,30 @@ def solved(row, until, cells):
     )
 
 
+class CalibrationShot(NamedTuple):
+    """A striker and two bars without a specimen."""
+
+    solution: ri.Solution
+
+    def gauge(self, body, distance, noise, seed):
+        """A gauge of bar 1 or 2 at a distance from the joint."""
+        x = distance
+        if body == 1:
+            x = float(self.solution.system.bodies[1].length) - distance
+        signal = self.solution.gauge(body, x).signal(DT).extended(before=1e-4)
+        rng = np.random.default_rng(seed)
+        noisy = signal.values + noise * PULSE_STRAIN * rng.standard_normal(len(signal))
+        return ri.BarGauge(signal.replace(values=noisy), distance)
+
+
+@cache
+def calibration_shot():
+    """A striker hits a bar that touches another one; the ends of the striker are round."""
+    bodies = [rod(0.3, velocity=12.0), rod(1.5), rod(1.5)]
+    row = ri.System(bodies, contacts=[ri.Hertz(6e10), ri.Rigid()])
+    return CalibrationShot(solved(row, until=1.4e-3, cells=3000))
+
+
 @cache
 def pressure_bar_shot(
     duration=150e-6, rise=30e-6, length=1.5, until=7e-4, material=POLYMER, cells=1500

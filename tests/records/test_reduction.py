@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mistakes import problems
+from records import shots
 
 import rodimpact as ri
 
@@ -468,6 +469,40 @@ def test_bars_are_calibrated_by_a_shot_without_a_specimen():
     assert "wave speed" in str(found)
     free = ri.calibrate(*gauges, BAR)
     assert free.gains == pytest.approx((1, 0.93 / 1.05), rel=0.01)
+
+
+def test_a_record_that_just_holds_the_returned_pulse_is_enough():
+    """The returned pulse is over after 460 us; the search for it needs no more record."""
+    first, second = together(noise=0.002)[0]
+    whole = ri.calibrate(first, second, BAR)
+    short = second.replace(signal=second.signal.window(-1e-4, 4.62e-4))
+    found = ri.calibrate(first, short, BAR)
+    speeds = [float(each.bars[1].segments[0].wave_speed) for each in (whole, found)]
+    assert speeds[1] == pytest.approx(speeds[0], abs=2.0)
+    cut = second.replace(signal=second.signal.window(-1e-4, 4.2e-4))
+    with pytest.raises(ri.InvalidModel, match="record up to") as caught:
+        ri.calibrate(first, cut, BAR)
+    # the remedy: as much record as the message asks for
+    (message,) = dict(caught.value.problems).values()
+    needed = float(message.split("record up to ")[1].split(" s")[0])
+    enough = second.replace(signal=second.signal.window(-1e-4, needed))
+    ri.calibrate(first, enough, BAR)
+
+
+def test_stated_errors_of_gains_contain_the_true_ones():
+    """A striker and bars of Mindlin and Herrmann on a grid: the plateau of the pulse rings."""
+    shot = shots.calibration_shot()
+    for noise in (0.0, 0.002, 0.01):
+        for speed in (None, 12.0):
+            for seed in range(4):
+                gauges = [
+                    shot.gauge(body, 0.75, noise, seed=2 * seed + body)
+                    for body in (1, 2)
+                ]
+                found = ri.calibrate(*gauges, shots.BAR, striker_speed=speed)
+                errors = np.abs(np.subtract(found.gains, 1.0))
+                assert np.all(errors <= np.multiply(2.5, found.gain_errors) + 1e-12)
+                assert max(found.gain_errors) < 0.01
 
 
 def test_bars_of_unlike_impedance_are_calibrated():
