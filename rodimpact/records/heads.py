@@ -75,6 +75,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     heads = _with_units_below(rows)
     if heads is None:
         heads = list(map(_head_of, rows[-1]))
+    heads = _told_apart(heads, rows)
     names = [head.name for head in heads]
     for name in names:
         if names.count(name) > 1:
@@ -92,6 +93,23 @@ def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
             f"has the {len(cells)} heads {shown(cells)} for {count} columns "
             "of numbers; name each column"
         )
+
+
+def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:
+    """Heads of different names: those of a line above, if the last line repeats names.
+
+    Scopes write a line of channels above a line such as Time, Signal, Signal.
+    """
+    if len({head.name for head in heads}) == len(heads):
+        return heads
+    for row in reversed(rows[:-1]):
+        names = [_head_of(cell).name for cell in row]
+        if len(set(names)) == len(names):
+            return [
+                head._replace(name=name)
+                for head, name in zip(heads, names, strict=True)
+            ]
+    return heads
 
 
 def _with_units_below(rows: list[list[str]]) -> list[Head] | None:

@@ -1,4 +1,4 @@
-"""Entries of LabVIEW and of Tektronix scopes before or beside a table, as column heads.
+"""Entries of LabVIEW and of scopes before or beside a table, as column heads.
 
 LabVIEW measurement files (.lvm) name units and steps of time in lines of their own, and may leave
 out the column of times. Scopes of Tektronix write such lines before the table, or in three columns
@@ -10,13 +10,18 @@ from itertools import zip_longest
 from typing import NamedTuple
 
 from ..storage.reading import FileFormatError
+from .heads import spelt
 
 LABVIEW = "labview measurement"
 LABVIEW_HEAD = "x_value"
 TEKTRONIX = ("record length", "sample interval")
+LECROY = "LECROY"
+"""Begin of the first line of LeCroy scopes, whose times are in s and values in V."""
+RIGOL_HEADS = {"x", "start", "increment"}
+"""Heads of Rigol scopes, in the first line."""
 BESIDE = 3
 """Columns of entries that Tektronix writes to the left of a table."""
-MOST_ENTRIES = 100
+MAX_ENTRY_LINES = 100
 """Lines that are searched for entries."""
 
 
@@ -54,7 +59,7 @@ def as_written(_: int, line: str) -> str:
 
 def find_layout(lines: list[str]) -> Layout:
     """Layout of a file with these first lines."""
-    lines = lines[:MOST_ENTRIES]
+    lines = lines[:MAX_ENTRY_LINES]
     mark = "\t"
     if "," in lines[0]:
         mark = ","
@@ -65,10 +70,49 @@ def find_layout(lines: list[str]) -> Layout:
         entries[name] = cells[1:]
         if name == LABVIEW_HEAD and LABVIEW in entries:
             return _labview_layout(index, cells, entries)
+    if lines[0].startswith(LECROY):
+        return Layout("Time [s],Ampl [V]", as_written)
+    if len(lines) > 1 and set(_cells(lines[0])) >= RIGOL_HEADS:
+        return _rigol_layout(_cells(lines[0]), _cells(lines[1]))
     is_tektronix = any(name in entries for name in TEKTRONIX)
     if is_tektronix and "horizontal units" in entries:
         return _tektronix_layout(lines[0].count(",") >= BESIDE, entries)
     return Layout("", as_written)
+
+
+def _cells(line: str) -> list[str]:
+    """Cells between commas, in small letters."""
+    return [cell.strip(' "').casefold() for cell in line.split(",")]
+
+
+def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
+    """Layout of a file whose rows have a number instead of a time.
+
+    The first line is X, channels, Start, Increment; the second one has their units, the time of
+    the first row and the time step.
+    """
+    start_column = heads.index("start")
+    try:
+        start = float(entries[start_column])
+        step = float(entries[heads.index("increment")])
+    except (ValueError, IndexError):
+        raise FileFormatError(
+            "has no numbers below Start and Increment; save it again, or give rate"
+        ) from None
+    channels = []
+    for name, unit in zip(heads[1:start_column], entries[1:start_column], strict=True):
+        channels.append(_head(name.upper(), spelt(unit)))
+
+    def table_line(index: int, line: str) -> str:
+        if index < 2:
+            return ""
+        number, *values = line.split(",")
+        if not number.strip().isdecimal():
+            return ""
+        time = start + int(number) * step
+        return ",".join([repr(time), *values[: start_column - 1]])
+
+    return Layout(",".join([_head("time", "s"), *channels]), table_line)
 
 
 def _labview_layout(head_index: int, names: list[str], entries: Entries) -> Layout:

@@ -78,7 +78,8 @@ def read_signals(
     The text is UTF-8, UTF-16 with a byte order mark, or Latin-1. Any lines may precede the numbers.
     A unit is part of the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident
     / mV``, or is in a separate line below; the values are converted to SI units. In files of
-    LabVIEW (.lvm) and Tektronix, separate lines with units and time steps are read, too. Other
+    LabVIEW (.lvm), Tektronix, Rigol and LeCroy, separate lines with units and time steps are read,
+    too. If the last line of heads repeats a name, the names are those of the line above. Other
     lines before the table are ignored: give a time step or a unit from there as an argument.
 
     Parameters
@@ -86,7 +87,7 @@ def read_signals(
     path : str or path
     time : str, optional
         Head of the column of times; by default ``time`` or ``t``. Without heads the times are the
-        first column.
+        first column that increases throughout.
     time_unit : str, optional
         ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``; needed if the head has no unit.
     rate : float, optional
@@ -214,8 +215,8 @@ def _time_column(table: Table, time: str | None) -> int:
     """Index of the column of times; FileFormatError if that is not a single one."""
     candidates = _named_times(table)
     expected = "time"
-    if table.names[0] == "1":  # without heads the times are the first column
-        candidates = ["1"]
+    if table.names[0] == "1":
+        candidates = [_first_increasing(table)]
     if time is not None:
         candidates = [time]
         expected = time
@@ -228,6 +229,17 @@ def _time_column(table: Table, time: str | None) -> int:
             "Hz"
         )
     return table.names.index(candidates[0])
+
+
+def _first_increasing(table: Table) -> str:
+    """Name of the column of times without heads: the first one that increases throughout.
+
+    Some scopes write the values before the times. Without such a column it is the first.
+    """
+    for name, column in zip(table.names, table.columns, strict=True):
+        if np.all(np.diff(column) > 0):
+            return name
+    return table.names[0]
 
 
 def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
