@@ -1,4 +1,4 @@
-"""Files as scopes and recorders write them are read without arguments, or the message says which."""
+"""Files of scopes and recorders are read without arguments, or the message says which it needs."""
 
 import numpy as np
 import pytest
