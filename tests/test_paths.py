@@ -14,31 +14,47 @@ PULSE = ri.Signal([0.0, 1.0, 1.0, 0.0], dt=1e-6)
 
 
 def chain(n=2, material=STEEL, last=None, gap=0.0):
-    rods = [
-        ri.Rod(0.1, area=1e-4, material=material, velocity=1.0 * (i == 0))
-        for i in range(n)
-    ]
-    last = ri.Rod(0.2, area=1e-4, material=last or material)
-    return ri.System([*rods, last], gaps=[gap] * n)
+    """Rods of 0.1 m, of which the first moves, and a last one of 0.2 m."""
+    first = ri.Rod(0.1, area=1e-4, material=material, velocity=1.0)
+    others = [ri.Rod(0.1, area=1e-4, material=material)] * (n - 1)
+    last_rod = ri.Rod(0.2, area=1e-4, material=last or material)
+    return ri.System([first, *others, last_rod], gaps=[gap] * n)
 
 
-DOORS = {
-    "gradient": lambda s, path: ri.gradient(s, of="velocity_after.1", wrt=[path]),
-    "closed_form": lambda s, path: ri.closed_form(s, [path]),
-    "exact": lambda s, path: ri.exact(s, {path: 7850}),
-    "atlas": lambda s, path: ri.atlas(
-        s, (path, 1.0, 2.0), ("bodies.0.length", 0.1, 0.2)
-    ),
-    "fit": lambda s, path: ri.fit(
-        s, ri.Measured(PULSE, gauge=(1, 0.05)), {path: (1, 2)}, 1e-5
-    ),
-    "read_case": lambda s, path: ri.parse_case(ri.write_case(s), vary={path: "1,2"}),
-}
+def gradient(system, path):
+    return ri.gradient(system, of="velocity_after.1", wrt=[path])
 
 
-@pytest.mark.parametrize("door", DOORS)
+def closed_form(system, path):
+    return ri.closed_form(system, [path])
+
+
+def exact(system, path):
+    return ri.exact(system, {path: 7850})
+
+
+def atlas(system, path):
+    return ri.atlas(system, (path, 1.0, 2.0), ("bodies.0.length", 0.1, 0.2))
+
+
+def fit(system, path):
+    measured = ri.Measured(PULSE, gauge=(1, 0.05))
+    return ri.fit(system, measured, {path: (1, 2)}, 1e-5)
+
+
+def read_case(system, path):
+    return ri.parse_case(ri.write_case(system), vary={path: "1,2"})
+
+
+FUNCTIONS = [gradient, closed_form, exact, atlas, fit, read_case]
+
+
+"""Functions that take a path of a number."""
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize(
-    ("path", "said"),
+    ("path", "advice"),
     [
         ("bodies.1.lenght", "perhaps 'bodies.1.length' is meant"),
         ("bodies.1.stiffness", "bodies.1.length, "),
@@ -46,35 +62,55 @@ DOORS = {
         ("bodies.1.material.hue", "bodies.1.material.density"),
     ],
 )
-def test_a_wrong_path_is_told_with_the_nearest_of_its_object(door, path, said):
-    [message] = problems(
-        lambda: DOORS[door](chain(20, FRACTIONAL, gap=1e-4), path)
-    ).values()
-    assert said in message
+def test_a_wrong_path_is_told_with_the_nearest_of_its_object(function, path, advice):
+    system = chain(20, FRACTIONAL, gap=1e-4)
+    (message,) = problems(lambda: function(system, path)).values()
+    assert advice in message
     assert "..." not in message
 
 
-@pytest.mark.parametrize(
+@pytest.fixture(scope="module")
+def heavy():
+    """A chain whose last rod is of a brass of 8000 kg/m^3."""
+    return chain(last=ri.materials.brass.replace(density=8000.0))
+
+
+by_both_paths = pytest.mark.parametrize(
     "path", ["materials.brass.density", "bodies.2.material.density"]
 )
-def test_materials_go_by_name_and_by_body(path):
-    """A brass of 8000 kg/m^3 is the same wherever it is asked for."""
-    brass = ri.materials.brass
-    system = chain(last=brass)
-    heavy = chain(last=brass.replace(density=8000.0))
-    v = ri.solve(heavy).outcome.velocities_after
-    form = ri.closed_form(system, [path])
+
+
+@by_both_paths
+def test_closed_forms_take_materials_by_name_and_by_body(heavy, path):
+    velocity = ri.solve(heavy).outcome.velocities_after[2]
+    form = ri.closed_form(chain(last=ri.materials.brass), [path])
     (name,) = form.symbols
-    assert float(form.at(**{name: 8000}).velocities_after[2]) == pytest.approx(
-        v[2], rel=1e-12
-    )
-    family = ri.parse_case(ri.write_case(system), vary={path: "8000,8001"}).system
-    assert ri.sweep(family).velocities_after[2][0] == pytest.approx(v[2], rel=1e-12)
-    there, here = (
-        ri.gradient(heavy, of="velocity_after.2", wrt=[p])[p]
-        for p in (path, "bodies.2.material.density")
-    )
-    assert there == here
+    by_formula = float(form.at(**{name: 8000}).velocities_after[2])
+    assert by_formula == pytest.approx(velocity, rel=1e-12)
+
+
+@by_both_paths
+def test_families_take_materials_by_name_and_by_body(heavy, path):
+    velocity = ri.solve(heavy).outcome.velocities_after[2]
+    text = ri.write_case(chain(last=ri.materials.brass))
+    family = ri.parse_case(text, vary={path: "8000,8001"}).system
+    by_sweep = ri.sweep(family).velocities_after[2][0]
+    assert by_sweep == pytest.approx(velocity, rel=1e-12)
+
+
+def test_gradients_take_materials_by_name_and_by_body(heavy):
+    by_name = "materials.brass.density"
+    by_body = "bodies.2.material.density"
+    slope_by_name = ri.gradient(heavy, of="velocity_after.2", wrt=[by_name])[by_name]
+    slope_by_body = ri.gradient(heavy, of="velocity_after.2", wrt=[by_body])[by_body]
+    assert slope_by_name == slope_by_body
+
+
+def steel_on_brass(density):
+    steel = STEEL.replace(density=density)
+    striker = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    struck = ri.Rod(1.0, area=1e-4, material=ri.materials.brass)
+    return ri.System([striker, struck])
 
 
 @pytest.mark.parametrize(
@@ -82,31 +118,20 @@ def test_materials_go_by_name_and_by_body(path):
 )
 def test_an_atlas_over_a_density_says_what_a_run_there_does(path):
     """Wave speeds follow the density; they stayed behind, and e was that of no system."""
-
-    def pair(density):
-        return ri.System(
-            [
-                ri.Rod(
-                    0.4,
-                    area=1e-4,
-                    material=STEEL.replace(density=density),
-                    velocity=1.0,
-                ),
-                ri.Rod(1.0, area=1e-4, material=ri.materials.brass),
-            ]
-        )
-
-    plane = ri.atlas(pair(7850), (path, 7000, 9000), ("bodies.1.length", 0.9, 1.1))
+    plane = ri.atlas(
+        steel_on_brass(7850), (path, 7000, 9000), ("bodies.1.length", 0.9, 1.1)
+    )
     for density in (7100, 8900):
-        e = ri.solve(pair(density)).outcome.restitution
-        assert float(plane.restitution(density, 1.0)) == pytest.approx(e, rel=1e-12)
+        e = ri.solve(steel_on_brass(density)).outcome.restitution
+        by_atlas = float(plane.restitution(density, 1.0))
+        assert by_atlas == pytest.approx(e, rel=1e-12)
     assert str(plane).endswith(f"where rho1 = {path}, l2 = bodies.1.length")
 
 
 def test_a_round_rod_goes_by_its_diameter_and_by_its_area():
-    round_one = ri.Rod(0.4, diameter=0.01, material=STEEL, velocity=1.0)
-    system = ri.System([round_one, ri.Rod(1.0, area=1e-4, material=STEEL)])
-    d = "bodies.0.diameter"
-    A = "bodies.0.area"
-    found = ri.gradient(system, of="velocity_after.1", wrt=[d, A])
-    assert found[d] == pytest.approx(found[A] * np.pi * 0.01 / 2, rel=1e-12)
+    striker = ri.Rod(0.4, diameter=0.01, material=STEEL, velocity=1.0)
+    system = ri.System([striker, ri.Rod(1.0, area=1e-4, material=STEEL)])
+    paths = ["bodies.0.diameter", "bodies.0.area"]
+    g = ri.gradient(system, of="velocity_after.1", wrt=paths)
+    expected = g["bodies.0.area"] * np.pi * 0.01 / 2
+    assert g["bodies.0.diameter"] == pytest.approx(expected, rel=1e-12)
