@@ -11,11 +11,14 @@ STRIKER_LENGTH = 0.2  # m
 ROW = ri.System([rod(STRIKER_LENGTH, SPEED), rod()])
 
 
+def second_pulse_trap(material):
+    """A trap for the second pulse of the striker in a bar of 1 m."""
+    return ri.design.momentum_trap(ROW, after=1.4 / C, until=3.4 / C, material=material)
+
+
 @pytest.mark.parametrize("material", [STEEL, ri.materials.aluminium])
 def test_a_trap_is_as_long_as_the_striker(material):
-    design = ri.design.momentum_trap(
-        ROW, after=1.4 / C, until=3.4 / C, material=material
-    )
+    design = second_pulse_trap(material)
 
     trap = design.system.bodies[2]
     gap = SPEED * 2 * STRIKER_LENGTH / C
@@ -38,9 +41,7 @@ def assert_at_rest(solution, body, t):
 
 @pytest.mark.parametrize("material", [STEEL, ri.materials.aluminium])
 def test_the_second_pulse_of_a_striker_leaves_with_the_trap(material):
-    design = ri.design.momentum_trap(
-        ROW, after=1.4 / C, until=3.4 / C, material=material
-    )
+    design = second_pulse_trap(material)
     end = 6 / C
 
     solution = ri.solve(design.system, until=end)
