@@ -1,9 +1,17 @@
 """Displacement of a body's centre of mass over a whole run, from the forces on its faces."""
 
-from typing import Any
+from typing import NamedTuple
 
 from ..methods.run import INWARD, Run
+from ..methods.signals import Pieces
 from .fields import Fields
+
+
+class FacePushes(NamedTuple):
+    """Forces on the two faces of a body, N, that push it together; None at a free end."""
+
+    left: Pieces | None
+    right: Pieces | None
 
 
 def final_displacement(run: Run, fields: Fields, body: int) -> float:
@@ -16,7 +24,7 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
     time = fields.end * clock.tick
     if body not in fields.rods:
         return float(fields.displacement(body, 0.0, time))
-    impulse_integral = 0.0
+    impulse_integral = 0.0  # N s^2
     for push, sign in zip(pushes_on(run, body), INWARD, strict=True):
         if push is not None:
             integral = float(push.integrated_twice(fields.end))
@@ -27,13 +35,18 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
     return start_velocity * time + impulse_integral / mass + fallen
 
 
-def pushes_on(run: Run, body: int) -> tuple[Any, Any]:
-    """Forces on the left and the right face of a body, N: `Pieces`, or None at a free end."""
+def pushes_on(run: Run, body: int) -> FacePushes:
+    """Forces on the left and the right face of a body."""
     signals = run.signals
-    pushes: list[Any] = [None]
-    pushes += [contact.force for contact in signals.contacts]
-    pushes.append(None)
-    for side, outside in enumerate(signals.boundary_actions):
-        if outside is not None:
-            pushes[-side] = outside.push
-    return pushes[body], pushes[body + 1]
+    left_action, right_action = signals.boundary_actions
+    left = None
+    right = None
+    if body > 0:
+        left = signals.contacts[body - 1].force
+    elif left_action is not None:
+        left = left_action.push
+    if body < len(signals.contacts):
+        right = signals.contacts[body].force
+    elif right_action is not None:
+        right = right_action.push
+    return FacePushes(left, right)

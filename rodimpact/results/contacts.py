@@ -1,6 +1,7 @@
 """What happened at each contact: force, gap, and the episodes of touching."""
 
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,14 @@ from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Rigid, Tabulated, Yielding
 from ..model.arguments import scalar
 from .fields import Fields
+
+
+class Breakpoints(NamedTuple):
+    """Force and gap of a contact at some times, [n]."""
+
+    times: Floats  # s
+    force: Floats  # N, just after each time
+    gap: Floats  # m
 
 
 class ContactHistory:
@@ -28,7 +37,7 @@ class ContactHistory:
         N.
     episodes : tuple of Episode
     push : Pieces
-        Force in ticks of the clock.
+        Force, N, over ticks of the clock.
 
     Examples
     --------
@@ -44,7 +53,7 @@ class ContactHistory:
     """
 
     def __init__(self, index: int, fields: Fields, run: Run) -> None:
-        # the method sums up each contact, and gives its signals in ticks
+        # The method sums up each contact, and gives its signals in ticks.
         tally = run.contacts[index]
         signal = run.signals.contacts[index]
         self.index = index
@@ -54,67 +63,74 @@ class ContactHistory:
         self.peak_force = tally.peak_force
         self.episodes = tuple(signal.episodes)
         self.push = signal.force
-        self._gap = signal.gap
-        self._closing = signal.closing  # velocity, m/s
+        self._gap = signal.gap  # m
+        self._closing = signal.closing  # closing velocity, m/s
         self._fields = fields
-        self._tick = fields.clock.tick
+        self._tick = fields.clock.tick  # s
 
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
 
         A grid gives the mean over each time step.
         """
-        return self.push.at(self._fields.to_ticks_beside(t, side), side)
+        ticks = self._fields.to_ticks_beside(t, side)
+        return self.push.at(ticks, side)
 
     def gap(self, t: ArrayLike) -> Floats:
-        """Distance between the two bodies, m.
+        """Distance between the two bodies, m; just after each time.
 
         Exactly 0 while they touch rigidly; minus the indentation in a compliant contact, the
         stretch of a joint. Where one has yielded it counts from the faces as they are then.
         """
-        gap = self._gap.at(self._fields.to_ticks_beside(t, "right"))
+        ticks = self._fields.to_ticks_beside(t, "right")
+        gap = self._gap.at(ticks)
         if isinstance(self.law, Rigid):
             return np.maximum(gap, 0.0)
         return gap
 
     def law_at(self, t: float) -> ContactLaw:
-        """The law as it is at t: what has yielded has hardened, and a joint is stretched."""
+        """The law as it is at t, s: what has yielded has hardened, and a joint is stretched."""
         t = scalar("t", t, "s")
         ticks = self._fields.to_ticks(t)
         if isinstance(self.law, Joint):
-            return self.law.replace(stretch=float(self.gap(t)))
+            stretch = float(self.gap(t))
+            return self.law.replace(stretch=stretch)
         if isinstance(self.law, Yielding | Tabulated):
             earlier_gaps = self._gap.values[self._gap.ticks <= ticks]
-            smallest_gap = float(np.min(earlier_gaps, initial=0.0))
-            deepest = -min(smallest_gap, float(self.gap(t)))
-            return self.law.hardened(self.law.stiffness * deepest)
+            smallest_earlier = float(np.min(earlier_gaps, initial=0.0))
+            largest_overlap = -min(smallest_earlier, float(self.gap(t)))
+            force_reached = self.law.stiffness * largest_overlap
+            return self.law.hardened(force_reached)
         return self.law
 
-    def breakpoints(self) -> tuple[Floats, Floats, Floats]:
-        """Times, s, force just after them, N, and gap, m.
+    def breakpoints(self) -> Breakpoints:
+        """Times between which straight lines follow force and gap.
 
         Force and velocities jump at these times alone. Where the force changes smoothly there are
         more of them: straight lines between them follow force and gap to 5e-5 of their ranges.
         """
         ticks = self.push.ticks
-        if self.push.size > 1:  # it changes smoothly
+        if self.push.size > 1:  # the force changes smoothly
             ticks = each_once(self.push.marks, self._gap.marks)
-        return ticks * self._tick, self.push.at(ticks), self._gap.at(ticks)
+        times = ticks * self._tick
+        return Breakpoints(times, self.push.at(ticks), self._gap.at(ticks))
 
     def impulse_until(self, t: ArrayLike) -> Floats:
-        """Integral of the force from 0 to t, N s, from the signals."""
-        return self.push.integral(0, self._fields.to_ticks(t)) * self._tick
+        """Integral of the force from 0 to times t in s, N s, from the signals."""
+        ticks = self._fields.to_ticks(t)
+        return self.push.integral(0, ticks) * self._tick
 
     def work_until(self, t: ArrayLike) -> Floats:
         """Work from 0 to t, J, that the two bodies have done on the contact: force times closing.
 
         A compliant contact stores some of it; the rest is lost there.
         """
-        return self._power.integral(0, self._fields.to_ticks(t)) * self._tick
+        ticks = self._fields.to_ticks(t)
+        return self._power.integral(0, ticks) * self._tick
 
     @cached_property
     def _power(self) -> Pieces:
-        """W."""
+        """Force times closing velocity, W."""
         return self.push * self._closing
 
     def permanent_set(self) -> float:
@@ -128,8 +144,10 @@ class ContactHistory:
         right_end = getattr(left_body, "length", 0.0)  # rigid masses have none
         left_face = fields.displacement(self.index, right_end, times)
         right_face = fields.displacement(self.index + 1, 0.0, times)
-        yielded = self.gap(times) - (right_face - left_face)
-        return max(0.0, float(yielded[1] - yielded[0]))
+        between_faces = right_face - left_face
+        yielded = self.gap(times) - between_faces
+        growth = float(yielded[1] - yielded[0])
+        return max(0.0, growth)
 
     def __repr__(self) -> str:
         law = type(self.law).__name__

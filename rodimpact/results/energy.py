@@ -98,16 +98,23 @@ class BondedGroups(NamedTuple):
         return self.vibrational_kinetic + self.strain
 
 
+class BoundaryWorks(NamedTuple):
+    """Work done on the ends of the row since t = 0, J [time], by what is outside of them."""
+
+    wall: Floats  # by walls
+    drive: Floats  # by driven ends
+    absorbing: Floats  # by absorbing ends: the work of what comes in, less what leaves
+
+
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
-    """Velocities and energies of the groups at [n] ticks at which the fields know energies."""
+    """Velocities and energies of the groups at [time] ticks at which energies are known."""
     clock = fields.clock
-    system = clock.system
     times = ticks * clock.tick
-    bodies = movable_groups(system)
+    bodies = movable_groups(clock.system)
     mass = np.zeros((len(bodies), 1))
     velocities = np.zeros((len(bodies), len(ticks)))
-    vibrational_kinetic = np.zeros((len(system.bodies), len(ticks)))
-    strain = np.zeros((len(system.bodies), len(ticks)))
+    vibrational_kinetic = np.zeros((len(clock.system.bodies), len(ticks)))
+    strain = np.zeros(vibrational_kinetic.shape)
     for g, group in enumerate(bodies):
         momentum: Any = 0.0
         for i in group:
@@ -116,14 +123,9 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
         if len(group) > 0:
             velocities[g] = momentum / mass[g]
         for i in group:
-            if i in fields.rods:
-                for k, tick in enumerate(ticks.tolist()):
-                    energy = fields.energy(i, tick, float(velocities[g, k]))
-                    vibrational_kinetic[i, k] = energy.kinetic
-                    strain[i, k] = energy.strain
-            else:
-                relative = fields.velocity(i, 0.0, times) - velocities[g]
-                vibrational_kinetic[i] = clock.mass(i) * relative * relative / 2
+            energies = _energies(fields, i, ticks, velocities[g])
+            vibrational_kinetic[i] = energies.kinetic
+            strain[i] = energies.strain
     return BondedGroups(
         ticks=ticks,
         bodies=bodies,
@@ -146,14 +148,39 @@ def movable_groups(system: System) -> list[list[int]]:
 
 
 def _momentum(fields: Fields, body: int, times: Floats) -> Floats:
-    """Momentum of a rod or of a rigid mass, kg m/s."""
+    """Momentum of a rod or of a rigid mass at [time] times in s, kg m/s."""
     if body in fields.rods:
         return fields.momentum(body, times)
     return fields.clock.mass(body) * fields.velocity(body, 0.0, times)
 
 
+class BodyEnergies(NamedTuple):
+    """Energies of a body at some times, J [time]."""
+
+    kinetic: Floats  # of the motion relative to the group of the body
+    strain: Floats
+
+
+def _energies(
+    fields: Fields, body: int, ticks: Ints, group_velocity: Floats
+) -> BodyEnergies:
+    """Energies of a rod or of a rigid mass, by the velocity of its group, m/s [time]."""
+    kinetic = np.zeros(len(ticks))
+    strain = np.zeros(len(ticks))
+    if body not in fields.rods:
+        times = ticks * fields.clock.tick
+        relative = fields.velocity(body, 0.0, times) - group_velocity
+        kinetic = fields.clock.mass(body) * relative * relative / 2
+        return BodyEnergies(kinetic, strain)
+    for k, tick in enumerate(ticks.tolist()):
+        energy = fields.energy(body, tick, float(group_velocity[k]))
+        kinetic[k] = energy.kinetic
+        strain[k] = energy.strain
+    return BodyEnergies(kinetic, strain)
+
+
 def stored(law: Any, gap: Floats) -> Floats:
-    """Energy in a contact whose gap is minus the indentation, or in a joint, J."""
+    """Energy in a contact whose gap is minus the overlap, or in a joint, J like the gap."""
     compression = -gap
     if law.opens:
         compression = np.maximum(compression, 0.0)
@@ -162,73 +189,96 @@ def stored(law: Any, gap: Floats) -> Floats:
     return np.asarray(law.stored(compression))
 
 
-def ledger(
-    fields: Fields, contacts: Sequence[ContactHistory], states: BondedGroups
-) -> EnergyLedger:
-    """Energy ledger at the ticks of the states, the first of which is 0."""
-    clock = fields.clock
-    ticks = states.ticks
-    t = ticks * clock.tick
-    works = _works_from_outside(fields, ticks)
-    gravity_work = _gravity_work(fields, states)
-    contact = np.zeros(t.shape)
+class ContactEnergies(NamedTuple):
+    """Energies of all contacts together at some times, J [time]."""
+
+    stored: Floats
+    dissipated: Floats  # lost since t = 0 in contacts themselves
+    numerical: Floats  # lost since t = 0 to the cells of a grid
+
+
+def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactEnergies:
+    """Energies of all contacts at times t in s, the first of which is 0.
+
+    What is lost is the work of the bodies on the contact, less the change of what it stores.
+    """
+    all_stored = np.zeros(t.shape)
     dissipated = np.zeros(t.shape)
     numerical = np.zeros(t.shape)
     for history in contacts:
         energy = stored(history.law, history.gap(t))
-        contact += energy
+        all_stored += energy
         loss = history.work_until(t) - (energy - energy[0])
         # Without a restitution, rigid contact loses energy to cells of a grid alone.
         if getattr(history.law, "restitution", 0.0) is None:
             numerical += loss
         else:
             dissipated += loss
-    damped = fields.damped(ticks)
+    return ContactEnergies(all_stored, dissipated, numerical)
+
+
+def ledger(
+    fields: Fields, contacts: Sequence[ContactHistory], states: BondedGroups
+) -> EnergyLedger:
+    """Energy ledger at the ticks of the states, the first of which is 0."""
+    ticks = states.ticks
+    works = _boundary_works(fields, ticks)
+    gravity_work = _gravity_work(fields, states)
+    at_contacts = _contact_energies(contacts, ticks * fields.clock.tick)
+    contact = at_contacts.stored
+    damped = fields.viscous_loss(ticks)
     vibrational_kinetic = states.vibrational_kinetic.sum(axis=0)
     strain = states.strain.sum(axis=0)
     gained = states.kinetic - states.kinetic[0]
     gained = gained + (vibrational_kinetic - vibrational_kinetic[0])
     gained = gained + (strain - strain[0])
+    lost = at_contacts.dissipated + damped + at_contacts.numerical
     residual = gained + contact - contact[0]
-    residual += dissipated + damped + numerical
-    for work in (*works.values(), gravity_work):
+    residual += lost
+    for work in (*works, gravity_work):
         residual = residual - work
     return EnergyLedger(
         kinetic=states.kinetic,
         vibrational_kinetic=vibrational_kinetic,
         strain=strain,
         contact=contact,
-        dissipated=dissipated,
+        dissipated=at_contacts.dissipated,
         damped=damped,
-        numerical=numerical,
-        radiated=-works["absorbing"],
-        wall_work=works["wall"],
-        drive_work=works["drive"],
+        numerical=at_contacts.numerical,
+        radiated=-works.absorbing,
+        wall_work=works.wall,
+        drive_work=works.drive,
         gravity_work=gravity_work,
         residual=residual,
     )
 
 
-def _works_from_outside(fields: Fields, ticks: Ints) -> dict[str, Floats]:
-    """Work done on the ends of the row since t = 0, J, by what is outside of them."""
+def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
+    """Integrals of push times speed over time, J, by the kind of what is outside."""
     works: dict[str, Floats] = {}
-    for kind in ("wall", "drive", "absorbing"):
+    for kind in BoundaryWorks._fields:
         works[kind] = np.zeros(ticks.shape)
     for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if side is not None:
             power = side.push * side.speed
-            works[side.kind] += sign * power.integral(0, ticks) * fields.clock.tick
-    return works
+            power_integral = power.integral(0, ticks)
+            works[side.kind] += sign * power_integral * fields.clock.tick
+    return BoundaryWorks(**works)
 
 
 def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
-    """g (integral of the momentum over time): work of gravity since t = 0, J."""
+    """g times the integral of the momentum over time: work of gravity since t = 0, J [time].
+
+    The integral is p0 t + m g t^2/2 + the impulses from outside integrated over time, with
+    the momentum p0 at t = 0.
+    """
     clock = fields.clock
     ticks = states.ticks
     t = ticks * clock.tick
     if not clock.gravity:
         return np.zeros(t.shape)
-    momentum_integral = (states.mass * clock.gravity * t / 2 + states.momentum[0]) * t
+    mean_momentum = states.mass * clock.gravity * t / 2 + states.momentum[0]
+    momentum_integral = mean_momentum * t
     for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if side is not None:
             push_integral = side.push.integrated_twice(ticks)
@@ -238,9 +288,10 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
-    """Read the totals off the fields of a finished run: the ledger at its beginning and its end."""
+    """Totals of a finished run from its fields: the ledger at its beginning and its end."""
     clock = run.clock
-    ticks = np.unique(fields.nearest_known(np.array([0, run.end])))
+    first_and_last = np.array([0, run.end])
+    ticks = np.unique(fields.nearest_energy_ticks(first_and_last))
     states = bonded_groups(fields, ticks)
     book = ledger(fields, contacts, states)
     before = _motion_at(run, states, book, 0)
@@ -260,42 +311,68 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
         contact_energy=float(book.contact[-1]),
         contact_energy_before=float(book.contact[0]),
     )
-    time = float(ticks[-1]) * clock.tick
-    impulse = _impulse_from_outside(fields, ticks[-1])
-    gained_momentum = float(states.momentum[-1] - states.momentum[0])
-    gravity_impulse = states.mass * clock.gravity * time
-    missing_momentum = gained_momentum - impulse - gravity_impulse
-    momentum_scale = states.mass * clock.scale
-    for tally in run.contacts:
-        if not math.isnan(tally.impulse):
-            momentum_scale += abs(tally.impulse)
-    energy_scale = float(book.total[0]) + states.mass * clock.scale**2 / 2
-    energy_scale += abs(works.gravity_work)
-    energy_scale += abs(works.wall_work)
-    energy_scale += abs(works.drive_work)
-    energy_scale += abs(works.radiated)
+    masses = []
+    for i in range(len(run.system.bodies)):
+        masses.append(clock.mass(i))
+    energy_scale = _energy_scale(states, works, clock.scale, float(book.total[0]))
+    missing_energy = float(book.residual[-1])
     return Totals(
-        masses=[clock.mass(i) for i in range(len(run.system.bodies))],
+        masses=masses,
         before=before,
         after=after,
         works=works,
-        momentum_residual=relative_residual(missing_momentum, momentum_scale),
-        energy_residual=relative_residual(float(book.residual[-1]), energy_scale),
+        momentum_residual=_momentum_residual(run, fields, states),
+        energy_residual=relative_residual(missing_energy, energy_scale),
     )
+
+
+def _energy_scale(
+    states: BondedGroups, works: Works, velocity_scale: float, initial: float
+) -> float:
+    """Energy to which what is missing in the balance is relative, J.
+
+    The initial energy, that of all masses at the velocity scale (m/s), and all works.
+    """
+    scale = initial + states.mass * velocity_scale**2 / 2
+    scale += abs(works.gravity_work)
+    scale += abs(works.wall_work)
+    scale += abs(works.drive_work)
+    scale += abs(works.radiated)
+    return scale
+
+
+def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
+    """Momentum that is missing in the balance at the end of the run, relative to a scale.
+
+    The scale is the momentum of all masses at the velocity scale, and all impulses.
+    """
+    clock = run.clock
+    last_tick = states.ticks[-1]
+    gained = float(states.momentum[-1] - states.momentum[0])
+    from_outside = _impulse_from_outside(fields, last_tick)
+    of_gravity = states.mass * clock.gravity * (float(last_tick) * clock.tick)
+    scale = states.mass * clock.scale
+    for tally in run.contacts:
+        if not math.isnan(tally.impulse):
+            scale += abs(tally.impulse)
+    return relative_residual(gained - from_outside - of_gravity, scale)
 
 
 def _motion_at(
     run: Run, states: BondedGroups, book: EnergyLedger, instant: int
 ) -> Motion:
-    """Motion of the bodies at one of the instants of the states."""
+    """Motion of the bodies at one of the instants of the states, by its index."""
     velocities = []
-    of_groups = states.velocity[:, instant]
+    group_velocities = states.velocity[:, instant]
     for g, group in enumerate(groups(run.system)):
-        bodies = states.bodies[g]
-        for velocity in velocities_in_group(run.system, group, bodies, of_groups[g]):
+        movable_bodies = states.bodies[g]
+        of_bodies = velocities_in_group(
+            run.system, group, movable_bodies, group_velocities[g]
+        )
+        for velocity in of_bodies:
             velocities.append(float(velocity))
-    vibration = states.vibration[:, instant]
-    return Motion(velocities, vibration.tolist(), float(book.kinetic[instant]))
+    vibration = states.vibration[:, instant].tolist()
+    return Motion(velocities, vibration, float(book.kinetic[instant]))
 
 
 def _impulse_from_outside(fields: Fields, tick: int) -> float:
@@ -303,5 +380,6 @@ def _impulse_from_outside(fields: Fields, tick: int) -> float:
     impulse = 0.0
     for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if side is not None:
-            impulse += sign * float(side.push.integral(0, tick)) * fields.clock.tick
+            push_integral = float(side.push.integral(0, tick))
+            impulse += sign * push_integral * fields.clock.tick
     return impulse

@@ -76,7 +76,7 @@ class ExtremeStress(NamedTuple):
 def strongest(peaks: Iterable[StressPeak]) -> StressPeak:
     """The peak of largest absolute stress; the earliest one where several are equal."""
     candidates = [NO_STRESS, *peaks]
-    largest = max(abs(peak.stress) for peak in candidates)
+    largest = max(abs(peak.stress) for peak in candidates)  # Pa
     if largest == 0:
         return NO_STRESS
     equal = []

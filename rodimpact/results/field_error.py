@@ -9,9 +9,9 @@ from ..methods.run import Coarser
 from ..methods.signals import Floats
 from ..model import Rod
 
-PLACES = 65
-"""Places of a rod at which fields are compared, both ends among them."""
-NEAR_STEPS = (-2.0, -1.0, 0.0, 1.0, 2.0)
+COMPARED_POINTS = 65
+"""Points of a rod at which fields are compared, both ends among them."""
+COMPARED_STEPS = (-2.0, -1.0, 0.0, 1.0, 2.0)
 """Coarse time steps about a time at which fields are compared: differences change their sign."""
 
 
@@ -48,15 +48,20 @@ class FieldError(NamedTuple):
     displacement: Floats
 
 
-def field_error(
-    fine: Any, coarser: Sequence[tuple[Coarser, Any]], t: Floats
-) -> FieldError:
+class CoarserSolution(NamedTuple):
+    """The same collision on a coarser mesh."""
+
+    mesh: Coarser
+    solution: Any  # Solution
+
+
+def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> FieldError:
     """Compare fields of solutions on several meshes.
 
     Parameters
     ----------
     fine : Solution
-    coarser : sequence of (Coarser, Solution)
+    coarser : sequence of CoarserSolution
     t : array
         s.
 
@@ -64,11 +69,12 @@ def field_error(
     -------
     FieldError
         With q(h) a value on the finer mesh and q(g) that on a coarser one, the largest of
-        share |q(g) - q(h)| over all rods, places, coarser meshes, and times near t.
+        share |q(g) - q(h)| over all rods, points, coarser meshes, and times near t.
     """
     errors: dict[str, Floats] = {}
     for name in FieldError._fields:
-        errors[name] = _error_of(name, fine, coarser, t.ravel()).reshape(t.shape)
+        error = _error_of(name, fine, coarser, t.ravel())
+        errors[name] = error.reshape(t.shape)
     if any(mesh.steep for mesh, _ in coarser):
         errors["velocity"] = np.full(t.shape, np.inf)
         errors["stress"] = np.full(t.shape, np.inf)
@@ -76,34 +82,37 @@ def field_error(
 
 
 def _error_of(
-    name: str, fine: Any, coarser: Sequence[tuple[Coarser, Any]], t: Floats
+    name: str, fine: Any, coarser: Sequence[CoarserSolution], t: Floats
 ) -> Floats:
-    """Stated error of a field at the times t, [time]; inf where no mesh is compared."""
-    largest = np.full(t.size, np.inf)
-    for mesh, solution in coarser:
-        times = t[:, None] + solution.fields.step * np.array(NEAR_STEPS)
-        times = np.clip(times, 0.0, fine.t_end)
-        compared = times.max(axis=1) <= solution.t_end
+    """Stated error of the field of that name at times t, s, [time]; inf if not compared."""
+    error = np.full(t.size, np.inf)
+    for mesh, coarse in coarser:
+        near_steps = coarse.fields.step * np.array(COMPARED_STEPS)
+        times = np.clip(t[:, None] + near_steps, 0.0, fine.t_end)
+        compared = times.max(axis=1) <= coarse.t_end
         if not compared.any():
             continue
-        difference = _difference(name, fine, solution, times[compared])
-        before = largest[compared]
-        before[np.isinf(before)] = 0.0
-        largest[compared] = np.maximum(before, mesh.share * difference)
-    return largest
+        difference = _difference(name, fine, coarse, times[compared])
+        by_others = error[compared]
+        by_others[np.isinf(by_others)] = 0.0
+        error[compared] = np.maximum(by_others, mesh.share * difference)
+    return error
 
 
 def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
-    """Largest difference of a field over all rods, [time]; times are [time, near]."""
+    """Largest difference of a field of two solutions near each time, [time].
+
+    It is the largest one over all rods and compared points, and over the times [time, near], s.
+    """
     largest = np.zeros(len(times))
     instants = times.ravel()
     for body, rod in enumerate(fine.system.bodies):
         if not isinstance(rod, Rod):
             continue
-        x = np.linspace(0.0, float(rod.length), PLACES)[:, None]
-        fine_values = getattr(fine, name)(body, x, instants)
-        coarse_values = getattr(coarse, name)(body, x, instants)
-        over_places = np.abs(fine_values - coarse_values).max(axis=0)
-        over_near_times = over_places.reshape(times.shape).max(axis=1)
+        x = np.linspace(0.0, float(rod.length), COMPARED_POINTS)
+        fine_values = getattr(fine, name)(body, x[:, None], instants)
+        coarse_values = getattr(coarse, name)(body, x[:, None], instants)
+        over_points = np.abs(fine_values - coarse_values).max(axis=0)
+        over_near_times = over_points.reshape(times.shape).max(axis=1)
         largest = np.maximum(largest, over_near_times)
     return largest

@@ -18,6 +18,9 @@ from ..model.arguments import Array, array, demand, one_of
 from ..model.frozen import invalid_argument
 from .extreme_stress import ExtremeStress
 
+END_RTOL = 1e-12
+"""A point or a time may lie beyond the end by this share: it was rounded."""
+
 
 class Profile(NamedTuple):
     """State of one body at one time: n pieces from left to right, each constant."""
@@ -40,23 +43,31 @@ class PassingWaves(NamedTuple):
 
 
 class RodEnergy(NamedTuple):
-    """Energy of a rod at one time, J."""
+    """Energy of a rod at one time."""
 
-    kinetic: float
-    strain: float
+    kinetic: float  # of the motion relative to a given velocity, J
+    strain: float  # J
 
 
 class MeanState(NamedTuple):
-    """Means over intervals of time, [place, interval]."""
+    """Means over intervals of time, [point, interval]."""
 
     velocity: Floats  # m/s
     strain: Floats
 
 
-def to_side(ticks: Ints, side: Side) -> Ints:
-    """Ticks that were rounded from times, moved to a side by as much as is uncertain.
+class Location(NamedTuple):
+    """Where points of a rod lie; arrays of one shape."""
 
-    A float cannot name a single tick beyond 2^51 of them. ValueError for what is no side of a jump.
+    segment: Ints  # number of the segment in the row, counted from 1
+    distance: Floats  # m from the left end of the segment
+
+
+def to_side(ticks: Ints, side: Side) -> Ints:
+    """Ticks that were rounded from times, moved just after ("right") or before a jump there.
+
+    They move by the round-off of a time, since a float cannot name a single tick beyond 2^51 of
+    them. ValueError for any other side.
     """
     one_of("side", side, ("right", "left"))
     round_off = ticks >> 51
@@ -76,14 +87,20 @@ class Fields(Protocol):
     signals : Signals
         Its motion, and the velocities of rigid masses, by body, m/s, in the frame `clock.frame`,
         which falls with `clock.gravity`.
+
+    Notes
+    -----
+    Points x are in m from the left end of a body, ticks and times t are those of the run. Both
+    broadcast, and values have the shape to which they do.
     """
 
     clock: Clock
-    end: int
+    end: int  # last tick
     signals: Signals
-    motion: Any
-    step: float
-    rods: dict[int, Rod]
+    motion: Any  # Waves or GridMotion
+    resolution: int = 1  # ticks in which nothing is resolved: a step of a grid
+    step: float  # the same, s
+    rods: dict[int, Rod]  # by body
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
         self.clock = clock
@@ -96,35 +113,32 @@ class Fields(Protocol):
             if isinstance(body, Rod):
                 self.rods[i] = body
 
-    resolution: int = 1
-    """Ticks in which nothing is resolved, of a grid those of its step; `step` is the same in s."""
-
     @property
     def constant_between_fronts(self) -> bool:
-        """Whether velocity and strain are constant in the regions between fronts."""
+        """Whether velocity and strain are constant in each region between fronts."""
         return False
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
-        """Velocity in a rod, m/s, less the part that gravity gives; x and ticks broadcast."""
+        """Velocity in a rod, m/s, without the velocity that the frame gains by gravity."""
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
-        """Strain in a rod, positive in tension; x and ticks broadcast."""
+        """Strain in a rod, positive in tension."""
 
     def rod_strain_rate(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Strain rate in a rod, 1/s.
-
-        It is used where material is viscous, which only a grid takes.
-        """
+        """Strain rate in a rod, 1/s; 0 but on a grid, which alone takes viscous material."""
         return 0.0 * self.rod_strain(body, x, ticks, "right")
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Displacement in a rod, m, less the part that gravity gives; x and ticks broadcast.
+        """Displacement in a rod, m, without the way that the frame falls.
 
         It counts from the unstrained rod whose left end is at its place at t = 0.
         """
 
     def averaged(self, body: int, x: Floats, t: Floats) -> MeanState:
-        """Mean velocity and strain at places x between increasing times t."""
+        """Mean velocity and strain at points x [point] between increasing times t, s.
+
+        They are differences of displacements, and of integrals of the strain, over durations.
+        """
         ticks = self.to_ticks(t)
         displacement = self.displacement(body, x[:, None], t)
         strain_integral = self.strain_integral(body, x, ticks)
@@ -133,19 +147,19 @@ class Fields(Protocol):
         return MeanState(velocity, np.diff(strain_integral) / durations)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral over time of the strain at places x, [place, tick], in ticks.
+        """Integral of the strain over time at points x [point], ticks, [point, tick].
 
-        Its values at one place differ by what they should; where it is 0 is left open.
+        The tick from which it counts may differ from point to point.
         """
 
     def point_history(self, body: int, x: float) -> PassingWaves:
-        """The waves that pass a place in a rod."""
+        """The waves that pass the point x of a rod, from t = 0 to the end."""
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
-        """Momentum of a rod, kg m/s."""
+        """Momentum of a rod at times t in s, kg m/s."""
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
-        """Energy of a rod; the kinetic energy is that relative to `velocity`, m/s."""
+        """Energy of a rod at a tick; the kinetic energy is relative to `velocity`, m/s."""
 
     def extreme_stress(self, body: int) -> ExtremeStress:
         """Largest tension and compression in a rod, with place and time."""
@@ -153,21 +167,22 @@ class Fields(Protocol):
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""
 
-    def nearest_known(self, ticks: Ints) -> Ints:
-        """The nearest ticks at which energies are known."""
+    def nearest_energy_ticks(self, ticks: Ints) -> Ints:
+        """The nearest ticks at which energies are known: on a grid those of its states."""
         return ticks
 
-    def damped(self, ticks: Ints) -> Floats:
-        """Energy lost in damped material since t = 0, J, at whole ticks."""
+    def viscous_loss(self, ticks: Ints) -> Floats:
+        """Energy lost in damped material from t = 0 to each tick, J."""
         return np.zeros(np.shape(ticks))
 
-    # Where and when ---------------------------------------------------------------------------
+    # Where and when -----------------------------------------------------------------
 
     def to_ticks(self, t: ArrayLike) -> Ints:
-        """Nearest ticks of times in s; raise ValueError outside the solution."""
+        """Nearest ticks of times in s; ValueError for times outside the solution."""
         t = array("t", t, "s")
         end = self.end * self.clock.tick
-        inside = (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
+        latest = end * (1 + END_RTOL) + self.clock.tick
+        inside = (t >= 0) & (t <= latest)
         if not inside.all():
             message = f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}"
             demand(inside, "t", message, t)
@@ -176,32 +191,36 @@ class Fields(Protocol):
         return ticks
 
     def to_ticks_beside(self, t: ArrayLike, side: Side) -> Ints:
-        """Ticks of times in s, before or after a jump at that time, as in `to_side`."""
+        """Ticks of times in s, just after ("right") or before a jump at that time."""
         return to_side(self.to_ticks(t), side)
 
     def edges(self, body: int) -> Floats:
-        """Ends of the body's segments, m from its left end."""
+        """Ends of the n segments of a rod, m from its left end, [n + 1]."""
         first, last = self.clock.spans[body]
-        return np.array([0.0, *accumulate(self.clock.length[first : last + 1])])
+        lengths = self.clock.length[first : last + 1]
+        return np.array([0.0, *accumulate(lengths)])
 
-    def locate(self, body: int, x: ArrayLike) -> tuple[Ints, Floats]:
-        """Segment of the row in which places lie, and distance from its left end, m.
+    def locate(self, body: int, x: ArrayLike) -> Location:
+        """Segments in which points of a rod lie; ValueError outside of the rod.
 
-        Places are in m from the left end of a rod; ValueError outside.
+        A point between two segments lies in the right one.
         """
         self._check_rod(body)
         first, last = self.clock.spans[body]
         x = array("x", x, "m")
         edges = self.edges(body)
-        inside = (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
+        length = edges[-1]
+        inside = (x >= 0) & (x <= length * (1 + END_RTOL))
         if not inside.all():
-            message = f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}"
+            message = f"must lie in body {body}, 0 to {length:.9g} m, got {{0!r}}"
             demand(inside, "x", message, x)
-        piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
-        return np.asarray(piece + first), np.asarray(x - edges[piece])
+        in_rod = np.searchsorted(edges, x, "right") - 1
+        in_rod = np.clip(in_rod, 0, last - first)
+        segment = np.asarray(in_rod + first)
+        return Location(segment, np.asarray(x - edges[in_rod]))
 
     def _broadcast_shape(self, x: Any, t: Any) -> tuple[int, ...]:
-        """Shape that places and times broadcast to; raise ValueError where they do not."""
+        """Shape to which points and times broadcast; ValueError where they do not."""
         try:
             return np.broadcast_shapes(np.shape(x), np.shape(t))
         except ValueError:
@@ -209,69 +228,86 @@ class Fields(Protocol):
             message = f"{shapes} of t; for a grid ask for x[:, None] and t"
             raise invalid_argument("x", message) from None
 
-    # Rods, masses and walls at places and times as users give them ------------------------------
+    # Velocity of the frame ----------------------------------------------------------
+
+    def frame_velocity(self, tick: int) -> float:
+        """Velocity of the clock's frame at a tick, m/s: that at t = 0, and g t."""
+        clock = self.clock
+        return clock.frame + clock.gravity * tick * clock.tick
 
     def _fall_velocity(self, ticks: Ints) -> Floats:
-        """Velocity that the frame has gained by gravity, m/s."""
+        """g t: velocity that the frame has gained by gravity, m/s."""
         return np.asarray(self.clock.gravity * ticks * self.clock.tick)
+
+    # Kinds of bodies ----------------------------------------------------------------
 
     def _is_rod(self, body: int) -> bool:
         """Whether a body has an inside."""
         return self.clock.spans[body][1] > 0
 
+    def _is_wall(self, body: int) -> bool:
+        """Whether a body moves as its own velocity says, whatever pushes it."""
+        return not self._is_rod(body) and body not in self.signals.masses
+
+    def _wall_velocity(self, body: int) -> float:
+        """Velocity of a wall, m/s."""
+        wall: Any = self.clock.system.bodies[body]
+        return float(wall.velocity)
+
     def _check_rod(self, body: int) -> None:
         """Raise InvalidModel for a body that has no inside."""
         if self._is_rod(body):
             return
-        kind = "a wall"
-        if body in self.signals.masses:
-            kind = "a rigid mass"
+        kind = "a rigid mass"
+        if self._is_wall(body):
+            kind = "a wall"
         raise invalid_argument(
             "body", f"{body} is {kind} and has no inside; ask for a rod"
         )
 
-    def _at_rigid_body(self, body: int, x: Array, ticks: Ints) -> Ints:
-        """Ticks broadcast with places in a rigid mass or in a wall, all of which are 0 m."""
+    def _rigid_ticks(self, body: int, x: Array, ticks: Ints) -> Ints:
+        """Ticks broadcast with points of a rigid mass or a wall; InvalidModel unless all are 0."""
         message = f"must be 0 in body {body}, which has no length, got {{0!r}}"
         demand(x == 0, "x", message, x)
         return np.broadcast_to(ticks, self._broadcast_shape(x, ticks))
+
+    # Fields of rods, masses and walls, as users ask for them ------------------------
 
     def velocity(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Velocity, m/s; x and t broadcast, and x is 0 in a mass or a wall."""
         ticks = self.to_ticks_beside(t, side)
-        places = array("x", x, "m")
+        points = array("x", x, "m")
         if self._is_rod(body):
-            velocity = self.rod_velocity(body, places, ticks, side)
+            velocity = self.rod_velocity(body, points, ticks, side)
         else:
-            ticks = self._at_rigid_body(body, places, ticks)
-            mass = self.signals.masses.get(body)
-            if mass is None:
-                wall: Any = self.clock.system.bodies[body]
-                return np.asarray(wall.velocity + 0.0 * ticks)
-            velocity = mass.at(ticks, side) + self.clock.frame
+            ticks = self._rigid_ticks(body, points, ticks)
+            if self._is_wall(body):
+                wall_velocity = self._wall_velocity(body) + 0.0  # no -0.0
+                return np.full(ticks.shape, wall_velocity)
+            in_frame = self.signals.masses[body].at(ticks, side)
+            velocity = in_frame + self.clock.frame
         if self.clock.gravity:
             return velocity + self._fall_velocity(self.to_ticks(t))
         return velocity
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Displacement from the place at t = 0, m; arguments as for the velocity."""
+        clock = self.clock
         ticks = self.to_ticks(t)
-        places = array("x", x, "m")
+        points = array("x", x, "m")
         if self._is_rod(body):
-            displacement = self.rod_displacement(body, places, ticks)
+            displacement = self.rod_displacement(body, points, ticks)
         else:
-            ticks = self._at_rigid_body(body, places, ticks)
-            mass = self.signals.masses.get(body)
-            if mass is None:
-                wall: Any = self.clock.system.bodies[body]
-                return np.asarray(wall.velocity * ticks * self.clock.tick)
-            of_frame = self.clock.frame * (ticks * self.clock.tick)
-            in_frame = mass.integral(0, ticks) * self.clock.tick
+            ticks = self._rigid_ticks(body, points, ticks)
+            if self._is_wall(body):
+                return np.asarray(self._wall_velocity(body) * ticks * clock.tick)
+            of_frame = clock.frame * (ticks * clock.tick)
+            in_frame = self.signals.masses[body].integral(0, ticks) * clock.tick
             displacement = in_frame + of_frame
-        time = ticks * self.clock.tick
-        return displacement + self.clock.gravity * time * time / 2
+        time = ticks * clock.tick
+        return displacement + clock.gravity * time * time / 2
 
     def strain(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
@@ -279,13 +315,15 @@ class Fields(Protocol):
         """Strain in a rod, positive in tension; x and t broadcast."""
         ticks = self.to_ticks_beside(t, side)
         self._check_rod(body)
-        return self.rod_strain(body, array("x", x, "m"), ticks, side)
+        points = array("x", x, "m")
+        return self.rod_strain(body, points, ticks, side)
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Strain rate in a rod, 1/s; x and t broadcast."""
         ticks = self.to_ticks(t)
         self._check_rod(body)
-        return self.rod_strain_rate(body, array("x", x, "m"), ticks)
+        points = array("x", x, "m")
+        return self.rod_strain_rate(body, points, ticks)
 
     @cached_property
     def positions(self) -> list[float]:
@@ -296,13 +334,17 @@ class Fields(Protocol):
         clock = self.clock
         system = clock.system
         positions = []
-        x = 0.0
-        for body, (first, last) in enumerate(clock.spans):
+        right_end = 0.0  # of the body before, m
+        for body in range(len(clock.spans)):
+            left_end = right_end
             if body > 0:
                 stretch = getattr(system.contacts[body - 1], "stretch", 0.0)
-                x += float(system.gaps[body - 1]) + float(stretch)
-            positions.append(x)
+                left_end += float(system.gaps[body - 1]) + float(stretch)
+            positions.append(left_end)
+            right_end = left_end
             if self._is_rod(body):
-                x += sum(clock.length[first : last + 1])
-                x += float(self.displacement(body, self.edges(body)[-1], 0.0))
+                first, last = clock.spans[body]
+                right_end += sum(clock.length[first : last + 1])
+                length = self.edges(body)[-1]
+                right_end += float(self.displacement(body, length, 0.0))
         return positions

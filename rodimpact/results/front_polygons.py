@@ -1,10 +1,12 @@
 """Waves between fronts in plain lists, and the polygons of constant state that they cut.
 
 For figures and, as JavaScript, for the page. A wave is a table of lists: `tick` of its fronts,
-`value` from each of them on, and `passed`, its integral from its first front to each of them.
+`value` from each of them on, m/s in a frame, and `passed`, its integral from its first front to
+each of them, m/s ticks.
 
-With p and q the ticks at which the waves seen at (x, t) left the left and the right end, a region
-is a rectangle in (p, q), cut by the ends of the segment, |q - p| <= T, and of the interval of time.
+With p and q the ticks at which the waves seen at (x, t) left the left and the right end of a
+segment of transit time T, t = (p + q + T)/2. A region of constant state is a rectangle in (p, q),
+cut by the ends of the segment, |q - p| <= T, and of the interval of time.
 """
 
 from bisect import bisect_left, bisect_right
@@ -15,69 +17,92 @@ Corner = tuple[int, int]
 
 
 class Lattice(NamedTuple):
-    """Rectangles in (p, q) into which the fronts of both waves cut a segment."""
+    """Rectangles in (p, q) into which the fronts of both waves cut a segment.
 
-    # fronts that leave the left end, ticks, and the bounds of the interval
-    p: list[int]
-    # those that leave the right end
-    q: list[int]
-    # by rectangle along p: the first one along q that makes a region with it
+    Rectangle (k, j) lies between p[k] and p[k + 1], q[j] and q[j + 1]. It has a part in the
+    segment and the interval of time if first[k] <= j < stop[k].
+    """
+
+    p: list[int]  # ticks of fronts that leave the left end, and the bounds of p
+    q: list[int]  # ticks of fronts that leave the right end, and the bounds of q
     first: list[int]
-    # the one after the last
     stop: list[int]
 
 
+class SegmentStart(NamedTuple):
+    """A segment of a rod, and its left end."""
+
+    body: int  # index of the rod in the row
+    number: int  # index of the segment in the rod
+    x: float  # m from the left end of the rod
+    displacement: float  # m, at t = 0
+
+
+class FrameClock(NamedTuple):
+    """How times and velocities of waves are given."""
+
+    tick: float  # s
+    frame: float  # velocity of the frame, m/s
+
+
 def wave_of(ticks: list[int], values: list[float]) -> Any:
-    """A wave, from its fronts."""
+    """A wave as a table of lists, from the ticks of its fronts and its values, m/s."""
     passed = [0.0]
     for i in range(len(ticks) - 1):
-        passed.append(passed[i] + values[i] * (ticks[i + 1] - ticks[i]))
+        duration = ticks[i + 1] - ticks[i]
+        passed.append(passed[i] + values[i] * duration)
     return {"tick": ticks, "value": values, "passed": passed}
 
 
 def front_before(wave: Any, tick: int) -> int:
-    """Index of the last front of a wave up to a tick; the first one before it."""
+    """Index of the last front of a wave up to a tick; 0 before the first front."""
     return max(0, bisect_right(wave["tick"], tick) - 1)
 
 
 def value_from(wave: Any, tick: int) -> Any:
-    """Value of a wave from a tick on."""
+    """Value of a wave from a tick on, m/s."""
     return wave["value"][front_before(wave, tick)]
 
 
 def integral_to(wave: Any, tick: int) -> Any:
-    """Integral of a wave from its first front to a tick, velocity times ticks."""
+    """Integral of a wave from its first front to a tick, m/s ticks."""
     i = front_before(wave, tick)
-    return wave["passed"][i] + wave["value"][i] * (tick - wave["tick"][i])
+    since_front = tick - wave["tick"][i]
+    return wave["passed"][i] + wave["value"][i] * since_front
 
 
 def edges_of(wave: Any, start: int, stop: int) -> list[int]:
-    """Ticks of the fronts of a wave between two ticks, and these."""
-    return [start, *[tick for tick in wave["tick"] if start < tick < stop], stop]
+    """Ticks of the fronts of a wave between two ticks, and these two."""
+    inside = [tick for tick in wave["tick"] if start < tick < stop]
+    return [start, *inside, stop]
 
 
-def lengthening_of(piece: Any) -> Any:
-    """How much longer a segment is at t = 0 than without strain, velocity times ticks."""
+def initial_elongation(piece: Any) -> Any:
+    """Elongation of a segment at t = 0: integral of (b - a)/2 from -T to 0, m/s ticks."""
     a = piece["rightward"]
     b = piece["leftward"]
     T = piece["ticks"]
-    from_right = integral_to(b, 0) - integral_to(b, -T)
-    return (from_right - integral_to(a, 0) + integral_to(a, -T)) / 2
+    of_b = integral_to(b, 0) - integral_to(b, -T)
+    twice = of_b - integral_to(a, 0) + integral_to(a, -T)
+    return twice / 2
 
 
 def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
     """Rectangles of a segment between the ticks `start` and `stop`."""
     T = piece["ticks"]
-    ps = edges_of(piece["rightward"], start - T, stop)
-    qs = edges_of(piece["leftward"], start - T, stop)
-    firsts = []
-    stops = []
-    for i in range(len(ps) - 1):
-        low = max(ps[i] - T, start - T + (start - ps[i + 1]))
-        high = min(ps[i + 1] + T, stop - T + (stop - ps[i]))
-        firsts.append(bisect_right(qs, low, 1) - 1)
-        stops.append(bisect_left(qs, high, 0, len(qs) - 1))
-    return Lattice(ps, qs, firsts, stops)
+    p = edges_of(piece["rightward"], start - T, stop)
+    q = edges_of(piece["leftward"], start - T, stop)
+    first = []
+    after_last = []
+    for k in range(len(p) - 1):
+        # Bounds of q: in the segment |q - p| <= T, in the interval 2 start <= p + q + T <= 2 stop.
+        earliest = start - T + (start - p[k + 1])
+        latest = stop - T + (stop - p[k])
+        low = max(p[k] - T, earliest)
+        high = min(p[k + 1] + T, latest)
+        first.append(bisect_right(q, low, 1) - 1)
+        after_last.append(bisect_left(q, high, 0, len(q) - 1))
+    return Lattice(p, q, first, after_last)
 
 
 def region(
@@ -105,13 +130,14 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
     depth = [bound - n0 * p - n1 * q for p, q in corners]
     if not any(d > 0 for d in depth):
         return inside
-    for i, (p, q) in enumerate(corners):
+    for i in range(len(corners)):
         j = (i + 1) % len(corners)
         here = depth[i]
         there = depth[j]
         if here >= 0:
-            inside.append((p, q))
+            inside.append(corners[i])
         if (here < 0 and there > 0) or (here > 0 and there < 0):
+            p, q = corners[i]
             next_p, next_q = corners[j]
             p_cut = crossing(p, next_p, here, there)
             q_cut = crossing(q, next_q, here, there)
@@ -126,11 +152,12 @@ def crossing(start: int, stop: int, here: int, there: int) -> int:
     """
     if start == stop:
         return start
-    return start + here // ((here - there) // (stop - start))
+    fall_per_tick = (here - there) // (stop - start)
+    return start + here // fall_per_tick
 
 
 def count_of(rods: Any, start: int, stop: int, limit: float) -> int:
-    """Number of regions; of more than `limit` not all are counted."""
+    """Number of regions of constant state; of more than `limit` not all are counted."""
     count = 0
     for rod in rods:
         for piece in rod["pieces"]:
@@ -142,7 +169,7 @@ def count_of(rods: Any, start: int, stop: int, limit: float) -> int:
 
 
 def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> Any:
-    """Polygons of constant state between two ticks, as `Regions` has them.
+    """Polygons of constant state between two ticks, as lists by the names of `Regions`.
 
     Parameters
     ----------
@@ -167,46 +194,58 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
         "strain": [],
         "stress": [],
     }
+    clock = FrameClock(tick, frame)
     for rod in rods:
-        left = 0.0  # m, of a segment from the left end of the rod
-        left_displacement = 0.0  # m, at t = 0
-        for s, piece in enumerate(rod["pieces"]):
-            a = piece["rightward"]
-            b = piece["leftward"]
-            T = piece["ticks"]
-            length = piece["length"]
-            lattice = lattice_of(piece, start, stop)
-            ps = lattice.p
-            qs = lattice.q
-            a_at_start = integral_to(a, 0)
-            b_at_start = integral_to(b, -T)
-            for k in range(len(lattice.first)):
-                a_value = value_from(a, ps[k])
-                for j in range(lattice.first[k], lattice.stop[k]):
-                    b_value = value_from(b, qs[j])
-                    strain = (b_value - a_value) * (0.5 / piece["wave_speed"])
-                    polygons["body"].append(rod["body"])
-                    polygons["segment"].append(s)
-                    polygons["velocity"].append((a_value + b_value) / 2 + frame)
-                    polygons["strain"].append(strain)
-                    polygons["stress"].append(strain * piece["youngs_modulus"])
-                    p_range = (ps[k], ps[k + 1])
-                    q_range = (qs[j], qs[j + 1])
-                    corners = region(p_range, q_range, T, start, stop)
-                    for p, q in corners:
-                        twice = (
-                            integral_to(a, p)
-                            - a_at_start
-                            + integral_to(b, q)
-                            - b_at_start
-                            + frame * (p + q + T)
-                        )
-                        polygons["x"].append(left + (q - p + T) / 2 / T * length)
-                        polygons["t"].append((p + q + T) / 2 * tick)
-                        polygons["displacement"].append(
-                            twice / 2 * tick + left_displacement
-                        )
-                    polygons["start"].append(len(polygons["x"]))
-            left += length
-            left_displacement += lengthening_of(piece) * tick
+        x = 0.0
+        displacement = 0.0
+        pieces = rod["pieces"]
+        for s in range(len(pieces)):
+            left = SegmentStart(rod["body"], s, x, displacement)
+            add_segment(polygons, pieces[s], left, clock, start, stop)
+            x += pieces[s]["length"]
+            displacement += initial_elongation(pieces[s]) * tick
     return polygons
+
+
+def add_segment(
+    polygons: Any,
+    piece: Any,
+    left: SegmentStart,
+    clock: FrameClock,
+    start: int,
+    stop: int,
+) -> None:
+    """Add the polygons of a segment to lists by the names of `Regions`."""
+    a = piece["rightward"]
+    b = piece["leftward"]
+    T = piece["ticks"]
+    per_difference = 0.5 / piece["wave_speed"]  # strain over b - a, s/m
+    lattice = lattice_of(piece, start, stop)
+    p_edges = lattice.p
+    q_edges = lattice.q
+    a_passed_at_start = integral_to(a, 0)
+    b_passed_at_start = integral_to(b, -T)
+    for k in range(len(lattice.first)):
+        p_range = (p_edges[k], p_edges[k + 1])
+        a_value = value_from(a, p_edges[k])
+        for j in range(lattice.first[k], lattice.stop[k]):
+            q_range = (q_edges[j], q_edges[j + 1])
+            b_value = value_from(b, q_edges[j])
+            strain = (b_value - a_value) * per_difference
+            polygons["body"].append(left.body)
+            polygons["segment"].append(left.number)
+            polygons["velocity"].append((a_value + b_value) / 2 + clock.frame)
+            polygons["strain"].append(strain)
+            polygons["stress"].append(strain * piece["youngs_modulus"])
+            for p, q in region(p_range, q_range, T, start, stop):
+                a_passed = integral_to(a, p) - a_passed_at_start
+                in_frame = a_passed + integral_to(b, q) - b_passed_at_start
+                twice = in_frame + clock.frame * (
+                    p + q + T
+                )  # the displacement, m/s ticks
+                displacement = twice / 2 * clock.tick + left.displacement
+                x = left.x + (q - p + T) / 2 / T * piece["length"]
+                polygons["x"].append(x)
+                polygons["t"].append((p + q + T) / 2 * clock.tick)
+                polygons["displacement"].append(displacement)
+            polygons["start"].append(len(polygons["x"]))

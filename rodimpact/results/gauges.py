@@ -16,17 +16,25 @@ from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
 from .fields import to_side
 
-DEFAULT_SAMPLES = 10_000  # in a record where no interval is given
-MAX_TABLE_ROWS = 100_000_000  # some gigabytes
-ROWS_PER_BLOCK = 4096  # which are made at a time
-SAMPLE_COUNT_RTOL = 1e-12  # by which a last sample may come after the end
+DEFAULT_SAMPLES = 10_000  # number of intervals of a record where none is given
+MAX_TABLE_ROWS = 100_000_000  # rows of some gigabytes
+ROWS_PER_BLOCK = 4096  # rows of a table that are made at a time
+SAMPLE_COUNT_RTOL = 1e-12  # share of a record by which its last sample may be late
+RECORD_END_RTOL = 1e-9  # share of a record by which a time may lie beyond its end
 
 
 class Sampling(NamedTuple):
     """Samples at equal intervals from t = 0 on."""
 
-    step: float  # s, from one sample to the next
-    rows: int  # number of samples
+    step: float  # interval from one sample to the next, s
+    sample_count: int
+
+
+class CellParts(NamedTuple):
+    """Parts of consecutive cells, in each of which a signal is one polynomial."""
+
+    cuts: Floats  # [part + 1], ticks
+    cell: Ints  # index of the cell to which a part belongs, [part]
 
 
 @dataclass(frozen=True)
@@ -89,17 +97,23 @@ class Gauge:
 
     @property
     def strain_rate(self) -> Floats:
-        """How fast the strain changes until the next time, 1/s; on average."""
+        """Mean strain rate from each time to the next, 1/s, without the jumps at the times.
+
+        (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] - t[i]).
+        """
         stops = np.append(self.times[1:], self.end)
         durations = stops - self.times
-        strain_before = self.record.at(self._ticks(stops, "left"), "left")
+        ticks_before = self._ticks(stops, "left")
+        strain_before = self.record.at(ticks_before, "left")
         changes = strain_before - self.strain_after
         rates = np.zeros(len(durations))
         np.divide(changes, durations, out=rates, where=durations > 0)
         return rates
 
     def _ticks(self, t: Floats, side: Side = "right") -> Ints:
-        return to_side(np.rint(t / self.tick).astype(np.int64), side)
+        """Ticks of times in s, just after ("right") or before a jump at that time."""
+        nearest = np.rint(t / self.tick).astype(np.int64)
+        return to_side(nearest, side)
 
     def signal(self, interval: float | None = None, name: str = "") -> Signal:
         """Return the strain as a signal at equal intervals.
@@ -133,40 +147,52 @@ class Gauge:
         message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
         demand(step <= self.end, "interval", message)
         samples = []
-        for block in _blocks(sampling.rows):
-            samples.append(self._spline_means(step / self.tick, block))
-        times = step * np.arange(sampling.rows)
+        for rows in _blocks(sampling.sample_count):
+            samples.append(self._spline_means(step / self.tick, rows))
+        times = step * np.arange(sampling.sample_count)
         return Signal(np.concatenate(samples), times, name=name)
 
     def _spline_means(self, step: float, rows: Ints) -> Floats:
-        """Means about row * step, weighted by a parabolic spline; the step is in ticks.
+        """Means of the strain about the times row * step, ticks, of [n] rows in order.
 
-        With u from 0 to 1 in each of its three cells, the spline is u^2/2,
-        1/2 + u - u^2, and (1 - u)^2/2. So a mean is made of the integrals over cells of
+        They are weighted by a parabolic spline over three cells, each a step long, with the
+        row in the middle. With u from 0 to 1 in each cell, the weights are u^2/2,
+        1/2 + u - u^2 and (1 - u)^2/2. So a mean is made of the integrals over cells of
         the strain, of u times the strain, and of u^2 times the strain.
         """
-        bounds = step * (np.append(rows, rows[-1] + [1, 2, 3]) - 1.5)
-        cell_count = len(bounds) - 1
-        # Gauss's rule is exact for the parts into which breaks cut the cells.
-        first, stop = np.searchsorted(self.record.breaks, bounds[[0, -1]])
-        breaks = self.record.breaks[first:stop]
-        after = np.searchsorted(bounds[:-1], breaks, "right")
-        cuts = np.insert(bounds, after, breaks)
-        cell = np.insert(np.arange(cell_count), after, after - 1)
-        begins = (cuts[:-1] - bounds[cell]) / step
-        widths = np.diff(cuts)[:, None] / step
+        following = rows[-1] + np.arange(1, 4)
+        bounds_in_steps = np.append(rows, following) - 1.5
+        bounds = step * bounds_in_steps  # of n + 2 cells
+        parts = self._cell_parts(bounds)
+        cell_of_part = parts.cell
+        begin = (parts.cuts[:-1] - bounds[cell_of_part]) / step
+        width = np.diff(parts.cuts)[:, None] / step
+        # Gauss's rule is exact for the polynomials in which the strain times u^2 comes.
         shares, weights = quadrature((self.record.size + 3) // 2)
-        u = begins[:, None] + widths * shares
-        strain = self.record.inside(cuts[:-1], cuts[1:], shares)
-        weighted = strain * weights * widths
-        by_1 = np.bincount(cell, weighted.sum(axis=1), cell_count)
-        by_u = np.bincount(cell, (weighted * u).sum(axis=1), cell_count)
-        by_u2 = np.bincount(cell, (weighted * (u * u)).sum(axis=1), cell_count)
-        rising = by_u2 / 2
-        middle = by_1 / 2 + by_u - by_u2
-        falling = by_1 / 2 - by_u + by_u2 / 2
+        u = begin[:, None] + width * shares
+        strain = self.record.inside(parts.cuts[:-1], parts.cuts[1:], shares)
+        weighted = strain * weights * width
+        by_u = weighted * u
+        by_u2 = weighted * (u * u)
+        cell_count = len(bounds) - 1
+        integral = np.bincount(cell_of_part, weighted.sum(axis=1), cell_count)
+        integral_u = np.bincount(cell_of_part, by_u.sum(axis=1), cell_count)
+        integral_u2 = np.bincount(cell_of_part, by_u2.sum(axis=1), cell_count)
+        rising = integral_u2 / 2
+        middle = integral / 2 + integral_u - integral_u2
+        falling = integral / 2 - integral_u + integral_u2 / 2
         means: Floats = rising[:-2] + middle[1:-1] + falling[2:]
         return means
+
+    def _cell_parts(self, bounds: Floats) -> CellParts:
+        """Cut cells between bounds, ticks, where the strain is another polynomial."""
+        all_breaks = self.record.breaks
+        first, stop = all_breaks.searchsorted(bounds[[0, -1]])
+        breaks = all_breaks[first:stop]
+        after = bounds[:-1].searchsorted(breaks, "right")
+        cuts = np.insert(bounds, after, breaks)
+        cell = np.insert(np.arange(len(bounds) - 1), after, after - 1)
+        return CellParts(cuts, cell)
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write time, strain, rightward and leftward strain and velocity, one row an entry.
@@ -176,16 +202,21 @@ class Gauge:
         FileExistsError
             If the file is there and `force` is false.
         """
-        names = ("strain", "rightward", "leftward", "velocity")
-        heads = [heading("time", "s"), *map(heading, names, ("", "", "", "m/s"))]
-        columns = [self.times, *(getattr(self, name) for name in names)]
-        write_table(path, heads, [columns], force=force)
+        columns = {
+            heading("time", "s"): self.times,
+            heading("strain", ""): self.strain,
+            heading("rightward", ""): self.rightward,
+            heading("leftward", ""): self.leftward,
+            heading("velocity", "m/s"): self.velocity,
+        }
+        write_table(path, list(columns), [list(columns.values())], force=force)
 
     def strain_at(self, t: ArrayLike) -> Floats:
         """Strain at times t in s, from 0 to `end`; ValueError at others."""
         t = array("t", t, "s")
         message = f"must be from 0 to {self.end!r} s, got {{0!r}}"
-        demand((t >= 0) & (t <= self.end * (1 + 1e-9)), "t", message, t)
+        inside = (t >= 0) & (t <= self.end * (1 + RECORD_END_RTOL))
+        demand(inside, "t", message, t)
         return self.record.at(self._ticks(t))
 
 
@@ -241,23 +272,27 @@ def gauges_to_csv(
         if sentence:
             problems.append(("gauges", sentence))
     raise_if_problems(problems)
-    sampling = _sampling(interval, min(record.end for record in gauges.values()))
+    records = list(gauges.values())
+    shortest = min(records, key=lambda record: record.end)
+    sampling = _sampling(interval, shortest.end)
     heads = [heading("time", "s")]
     for name in gauges:
         heads.append(heading(name, ""))
-    columns = _columns(list(gauges.values()), sampling)
-    write_table(path, heads, columns, force=force)
+    write_table(path, heads, _table_blocks(records, sampling), force=force)
 
 
-def _columns(records: list[Gauge], sampling: Sampling) -> Iterator[list[Floats]]:
-    """Times and strains of all records, a block of rows after the other."""
-    for block in _blocks(sampling.rows):
-        times = sampling.step * block
-        yield [times, *(record.strain_at(times) for record in records)]
+def _table_blocks(records: list[Gauge], sampling: Sampling) -> Iterator[list[Floats]]:
+    """Columns of some rows of a table after the other: times, s, and the strain of each record."""
+    for rows in _blocks(sampling.sample_count):
+        times = sampling.step * rows
+        columns = [times]
+        for record in records:
+            columns.append(record.strain_at(times))
+        yield columns
 
 
 def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
-    """Gauges by name; InvalidModel for anything else."""
+    """Return gauges by name as they are; InvalidModel for anything else."""
     if isinstance(gauges, Mapping):
         are_gauges = [isinstance(record, Gauge) for record in gauges.values()]
         if all(are_gauges):
@@ -268,21 +303,23 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
 
 def _sampling(interval: Any, end: float) -> Sampling:
     """Samples of a record that ends at `end`, s; InvalidModel for a wrong interval."""
-    if interval is None:
-        step = end / DEFAULT_SAMPLES or 1.0
-    else:
+    if interval is not None:
         step = scalar("interval", interval, "s", "positive")
+    else:
+        step = end / DEFAULT_SAMPLES
+    if step == 0:  # a record of no duration has one sample
+        step = 1.0
     if end / step > MAX_TABLE_ROWS:
+        least = end / MAX_TABLE_ROWS
         message = (
             f"gives {end / step:.3g} rows, more than {MAX_TABLE_ROWS}; take at least"
         )
-        raise invalid_argument(
-            "interval", f"{message} {end / MAX_TABLE_ROWS:.3g} s, got {step!r}"
-        )
-    return Sampling(step, int(end / step * (1 + SAMPLE_COUNT_RTOL)) + 1)
+        raise invalid_argument("interval", f"{message} {least:.3g} s, got {step!r}")
+    interval_count = int(end / step * (1 + SAMPLE_COUNT_RTOL))
+    return Sampling(step, interval_count + 1)
 
 
-def _blocks(rows: int) -> Iterator[Ints]:
-    """All rows of a table, some at a time."""
-    for start in range(0, rows, ROWS_PER_BLOCK):
-        yield np.arange(start, min(start + ROWS_PER_BLOCK, rows))
+def _blocks(count: int) -> Iterator[Ints]:
+    """Indices from 0 to `count`, some at a time."""
+    for start in range(0, count, ROWS_PER_BLOCK):
+        yield np.arange(start, min(start + ROWS_PER_BLOCK, count))

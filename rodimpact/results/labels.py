@@ -20,11 +20,11 @@ class Quantity(NamedTuple):
 
     @property
     def attributes(self) -> dict[str, str]:
-        """What a variable of xarray says of itself."""
+        """Attributes of a variable of xarray."""
         return {"long_name": self.name, "units": self.unit or "1"}
 
 
-_NAMES = {
+_RESULTS = {
     "restitution": Quantity("coefficient of restitution e", "1"),
     "vibration": Quantity("vibration energy", "J"),
     "dissipated": Quantity("energy lost in contacts", "J"),
@@ -56,7 +56,7 @@ _NAMES = {
 
 
 def parameter(system: System, path: str) -> Quantity:
-    """What the number of a system at this path is; an unknown path stands for itself.
+    """Name and unit of the number of a system at this path; an unknown path is its own name.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def parameter(system: System, path: str) -> Quantity:
 
 
 def outcome(system: System, column: str) -> Quantity:
-    """What a column of results is, a field, or else the number of a system at this path.
+    """Name and unit of a column of results or of a field, else of a number as `parameter`.
 
     Examples
     --------
@@ -114,10 +114,10 @@ def outcome(system: System, column: str) -> Quantity:
         return Quantity(f"displacement of {_body(system, index)} at the end", "m")
     if kind == "largest_stress":
         return Quantity(f"largest stress in {_body(system, index)}", "Pa")
-    if kind not in _NAMES:
-        name, unit = parameter(system, column)
+    if kind in _RESULTS:
+        name, unit = _RESULTS[kind]
     else:
-        name, unit = _NAMES[kind]
+        name, unit = parameter(system, column)
     if index and len(system.contacts) > 1:
         name = f"{name} at contact {_pair(system, index)}"
     return Quantity(name, unit)
@@ -129,27 +129,33 @@ def dataset(
     coordinates: dict[str, Any],
     **attributes: str,
 ) -> Any:
-    """An xarray Dataset of variables and coordinates, (dimensions, values) by name, with labels."""
+    """An xarray Dataset with labels of all its variables and coordinates.
+
+    Both are (dimensions, values) by name; `attributes` are those of the Dataset.
+    """
     xarray = optional("xarray", "xarray")
-    return xarray.Dataset(
-        _labelled(system, variables), _labelled(system, coordinates), attributes
-    )
+    labelled_variables = _labelled(system, variables)
+    labelled_coordinates = _labelled(system, coordinates)
+    return xarray.Dataset(labelled_variables, labelled_coordinates, attributes)
 
 
 def _labelled(system: System, variables: dict[str, Any]) -> dict[str, Any]:
-    """Variables, (dimensions, values) by name, with their labels."""
+    """Variables (dimensions, values, attributes) by name, from (dimensions, values) by name."""
     labelled = {}
-    for name, (dimensions, values) in variables.items():
-        labelled[name] = (dimensions, values, outcome(system, name).attributes)
+    for name, variable in variables.items():
+        dimensions, values = variable
+        attributes = outcome(system, name).attributes
+        labelled[name] = (dimensions, values, attributes)
     return labelled
 
 
 def _body(system: System, index: str) -> str:
+    """Name of the body of that index, such as "rod 2"."""
     return body_names(system.kinds)[int(index)]
 
 
 def _quantity(name: str, field: QuantityField) -> Quantity:
-    """What the number of that name is."""
+    """Name and unit of a number of that name, by its declaration; "1" for no unit."""
     label = field.label
     if not label:
         label = name.replace("_", " ")
@@ -160,7 +166,7 @@ def _quantity(name: str, field: QuantityField) -> Quantity:
 
 
 def _of_end(system: System, side: str, path: list[str]) -> Quantity:
-    """A number of what drives an end, at a path within it."""
+    """Name and unit of a number of what drives an end, at a path within its value."""
     end = system.ends[side == "right"]
     label, unit = _quantity("value", end.fields["value"])
     name = f"{label} of the {side} end"
@@ -179,4 +185,5 @@ def _of_end(system: System, side: str, path: list[str]) -> Quantity:
 
 
 def _pair(system: System, contact: str) -> str:
+    """Name of the contact of that index by its two bodies, such as "2-3"."""
     return contact_names(system.kinds)[int(contact)]

@@ -5,23 +5,29 @@ Plain Python, which the page has as JavaScript.
 
 import math
 
-PICTURED_MOVEMENT = 0.35  # in the picture, in lengths of the row
+PICTURED_MOVEMENT = 0.35  # largest movement in the picture, in lengths of the row
 MAX_PICTURED_STRAIN = 0.3
-MAX_DRIFT_RATIO = 3.0  # of a drift that is drawn, over the movement within the row
-INNER_MOVEMENT_RTOL = 1e-9  # less movement within the row, over its drift, is round-off
-LEADING_DIGIT_RTOL = (
-    1e-9  # by which a number may lie below 1, 2, 5 times a power of ten
+MAX_DRIFT_RATIO = (
+    3.0  # a drift that is drawn, over the movement within the row, at most
 )
+INNER_MOVEMENT_RTOL = 1e-9  # less movement within the row, over its drift, is round-off
+LEADING_DIGIT_RTOL = 1e-9  # a number may lie so much below 1, 2, 5 times a power of ten
 BLOCK = 0.05  # largest width of a mass in the picture, in lengths of all rods
 
 
 def drifts(reach: float, relative: float) -> bool:
-    """Whether a row drifts much farther, `reach`, than its bodies move against each other."""
+    """Whether a row moves much farther than its bodies do against each other, and these do.
+
+    `reach` is the farthest movement of all, and `relative` that within the row, m.
+    """
     return INNER_MOVEMENT_RTOL * reach < relative < reach / MAX_DRIFT_RATIO
 
 
 def magnified(length: float, reach: float, relative: float, strain: float) -> float:
-    """Magnification for rods of that length that move so far, m, and with that largest strain."""
+    """Magnification of displacements in a picture, 1 or more.
+
+    For rods of that length, m, that move as in `drifts`, and have that largest strain.
+    """
     movement = reach
     if drifts(reach, relative):
         movement = relative

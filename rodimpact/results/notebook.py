@@ -5,13 +5,14 @@ from typing import Any
 
 
 def as_table(result: Any) -> str:
-    """The table that a result prints."""
+    """HTML of the table that a result prints."""
     from ..storage.tables import as_html
 
     return as_html(str(result))
 
 
 html: Callable[[Any], str] = as_table
+"""Draws the HTML of a result: a table, unless the package sets pictures for it."""
 
 
 class Shown:

@@ -40,11 +40,12 @@ class UndefinedRestitution(ValueError):
 class OnlyContact(Generic[Number]):
     """Totals of the only contact that can open, of one collision or of each of a family."""
 
-    contacts: Any
-    unilateral: Any
+    contacts: Any  # totals by contact
+    unilateral: Any  # indices of the contacts that can open
     _several = "this row has {} contacts that can open, not 1; use outcome.contacts"
 
     def _only_contact(self) -> Any:
+        """Totals of the only contact that can open; ValueError where there are several."""
         if len(self.unilateral) != 1:
             raise ValueError(self._several.format(len(self.unilateral)))
         return self.contacts[self.unilateral[0]]
@@ -222,7 +223,10 @@ class Outcome(OnlyContact[float]):
         entries: dict[str, Any] = {}
         for name, value in vars(self).items():
             entries[name] = json_ready(value)
-        entries["contacts"] = [tally._asdict() for tally in self.contacts]
+        contacts = []
+        for tally in self.contacts:
+            contacts.append(tally._asdict())
+        entries["contacts"] = contacts
         return entries
 
     def __str__(self) -> str:
@@ -258,11 +262,13 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
 
 
 def _unbalanced(momentum: float, energy: float) -> str:
-    """A warning of balances that do not close."""
+    """A sentence on relative residuals of balances that do not close; "" if both close."""
     missing = []
-    for name, share in (("momentum", momentum), ("energy", energy)):
-        if not abs(share) <= MAX_SILENT_RESIDUAL:  # which nan is not, either
-            missing.append(f"{abs(share):.1g} of the {name}")
+    residuals = {"momentum": abs(momentum), "energy": abs(energy)}
+    for name, residual in residuals.items():
+        is_small = residual <= MAX_SILENT_RESIDUAL  # nan is not
+        if not is_small:
+            missing.append(f"{residual:.1g} of the {name}")
     if not missing:
         return ""
     return (

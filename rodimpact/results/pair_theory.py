@@ -43,12 +43,14 @@ class PairTheory(NamedTuple):
         return "Boussinesq"
 
     def each(self, change: Callable[[Floats], Floats]) -> PairTheory:
-        """The family with every array changed."""
-        changed = [np.stack([change(left), change(right)]) for left, right in self]
+        """The family with every array of one body changed by a function."""
+        changed = []
+        for left, right in self:
+            changed.append(np.stack([change(left), change(right)]))
         return PairTheory(*changed)
 
     def along(self, members: Floats, wanted: Floats) -> PairTheory:
-        """A family with one axis at other values of its parameter.
+        """The family, which has one axis, at other values of its parameter, by interpolation.
 
         Parameters
         ----------
@@ -59,18 +61,20 @@ class PairTheory(NamedTuple):
         """
 
         def between(values: Floats) -> Floats:
-            if (values <= 0).any() or np.isinf(values).any():
+            if (values <= 0).any() or np.isinf(values).any():  # no logarithms
                 return np.interp(wanted, members, values)
-            return np.exp(np.interp(wanted, members, np.log(values)))
+            logarithms = np.interp(wanted, members, np.log(values))
+            return np.exp(logarithms)
 
         return self.each(between)
 
     def collision(self) -> PairCollision:
-        """What theory says; at a closing speed of 1 m/s where the bodies do not approach."""
+        """What theory says of each member; at a closing speed of 1 m/s where there is none."""
         Z = self.impedance
         T = self.transit_time
-        v = self.velocity
-        V = np.where(v[0] > v[1], v[0] - v[1], 1.0)
+        left_velocity, right_velocity = self.velocity
+        closing_speed = left_velocity - right_velocity
+        V = np.where(self.approaches, closing_speed, 1.0)
         if np.isfinite(Z).all():
             return saint_venant(Z[0], T[0], Z[1], T[1], V)
         rod = 0
@@ -82,18 +86,22 @@ class PairTheory(NamedTuple):
         return mass_on_rod(mass, Z[rod], T[rod], V)
 
     def column(self, name: str) -> Floats:
-        """Results of one of `COLUMNS`, nan where the bodies do not approach each other."""
+        """Results by the name of one of `COLUMNS`, by the shape of the family, in SI units.
+
+        nan where the bodies do not approach each other.
+        """
         values = COLUMNS[name](self, self.collision())
         return np.where(self.approaches, values, np.nan)
 
     @property
     def approaches(self) -> NDArray[np.bool_]:
         """Whether the two bodies of each member approach each other."""
-        return np.asarray(self.velocity[0] > self.velocity[1])
+        left_velocity, right_velocity = self.velocity
+        return np.asarray(left_velocity > right_velocity)
 
 
 def _velocity_after(family: PairTheory, pair: PairCollision, body: int) -> Floats:
-    """v - J/m of the left body, v + J/m of the right one, with the impulse J."""
+    """v - J/m of the left body (0), v + J/m of the right one (1), with the impulse J; m/s."""
     change = pair.impulse / family.mass[body]
     if body == 0:
         change = -change
@@ -114,17 +122,20 @@ COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
 
 def pair_theory(system: System) -> PairTheory | None:
     """The closed form that holds for a family; None if there is none or no members collide."""
-    if len(system.bodies) != 2 or not isinstance(system.contacts[0], Rigid):
+    is_pair = len(system.bodies) == 2
+    if not is_pair or not isinstance(system.contacts[0], Rigid):
         return None
     if system != System(system.bodies, system.gaps, system.contacts):
-        return None  # more acts on the row
+        return None  # gravity, or something at the ends, acts on the row
     left = _numbers(system.bodies[0])
     right = _numbers(system.bodies[1])
     if left is None or right is None:
         return None
     arrays = []
-    for pair in zip(left, right, strict=True):
-        arrays.append(np.stack([np.broadcast_to(x, system.shape) for x in pair]))
+    for of_left, of_right in zip(left, right, strict=True):
+        left_array = np.broadcast_to(of_left, system.shape)
+        right_array = np.broadcast_to(of_right, system.shape)
+        arrays.append(np.stack([left_array, right_array]))
     family = PairTheory(*arrays)
     if not family.approaches.any():
         return None
@@ -132,22 +143,26 @@ def pair_theory(system: System) -> PairTheory | None:
 
 
 class _Numbers(NamedTuple):
-    """Numbers of one body, as `PairTheory` has them of both."""
+    """Numbers of one body, as `PairTheory` has them of both; each a float or an array."""
 
-    impedance: Any
-    transit_time: Any
-    mass: Any
-    velocity: Any
+    impedance: Any  # kg/s; infinite for a wall or a rigid mass
+    transit_time: Any  # s; 0 for a wall or a rigid mass
+    mass: Any  # kg
+    velocity: Any  # m/s
 
 
 def _numbers(body: Body) -> _Numbers | None:
-    """What the closed forms take of a body; None of a rod that has more to it."""
+    """Numbers that the closed forms take of a body; None of a rod that is not uniform.
+
+    Nor have closed forms a rod whose state is not uniform, or that is strained.
+    """
     if not isinstance(body, Rod):
-        return _Numbers(np.inf, 0.0, getattr(body, "mass", np.inf), body.velocity)
+        mass = getattr(body, "mass", np.inf)
+        return _Numbers(np.inf, 0.0, mass, body.velocity)
     segment = body.segments[0]
-    if len(body.segments) > 1 or not segment.ideal:
-        return None
-    if not isinstance(body.velocity, float | np.ndarray) or np.any(body.strain != 0):
+    is_uniform = len(body.segments) == 1 and segment.ideal
+    moves_as_one = isinstance(body.velocity, float | np.ndarray)
+    if not is_uniform or not moves_as_one or np.any(body.strain != 0):
         return None
     return _Numbers(
         segment.impedance, segment.transit_time, segment.mass, body.velocity

@@ -5,7 +5,7 @@ strain are constant. Plots, page and animation draw these polygons.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,8 +14,16 @@ from ..model import Segment
 from ..model.arguments import demand, scalar
 from ..model.frozen import invalid_argument
 from .front_polygons import count_of, polygons_of, wave_of
+from .segment_waves import SegmentWaves
 from .solution import Solution, check_solution
-from .wave_fields import SegmentWaves, WaveFields
+from .wave_fields import WaveFields
+
+
+class Interval(NamedTuple):
+    """An interval of time."""
+
+    first_tick: int
+    last_tick: int
 
 
 @dataclass(frozen=True)
@@ -39,8 +47,8 @@ class Regions:
     >>> steel = ri.materials.steel
     >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=steel)
-    >>> found = ri.regions_of(ri.solve(ri.System([left, right])), stop=1e-5)
-    >>> found.body.tolist(), found.velocity.round(12).tolist()
+    >>> regions = ri.regions_of(ri.solve(ri.System([left, right])), stop=1e-5)
+    >>> regions.body.tolist(), regions.velocity.round(12).tolist()
     ([0, 0, 1, 1], [1.0, 0.5, 0.0, 0.5])
     """
 
@@ -96,8 +104,8 @@ def regions_of(
     >>> steel = ri.materials.steel
     >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=steel)
-    >>> found = ri.regions_of(ri.solve(ri.System([left, right])), stop=1e-5)
-    >>> sorted(found.velocity.round(12).tolist())
+    >>> regions = ri.regions_of(ri.solve(ri.System([left, right])), stop=1e-5)
+    >>> sorted(regions.velocity.round(12).tolist())
     [0.0, 0.5, 0.5, 1.0]
     """
     check_solution(solution)
@@ -128,7 +136,7 @@ def nothing_to_draw(solution: Solution) -> str:
 
 
 def readable_until(solution: Solution, limit: int) -> float:
-    """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which there are so few regions.
+    """Latest of the times t_end, t_end/2, t_end/4, ..., s, with up to `limit` regions before it.
 
     Raises
     ------
@@ -160,34 +168,36 @@ def _constant_fields(solution: Solution) -> WaveFields:
     return fields
 
 
-def _interval(fields: WaveFields, start: float, stop: float) -> tuple[int, int]:
-    """First and last tick of an interval of time, s; InvalidModel for none."""
-    first_tick = int(fields.to_ticks(scalar("start", start, "s", "")))
-    last_tick = int(fields.to_ticks(scalar("stop", stop, "s", "")))
+def _interval(fields: WaveFields, start: float, stop: float) -> Interval:
+    """The ticks between two times, s; InvalidModel unless the second one is later."""
+    start_time = scalar("start", start, "s", "")
+    stop_time = scalar("stop", stop, "s", "")
+    first_tick = int(fields.to_ticks(start_time))
+    last_tick = int(fields.to_ticks(stop_time))
     message = f"must be later than start = {start!r} s, got {stop!r}"
     demand(last_tick > first_tick, "stop", message)
-    return first_tick, last_tick
+    return Interval(first_tick, last_tick)
 
 
 def _rods(fields: WaveFields) -> list[dict[str, Any]]:
-    """The rods with their waves, as `polygons_of` has them."""
+    """The rods with their waves, as `polygons_of` takes them."""
     rods = []
     for body, rod in fields.rods.items():
         pieces = []
         for waves, segment in zip(fields.waves_along(body), rod.segments, strict=True):
-            pieces.append(_piece(fields, waves, segment))
+            pieces.append(_piece(waves, segment))
         rods.append({"body": body, "pieces": pieces})
     return rods
 
 
-def _piece(fields: WaveFields, waves: SegmentWaves, segment: Segment) -> dict[str, Any]:
-    """A segment with its waves, as `polygons_of` has it."""
+def _piece(waves: SegmentWaves, segment: Segment) -> dict[str, Any]:
+    """A segment with its waves, as `polygons_of` takes it."""
     A = waves.rightward
     B = waves.leftward
     return {
         "ticks": waves.transit,
-        "length": fields.clock.length[waves.segment],
-        "wave_speed": fields.clock.wave_speed[waves.segment],
+        "length": waves.length,
+        "wave_speed": waves.wave_speed,
         "youngs_modulus": float(segment.material.youngs_modulus),
         "rightward": wave_of(A.ticks.tolist(), A.values.tolist()),
         "leftward": wave_of(B.ticks.tolist(), B.values.tolist()),

@@ -19,9 +19,11 @@ from ..model.frozen import invalid_argument
 from .energy import BondedGroups, bonded_groups
 from .fields import Fields
 
-DECAY_SAMPLES = 400  # times at which the vibration is read
-MIN_DECAY_SAMPLES = 50
-FIRST_FITTED_SHARE = 1 - 1 / 3  # of the record: the decay is read off the last third
+DECAY_SAMPLES = 400  # intervals of time at whose ends the vibration is read
+MIN_DECAY_SAMPLES = 50  # with fewer states on a grid no decay is read
+FIRST_FITTED_SHARE = (
+    1 - 1 / 3
+)  # share of the record before its last third, which is fitted
 VIBRATION_RTOL = (
     1e-12  # vibration below this share of all energy of motion is round-off
 )
@@ -58,8 +60,8 @@ class RingDown:
     >>> lossy = ri.materials.steel.damped(loss_factor=0.02, frequency=5e3)
     >>> rods = [ri.Rod(length, area=1e-4, material=lossy, velocity=v)
     ...         for length, v in ((0.4, 1.0), (1.0, 0.0))]
-    >>> found = ri.solve(ri.System(rods), until=5e-3, cells=50).ring_down()
-    >>> found.body, bool(found.vibration[-1] < found.vibration[0])
+    >>> ringing = ri.solve(ri.System(rods), until=5e-3, cells=50).ring_down()
+    >>> ringing.body, bool(ringing.vibration[-1] < ringing.vibration[0])
     (1, True)
     """
 
@@ -80,8 +82,9 @@ class RingDown:
 
 def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
-    even = np.linspace(start, end, DECAY_SAMPLES + 1)
-    ticks = np.unique(fields.nearest_known(fields.to_ticks(even)))
+    even_times = np.linspace(start, end, DECAY_SAMPLES + 1)
+    known_ticks = fields.nearest_energy_ticks(fields.to_ticks(even_times))
+    ticks = np.unique(known_ticks)
     is_long = end - start > MIN_DECAY_SAMPLES * fields.step
     if len(ticks) < MIN_DECAY_SAMPLES and is_long:
         message = (
@@ -92,58 +95,64 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     times = ticks * fields.clock.tick
     states = bonded_groups(fields, ticks)
     vibration = states.vibration.sum(axis=0)
-    largest = float(states.kinetic.max() + vibration.max())
+    largest_energy = float(states.kinetic.max() + vibration.max())
     slowest = _slowest_mode(fields)
     return RingDown(
         times=times,
         vibration=vibration,
         rigid=float(states.kinetic[-1]),
         momentum_change=_momentum_change(fields, states, vibration),
-        decay_time=_decay_time(times, vibration, VIBRATION_RTOL * largest),
+        decay_time=_decay_time(times, vibration, VIBRATION_RTOL * largest_energy),
         modal_decay_time=slowest.decay_time,
         body=slowest.body,
         frequency=slowest.frequency,
     )
 
 
-class SlowestMode(NamedTuple):
-    """The mode that lasts longest."""
+class RodMode(NamedTuple):
+    """A mode of vibration of a rod."""
 
-    decay_time: float  # of its energy, to 1/e, s
+    decay_time: float  # time in which its energy falls to 1/e, s
     body: int
     frequency: float  # Hz
 
 
-def _slowest_mode(fields: Fields) -> SlowestMode:
-    """The mode that lasts longest of the rods each free by itself."""
+def _slowest_mode(fields: Fields) -> RodMode:
+    """The mode that lasts longest of the rods, each free by itself."""
     modes = []
     for body, rod in fields.rods.items():
         omega, rate = lasting_mode(rod.segments)
         decay_time = math.inf
         if rate > 0:
-            decay_time = 1 / (2 * rate)
-        modes.append(SlowestMode(decay_time, body, omega / (2 * math.pi)))
+            decay_time = 1 / (2 * rate)  # energy decays twice as fast as the motion
+        frequency = omega / (2 * math.pi)
+        modes.append(RodMode(decay_time, body, frequency))
     return max(modes)
 
 
 def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
-    """Largest change of the momentum of the row over the momenta of all bodies.
+    """Largest change of the momentum of the row over the momenta of all bodies together.
 
-    A body of mass m has the momentum sqrt(2 m E) with all the energy E of motion.
+    A body of mass m with all the energy E of motion and vibration (J, [time]) would have the
+    momentum sqrt(2 m E).
     """
-    largest = (states.kinetic + vibration).max()
-    scale = 0.0
+    largest_energy = (states.kinetic + vibration).max()
+    scale = 0.0  # kg m/s
     for group in states.bodies:
         for body in group:
             mass = fields.clock.mass(body)
-            scale += mass * math.sqrt(2 * largest / mass)
+            scale += mass * math.sqrt(2 * largest_energy / mass)
     if not scale:
         return 0.0
     return float(np.ptp(states.momentum)) / scale
 
 
 def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
-    """Time to 1/e of the straight line through the logarithm of the last third."""
+    """Time, s, in which vibration falls to 1/e; inf if it does not, or that is not known.
+
+    By the straight line through its logarithm in the last third of the record. Energies [time]
+    of no more than `least`, J, are round-off.
+    """
     is_known = vibration > least
     t = times[is_known]
     energy = vibration[is_known]
@@ -153,8 +162,9 @@ def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
     late = t >= t[0] + duration * FIRST_FITTED_SHARE
     if np.count_nonzero(late) < 3:
         return math.inf
-    slope, _ = np.polyfit(t[late] - t[0], np.log(energy[late]), 1)
-    rate = -float(slope)
+    since_start = t[late] - t[0]
+    slope, _ = np.polyfit(since_start, np.log(energy[late]), 1)
+    rate = -float(slope)  # 1/s
     if rate > DECAY_RATE_RTOL / duration:
         return 1 / rate
     return math.inf

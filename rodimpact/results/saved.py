@@ -17,7 +17,7 @@ from ..version import __version__
 
 ROUND_OFF_PER_ARRIVAL = 2.0**-48
 """Relative round-off of a wave for each end that it has passed."""
-MAX_LISTED_DIFFERENCES = 5  # differences in a message
+MAX_LISTED_DIFFERENCES = 5  # differences that a message lists
 
 
 class OutcomeDiffers(UserWarning):
@@ -51,7 +51,9 @@ def case_of(solution: Any) -> Case:
 def result_of(solution: Any) -> SavedResult:
     """The record of a solution that its file holds."""
     outcome = solution.outcome
-    numbers = {name: float(getattr(outcome, name)) for name in ENERGIES}
+    numbers = {}
+    for name in ENERGIES:
+        numbers[name] = float(getattr(outcome, name))
     for i, velocity in enumerate(outcome.velocities_after):
         numbers[f"velocity_after.{i}"] = velocity
         numbers[f"vibration_after.{i}"] = outcome.vibration_after[i]
@@ -93,7 +95,8 @@ def difference(saved: SavedResult, solution: Any) -> str:
     allowed = _allowed_differences(saved, now, solution)
     for name, number in now.numbers.items():
         stored = saved.numbers[name]
-        largest = allowed[name.partition(".")[0]]
+        kind, _, _ = name.partition(".")
+        largest = allowed[kind]
         if not _agree(number, stored, largest):
             both = f"{name} is {number!r}, stored is {stored!r}"
             reasons.append(
@@ -111,32 +114,37 @@ def difference(saved: SavedResult, solution: Any) -> str:
 def _allowed_differences(
     saved: SavedResult, now: SavedResult, solution: Any
 ) -> dict[str, float]:
-    """Difference of the numbers of each name that the stated errors of both runs allow."""
+    """Largest differences that the stated errors of both runs allow, by kind of number.
+
+    A kind is a name without an index, such as ``impulse``. The stated relative error of its
+    measure counts over the largest number of that measure in either run.
+    """
     outcome = solution.outcome
-    errors = {}
+    errors = {}  # relative, by measure
     for measure in MEASURES:
         stored_error = saved.accuracy.get(measure, 0.0)
         errors[measure] = stored_error + now.accuracy.get(measure, 0.0)
     errors[ENERGY] = 2 * max(errors[VELOCITY], errors[IMPULSE])
-    # Where durations are unknown, faint forces make episodes or none.
+    # Where durations are unknown, weak forces may make further episodes.
     errors[COUNT] = 0.0
     if errors[DURATION] == math.inf:
         errors[COUNT] = math.inf
-    scales = dict.fromkeys(errors, 0.0)
+    scales = dict.fromkeys(errors, 0.0)  # largest number by measure, SI units
     scales[VELOCITY] = solution.run.clock.scale
     scales[ENERGY] = outcome.kinetic_before + sum(outcome.vibration_before)
     for numbers in (saved.numbers, now.numbers):
         for name, number in numbers.items():
-            measure = MEASURE_OF[name.partition(".")[0]]
+            kind, _, _ = name.partition(".")
+            measure = MEASURE_OF[kind]
             if math.isfinite(number):
                 scales[measure] = max(scales[measure], abs(number))
     round_off = ROUND_OFF_PER_ARRIVAL * (1 + solution.events)
     allowed = {}
-    for name, measure in MEASURE_OF.items():
+    for kind, measure in MEASURE_OF.items():
         error = errors[measure] + round_off
-        allowed[name] = math.inf
+        allowed[kind] = math.inf
         if error < math.inf:
-            allowed[name] = error * scales[measure]
+            allowed[kind] = error * scales[measure]
     return allowed
 
 

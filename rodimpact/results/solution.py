@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.outcome import Totals
 from ..methods.registry import Options
-from ..methods.run import Coarser, Run, Waves
+from ..methods.run import Run, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Rod, Samples, Steps, System
 from ..model.arguments import Array, array, demand, integer, of_kind, scalar
@@ -21,8 +21,8 @@ from ..storage.case_writing import save_case
 from .contacts import ContactHistory
 from .energy import EnergyLedger, bonded_groups, ledger, totals_of
 from .extreme_stress import ExtremeStress
-from .field_error import FieldError, field_error
-from .fields import Fields
+from .field_error import CoarserSolution, FieldError, field_error
+from .fields import END_RTOL, Fields
 from .gauges import Gauge
 from .grid_fields import GridFields
 from .labels import dataset
@@ -36,10 +36,8 @@ from .wave_fields import WaveFields
 _ALLOW_UNDERFLOW = np.errstate(under="ignore")
 """Squares of round-off and of very slow motion may vanish, and strains ahead of waves."""
 
-
 FIELDS_OF_ALL_BODIES = ("velocity", "displacement", "position")
 FIELDS_OF_RODS = ("strain", "stress", "axial_force")
-END_RTOL = 1e-12  # by which a place may lie beyond the end of a body
 
 
 class Solution(Shown):
@@ -139,6 +137,7 @@ class Solution(Shown):
     @cached_property
     @_ALLOW_UNDERFLOW
     def _totals(self) -> Totals:
+        """Totals by the method, or read off the fields."""
         if self.run.totals:
             return self.run.totals
         return totals_of(self.run, self.fields, self.contacts)
@@ -146,8 +145,10 @@ class Solution(Shown):
     @cached_property
     def contacts(self) -> tuple[ContactHistory, ...]:
         """History of each contact."""
-        count = len(self.run.contacts)
-        return tuple(ContactHistory(i, self.fields, self.run) for i in range(count))
+        histories = []
+        for i in range(len(self.run.contacts)):
+            histories.append(ContactHistory(i, self.fields, self.run))
+        return tuple(histories)
 
     # Fields -------------------------------------------------------------------------------------
 
@@ -192,7 +193,8 @@ class Solution(Shown):
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
-        stress = self.strain(body, x, t, side) * self._along(body, x, "youngs_modulus")
+        youngs_modulus = self._along(body, x, "youngs_modulus")
+        stress = self.strain(body, x, t, side) * youngs_modulus
         viscosity = self._along(body, x, "viscosity")
         if viscosity.any():
             stress = stress + self.fields.strain_rate(body, x, t) * viscosity
@@ -203,7 +205,8 @@ class Solution(Shown):
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
-        return self.stress(body, x, t, side) * self._along(body, x, "area")
+        area = self._along(body, x, "area")
+        return self.stress(body, x, t, side) * area
 
     @_ALLOW_UNDERFLOW
     def extreme_stress(self, body: int) -> ExtremeStress:
@@ -286,11 +289,12 @@ class Solution(Shown):
         return field_error(self, self._coarser, array("t", t, "s"))
 
     @cached_property
-    def _coarser(self) -> list[tuple[Coarser, Solution]]:
+    def _coarser(self) -> list[CoarserSolution]:
         """Solutions on coarser meshes."""
         solutions = []
         for mesh in self.run.coarser:
-            solutions.append((mesh, Solution(mesh.make_run(), self.options)))
+            solution = Solution(mesh.make_run(), self.options)
+            solutions.append(CoarserSolution(mesh, solution))
         return solutions
 
     @_ALLOW_UNDERFLOW
@@ -303,18 +307,20 @@ class Solution(Shown):
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
-        start = self.fields.positions[self._index(body)]
+        left_end = self.fields.positions[self._index(body)]
         distance: float | Floats = 0.0
         if isinstance(self.system.bodies[body], Rod):
             distance = array("x", x, "m")
-        return start + distance + self.displacement(body, x, t)
+        return left_end + distance + self.displacement(body, x, t)
 
     @_ALLOW_UNDERFLOW
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a body's centre of mass in m/s at times t in s."""
-        if not isinstance(self.system.bodies[self._index(body)], Rod):
+        index = self._index(body)
+        if not isinstance(self.system.bodies[index], Rod):
             return self.velocity(body, 0.0, t)
-        return self.fields.momentum(body, t) / self.fields.clock.mass(body)
+        mass = self.fields.clock.mass(body)
+        return self.fields.momentum(body, t) / mass
 
     @_ALLOW_UNDERFLOW
     def gauge(self, body: int, x: float) -> Gauge:
@@ -328,17 +334,17 @@ class Solution(Shown):
         leftward = waves.leftward.at(ticks)
         initial_velocity = (rightward[0] + leftward[0]) / 2
         frame = clock.frame + clock.gravity * times
-        per_wave = 0.5 / waves.wave_speed
+        strain_per_difference = 0.5 / waves.wave_speed
         return Gauge(
             body=body,
             x=x,
             times=times,
-            strain=(leftward - rightward) * per_wave,
+            strain=(leftward - rightward) * strain_per_difference,
             velocity=(leftward + rightward) / 2 + frame,
-            rightward=(initial_velocity - rightward) * per_wave,
-            leftward=(leftward - initial_velocity) * per_wave,
+            rightward=(initial_velocity - rightward) * strain_per_difference,
+            leftward=(leftward - initial_velocity) * strain_per_difference,
             end=self.t_end,
-            record=waves.difference.times(per_wave),
+            record=waves.difference.times(strain_per_difference),
             tick=clock.tick,
             name=body_names(self.system.kinds)[body],
         )
@@ -383,15 +389,18 @@ class Solution(Shown):
         inside = self._inside(x)
         data: dict[str, Any] = {}
         for name in FIELDS_OF_ALL_BODIES + FIELDS_OF_RODS:
-            data[name] = ["body", "x", "time"], self._field(name, x, t, inside)
-        means = [self.mean_velocity(i, t) for i in range(len(self.system.bodies))]
+            field = self._field(name, x, t, inside)
+            data[name] = ["body", "x", "time"], field
+        means = []
+        for i in range(len(self.system.bodies)):
+            means.append(self.mean_velocity(i, t))
         data["mean_velocity"] = ["body", "time"], np.array(means)
         for name in ("force", "gap"):
-            histories = [getattr(contact, name)(t) for contact in self.contacts]
-            values = np.reshape(histories, (len(histories), t.size))
-            data[name] = ["contact", "time"], values
+            data[name] = ["contact", "time"], self._at_contacts(name, t)
         energies = vars(self.energy(t))
-        data["energy"] = ["part", "time"], np.array(list(energies.values()))
+        energy = np.array(list(energies.values()))
+        data["energy"] = ["part", "time"], energy
+        laws = [law.law for law in self.system.contacts]
         coordinates = {
             "body": (["body"], range(len(self.system.bodies))),
             "kind": (["body"], self.system.kinds),
@@ -399,32 +408,44 @@ class Solution(Shown):
             "time": (["time"], t),
             "part": (["part"], list(energies)),
             "contact": (["contact"], range(len(self.contacts))),
-            "law": (["contact"], [law.law for law in self.system.contacts]),
+            "law": (["contact"], laws),
         }
         return dataset(
             self.system, data, coordinates, method=self.method, status=self.status
         )
 
     def _inside(self, x: Array) -> list[Any]:
-        """Which of some places lie in each body; InvalidModel for places in no body."""
+        """Which of the points x, m, lie in each body, [body][point].
+
+        InvalidModel for points that lie in no body.
+        """
         longest = 0.0
         inside = []
         for body in self.system.bodies:
             length = float(getattr(body, "length", 0.0))
             longest = max(longest, length)
-            inside.append((x >= 0) & (x <= length * (1 + END_RTOL)))
+            latest = length * (1 + END_RTOL)
+            inside.append((x >= 0) & (x <= latest))
         message = f"must lie in a body, from 0 to {longest:.9g} m, got {{0!r}}"
         demand(np.any(inside, axis=0), "x", message, x)
         return inside
 
     def _field(self, name: str, x: Floats, t: Floats, inside: list[Any]) -> Floats:
-        """Values of a field in all bodies, [body, x, time]; nan outside of a body."""
+        """Values of the field of that name, [body, x, time]; nan outside of a body."""
         bodies = self.system.bodies
         values = np.full((len(bodies), x.size, t.size), np.nan)
+        field = getattr(self, name)
         for i, body in enumerate(bodies):
             if isinstance(body, Rod) or name in FIELDS_OF_ALL_BODIES:
-                field = getattr(self, name)
-                values[i, inside[i]] = field(i, x[inside[i], None], t)
+                points = x[inside[i], None]
+                values[i, inside[i]] = field(i, points, t)
+        return values
+
+    def _at_contacts(self, name: str, t: Floats) -> Floats:
+        """Values of the method of that name of all contacts, [contact, time]."""
+        values = np.empty((len(self.contacts), t.size))
+        for k, contact in enumerate(self.contacts):
+            values[k] = getattr(contact, name)(t)
         return values
 
     # Energy and state ---------------------------------------------------------------------------
@@ -432,9 +453,10 @@ class Solution(Shown):
     @_ALLOW_UNDERFLOW
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
-        ticks = self.fields.nearest_known(self.fields.to_ticks(t))
-        # a ledger counts from its first tick, which must be that of t = 0
-        states = bonded_groups(self.fields, np.concatenate(([0], ticks.ravel())))
+        ticks = self.fields.nearest_energy_ticks(self.fields.to_ticks(t))
+        # A ledger counts from its first tick, which must be that of t = 0.
+        from_zero = np.concatenate(([0], ticks.ravel()))
+        states = bonded_groups(self.fields, from_zero)
         from_start = ledger(self.fields, self.contacts, states)
         entries = {}
         for name, energies in vars(from_start).items():
@@ -493,7 +515,8 @@ class Solution(Shown):
         ValueError
             If an end is driven by a function of time; the new system would begin within it.
         """
-        tick = int(self.fields.to_ticks(scalar("t", t, "s", "")))
+        time = scalar("t", t, "s", "")
+        tick = int(self.fields.to_ticks(time))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 message = "is driven by a function of time; drive it anew"
@@ -503,11 +526,11 @@ class Solution(Shown):
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, Rod):
                 state = state_profiles(self.fields, i, tick, error)
-                bodies.append(
-                    body.replace(velocity=state.velocity, strain=state.strain)
-                )
+                body = body.replace(velocity=state.velocity, strain=state.strain)
             else:
-                bodies.append(body.replace(velocity=float(self.velocity(i, 0.0, t))))
+                velocity = float(self.velocity(i, 0.0, t))
+                body = body.replace(velocity=velocity)
+            bodies.append(body)
         gaps = []
         contacts = []
         for contact in self.contacts:
@@ -556,23 +579,28 @@ class Solution(Shown):
     # Bodies -------------------------------------------------------------------------------------
 
     def _index(self, body: int) -> int:
+        """Return the index of a body as it is; InvalidModel where there is none."""
         return integer("body", body, 0, len(self.system.bodies) - 1)
 
     def _along(self, body: int, x: ArrayLike, name: str) -> Floats:
-        """Area or a number of the material at places x, m from the left end of a rod."""
-        index, distance = self.fields.locate(body, x)
-        values = np.empty(index.shape)
+        """Values like x of ``"area"``, or of a number of the material, at points of a rod.
+
+        The points are in m from the left end of the rod. Samples are interpolated.
+        """
+        location = self.fields.locate(body, x)
+        values = np.empty(location.segment.shape)
         first, _ = self.fields.clock.spans[body]
-        for s, segment in enumerate(self.fields.rods[body].segments, first):
-            number: Any = segment.area
+        segments = self.fields.rods[body].segments
+        for number, segment in enumerate(segments, first):
+            value: Any = segment.area
             if name != "area":
-                number = getattr(segment.material, name)
-            if isinstance(number, Samples):
-                number = number.values
-            samples = np.atleast_1d(number)
+                value = getattr(segment.material, name)
+            if isinstance(value, Samples):
+                value = value.values
+            samples = np.atleast_1d(value)
             places = np.linspace(0.0, float(segment.length), len(samples))
-            here = index == s
-            values[here] = np.interp(distance[here], places, samples)
+            here = location.segment == number
+            values[here] = np.interp(location.distance[here], places, samples)
         return values
 
 
@@ -584,7 +612,7 @@ def check_solution(value: Any) -> None:
 def check_waves(value: Any) -> None:
     """Raise ValueError for what is no solution, or has no rod whose waves could be drawn."""
     check_solution(value)
-    if not any(isinstance(body, Rod) for body in value.system.bodies):
+    if "rod" not in value.system.kinds:
         message = (
             "has no rod, and rigid masses have no waves to be drawn; draw its contacts "
             "and its energy"

@@ -4,17 +4,17 @@ Waves that are constant between fronts make `Steps`, others `Polynomials`. Both 
 themselves: a run that goes on from them is as exact as one that did not stop.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from ..methods.signals import Floats, Ints, each_once
+from ..methods.signals import Floats, Ints
 from ..model import Polynomials, Steps
 from ..model.frozen import Number
 from .fields import Fields
+from .segment_waves import SegmentWaves
 from .wave_extremes import SLIVER_TICKS
-from .wave_fields import SegmentWaves, WaveFields
+from .wave_fields import WaveFields
 
 CONSTANT_WAVE_RTOL = 1e-14
 """Smaller changes of a wave in a piece, over the largest wave, are round-off."""
@@ -27,97 +27,111 @@ class StateProfiles(NamedTuple):
     strain: Number | Steps | Polynomials
 
 
+class WaveSizes(NamedTuple):
+    """How large the waves in a rod are, m/s."""
+
+    wave: float  # the largest wave
+    change: float  # the largest change within a piece of a wave
+
+
 def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateProfiles:
     """State of a rod just after `tick`, with the stated error of velocities, m/s."""
     largest_wave = 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
-        largest_wave, largest_change = _sizes(fields, body, tick)
-        if largest_change > CONSTANT_WAVE_RTOL * largest_wave:
+        largest = _largest_waves(fields, body, tick)
+        largest_wave = largest.wave
+        if largest.change > CONSTANT_WAVE_RTOL * largest.wave:
             return _polynomials(fields, body, tick, error)
     profile = fields.profile(body, tick)
-    velocity_doubt = CONSTANT_WAVE_RTOL * largest_wave
-    strain_doubt = velocity_doubt / max(fields.clock.wave_speed)
+    velocity_round_off = CONSTANT_WAVE_RTOL * largest_wave
+    strain_round_off = velocity_round_off / max(fields.clock.wave_speed)
     return StateProfiles(
-        velocity=_steps(profile.edges, profile.velocity, velocity_doubt),
-        strain=_steps(profile.edges, profile.strain, strain_doubt),
+        velocity=_steps(profile.edges, profile.velocity, velocity_round_off),
+        strain=_steps(profile.edges, profile.strain, strain_round_off),
     )
 
 
-def _sizes(fields: WaveFields, body: int, tick: int) -> tuple[float, float]:
-    """Largest wave in a rod, and largest change within a piece of a wave, m/s."""
+def _largest_waves(fields: WaveFields, body: int, tick: int) -> WaveSizes:
+    """Bounds of the waves in a rod at `tick`, by the sums of their coefficients."""
     largest_wave = 0.0
     largest_change = 0.0
     for waves in fields.waves_along(body):
+        start = tick - waves.transit
         for wave in (waves.rightward, waves.leftward):
-            in_segment = wave.within(tick - waves.transit, tick)
-            sizes = np.abs(in_segment.coefficients)
-            largest_wave = max(largest_wave, float(sizes.sum(axis=1).max()))
-            largest_change = max(largest_change, float(sizes[:, 1:].sum(axis=1).max()))
-    return largest_wave, largest_change
+            sizes = np.abs(wave.within(start, tick).coefficients)
+            wave_sizes = sizes.sum(axis=1)
+            changes = sizes[:, 1:].sum(axis=1)
+            largest_wave = max(largest_wave, float(wave_sizes.max()))
+            largest_change = max(largest_change, float(changes.max()))
+    return WaveSizes(largest_wave, largest_change)
 
 
 def _polynomials(
     fields: WaveFields, body: int, tick: int, error: float
 ) -> StateProfiles:
-    """Both profiles, in intervals in which both waves are single polynomials."""
-    clock = fields.clock
-    frame = clock.frame + clock.gravity * tick * clock.tick
+    """Both profiles, in intervals in which both waves are single polynomials.
+
+    In each interval a profile has as many values as the longest polynomial has
+    coefficients, at Chebyshev-Lobatto points.
+    """
+    frame = fields.frame_velocity(tick)
     segments = list(fields.waves_along(body))
     count = 2
     for waves in segments:
         count = max(count, waves.rightward.size, waves.leftward.size)
-    shares = (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
-    ones = np.ones(count)  # for waves that are constant, and have one value an interval
-    inner: list[float] = []
+    angles = np.pi * np.arange(count) / (count - 1)
+    shares = (1 - np.cos(angles)) / 2
+    ones = np.ones(count)  # constant waves have one value an interval
+    starts: list[float] = []
     velocities = []
     strains = []
-    slowest = math.inf
-    for waves, left in zip(segments, fields.edges(body), strict=False):
-        T = waves.transit
-        edges = _edges_of_waves(waves, tick)
-        # What is at `edge` ticks from the left end left that end so many ticks ago.
-        A = waves.rightward.inside(tick - edges[1:], tick - edges[:-1], shares)[:, ::-1]
-        start = tick - T
-        B = waves.leftward.inside(start + edges[:-1], start + edges[1:], shares)
-        wave_speed = clock.wave_speed[waves.segment]
-        slowest = min(slowest, wave_speed)
+    ends = fields.edges(body)
+    for i, waves in enumerate(segments):
+        bounds = _lasting_bounds(waves, tick)
+        near = bounds[:-1]
+        far = bounds[1:]
+        # The part of a wave that has travelled for n ticks left its end at tick - n.
+        from_far = waves.rightward.inside(tick - far, tick - near, shares)
+        A = from_far[:, ::-1]
+        start = tick - waves.transit
+        B = waves.leftward.inside(start + near, start + far, shares)
         velocities.append((A + B) / 2 * ones + frame)
-        strains.append((B - A) / (2 * wave_speed) * ones)
-        places = left + clock.length[waves.segment] * (edges / T)
-        inner.extend(places[:-1].tolist())
+        strains.append((B - A) / (2 * waves.wave_speed) * ones)
+        places = ends[i] + waves.length * (near / waves.transit)
+        starts.extend(places.tolist())
     borders = None
-    if len(inner) > 1:
-        borders = inner[1:]  # the first is the left end of the rod
+    if len(starts) > 1:
+        borders = starts[1:]  # the first is the left end of the rod
     velocity = np.concatenate(velocities).ravel()
     strain = np.concatenate(strains).ravel()
+    slowest = min(waves.wave_speed for waves in segments)
     return StateProfiles(
         velocity=Polynomials(velocity, borders, error=error),
         strain=Polynomials(strain, borders, error=error / slowest),
     )
 
 
-def _edges_of_waves(waves: SegmentWaves, tick: int) -> Ints:
-    """Places in a segment at which one of its waves breaks, ticks from its left end.
+def _lasting_bounds(waves: SegmentWaves, tick: int) -> Ints:
+    """Bounds of the parts of a segment in which both waves are polynomials, [n + 1].
 
-    Intervals that last no longer than a sliver come of round-off, and are left out.
+    They are times of travel from the left end, ticks. Parts that last no longer than a
+    sliver come of round-off, and are left out.
     """
     transit = waves.transit
-    start = tick - transit
-    in_rightward = tick - waves.rightward.breaks_in(start, tick)
-    in_leftward = waves.leftward.breaks_in(start, tick) - start
-    edges = each_once([0], in_rightward, in_leftward, [transit])
     lasting = [0]
-    for edge in edges[1:-1].tolist():
-        if edge - lasting[-1] > SLIVER_TICKS and transit - edge > SLIVER_TICKS:
-            lasting.append(edge)
+    for bound in waves.smooth_bounds(tick)[1:-1].tolist():
+        since_last = bound - lasting[-1]
+        if since_last > SLIVER_TICKS and transit - bound > SLIVER_TICKS:
+            lasting.append(bound)
     lasting.append(int(transit))
     return np.array(lasting)
 
 
-def _steps(edges: Floats, values: Floats, doubt: float) -> Number | Steps:
-    """Values between edges as steps; those that differ by up to `doubt` are one."""
-    differs = np.concatenate(([True], np.abs(np.diff(values)) > doubt))
-    if differs.sum() == 1:
+def _steps(edges: Floats, values: Floats, round_off: float) -> Number | Steps:
+    """Values between edges, m, as steps; those that differ by up to `round_off` are one."""
+    jumps = np.abs(np.diff(values)) > round_off
+    begins = np.concatenate(([True], jumps))
+    if begins.sum() == 1:
         return float(values[0])
-    starts = edges[:-1][differs]
-    return Steps(values[differs].tolist(), starts[1:].tolist())
+    starts = edges[:-1][begins]
+    return Steps(values[begins].tolist(), starts[1:].tolist())

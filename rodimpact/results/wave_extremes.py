@@ -1,15 +1,17 @@
 """Where the two waves in a segment differ most: the exact extreme of the stress.
 
-The waves A and B leave the left and the right end of a segment of transit time T. A part of A that
-left at p meets a part of B that left at q if |q - p| <= T: at the time (p + q + T)/2, at the
-distance c (q - p + T)/2 from the left end. The stress there is E/(2 c) times
+The waves A and B leave the left and the right end of a segment of transit time T. A
+part of A that left at p meets a part of B that left at q if |q - p| <= T: at the time
+(p + q + T)/2, at the distance c (q - p + T)/2 from the left end. The stress there is
+E/(2 c) times
 
     d(p, q) = B(q) - A(p).
 
-A run from t = 0 to `end` sees the convex domain |q - p| <= T, 0 <= p + q + T <= 2 end. A and B are
-polynomials between breaks, and d is the difference of two functions of one variable each. So d is
-largest either on one of the four sides of the domain, where it is a polynomial of one variable
-between breaks, or inside, at turning points or breaks of both waves.
+A run from t = 0 to `end` sees the convex domain |q - p| <= T, 0 <= p + q + T <= 2 end.
+A and B are polynomials between breaks, and d is the difference of two functions of one
+variable each. So d is largest either on one of the four sides of the domain, where it
+is a polynomial of one variable between breaks, or inside, at turning points or breaks
+of both waves. All times are in ticks.
 """
 
 from typing import NamedTuple
@@ -20,29 +22,41 @@ from numpy.typing import NDArray
 
 from ..methods.signals import Floats, Ints, Pieces
 from .extreme_stress import EQUAL_STRESS_RTOL
+from .segment_waves import SegmentWaves
 
 SLIVER_TICKS = 64
 """Pieces that last no longer come of the rounding of transit times, and do not count."""
 INSIDE_TICKS = 16
 """Distance from the end of a piece at which its last value is taken to be."""
 NEGLIGIBLE_COEFFICIENT = 2.0**-33
-"""Coefficients of a derivative below this share of the largest one do not move its zeros by more
-than round-off moves the value there."""
+"""Coefficients of a derivative below this share of the largest one do not move its zeros
+by more than round-off moves the value there."""
 
-
-class Samples(NamedTuple):
-    """Values of a signal at the ticks where it may be extreme."""
-
-    ticks: Ints
-    values: Floats
+Mask = NDArray[np.bool_]
 
 
 class Meeting(NamedTuple):
-    """Two parts of waves that meet: their difference d, and when they left the two ends."""
+    """Two parts of waves that meet."""
 
-    difference: float
-    p: int
-    q: int
+    difference: float  # d, m/s
+    p: int  # tick at which the part of A left the left end
+    q: int  # tick at which the part of B left the right end
+
+
+class ExtremeMeetings(NamedTuple):
+    """The meetings with the highest and the lowest d, the earliest of equal ones."""
+
+    highest: Meeting | None  # None if d is positive nowhere
+    lowest: Meeting | None  # None if d is negative nowhere
+
+
+class Domain(NamedTuple):
+    """Two waves from -T to the end of a run, whose parts meet in one segment."""
+
+    A: Pieces  # m/s
+    B: Pieces  # m/s
+    T: int  # transit time, ticks
+    end: int  # last tick of the run
 
 
 class Side(NamedTuple):
@@ -51,55 +65,72 @@ class Side(NamedTuple):
     p = p_rate time + p_start and q = q_rate time + q_start.
     """
 
-    difference: Pieces
-    p_rate: int
-    p_start: int
-    q_rate: int
-    q_start: int
+    difference: Pieces  # d, m/s
+    p_rate: int  # 1
+    p_start: int  # ticks
+    q_rate: int  # 1 or -1
+    q_start: int  # ticks
 
 
-def extreme_differences(
-    rightward: Pieces, leftward: Pieces, transit: int, end: int
-) -> tuple[Meeting | None, Meeting | None]:
-    """The meetings with the highest and with the lowest d, the earliest of equal ones.
+class Samples(NamedTuple):
+    """Values of a signal where it may be extreme, [sample]."""
 
-    Parameters
-    ----------
-    rightward, leftward : Pieces
-        The waves A and B, from -T on.
-    transit, end : int
-        T and the end of the run, ticks.
+    ticks: Ints
+    values: Floats  # m/s
 
-    Returns
-    -------
-    highest, lowest : Meeting or None
-        None if d is positive nowhere, or negative nowhere.
-    """
-    A = _between(rightward, -transit, end)
-    B = _between(leftward, -transit, end)
-    sides = _sides(A, B, transit, end)
-    highest = _largest_difference(A, B, sides, transit, end)
-    for i, side in enumerate(sides):
-        sides[i] = side._replace(difference=side.difference.times(-1.0))
-    lowest = _largest_difference(A.times(-1.0), B.times(-1.0), sides, transit, end)
+
+class Bounds(NamedTuple):
+    """Bounds of a signal in each of its pieces, m/s, [piece]."""
+
+    lower: Floats
+    upper: Floats
+
+
+class Ranges(NamedTuple):
+    """For each sample of A the samples of B with which it meets: first to stop - 1."""
+
+    first: Ints
+    stop: Ints
+
+
+class Zeros(NamedTuple):
+    """Zeros of several series, [zero]."""
+
+    series: Ints  # index of the series
+    y: Floats  # place of the zero, between -1 and 1
+
+
+def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
+    """Highest and lowest d of the waves of a segment from t = 0 to the tick `end`."""
+    T = waves.transit
+    A = _between(waves.rightward, -T, end)
+    B = _between(waves.leftward, -T, end)
+    domain = Domain(A, B, T, end)
+    sides = _sides(domain)
+    highest = _largest_difference(domain, sides)
+    # The lowest d is the highest of -d.
+    opposite = domain._replace(A=A.times(-1.0), B=B.times(-1.0))
+    opposite_sides = []
+    for side in sides:
+        difference = side.difference.times(-1.0)
+        opposite_sides.append(side._replace(difference=difference))
+    lowest = _largest_difference(opposite, opposite_sides)
     if lowest is not None:
         lowest = lowest._replace(difference=-lowest.difference)
-    return highest, lowest
+    return ExtremeMeetings(highest, lowest)
 
 
-def _largest_difference(
-    A: Pieces, B: Pieces, sides: list[Side], T: int, end: int
-) -> Meeting | None:
-    """The meeting with the largest d, the earliest one where several are equal."""
+def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
+    """The earliest meeting with the largest d; None if d is positive nowhere."""
     meetings = []
     largest = 0.0
     for side in sides:
-        for d, time in _highest(side.difference):
-            p = side.p_rate * time + side.p_start
-            q = side.q_rate * time + side.q_start
-            meetings.append(Meeting(d, p, q))
-            largest = max(largest, d)
-    for meeting in _inside(A, B, T, end, largest * (1 - EQUAL_STRESS_RTOL)):
+        meeting = _largest_on_side(side)
+        if meeting is not None:
+            meetings.append(meeting)
+            largest = max(largest, meeting.difference)
+    meeting = _largest_inside(domain, largest * (1 - EQUAL_STRESS_RTOL))
+    if meeting is not None:
         meetings.append(meeting)
         largest = max(largest, meeting.difference)
     if largest == 0:
@@ -114,79 +145,117 @@ def _largest_difference(
 # The sides of the domain --------------------------------------------------------------
 
 
-def _sides(A: Pieces, B: Pieces, T: int, end: int) -> list[Side]:
-    """The two ends of the segment, the state at t = 0, and that at the end of the run."""
-    at_left = _between(B.later(T) - A, 0, end)
-    at_right = _between(B - A.later(T), 0, end)
-    sides = [Side(at_left, 1, 0, 1, -T), Side(at_right, 1, -T, 1, 0)]
-    for t in (0, end):
-        total = 2 * t - T  # p + q
-        state = _between(B.time_reversed(total) - A, t - T, t)
+def _sides(domain: Domain) -> list[Side]:
+    """The left and the right end of the segment, and the states at t = 0 and at the end."""
+    A = domain.A
+    B = domain.B
+    T = domain.T
+    at_left = _between(B.later(T) - A, 0, domain.end)
+    at_right = _between(B - A.later(T), 0, domain.end)
+    left_end = Side(at_left, p_rate=1, p_start=0, q_rate=1, q_start=-T)
+    right_end = Side(at_right, p_rate=1, p_start=-T, q_rate=1, q_start=0)
+    sides = [left_end, right_end]
+    for t in (0, domain.end):
+        p_plus_q = 2 * t - T
+        state = _between(B.time_reversed(p_plus_q) - A, t - T, t)
         # A little inside: where a piece of the state begins, B may have a break.
-        sides.append(Side(state, 1, INSIDE_TICKS, -1, total - INSIDE_TICKS))
+        q_start = p_plus_q - INSIDE_TICKS
+        side = Side(state, p_rate=1, p_start=INSIDE_TICKS, q_rate=-1, q_start=q_start)
+        sides.append(side)
     return sides
 
 
-def _highest(signal: Pieces) -> list[tuple[float, int]]:
-    """The highest value of a signal and its first tick; none if all pieces are slivers."""
+def _largest_on_side(side: Side) -> Meeting | None:
+    """The first meeting with the largest d on a side; None if all pieces are slivers."""
+    signal = side.difference
     is_long = _exceeds_sliver(signal)
     edges = _edges(signal, is_long)
     if len(edges.values) == 0:
-        return []
-    floor = float(edges.values.max())
-    _, upper = _bounds(signal)
-    turning = _turning_points(signal, is_long & (upper > floor))
-    ticks = np.concatenate((edges.ticks, turning.ticks))
-    values = np.concatenate((edges.values, turning.values))
-    largest = float(values.max())
-    equal = np.flatnonzero(values >= largest - abs(largest) * EQUAL_STRESS_RTOL)
-    first = equal[np.argmin(ticks[equal])]
-    return [(float(values[first]), int(ticks[first]))]
+        return None
+    largest_at_edges = float(edges.values.max())
+    may_exceed = _bounds(signal).upper > largest_at_edges
+    turning = _turning_points(signal, is_long & may_exceed)
+    samples = _joined(edges, turning)
+    largest = float(samples.values.max())
+    least_equal = largest - abs(largest) * EQUAL_STRESS_RTOL
+    equal = np.flatnonzero(samples.values >= least_equal)
+    first = equal[np.argmin(samples.ticks[equal])]
+    time = int(samples.ticks[first])
+    return Meeting(
+        difference=float(samples.values[first]),
+        p=side.p_rate * time + side.p_start,
+        q=side.q_rate * time + side.q_start,
+    )
 
 
 # Inside the domain --------------------------------------------------------------------
 
 
-def _inside(A: Pieces, B: Pieces, T: int, end: int, floor: float) -> list[Meeting]:
-    """The first of the best candidates at breaks and turning points of both waves.
+def _largest_inside(domain: Domain, least: float) -> Meeting | None:
+    """The earliest meeting with the largest d at breaks and turning points of both waves.
 
-    One meeting, or none: only candidates with a difference of at least `floor` count.
+    None if d is nowhere as large as `least`.
     """
     # d = B(q) - A(p) is large where A is low and B is high.
-    lowest, _ = _bounds(A)
-    _, highest = _bounds(B)
-    low = _candidates(A, lowest <= highest.max() - floor)
-    high = _candidates(B, highest >= lowest.min() + floor)
+    lower_A = _bounds(domain.A).lower
+    upper_B = _bounds(domain.B).upper
+    low = _candidates(domain.A, lower_A <= upper_B.max() - least)
+    high = _candidates(domain.B, upper_B >= lower_A.min() + least)
     if len(low.ticks) == 0 or len(high.ticks) == 0:
-        return []
-    p = low.ticks
-    q = high.ticks
-    # The last tick is outside: nothing has come of a wave that leaves at the end.
-    # Candidate k of A meets those of B from first[k] to last[k] - 1.
-    first = q.searchsorted(np.maximum(p - T, -T - p), "left")
-    last = q.searchsorted(np.minimum(p + T, 2 * end - T - p - 1), "right")
-    meets = np.flatnonzero(first < last)
+        return None
+    partners = _partners(domain, low.ticks, high.ticks)
+    meets = np.flatnonzero(partners.first < partners.stop)
     if len(meets) == 0:
-        return []
-    # `reduceat` takes the maximum of each range, and of what lies between two of them.
-    ranges = np.stack((first[meets], last[meets]), axis=1).ravel()
-    padded = np.append(high.values, -np.inf)
-    differences = np.maximum.reduceat(padded, ranges)[::2] - low.values[meets]
+        return None
+    differences = _range_maxima(high.values, partners, meets) - low.values[meets]
     largest = float(differences.max())
-    if largest < floor:
-        return []
-    target = largest - abs(largest) * EQUAL_STRESS_RTOL
-    best: list[Meeting] = []
-    for k in meets[differences >= target]:
-        # Parts that leave an end at p meet nothing before p: q >= p - T.
-        if best and 2 * p[k] - T >= best[0].p + best[0].q:
+    if largest < least:
+        return None
+    least_equal = largest - abs(largest) * EQUAL_STRESS_RTOL
+    best = meets[differences >= least_equal]
+    return _earliest(low, high, partners, best, least_equal, domain.T)
+
+
+def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
+    """For each of the ticks p the ticks q, in order, at which it meets B in the domain."""
+    T = domain.T
+    earliest_q = np.maximum(p - T, -T - p)
+    # A wave that leaves at the last tick meets nothing.
+    latest_q = np.minimum(p + T, 2 * domain.end - T - p - 1)
+    first = q.searchsorted(earliest_q, "left")
+    stop = q.searchsorted(latest_q, "right")
+    return Ranges(first, stop)
+
+
+def _range_maxima(values: Floats, ranges: Ranges, chosen: Ints) -> Floats:
+    """Maximum of the values in each of the chosen ranges, none of which is empty."""
+    bounds = np.stack((ranges.first[chosen], ranges.stop[chosen]), axis=1)
+    padded = np.append(values, -np.inf)  # a range may stop after the last value
+    # `reduceat` gives the maximum of each range, and of what lies between two of them.
+    return np.asarray(np.maximum.reduceat(padded, bounds.ravel())[::2])
+
+
+def _earliest(
+    low: Samples, high: Samples, partners: Ranges, chosen: Ints, least: float, T: int
+) -> Meeting | None:
+    """The earliest meeting of the chosen samples of A, in order, with d >= `least`.
+
+    Each of them has at least one; None if none is chosen.
+    """
+    earliest: Meeting | None = None
+    for k in chosen:
+        p = int(low.ticks[k])
+        # What leaves at p meets what left at p - T or later.
+        if earliest is not None and 2 * p - T >= earliest.p + earliest.q:
             break
-        window = high.values[first[k] : last[k]] - low.values[k]
-        j = int(np.argmax(window >= target))
-        meeting = Meeting(float(window[j]), int(p[k]), int(q[first[k] + j]))
-        if not best or meeting.p + meeting.q < best[0].p + best[0].q:
-            best = [meeting]
-    return best
+        first = int(partners.first[k])
+        stop = int(partners.stop[k])
+        differences = high.values[first:stop] - low.values[k]
+        j = int(np.argmax(differences >= least))
+        q = int(high.ticks[first + j])
+        if earliest is None or p + q < earliest.p + earliest.q:
+            earliest = Meeting(float(differences[j]), p, q)
+    return earliest
 
 
 # Signals ------------------------------------------------------------------------------
@@ -199,85 +268,121 @@ def _between(signal: Pieces, first: int, last: int) -> Pieces:
     return signal.cut(np.append(first, inside), last)
 
 
-def _bounds(signal: Pieces) -> tuple[Floats, Floats]:
+def _bounds(signal: Pieces) -> Bounds:
     """A lower and an upper bound of each piece: no Chebyshev polynomial exceeds 1."""
     middle = signal.coefficients[:, 0]
-    swing = np.abs(signal.coefficients[:, 1:]).sum(axis=1)
-    return middle - swing, middle + swing
+    swing = _sum_of_sizes(signal.coefficients[:, 1:])
+    return Bounds(middle - swing, middle + swing)
 
 
-def _exceeds_sliver(signal: Pieces) -> NDArray[np.bool_]:
-    """Whether each piece lasts longer than a sliver."""
-    return np.asarray(np.diff(signal.ticks, append=signal.end) > SLIVER_TICKS)
+def _sum_of_sizes(coefficients: Floats) -> Floats:
+    """Sum of the absolute coefficients of each series, [series]."""
+    return np.asarray(np.abs(coefficients).sum(axis=1))
 
 
-def _candidates(signal: Pieces, chosen: NDArray[np.bool_]) -> Samples:
-    """Edges and turning points of some pieces, in order of time."""
+def _exceeds_sliver(signal: Pieces) -> Mask:
+    """Whether each piece lasts longer than a sliver, [piece]."""
+    durations = np.diff(signal.ticks, append=signal.end)
+    return np.asarray(durations > SLIVER_TICKS)
+
+
+def _candidates(signal: Pieces, chosen: Mask) -> Samples:
+    """Edges and turning points of the chosen pieces that last, in order of time."""
     chosen = chosen & _exceeds_sliver(signal)
     edges = _edges(signal, chosen)
     turning = _turning_points(signal, chosen)
-    ticks = np.concatenate((edges.ticks, turning.ticks))
-    values = np.concatenate((edges.values, turning.values))
-    order = np.argsort(ticks, kind="stable")
-    return Samples(ticks[order], values[order])
+    samples = _joined(edges, turning)
+    order = np.argsort(samples.ticks, kind="stable")
+    return Samples(samples.ticks[order], samples.values[order])
 
 
-def _edges(signal: Pieces, chosen: NDArray[np.bool_]) -> Samples:
-    """The first and the last value of some pieces."""
+def _joined(first: Samples, second: Samples) -> Samples:
+    """The samples of both, one after the other."""
+    ticks = np.concatenate((first.ticks, second.ticks))
+    values = np.concatenate((first.values, second.values))
+    return Samples(ticks, values)
+
+
+def _edges(signal: Pieces, chosen: Mask) -> Samples:
+    """The first values of the chosen pieces, and then their last ones, if they change."""
     starts = signal.ticks[chosen]
+    first_values = Samples(starts, signal.values[chosen])
     if signal.size == 1:
-        return Samples(starts, signal.values[chosen])
-    stops = np.append(signal.ticks[1:], signal.end)[chosen] - INSIDE_TICKS
-    values = signal.values[chosen], signal.coefficients[chosen].sum(axis=1)
-    return Samples(np.concatenate((starts, stops)), np.concatenate(values))
+        return first_values
+    all_stops = np.append(signal.ticks[1:], signal.end)
+    stops = all_stops[chosen] - INSIDE_TICKS
+    at_stops = signal.coefficients[chosen].sum(axis=1)  # polynomials are 1 at y = 1
+    return _joined(first_values, Samples(stops, at_stops))
 
 
-def _turning_points(signal: Pieces, chosen: NDArray[np.bool_]) -> Samples:
-    """Ticks inside the chosen pieces at which the derivative vanishes, and values there."""
+def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
+    """Values inside the chosen pieces where the derivative is 0."""
     # Pieces of fewer than three coefficients are straight.
     if signal.size < 3 or not chosen.any():
         return Samples(np.zeros(0, np.int64), np.zeros(0))
     slopes = chebyshev.chebder(signal.coefficients, axis=1)
-    swing = np.abs(slopes[:, 1:]).sum(axis=1)
     # The constant term of a slope keeps its sign where the others cannot outweigh it.
-    may_turn = chosen & (swing > 0) & (swing >= np.abs(slopes[:, 0]))
-    pieces, y = _zeros(slopes, np.flatnonzero(may_turn))
-    values = signal.at_own_time(pieces, y)
-    width = signal.widths[pieces] - 2 * INSIDE_TICKS
-    ticks_inside = np.rint((y + 1) / 2 * width).astype(np.int64)
-    return Samples(signal.ticks[pieces] + INSIDE_TICKS + ticks_inside, values)
+    swing = _sum_of_sizes(slopes[:, 1:])
+    changes_sign = (swing > 0) & (swing >= np.abs(slopes[:, 0]))
+    zeros = _zeros(slopes, np.flatnonzero(chosen & changes_sign))
+    pieces = zeros.series
+    values = signal.at_own_time(pieces, zeros.y)
+    inner_width = signal.widths[pieces] - 2 * INSIDE_TICKS
+    from_inner_start = np.rint((zeros.y + 1) / 2 * inner_width).astype(np.int64)
+    ticks = signal.ticks[pieces] + INSIDE_TICKS + from_inner_start
+    return Samples(ticks, values)
 
 
-def _zeros(series: Floats, chosen: Ints) -> tuple[Ints, Floats]:
-    """Zeros between -1 and 1 of some Chebyshev series, with the series that each belongs to.
+def _zeros(series: Floats, chosen: Ints) -> Zeros:
+    """Zeros between -1 and 1 of the chosen Chebyshev series [series, coefficient].
 
-    The zeros are eigenvalues of the colleague matrix (Good, Q. J. Math. 12, 1961). The real parts
-    of complex ones are among them.
+    The real parts of complex zeros are among them.
     """
-    magnitudes = np.abs(series)
-    largest = magnitudes.max(axis=1, keepdims=True)
-    counts = magnitudes > largest * NEGLIGIBLE_COEFFICIENT
-    degrees = series.shape[1] - 1 - np.argmax(counts[:, ::-1], axis=1)
+    degrees = _degrees(series)
     owners: list[Ints] = [np.zeros(0, np.int64)]
     zeros: list[Floats] = [np.zeros(0)]
     for degree in range(1, series.shape[1]):
         same = chosen[degrees[chosen] == degree]
         if len(same) == 0:
             continue
-        colleague = np.zeros((len(same), degree, degree))
-        for k in range(degree - 1):
-            colleague[:, k, k + 1] = 0.5
-            colleague[:, k + 1, k] = 0.5
-        if degree > 1:
-            colleague[:, 0, 1] = 1.0
-        last = series[same, :degree] / series[same, degree, None]
-        # y times T_(degree - 1), with T_degree from the series; y T_0 = T_1 has no half.
-        share = 1.0 if degree == 1 else 0.5
-        colleague[:, degree - 1, :] -= share * last
-        roots = np.linalg.eigvals(colleague).real
+        matrices = _colleague_matrices(series[same, : degree + 1])
+        of_series = np.linalg.eigvals(matrices).real
         owners.append(np.repeat(same, degree))
-        zeros.append(roots.ravel())
+        zeros.append(of_series.ravel())
     owner = np.concatenate(owners)
     y = np.concatenate(zeros)
     inside = np.abs(y) < 1
-    return owner[inside], y[inside]
+    return Zeros(owner[inside], y[inside])
+
+
+def _degrees(series: Floats) -> Ints:
+    """Degree of each series without its negligible last coefficients, [series]."""
+    sizes = np.abs(series)
+    largest = sizes.max(axis=1, keepdims=True)
+    counts = sizes > largest * NEGLIGIBLE_COEFFICIENT
+    negligible = np.argmax(counts[:, ::-1], axis=1)  # coefficients at the end
+    return np.asarray(series.shape[1] - 1 - negligible)
+
+
+def _colleague_matrices(series: Floats) -> Floats:
+    """Matrices [series, n, n] whose eigenvalues are the zeros of series of degree n.
+
+    With the vector (T_0(y), ..., T_(n - 1)(y)) of Chebyshev polynomials, a matrix gives
+    y times the vector where the series is 0: y T_0 = T_1 and
+    y T_k = (T_(k - 1) + T_(k + 1))/2, in which T_n follows from the series (Good, Q. J.
+    Math. 12, 1961).
+    """
+    count = series.shape[0]
+    degree = series.shape[1] - 1
+    matrices = np.zeros((count, degree, degree))
+    for k in range(degree - 1):
+        matrices[:, k, k + 1] = 0.5
+        matrices[:, k + 1, k] = 0.5
+    share_of_last = 0.5
+    if degree > 1:
+        matrices[:, 0, 1] = 1.0
+    else:
+        share_of_last = 1.0  # y T_0 = T_1 has no half
+    last = series[:, :degree] / series[:, degree, None]  # -T_n
+    matrices[:, degree - 1, :] -= share_of_last * last
+    return matrices

@@ -1,0 +1,165 @@
+"""Strains in the cells of a grid, and at the ends of segments, where they follow from momentum.
+
+At an end the stress follows from the momentum of the node there: it is 0 at a free end, that of the
+contact force where rods touch, and gives the same force on both sides of a step.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..methods.grid.mesh import GridMotion
+from ..methods.signals import Floats
+from ..model import Segment
+from ..model.profiles import Samples
+
+
+class CellStates(NamedTuple):
+    """State of all cells, [state, cell]."""
+
+    strain: Floats
+    rate: Floats  # rate of the strain, 1/s
+    tension: Floats  # elastic and viscous tension, N; 0 between pieces
+
+
+class SegmentStrain(NamedTuple):
+    """Strain of a segment at its left end, in its cells, and at its right end."""
+
+    strain: Floats  # [state, point]
+    rate: Floats  # 1/s [state, point]
+
+
+class Moduli(NamedTuple):
+    """Numbers of a material that give stress from strain and its rate."""
+
+    youngs_modulus: float  # E, Pa
+    viscosity: float  # eta, Pa s
+
+
+class EndAreas(NamedTuple):
+    """Areas at both ends of a segment, m^2."""
+
+    left: float
+    right: float
+
+
+class SegmentEnd(NamedTuple):
+    """An end of a segment in the mesh."""
+
+    node: int  # node at the end
+    cell: int  # cell of the segment beside the node
+    second_cell: int  # cell behind it, or the same one in a segment of one cell
+    inward: int  # 1 at the left end, -1 at the right one
+    area: float  # area of the segment there, m^2
+
+
+def moduli(segment: Segment) -> Moduli:
+    """Young's modulus and viscosity of a segment."""
+    material = segment.material
+    return Moduli(float(material.youngs_modulus), float(material.viscosity))
+
+
+def end_areas(segment: Segment) -> EndAreas:
+    """Areas at both ends of a segment, m^2."""
+    area = segment.area
+    if isinstance(area, Samples):
+        return EndAreas(float(area.values[0]), float(area.values[-1]))
+    return EndAreas(float(area), float(area))
+
+
+def cell_strains(motion: GridMotion, step: float) -> Floats:
+    """Strains of all cells [state, cell]; the time step is in s."""
+    return np.asarray(motion.stretches(step) / motion.cells.width)
+
+
+def cell_states(motion: GridMotion, strain: Floats, velocity: Floats) -> CellStates:
+    """State of all cells by their strains [state, cell], and velocities of nodes, m/s."""
+    cells = motion.cells
+    rate = np.zeros(motion.force.shape)
+    rate[:, 1:-1] = np.diff(velocity, axis=1) / cells.width[1:-1]
+    tension = motion.force + cells.viscous * cells.width * rate
+    return CellStates(strain, rate, tension)
+
+
+def segment_strain(
+    motion: GridMotion, cells: CellStates, number: int, segment: Segment, step: float
+) -> SegmentStrain:
+    """Strain and its rate in a segment, the `number`-th of the row counted from 1.
+
+    At the ends both are extrapolated, and then changed to give the stress that follows from the
+    momentum of the node: in a step of s seconds, viscosity eta resists a change of strain by eta/s.
+    Where lateral inertia takes a share of the force they stay.
+    """
+    E, eta = moduli(segment)
+    first_node = motion.first[number]
+    last_node = motion.last[number]
+    strain = cells.strain[:, first_node : last_node + 2].copy()
+    rate = cells.rate[:, first_node : last_node + 2].copy()
+    left = _left_end(motion, number, segment)
+    right = _right_end(motion, number, segment)
+    for end, column in ((left, 0), (right, -1)):
+        end_strain = _extrapolated(cells.strain, end)
+        end_rate = _extrapolated(cells.rate, end)
+        strain[:, column] = end_strain
+        rate[:, column] = end_rate
+        if not _has_lateral_inertia(motion, end):
+            stress = _end_stress(motion, cells.tension, end)
+            missing = stress - E * end_strain - eta * end_rate
+            strain[:, column] += missing / (E + eta / step)
+            rate[:, column] += missing / (E * step + eta)
+    return SegmentStrain(strain, rate)
+
+
+def _left_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
+    """The left end of a segment; cell n lies left of node n."""
+    node = motion.first[number]
+    has_more_cells = motion.last[number] > node + 1
+    area = end_areas(segment).left
+    return SegmentEnd(node, node + 1, node + 1 + has_more_cells, 1, area)
+
+
+def _right_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
+    """The right end of a segment; cell n lies left of node n."""
+    node = motion.last[number]
+    has_more_cells = node > motion.first[number] + 1
+    area = end_areas(segment).right
+    return SegmentEnd(node, node, node - has_more_cells, -1, area)
+
+
+def _extrapolated(values: Floats, end: SegmentEnd) -> Floats:
+    """Values of cells [state, cell] extrapolated to an end, which is half a cell away."""
+    near = values[:, end.cell]
+    behind = values[:, end.second_cell]
+    return np.asarray(1.5 * near - 0.5 * behind)
+
+
+def _has_lateral_inertia(motion: GridMotion, end: SegmentEnd) -> bool:
+    """Whether lateral inertia takes a share of the force on the node of an end."""
+    cells = motion.cells
+    beside_node = (cells.lateral[end.node], cells.lateral[end.node + 1])
+    return any(beside_node) or bool(cells.swelling[end.cell])
+
+
+def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
+    """Stress at an end, Pa [state]: tension of the cell less the force on its half mass.
+
+    The node of mass m accelerates by the pull on it over m, and half of the cell's mass with it.
+    """
+    node = end.node
+    pull = tension[:, node + 1] - tension[:, node] + _push_on(motion, node)
+    half_cell_force = pull * motion.cells.cell_mass[end.cell] / 2 / motion.mass[node]
+    end_tension = tension[:, end.cell] - end.inward * half_cell_force
+    return np.asarray(end_tension / end.area)
+
+
+def _push_on(motion: GridMotion, node: int) -> Floats:
+    """Force to the right on a node from outside its piece, N [state]; [1] if constant."""
+    step_means = motion.pushes.get(node, np.zeros(1))
+    if len(step_means) == 0:
+        return np.zeros(1)
+    if len(step_means) == 1:
+        return np.repeat(step_means, len(motion.when))
+    ends = 1.5 * step_means[[0, -1]] - 0.5 * step_means[[1, -2]]
+    between = (step_means[1:] + step_means[:-1]) / 2
+    after_steps = np.concatenate((ends[:1], between, ends[1:]))
+    return np.asarray(after_steps[motion.when])

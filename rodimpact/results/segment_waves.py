@@ -1,0 +1,152 @@
+"""The two waves of a segment, and the formulae of the fields that they make.
+
+Let A and B be the waves, m/s, that leave the left and the right end of a segment with
+the transit time T. The parts of them that left at p and q meet at the time
+t = (p + q + T)/2, at the distance c (q - p + T)/2 from the left end. There, in the
+frame of the clock,
+
+    v = (A(p) + B(q))/2        and        strain = (B(q) - A(p))/(2 c).
+
+So a field is a look-up in two signals, and displacement, momentum and energy are
+integrals of them. All times are in ticks.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..methods.signals import Floats, Ints, Pieces, Side, each_once, quadrature
+
+
+class SquaredWaves(NamedTuple):
+    """Integrals over the transit time of a segment, (m/s)^2 ticks."""
+
+    of_sum: float  # of (A + B)^2: kinetic energy is Z/8 times this
+    of_difference: float  # of (A - B)^2: strain energy is Z/8 times this
+
+
+class SegmentWaves(NamedTuple):
+    """A segment and its two waves; p and q are the ticks at which parts of them left."""
+
+    segment: int  # number in the row, counted from 1
+    transit: int  # transit time T, ticks
+    length: float  # m
+    wave_speed: float  # c, m/s
+    impedance: float  # Z, kg/s
+    rightward: Pieces  # A, leaves the left end, m/s in the frame of the clock
+    leftward: Pieces  # B, leaves the right end, m/s in the frame of the clock
+
+    @property
+    def strain_per_difference(self) -> float:
+        """1/(2 c): strain over the difference B - A, s/m."""
+        return 0.5 / self.wave_speed
+
+    # Where parts of the waves meet --------------------------------------------------
+
+    def velocity(self, p: Ints, q: Ints, side: Side) -> Floats:
+        """v = (A(p) + B(q))/2, m/s in the frame of the clock."""
+        A = self.rightward
+        B = self.leftward
+        return (A.at(p, side) + B.at(q, side)) * 0.5
+
+    def strain(self, p: Ints, q: Ints, side: Side) -> Floats:
+        """(B(q) - A(p))/(2 c)."""
+        A = self.rightward
+        B = self.leftward
+        per_difference = self.strain_per_difference
+        return (B.at(q, side) - A.at(p, side)) * per_difference + 0.0  # no -0.0
+
+    def displacement(self, p: Ints, q: Ints, frame: float) -> Floats:
+        """(integral of A from 0 to p + integral of B from -T to q)/2 + frame t, m/s ticks.
+
+        It counts from the displacement of the left end at t = 0; the velocity `frame` of
+        the clock's frame is in m/s.
+        """
+        A = self.rightward
+        B = self.leftward
+        T = self.transit
+        twice = A.integral(0, p) + B.integral(-T, q) + frame * (p + q + T)
+        return twice / 2
+
+    def strain_integral(self, p: Ints, q: Ints) -> Floats:
+        """(integral of B from 0 to q - integral of A from 0 to p)/(2 c), ticks.
+
+        At one place this grows by the integral of the strain over time.
+        """
+        A = self.rightward
+        B = self.leftward
+        return (B.integral(0, q) - A.integral(0, p)) * self.strain_per_difference
+
+    # Integrals over the segment -----------------------------------------------------
+
+    def initial_elongation(self) -> float:
+        """Elongation at t = 0: integral of (B - A)/2 from -T to 0, m/s ticks."""
+        A = self.rightward
+        B = self.leftward
+        T = self.transit
+        twice = A.integral(0, -T) + B.integral(-T, 0)
+        return float(twice) / 2
+
+    def velocity_integral(self, ticks: Ints) -> Floats:
+        """Integral of v over the time that a wave takes through the segment, m/s ticks.
+
+        With the state at `ticks` this is half the integral of A + B from t - T to t, in
+        the frame of the clock. Times the impedance it is the momentum.
+        """
+        A = self.rightward
+        B = self.leftward
+        starts = ticks - self.transit
+        return (A.integral(starts, ticks) + B.integral(starts, ticks)) / 2
+
+    def squared(self, tick: int, velocity: float) -> SquaredWaves:
+        """Integrals of (A + B)^2 and (A - B)^2 at `tick`, both waves less a velocity, m/s.
+
+        The part of A that left at `time` meets the part of B that left at
+        start + tick - `time`, so B is taken backwards.
+        """
+        start = tick - self.transit
+        rightward = self.rightward.within(start, tick)
+        leftward = self.leftward.within(start, tick).time_reversed(start + tick)
+        breaks_of_A = rightward.breaks_in(start, tick)
+        breaks_of_B = leftward.breaks_in(start, tick)
+        edges = each_once([start], breaks_of_A, breaks_of_B, [tick])
+        shares, weights = quadrature(max(rightward.size, leftward.size))
+        A = rightward.inside(edges[:-1], edges[1:], shares) - velocity
+        B = leftward.inside(edges[:-1], edges[1:], shares) - velocity
+        total = A + B
+        difference = A - B
+        widths = np.diff(edges)
+        return SquaredWaves(
+            of_sum=float((total * total) @ weights @ widths),
+            of_difference=float((difference * difference) @ weights @ widths),
+        )
+
+    # The state at one time ----------------------------------------------------------
+
+    def piece_bounds(self, tick: int) -> Ints:
+        """Bounds of the pieces in which the state at `tick` is constant, [n + 1].
+
+        They are times of travel from the left end, ticks, from 0 to T. Smooth waves are
+        cut where straight lines between the bounds follow them closely.
+        """
+        T = self.transit
+        start = tick - T
+        from_left = tick - self.rightward.within(start, tick).marks
+        from_right = self.leftward.within(start, tick).marks - start
+        bounds = each_once(from_left, from_right)
+        # The tick was rounded from a time in s, a float: a wave within its round-off of an
+        # end has just left it.
+        round_off = tick >> 51
+        is_inside = (bounds > round_off) & (bounds < T - round_off)
+        return np.concatenate(([0], bounds[is_inside], [T]))
+
+    def smooth_bounds(self, tick: int) -> Ints:
+        """Bounds of the parts in which both waves at `tick` are polynomials, [n + 1].
+
+        They are times of travel from the left end, ticks, from 0 to T.
+        """
+        T = self.transit
+        start = tick - T
+        from_left = tick - self.rightward.breaks_in(start, tick)
+        from_right = self.leftward.breaks_in(start, tick) - start
+        return each_once([0], from_left, from_right, [T])
