@@ -26,6 +26,7 @@ from .columns import STATUS, layout_of, row_of
 from .jobs import (
     JOBS_A_WORKER,
     JOBS_A_WORKER_TO_KEEP,
+    JobResult,
     Pool,
     cut,
     job_size,
@@ -40,11 +41,11 @@ class Chunk(NamedTuple):
     Attributes
     ----------
     system : System
-        The members.
+        A smaller family, of these members.
     options : Options
         With the method that is chosen.
     readings : Readings
-    together : bool
+    in_one_call : bool
         Whether the method runs members of this family in one call. Energies of vibration then
         differ in their last digits, so all chunks of a family are run in the same way.
     """
@@ -52,59 +53,66 @@ class Chunk(NamedTuple):
     system: System
     options: Options
     readings: Readings
-    together: bool
+    in_one_call: bool
 
 
 def run_jobs(
     system: System, options: Options, readings: Readings, keep: Checkpoint, pool: Pool
-) -> Generator[list[tuple[int, int, Columns]]]:
+) -> Generator[list[JobResult]]:
     """Run the members that are not done; see `jobs.results_of`."""
     size = math.prod(system.shape)
-    row = math.prod(system.shape[1:])
-    together = METHODS[options.method].members_per_call(build_row(system))
-    most = size
-    if together and not needs_solutions(options, readings):
-        most = together
+    row_size = math.prod(system.shape[1:])
+    members_per_call = METHODS[options.method].members_per_call(build_row(system))
+    in_one_call = members_per_call > 0
+    largest_job = size
+    if in_one_call and not needs_solutions(options, readings):
+        largest_job = members_per_call
     missing = keep.missing()
-    to_do = sum(stop - start for start, stop in missing)
+    to_do = 0
+    for start, stop in missing:
+        to_do += stop - start
 
     def submit(start: int, stop: int) -> Future[Columns]:
         members = members_of(system, start, stop)
-        chunk = Chunk(members, options, readings, together > 0)
+        chunk = Chunk(members, options, readings, in_one_call)
         if pool.stop is None:
             return pool.executor.submit(run_chunk, chunk)
-        more = size - stop  # members that follow in this process
-        return pool.executor.submit(run_chunk, chunk, pool.stop, more)
+        later_members = size - stop  # they follow in this process
+        return pool.executor.submit(run_chunk, chunk, pool.stop, later_members)
 
     jobs_a_worker = JOBS_A_WORKER
-    if pool.workers == 1 and together:
+    if pool.workers == 1 and in_one_call:
         jobs_a_worker = 1  # no other worker has to end at the same time
     if keep.path is not None:
         jobs_a_worker = JOBS_A_WORKER_TO_KEEP
-    jobs = cut(missing, job_size(to_do, row, jobs_a_worker * pool.workers, most))
+    job_count = jobs_a_worker * pool.workers
+    jobs = cut(missing, job_size(to_do, row_size, job_count, largest_job))
     return results_of(jobs, submit, pool.workers)
 
 
 def members_of(system: System, start: int, stop: int) -> System:
-    """Members of a family from `start` to `stop` in C order."""
+    """Members of a family from `start` to `stop` in C order, as a smaller family."""
     if stop - start == math.prod(system.shape):
         return system
-    row = math.prod(system.shape[1:])
-    if start % row == stop % row == 0:
-        return system[start // row : stop // row]
-    return system[np.unravel_index(np.arange(start, stop), system.shape)]
+    row_size = math.prod(system.shape[1:])
+    if start % row_size == stop % row_size == 0:
+        return system[start // row_size : stop // row_size]
+    members = np.arange(start, stop)
+    return system[np.unravel_index(members, system.shape)]
 
 
 def needs_solutions(options: Options, readings: Readings) -> bool:
     """Whether what is to be read needs the solution of each member."""
-    by_method = METHODS[options.method].also
-    return bool(readings.gauges) or not set(readings.also) <= {*by_method}
+    if readings.gauges:
+        return True
+    found_by_method = METHODS[options.method].also
+    return not set(readings.also).issubset(found_by_method)
 
 
 def run_chunk(
     chunk: Chunk, should_stop: Callable[[], bool] = lambda: False, later: int = 0
 ) -> Columns:
-    """Columns of the members of a chunk, in C order.
+    """Columns of the members of a chunk, by name, with an entry a member in C order.
 
     Parameters
     ----------
@@ -116,9 +124,9 @@ def run_chunk(
     """
     columns: Columns = {}
     try:
-        if not chunk.together or needs_solutions(chunk.options, chunk.readings):
+        if not chunk.in_one_call or needs_solutions(chunk.options, chunk.readings):
             columns = _one_by_one(chunk, should_stop)
-        if chunk.together:
+        if chunk.in_one_call:
             columns |= _in_one_call(chunk, should_stop, later)
     finally:
         memory.give_back()
@@ -132,44 +140,62 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     """Columns of members that are solved each alone; a member that is refused has no numbers."""
     system = chunk.system
     readings = chunk.readings
-    options = chunk.options
-    count = math.prod(system.shape)
-    columns: Columns = {}
-    for name, layout in layout_of(system, readings).items():
-        nothing = math.nan if layout.dtype is np.float64 else 0
-        columns[name] = np.full((count, *layout.member_shape), nothing)
-    columns["status"][...] = STATUS.index("refused")
-    reads_fields = readings.gauges or "largest_stress" in readings.also
-    if "snapshots" in METHODS[options.method].takes and not reads_fields:
-        # of the states that the method keeps, an outcome needs the first and the last
-        options = replace(options, snapshots=2)
+    options = _without_unread_states(chunk.options, readings)
+    columns = _empty_columns(system, readings)
 
-    def ask(*_: Any) -> None:
+    def raise_if_stopped(*_: Any) -> None:
         if should_stop():
             raise Stopped
 
     for i, index in enumerate(np.ndindex(system.shape)):
-        ask()
+        raise_if_stopped()
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
-            run = options.run_checked(options.method, system[index], ask)
+            run = options.run_checked(options.method, system[index], raise_if_stopped)
             solution = Solution(run, options)
             for name, entry in row_of(solution, readings).items():
                 columns[name][i] = entry
     return columns
 
 
+def _empty_columns(system: System, readings: Readings) -> Columns:
+    """Columns of members that are refused: nan, or 0 where no nan exists."""
+    count = math.prod(system.shape)
+    columns: Columns = {}
+    for name, layout in layout_of(system, readings).items():
+        fill: float = 0
+        if layout.dtype is np.float64:
+            fill = math.nan
+        columns[name] = np.full((count, *layout.member_shape), fill)
+    columns["status"][...] = STATUS.index("refused")
+    return columns
+
+
+def _without_unread_states(options: Options, readings: Readings) -> Options:
+    """Options by which a grid keeps no more states than are read.
+
+    Of the states that it keeps, an outcome needs the first and the last.
+    """
+    reads_fields = len(readings.gauges) > 0 or "largest_stress" in readings.also
+    if reads_fields or "snapshots" not in METHODS[options.method].takes:
+        return options
+    return replace(options, snapshots=2)
+
+
 def _in_one_call(chunk: Chunk, should_stop: Callable[[], bool], later: int) -> Columns:
-    """Columns of members that the method runs in one call."""
+    """Columns of members that the method runs in one call; `later` as for `run_chunk`."""
     options = chunk.options
     method = METHODS[options.method]
     assert method.family is not None
-    own = {name: getattr(options, name) for name in method.takes}
-    own["also"] = [name for name in chunk.readings.also if name in method.also]
+    method_options: dict[str, Any] = {}
+    for name in method.takes:
+        method_options[name] = getattr(options, name)
+    also = [name for name in chunk.readings.also if name in method.also]
     return method.family(
         build_row(chunk.system),
         options.until,
         options.max_events,
-        **own,
+        **method_options,
+        also=also,
         should_stop=should_stop,
         later_members=later,
     )

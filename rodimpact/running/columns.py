@@ -18,20 +18,22 @@ from ..results.solution import Solution
 from .readings import Readings
 
 STATUS = STOPPED_BY
-"""Why each run stopped; the column ``status`` holds places in this tuple."""
+"""Why each run stopped; the column ``status`` holds indices of this tuple."""
 ENDED = [STATUS.index("final"), STATUS.index("until")]
+"""Statuses of runs that came to their end."""
+RUN_END_RTOL = 1e-12  # share of a run by which a time may lie beyond its end
 
 
 class ContactColumns(NamedTuple):
-    """Totals of one contact; arrays of the family's shape, SI units."""
+    """Totals of one contact; arrays of the family's shape."""
 
-    impulse: Any
-    peak_force: Any
-    duration: Any
-    episodes: Any
+    impulse: Any  # N s
+    peak_force: Any  # N
+    duration: Any  # force duration, s
+    episodes: Any  # how often the contact pressed
 
 
-# How columns are read -------------------------------------------------------------------------
+# How columns are read: the second argument is a body or a contact -----------------------------
 
 
 def _restitution(solution: Solution, _: int) -> float:
@@ -129,46 +131,57 @@ COLUMNS = {
     "accuracy": Column("row", _accuracy),
 }
 ALWAYS = [name for name in COLUMNS if name not in ALSO]
-"""Names of the columns that every family has."""
+"""Names in `COLUMNS` of the columns that every family has."""
 
 
 class Source(NamedTuple):
-    """Name in `COLUMNS` of what a column holds, and the body or contact; 0 of a whole row."""
+    """What a column holds."""
 
-    name: str
-    owner: int
+    name: str  # in `COLUMNS`
+    owner: int  # index of the body or contact; 0 of a whole row
 
 
 class Layout(NamedTuple):
-    """Type of a column, and the shape of the entry of one member."""
+    """How a column is stored."""
 
     dtype: Any
-    member_shape: tuple[int, ...]
+    member_shape: tuple[int, ...]  # shape of the entry of one member
 
 
 def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
-    """Columns of these names of `COLUMNS`, by the names that users read."""
-    owners = {
-        "body": list(range(len(system.bodies))),
-        "contact": list(range(len(system.contacts))),
-        "rod": [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)],
-        "yielding": [
-            k for k, law in enumerate(system.contacts) if isinstance(law, Plastic)
-        ],
-    }
+    """Columns of these names of `COLUMNS`, by the names that users read: "impulse.1"."""
+    owners = _owners(system)
     sources = {}
     for name in names:
-        owner = COLUMNS[name].owner
-        if owner == "row":
+        kind = COLUMNS[name].owner
+        if kind == "row":
             sources[name] = Source(name, 0)
         else:
-            for i in owners[owner]:
+            for i in owners[kind]:
                 sources[f"{name}.{i}"] = Source(name, i)
     return sources
 
 
+def _owners(system: System) -> dict[str, list[int]]:
+    """Indices of the bodies or contacts that have a column each, by kind of owner."""
+    rods = []
+    for i, body in enumerate(system.bodies):
+        if isinstance(body, Rod):
+            rods.append(i)
+    yielding = []
+    for k, law in enumerate(system.contacts):
+        if isinstance(law, Plastic):
+            yielding.append(k)
+    return {
+        "body": list(range(len(system.bodies))),
+        "contact": list(range(len(system.contacts))),
+        "rod": rods,
+        "yielding": yielding,
+    }
+
+
 def layout_of(system: System, readings: Readings) -> dict[str, Layout]:
-    """Types and shapes of the columns that each member has, by name."""
+    """How the columns of a family are stored, by name."""
     layout = {}
     for column, source in columns_of(system, (*ALWAYS, *readings.also)).items():
         layout[column] = Layout(COLUMNS[source.name].dtype, ())
@@ -179,7 +192,7 @@ def layout_of(system: System, readings: Readings) -> dict[str, Layout]:
 
 
 def row_of(solution: Solution, readings: Readings) -> Columns:
-    """Entries of a finished member in all columns, by name."""
+    """Entries of a finished member in all columns of its family, by name."""
     row: Columns = {}
     sources = columns_of(solution.system, (*ALWAYS, *readings.also))
     for column, source in sources.items():
@@ -191,9 +204,12 @@ def row_of(solution: Solution, readings: Readings) -> Columns:
 
 def _strain(solution: Solution, readings: Readings) -> Any:
     """Strain at the gauges, [gauge, time]; nan after the end of the run."""
-    inside = readings.times <= solution.t_end * (1 + 1e-12)
-    strain = np.full((len(readings.gauges), len(inside)), math.nan)
-    for g, (body, x) in enumerate(readings.gauges):
+    times = readings.times
+    latest = solution.t_end * (1 + RUN_END_RTOL)
+    inside = times <= latest
+    strain = np.full((len(readings.gauges), len(times)), math.nan)
+    for i, place in enumerate(readings.gauges):
+        body, x = place
         gauge = solution.gauge(body, x)
-        strain[g, inside] = gauge.strain_at(readings.times[inside])
+        strain[i, inside] = gauge.strain_at(times[inside])
     return strain

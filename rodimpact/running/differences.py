@@ -16,19 +16,19 @@ import numpy as np
 
 from ..methods.row import Array
 
-MAX_ORDER = 5  # of a window: higher ones amplify noise, and gain nothing
+MAX_ORDER = 5  # order of a window: higher ones amplify noise, and gain nothing
 TRUNCATION_SAFETY = 10.0  # stated truncation error over the change by the last order
 
 
 class Estimate(NamedTuple):
-    """A limit for steps that go to 0, and its stated error: inf where there is no limit."""
+    """A limit for steps that go to 0."""
 
     value: Array
-    error: Array
+    error: Array  # stated error: inf where there is no limit
 
 
-def _change(below: Estimate, above: Estimate) -> Estimate:
-    """What an estimate is larger than another."""
+def _difference(below: Estimate, above: Estimate) -> Estimate:
+    """The second estimate minus the first one; the errors add up."""
     return Estimate(above.value - below.value, above.error + below.error)
 
 
@@ -36,7 +36,7 @@ class Sides(NamedTuple):
     """A function at a point: derivatives and values on both sides, and its central derivative."""
 
     below: Estimate  # derivative on the side of smaller arguments
-    above: Estimate
+    above: Estimate  # derivative on the side of larger arguments
     value_below: Estimate  # limit of the function itself
     value_above: Estimate
     central: Estimate  # derivative, if it is the same on both sides
@@ -44,12 +44,12 @@ class Sides(NamedTuple):
     @property
     def jump(self) -> Estimate:
         """Value above minus value below."""
-        return _change(self.value_below, self.value_above)
+        return _difference(self.value_below, self.value_above)
 
     @property
     def bend(self) -> Estimate:
         """Derivative above minus derivative below."""
-        return _change(self.below, self.above)
+        return _difference(self.below, self.above)
 
     @property
     def smooth(self) -> Array:
@@ -71,14 +71,18 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     noise : [...] array
         Bound of the error of the values.
     """
-    neighbours = steps[:-1] - steps[1:]
-    amplification = 2 / neighbours
+    between = steps[:-1] - steps[1:]  # from each step to the next
+    slopes_below = (below[1:] - below[:-1]) / between
+    slopes_above = (above[:-1] - above[1:]) / between
+    central_slopes = (above - below) / (2 * steps)
+    amplification = 2 / between
+    ones = np.ones_like(steps)
     return Sides(
-        below=limit((below[1:] - below[:-1]) / neighbours, amplification, noise, 2),
-        above=limit((above[:-1] - above[1:]) / neighbours, amplification, noise, 2),
-        value_below=limit(below, np.ones_like(steps), noise, 2),
-        value_above=limit(above, np.ones_like(steps), noise, 2),
-        central=limit((above - below) / (2 * steps), 1 / steps, noise, 4),
+        below=limit(slopes_below, amplification, noise, 2),
+        above=limit(slopes_above, amplification, noise, 2),
+        value_below=limit(below, ones, noise, 2),
+        value_above=limit(above, ones, noise, 2),
+        central=limit(central_slopes, 1 / steps, noise, 4),
     )
 
 
@@ -96,16 +100,18 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
     ratio : int
         Factor by which the first term of the error falls from step to step: 2 or 4.
     """
-    value = np.full(first.shape[1:], math.nan)
-    error = np.full(first.shape[1:], math.inf)
-    low = np.full(first.shape[1:], -math.inf)
-    high = np.full(first.shape[1:], math.inf)
-    in_agreement = np.full(first.shape[1:], True)
+    shape = first.shape[1:]
+    value = np.full(shape, math.nan)
+    error = np.full(shape, math.inf)
+    low = np.full(shape, -math.inf)  # bounds of the limit by all windows so far
+    high = np.full(shape, math.inf)
+    in_agreement = np.full(shape, True)
     for window in windows_of(first, amplification * noise, ratio):
         exists = np.isfinite(window.error)
         lower = window.value - window.error
         upper = window.value + window.error
-        in_agreement &= ~exists | ((lower <= high) & (upper >= low))
+        agrees = (lower <= high) & (upper >= low)
+        in_agreement &= ~exists | agrees
         used = exists & in_agreement
         low = np.where(used, np.maximum(low, lower), low)
         high = np.where(used, np.minimum(high, upper), high)
@@ -116,17 +122,22 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
 
 
 def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
-    """Best window of those that begin at each step; the smallest step comes first."""
+    """Best window of those that begin at each step; the smallest step comes first.
+
+    `noise` is the bound of the error of `first` by the values, [step, ...]; see `limit`. A
+    window of order n removes the first n terms of the error by n + 1 steps.
+    """
     count = len(first)
-    values = [np.full(first.shape[1:], math.nan) for _ in range(count)]
-    errors = [np.full(first.shape[1:], math.inf) for _ in range(count)]
+    values = np.full(first.shape, math.nan)
+    errors = np.full(first.shape, math.inf)
     order_below = first
     noise_below = noise
     for order in range(1, min(MAX_ORDER, count - 1) + 1):
         factor = float(ratio**order)
         change = (order_below[1:] - order_below[:-1]) / (factor - 1)
         this_order = order_below[1:] + change
-        this_noise = (factor * noise_below[1:] + noise_below[:-1]) / (factor - 1)
+        noise_sum = factor * noise_below[1:] + noise_below[:-1]
+        this_noise = noise_sum / (factor - 1)
         bounds = TRUNCATION_SAFETY * np.abs(change) + this_noise
         for begin in range(count - order):
             better = bounds[begin] < errors[begin]

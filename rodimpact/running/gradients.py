@@ -47,15 +47,17 @@ SMOOTH_RTOL = 1e-10
 FRONTS_RTOL = 2.0**-48
 """Round-off of a run by fronts, relative to the largest velocity, impulse or duration."""
 DURATION_ERROR_RATIO = 10.0  # error of durations over the stated error of forces
-STEPS_PER_STAGE = 6  # halved from one to the next, on each side
-MAX_STAGES = 4  # each begins at half the smallest step of the one before
+STEPS_PER_STAGE = 6  # steps on each side, halved from one to the next
+MAX_STAGES = (
+    4  # stages, each of which begins at half the smallest step of the one before
+)
 LARGEST_STEP = {
     "fronts": 2.0**-6,
     "characteristics": 2.0**-6,
     "finite-difference": 2.0**-3,
 }
-"""By method, over the number: the less accurate its results, the longer its steps."""
-PROBING_CHANGE = 2.0**-6  # over the number: shows what physics another number takes
+"""Largest step over the number, by method: the less accurate its results, the longer."""
+PROBING_CHANGE = 2.0**-6  # change over the number that shows what physics others take
 NOISE_AMPLIFICATION = 16.0  # error of a derivative, times the step, over that of values
 MAX_ERROR_OVER_NOISE = 10.0  # stated error over that by noise at which steps are kept
 SCALED_BY_MOTION = {"velocity", "strain", "value"}
@@ -146,7 +148,9 @@ class Gradient:
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
         columns = [self.values[path] for path in self.wrt]
-        return np.stack(columns, -1).astype(dtype or float)
+        if dtype is None:
+            dtype = float
+        return np.stack(columns, -1).astype(dtype)
 
     def __getitem__(self, path: str) -> Any:
         if not isinstance(path, str) or path not in self.values:
@@ -164,7 +168,10 @@ class Gradient:
         return "\n".join(lines)
 
     def _described(self, path: str) -> str:
-        """Derivative by one number, with its unit, and its error where digits shown are wrong."""
+        """Derivative by the number at a path, with its unit, as text.
+
+        With its stated error where that is larger than the digits shown.
+        """
         unit = f" {self.units[path]}".rstrip()
         error = float(self.errors[path])
         if path in self.kinks:
@@ -258,7 +265,9 @@ def gradient(
     options = Options(until, method, max_events, rtol=rtol)
     options.method_for(system)
     _check(system, of, wrt, until, progress)
-    numbers = [_number(system, path) for path in wrt]
+    numbers = []
+    for path in wrt:
+        numbers.append(_number(system, path))
     options = _common_options(options, system, numbers)
     with Progress(progress, "gradient", "collisions") as report:
         result = _Result(of, options, workers, report)
@@ -268,26 +277,31 @@ def gradient(
         columns = []
         for number in numbers:
             sides = _extrapolated(number, result, value)
-            columns.append(_column(sides, np.isfinite(value.value)))
+            column = _column(sides, np.isfinite(value.value))
+            columns.append(column)
     return _gradient(system, of, tuple(wrt), value.value, columns)
 
 
 def _common_options(
     options: Options, system: System, numbers: Sequence["_Number"]
 ) -> Options:
-    """Options by which the system can be solved, and its neighbours: a gravity of 0 may vary."""
-    chosen = [options.method_for(system)]
+    """Options by which the system can be solved, and its neighbours.
+
+    Neighbours may have more physics, such as a gravity that is not 0. Methods with more physics
+    come later in `METHODS`.
+    """
+    methods = [options.method_for(system)]
     for number in numbers:
         neighbours = number.neighbours([number.size * PROBING_CHANGE])
-        chosen.append(options.method_for(neighbours.system))
-    slowest = max(chosen, key=list(METHODS).index)
+        methods.append(options.method_for(neighbours.system))
+    slowest = max(methods, key=list(METHODS).index)
     if slowest == "characteristics" and options.rtol is None:
         options = replace(options, rtol=SMOOTH_RTOL)
     return replace(options, method=slowest)
 
 
 def _why_undefined(system: System, of: str, options: Options) -> str:
-    """Why a single collision has no such number."""
+    """Why a single collision has no result of that name, a sentence."""
     solution = solve(
         system,
         options.until,
@@ -351,14 +365,20 @@ class _Result:
         return Estimate(value, accuracy * self._size(system, columns))
 
     def _size(self, system: System, columns: Mapping[str, Any]) -> Any:
-        """The size to which the stated error of the quantity is relative."""
+        """The size to which the stated error of the quantity is relative, of members.
+
+        Their results are given by column; the size is in the unit of the quantity.
+        """
         kind, _, _ = self.of.partition(".")
         if kind == "velocity_after":
             return velocity_scale(system)
         if kind == "restitution":
             (k,) = unilateral(system)
             return self._size_of_restitution(system, columns, k)
-        size = largest([np.abs(columns[f"{kind}.{k}"]) for k in unilateral(system)])
+        sizes = []
+        for k in unilateral(system):
+            sizes.append(np.abs(columns[f"{kind}.{k}"]))
+        size = largest(sizes)
         if kind == "duration":
             size = size * DURATION_ERROR_RATIO
         return size
@@ -390,9 +410,9 @@ def velocity_scale(system: System) -> Any:
 
 
 class _Neighbours(NamedTuple):
-    """Systems with changed numbers, [step, ...]."""
+    """Systems with a changed number; the first axis of both is that of the changes."""
 
-    system: System
+    system: System  # a family, [change, ...]
     allowed: Any  # whether the change is allowed; if not, the number is not changed
 
 
@@ -400,12 +420,12 @@ class _Number(NamedTuple):
     """A number of a system, or of each member of a family."""
 
     system: System
-    entries: list[str]  # paths where it is found
+    entries: list[str]  # all paths at which the system has it
     x: Any  # its value
-    size: Any  # by which its changes are measured
+    size: Any  # the size by which its changes are measured, > 0
 
     def neighbours(self, changes: Any) -> "_Neighbours":
-        """Systems with changed numbers, [step, ...]."""
+        """Systems with the number plus each of the changes, [change, ...]."""
         field = field_at(self.system, self.entries[0])
         changes = np.asarray(changes)
         allowed = np.asarray(field.holds(self.x + changes))
@@ -414,22 +434,28 @@ class _Number(NamedTuple):
             return _Neighbours(self._changed(in_range), allowed)
         except InvalidModel:  # a number may have to be less than another
             for k in range(len(changes)):
-                try:
-                    self._changed(in_range[k])
-                except InvalidModel:
+                if not self._can_change(in_range[k]):
                     allowed[k] = False
             in_range = np.where(allowed, changes, 0.0)
             return _Neighbours(self._changed(in_range), allowed)
 
+    def _can_change(self, change: Any) -> bool:
+        """Whether the system may have the number plus a change."""
+        try:
+            self._changed(change)
+        except InvalidModel:
+            return False
+        return True
+
     def _changed(self, change: Any) -> System:
-        """The system with a changed number."""
+        """The system with the number plus a change."""
         value = self.x + change
         if np.ndim(value) == 0:
             value = float(value)
         return with_numbers(self.system, dict.fromkeys(self.entries, value))
 
     def members(self, chosen: Any) -> "_Number":
-        """The same number of some members of the family."""
+        """The same number of the members of the family for which `chosen` is true."""
         if not self.system.shape:
             return self
         x = np.broadcast_to(self.x, self.system.shape)
@@ -438,17 +464,18 @@ class _Number(NamedTuple):
 
 
 def _number(system: System, path: str) -> _Number:
-    """The number at a path."""
+    """The number at a path, with the size by which its changes are measured."""
     entries = entries_by_path(system)[path]
     x = numbers_of(system)[entries[0]]
     natural = _natural_size(system, entries[0])
+    is_zero = np.equal(x, 0)
     words = entries[0].split(".")
     if not SCALED_BY_MOTION.isdisjoint(words):
         size = natural
     elif words[-1] == "gap":
-        size = np.where(np.equal(x, 0), natural, np.minimum(x, natural))
+        size = np.where(is_zero, natural, np.minimum(x, natural))
     else:
-        size = np.where(np.equal(x, 0), natural, np.abs(x))
+        size = np.where(is_zero, natural, np.abs(x))
     if not np.all(np.greater(size, 0)):
         message = (
             f"{path} is 0, and nothing else gives it a scale; give it a small value"
@@ -457,25 +484,25 @@ def _number(system: System, path: str) -> _Number:
     return _Number(system, entries, x, size)
 
 
-def _natural_size(system: System, place: str) -> Any:
-    """Size of a number of this unit in the row, for numbers that may be 0; nan without any.
+def _natural_size(system: System, path: str) -> Any:
+    """Size that the row gives to the number at a path by its unit; nan without any.
 
     Let V be the velocity scale of the row, T the longest transit time, c the largest wave speed, Z
     the largest impedance and E the largest modulus. A gap is V T, a strain V/c, a force Z V.
     """
     row = build_row(system)
     V = velocity_scale(system)
-    unit = parameter(system, place).unit
+    unit = parameter(system, path).unit
     if unit == "m/s":
         return V
     if unit == "1":
         return 1.0
     if len(row.segments) == 0:
         return math.nan
-    T = largest([s.transit_time for s in row.segments])
-    c = largest([s.wave_speed for s in row.segments])
-    Z = largest([s.impedance for s in row.segments])
-    E = largest([s.material.youngs_modulus for s in row.segments])
+    T = _largest_of(row.segments, "transit_time")
+    c = _largest_of(row.segments, "wave_speed")
+    Z = _largest_of(row.segments, "impedance")
+    E = largest([segment.material.youngs_modulus for segment in row.segments])
     sizes = {
         "": V / c,
         "m": V * T,
@@ -489,8 +516,16 @@ def _natural_size(system: System, place: str) -> Any:
     return sizes.get(unit, math.nan)
 
 
+def _largest_of(segments: Sequence[Any], name: str) -> Any:
+    """Largest attribute of that name of segments: a number, or one for each member."""
+    return largest([getattr(segment, name) for segment in segments])
+
+
 def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
-    """Derivatives on both sides, from stages of ever smaller steps for members that need them."""
+    """Derivatives of a result by a number on both sides, from stages of ever smaller steps.
+
+    Further stages are for members alone that are not settled; `value` is the result itself.
+    """
     shape = number.system.shape
     size = np.broadcast_to(number.size, shape)
     noise = np.broadcast_to(value.error, shape)
@@ -501,7 +536,8 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
     chosen = np.isfinite(value.value)
     for stage in range(MAX_STAGES):
         halvings = STEPS_PER_STAGE * stage + np.arange(STEPS_PER_STAGE)
-        stage_steps = np.multiply.outer(first_step * 2.0**-halvings, size)
+        relative_steps = first_step * 2.0**-halvings
+        stage_steps = np.multiply.outer(relative_steps, size)
         stage_below = np.full(stage_steps.shape, math.nan)
         stage_above = np.full(stage_steps.shape, math.nan)
         if chosen.any():
@@ -516,8 +552,9 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
         below = np.concatenate([below, stage_below])
         above = np.concatenate([above, stage_above])
         changes = np.fmax(np.abs(above - value.value), np.abs(below - value.value))
-        slope = np.fmax.reduce(changes / steps, axis=0, initial=0.0)
-        rounding = NUMBER_RTOL * np.abs(number.x) * slope
+        largest_slope = np.fmax.reduce(changes / steps, axis=0, initial=0.0)
+        # The number plus a step is rounded, too.
+        rounding = NUMBER_RTOL * np.abs(number.x) * largest_slope
         at_point = sides_of(below, above, steps, noise + rounding)
         chosen = _unsettled(at_point, value, noise + rounding, steps[-1] / 2)
         if not chosen.any():
@@ -526,7 +563,10 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
 
 
 def _unsettled(sides: Sides, value: Estimate, noise: Any, next_step: Any) -> Any:
-    """Members for which smaller steps may tell more."""
+    """Whether smaller steps may tell more of each member.
+
+    `noise` is the bound of the error of values, and `next_step` the largest of further steps.
+    """
     from_noise = NOISE_AMPLIFICATION * noise / next_step  # error of a derivative
     bend = np.abs(sides.bend.value)
     bent = bend > sides.bend.error
@@ -540,12 +580,12 @@ def _unsettled(sides: Sides, value: Estimate, noise: Any, next_step: Any) -> Any
 class _Column(NamedTuple):
     """Derivatives by one number; each is a number or an array of the family's shape."""
 
-    value: Any
-    error: Any
-    below: Any
-    above: Any
-    jump: Any
-    kinked: Any
+    value: Any  # derivative; nan at a kink
+    error: Any  # stated error of the derivative, or of those on both sides
+    below: Any  # derivative on the side of smaller numbers
+    above: Any  # derivative on the side of larger numbers
+    jump: Any  # value of the result above minus that below
+    kinked: Any  # whether the derivatives on both sides differ, or one does not exist
 
 
 def _column(sides: Sides, defined: Any) -> _Column:
@@ -559,7 +599,7 @@ def _column(sides: Sides, defined: Any) -> _Column:
     take_central = sides.central.error <= mean_error
     value = np.where(take_central, sides.central.value, mean)
     error = np.where(take_central, sides.central.error, mean_error)
-    # at a kink, the larger error of the derivatives that exist
+    # At a kink it is the larger error of the derivatives that exist.
     exists_below = np.isfinite(sides.below.error)
     exists_above = np.isfinite(sides.above.error)
     exists = exists_below | exists_above
@@ -577,8 +617,9 @@ def _column(sides: Sides, defined: Any) -> _Column:
         jump=jump,
         kinked=exists & ~smooth & defined,
     )
-    # [()] makes a number of an array without dimensions
-    entries = [np.asarray(entry)[()] for entry in column]
+    entries = []
+    for entry in column:
+        entries.append(np.asarray(entry)[()])  # a number if it has no dimensions
     return _Column(*entries)
 
 
@@ -606,16 +647,18 @@ def _check(
     if until is None:
         bodies = lasting_bodies(system)
     contacts = unilateral(system)
-    choices = [f"velocity_after.{i}" for i in sorted(bodies)]
+    choices = []
+    for i in sorted(bodies):
+        choices.append(f"velocity_after.{i}")
     for name in ("impulse", "peak_force", "duration"):
-        choices += [f"{name}.{k}" for k in contacts]
+        for k in contacts:
+            choices.append(f"{name}.{k}")
     if len(contacts) == 1 and {contacts[0], contacts[0] + 1} <= bodies:
         choices.append("restitution")
     if not isinstance(of, str) or of not in choices:
         message = f"must be one of {', '.join(choices)}, got {shown(of)}"
         problems.append(("of", message))
-    is_list = isinstance(wrt, list | tuple) and len(wrt) > 0
-    if not is_list or not all(isinstance(path, str) for path in wrt):
+    if not _is_list_of_text(wrt):
         message = (
             f"must be a list of paths, such as ['bodies.0.length'], got {shown(wrt)}"
         )
@@ -630,10 +673,17 @@ def _check(
     raise_if_problems(problems)
 
 
+def _is_list_of_text(value: Any) -> bool:
+    """Whether a value is a list or tuple of strings, at least one."""
+    if not isinstance(value, list | tuple) or len(value) == 0:
+        return False
+    return all(isinstance(item, str) for item in value)
+
+
 def _gradient(
     system: System, of: str, wrt: tuple[str, ...], value: Any, columns: list[_Column]
 ) -> Gradient:
-    """Lay out the result."""
+    """The derivatives by path, from a column for each of the numbers `wrt`."""
     unit = outcome(system, of).unit
     values = {}
     errors = {}
@@ -667,7 +717,7 @@ def _gradient(
 
 
 def _per(unit: str, other: str) -> str:
-    """Unit of a derivative; "" if it has none."""
+    """Unit of a derivative of a quantity by another, from their units; "" if it has none."""
     if unit == other or (unit == "1" and other == ""):
         return ""
     if other in ("", "1"):

@@ -6,11 +6,12 @@ handing them over takes no time. Jobs end in any order.
 """
 
 import contextlib
+import math
 import os
 import pickle
 import threading
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
     Executor,
@@ -25,28 +26,38 @@ from ..methods import memory
 from ..model import Law, System
 from ..model.frozen import Problems, add_problem
 
-JOBS_A_WORKER = 8  # about
-JOBS_A_WORKER_TO_KEEP = 100  # with a checkpoint: a crash undoes a hundredth of the work
-WORKERS_OF_EXECUTOR = 64  # where the caller does not say how many it has
+JOBS_A_WORKER = 8  # number of jobs over that of workers, about
+JOBS_A_WORKER_TO_KEEP = 100  # the same with a checkpoint: a crash undoes a hundredth
+WORKERS_OF_EXECUTOR = 64  # workers of an executor of which the caller does not say it
 HEARTBEAT = 0.4  # s, after which progress is reported though no job has ended
 
-Span = tuple[int, int]
-"""The first of some members in a row, and the one after the last."""
+
+class Span(NamedTuple):
+    """Some members in a row."""
+
+    start: int
+    stop: int  # the member after the last
+
+
+class JobResult(NamedTuple):
+    """A job that has ended."""
+
+    start: int  # its first member
+    stop: int  # the member after its last
+    result: Any
 
 
 class Pool(NamedTuple):
-    """An executor, the number of its workers, and whether its jobs shall stop.
-
-    Only the jobs of threads of our own can ask.
-    """
+    """An executor."""
 
     executor: Executor
     workers: int
     stop: Callable[[], bool] | None = None
+    """Says whether jobs shall stop; only the jobs of threads of our own can ask."""
 
 
 def check_executor(problems: Problems, executor: object, system: System) -> None:
-    """Note what is no executor, and laws that its processes cannot be handed."""
+    """Add problems of what is no executor, and of laws that its processes cannot be handed."""
     if executor is None:
         return
     if not isinstance(executor, Executor):
@@ -74,9 +85,11 @@ def _is_importable(function: Callable[..., Any]) -> bool:
 
 @contextlib.contextmanager
 def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
-    """The given executor, or threads of our own."""
+    """The given executor, or threads of our own that end with the context."""
     if executor is not None:
-        yield Pool(executor, workers or WORKERS_OF_EXECUTOR)
+        if workers is None:
+            workers = WORKERS_OF_EXECUTOR
+        yield Pool(executor, workers)
         return
     if workers is None:
         workers = processors()
@@ -101,23 +114,26 @@ def processors() -> int:
     affinity = getattr(os, "sched_getaffinity", None)
     if affinity is not None:
         return len(affinity(0))
-    return os.cpu_count() or 1
+    count = os.cpu_count()
+    if count is None:
+        return 1
+    return count
 
 
 class SerialExecutor(Executor):
-    """Does every job at once, itself."""
+    """Does every job at once, in the thread that submits it."""
 
     def submit(
         self, job: Callable[..., Any], /, *arguments: Any, **named: Any
     ) -> Future[Any]:
-        """Do a job; what goes wrong is raised here."""
+        """Do a job, and return its result as a future; what goes wrong is raised here."""
         future: Future[Any] = Future()
         future.set_result(job(*arguments, **named))
         return future
 
 
 def job_size(members: int, row: int, jobs: int, most: int) -> int:
-    """Members of a job.
+    """Number of members of a job.
 
     Parameters
     ----------
@@ -131,19 +147,20 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
     most : int
         Members of a job at most.
     """
-    size = -(-members // jobs)
+    size = math.ceil(members / jobs)
     size = max(1, min(size, most))
     if size >= row:
         size -= size % row
     return size
 
 
-def cut(spans: Sequence[Span], size: int) -> Iterator[Span]:
-    """Cut spans at multiples of a size."""
+def cut(spans: Iterable[tuple[int, int]], size: int) -> Iterator[Span]:
+    """Cut spans (start, stop) at multiples of a size."""
     for start, stop in spans:
         while start < stop:
-            end = min(start - start % size + size, stop)
-            yield start, end
+            next_multiple = start - start % size + size
+            end = min(next_multiple, stop)
+            yield Span(start, end)
             start = end
 
 
@@ -151,19 +168,19 @@ def results_of(
     jobs: Iterator[Span],
     submit: Callable[[int, int], Future[Any]],
     workers: int,
-) -> Generator[list[tuple[int, int, Any]]]:
+) -> Generator[list[JobResult]]:
     """Run jobs, of which each worker has one to do and one to go on with.
 
     Parameters
     ----------
-    jobs : iterator of (int, int)
+    jobs : iterator of Span
     submit : function
         Hands over the members from `start` to `stop`.
     workers : int
 
     Yields
     ------
-    list of (int, int, object)
+    list of JobResult
         Jobs that have ended, with their results; twice a second or more often, so that it
         may be empty.
     """
@@ -172,12 +189,13 @@ def results_of(
     try:
         while waiting or running:
             while waiting and len(running) < 2 * workers:
-                start, stop = waiting.popleft()
-                running[submit(start, stop)] = start, stop
+                span = waiting.popleft()
+                job = submit(span.start, span.stop)
+                running[job] = span
             results = []
             for job in wait(running, HEARTBEAT, FIRST_COMPLETED).done:
-                start, stop = running.pop(job)
-                results.append((start, stop, job.result()))
+                span = running.pop(job)
+                results.append(JobResult(span.start, span.stop, job.result()))
             yield results
     finally:
         for job in running:

@@ -36,38 +36,43 @@ class Readings(NamedTuple):
 def check_readings(
     problems: Problems, system: System, gauges: Any, times: Any
 ) -> Readings:
-    """Check gauges and the times at which they are read; note mistakes."""
+    """Gauges, and the times at which they are read; mistakes are added to the problems.
+
+    Without gauges, or with mistakes that leave none, the readings are empty.
+    """
     is_list = isinstance(gauges, Sequence | np.ndarray)
     if not is_list or getattr(gauges, "ndim", 1) == 0:
-        problems.append(("gauges", f"must be [(body, x), ...], got {shown(gauges)}"))
+        message = f"must be [(body, x), ...], got {shown(gauges)}"
+        problems.append(("gauges", message))
         return Readings()
-    if (times is None) == bool(len(gauges)):
-        problems.append(
-            ("times", "go with gauges=[(body, x), ...]; give both or neither")
-        )
-    if times is None or not len(gauges):
+    has_gauges = len(gauges) > 0
+    has_times = times is not None
+    if has_gauges != has_times:
+        message = "go with gauges=[(body, x), ...]; give both or neither"
+        problems.append(("times", message))
+    if not has_gauges or not has_times:
         return Readings()
-    places = []
+    checked_gauges = []
     for i, gauge in enumerate(gauges):
-        place = _check_gauge(problems, system, f"gauges.{i}", gauge)
-        if place is not None:
-            places.append(place)
-    instants: Any = TIMES.checked(problems, "times", times)
-    if np.ndim(instants) != 1:
-        problems.append(("times", f"must be a list of times, got {shown(times)}"))
-    return Readings(tuple(places), instants)
+        checked = _check_gauge(problems, system, f"gauges.{i}", gauge)
+        if checked is not None:
+            checked_gauges.append(checked)
+    checked_times: Any = TIMES.checked(problems, "times", times)
+    if np.ndim(checked_times) != 1:
+        message = f"must be a list of times, got {shown(times)}"
+        problems.append(("times", message))
+    return Readings(tuple(checked_gauges), checked_times)
 
 
 def _check_gauge(
     problems: Problems, system: System, path: str, gauge: Any
 ) -> tuple[int, float] | None:
-    """Body and place of a gauge; None and a problem where it lies in no rod."""
+    """Body, and place in m, of a gauge; None and a problem if it lies in no rod."""
     try:
         body, x = gauge
     except (TypeError, ValueError):
-        problems.append(
-            (path, f"must be (body, x), such as (1, 0.5), got {shown(gauge)}")
-        )
+        message = f"must be (body, x), such as (1, 0.5), got {shown(gauge)}"
+        problems.append((path, message))
         return None
     x = GAUGE_PLACE.checked(problems, f"{path}.x", x)
     lengths = {}
@@ -76,7 +81,8 @@ def _check_gauge(
             lengths[index] = each.length
     if not is_integer(body) or body not in lengths:
         rods = ", ".join(map(str, lengths))
-        problems.append((f"{path}.body", f"must be a rod, {rods}; got {shown(body)}"))
+        message = f"must be a rod, {rods}; got {shown(body)}"
+        problems.append((f"{path}.body", message))
         return None
     shortest = float(np.min(lengths[int(body)]))
     if np.all(x > shortest):
@@ -89,14 +95,16 @@ def _check_gauge(
 
 
 def check_also(problems: Problems, names: Any, until: float | None) -> tuple[str, ...]:
-    """Check the names of further columns; note mistakes."""
-    known = ", ".join(f'"{name}"' for name in ALSO)
+    """Names of further columns in the order of `ALSO`; mistakes are added to the problems."""
+    choices = ", ".join(f'"{name}"' for name in ALSO)
     if isinstance(names, str | bytes) or not isinstance(names, Sequence):
-        problems.append(("also", f"must be a list of {known}, got {shown(names)}"))
+        message = f"must be a list of {choices}, got {shown(names)}"
+        problems.append(("also", message))
         return ()
     for name in names:
         if not isinstance(name, str) or name not in ALSO:
-            problems.append(("also", f"must be of {known}, got {shown(name)}"))
+            message = f"must be of {choices}, got {shown(name)}"
+            problems.append(("also", message))
     if "displacement" in names and until is None:
         message = "a body that flies on has no last displacement; give the time (until)"
         problems.append(("also", message))

@@ -16,7 +16,7 @@ WORK_UNITS = {
     "characteristics": "steps",
     "finite-difference": "steps",
 }
-"""Work that each method counts as it goes on."""
+"""Work that each method counts as it goes on, for a progress bar."""
 
 
 def solve(

@@ -14,12 +14,14 @@ from ..units import format_si
 from .columns import columns_of
 from .sweep_result import SweepResult
 
-MAX_LISTED_MEMBERS = 20  # of a family that is listed one by one
-SAMPLED_MEMBERS = 12  # picked from a larger family
-MAX_LISTED_BODIES = 8  # whose velocities are listed for each member
+MAX_LISTED_MEMBERS = 20  # members of a family that are all listed
+SAMPLED_MEMBERS = 12  # members that are listed of a larger family
+MAX_LISTED_BODIES = 8  # bodies whose velocities are listed for each member
 
 Varied = Sequence[tuple[str, Any, str]]
 """For each axis of a family: the path of what varies along it, its values, and their unit."""
+TextColumns = dict[str, list[str]]
+"""Columns of a table by their heads: an entry for each member that is listed."""
 
 
 def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
@@ -88,6 +90,7 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
 
 
 def _extremes(result: SweepResult, varied: Varied) -> str:
+    """Table of the number of collisions, and of the smallest and largest e with its place."""
     where = ""
     if result.shape:
         where = f"in a grid of {' x '.join(map(str, result.shape))}"
@@ -95,14 +98,15 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
     for name, extreme in (("smallest", np.fmin), ("largest", np.fmax)):
         e = extreme.reduce(result.restitution, axis=None)
         if not math.isnan(e):
-            where = _where(_first(result.restitution == e), varied)
+            index = _first(result.restitution == e)
+            where = _where(index, varied)
             label = f"{name} coefficient of restitution e"
             rows.append([label, f"{clean(e, 1.0):.9g}", where])
     return align(rows, left=(0, 2))
 
 
 def _members(result: SweepResult, varied: Varied, more: str) -> str:
-    """All collisions of a small family, some of a large one."""
+    """Table of all collisions of a small family, of some of a large one."""
     system = result.system
     count = result.restitution.size
     listed = count
@@ -112,13 +116,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     numbers = {}
     for name, column in result.columns.items():
         numbers[name] = np.ravel(column)[members]
-    shape = result.shape
-    if not shape:  # a single collision is a table of one line
-        shape = (1,)
-    indices = np.unravel_index(members, shape)
-    columns: dict[str, list[str]] = {}
-    for (path, values, unit), index in zip(varied, indices, strict=False):
-        columns[path] = _written(values[index], unit)
+    columns = _varied_columns(result, varied, members)
     opening = result.unilateral
     if len(opening) == 1:
         columns |= _of_contact(opening[0], numbers)
@@ -129,23 +127,41 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     for name in columns_of(system, result.readings.also):
         quantity = outcome(system, name)
         columns[quantity.name] = _written(numbers[name], quantity.unit)
-    table = align([list(columns), *zip(*columns.values(), strict=True)], left=())
+    rows = zip(*columns.values(), strict=True)
+    table = align([list(columns), *rows], left=())
     if listed < count:
         table += f"\n... {listed} of {count}; {more}"
     return table
 
 
-def _of_contact(k: int, numbers: dict[str, Any]) -> dict[str, list[str]]:
-    """Columns where only contact k can open."""
+def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextColumns:
+    """Columns of what varies along each axis, for members given by their places in C order."""
+    shape = result.shape
+    if not shape:  # a single collision is a table of one line
+        shape = (1,)
+    columns: TextColumns = {}
+    indices = np.unravel_index(members, shape)
+    for axis, index in zip(varied, indices, strict=False):
+        path, values, unit = axis
+        columns[path] = _written(values[index], unit)
+    return columns
+
+
+def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
+    """Columns where only contact k can open, from numbers by column [member]."""
     impulses = numbers[f"impulse.{k}"]
+    episode_counts = numbers[f"episodes.{k}"]
     episodes = []
-    for impulse, episode_count in zip(impulses, numbers[f"episodes.{k}"], strict=True):
+    for impulse, episode_count in zip(impulses, episode_counts, strict=True):
         if math.isnan(impulse):
             episodes.append("-")
         else:
             episodes.append(str(episode_count))
+    restitution = []
+    for e in numbers["restitution"]:
+        restitution.append(_digits(e, 1.0))
     return {
-        "e": [_digits(e, 1.0) for e in numbers["restitution"]],
+        "e": restitution,
         "impulse": _written(impulses, "N s"),
         "peak force": _written(numbers[f"peak_force.{k}"], "N"),
         "force duration": _written(numbers[f"duration.{k}"], "s"),
@@ -153,9 +169,9 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> dict[str, list[str]]:
     }
 
 
-def _of_bodies(count: int, numbers: dict[str, Any]) -> dict[str, list[str]]:
+def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
     """Columns where several contacts can open: velocities, of a long row some."""
-    velocities = [numbers[f"velocity_after.{i}"] for i in range(count)]
+    velocities = _numbered("velocity_after", count, numbers)
     fastest = np.max(np.abs(velocities), axis=0)
     bodies = list(range(count))
     if count > MAX_LISTED_BODIES:
@@ -163,17 +179,26 @@ def _of_bodies(count: int, numbers: dict[str, Any]) -> dict[str, list[str]]:
         bodies = bodies[:half] + bodies[-half:]
     columns = {}
     for i in bodies:
-        written = []
+        entries = []
         for velocity, scale in zip(velocities[i], fastest, strict=True):
-            written.append(_digits(velocity, scale, " m/s"))
-        columns[f"velocity {i} after"] = written
+            entries.append(_digits(velocity, scale, " m/s"))
+        columns[f"velocity {i} after"] = entries
+    return columns
+
+
+def _numbered(name: str, count: int, numbers: dict[str, Any]) -> list[Any]:
+    """The columns name.0, name.1, ... of the numbers."""
+    columns = []
+    for i in range(count):
+        columns.append(numbers[f"{name}.{i}"])
     return columns
 
 
 def _energy_scale(result: SweepResult, members: Any, numbers: dict[str, Any]) -> Any:
-    """Energy of the motion of the bodies relative to each other, or more, J, [member].
+    """Scale of energies below which digits are round-off, J, [member].
 
-    (sum of m) (spread of v)^2/2 + (sum of J)^2/(2 smallest m), with the impulses J.
+    (sum of m) (spread of v)^2/2 + (sum of J)^2/(2 smallest m), with the impulses J: no less
+    than the energy of the motion of the bodies relative to each other.
     """
     bodies = result.system.bodies
     masses = []
@@ -181,35 +206,41 @@ def _energy_scale(result: SweepResult, members: Any, numbers: dict[str, Any]) ->
         if not isinstance(body, Wall):
             mass = np.broadcast_to(body.mass, result.shape)
             masses.append(mass.ravel()[members])
-    velocities = [numbers[f"velocity_after.{i}"] for i in range(len(bodies))]
-    contacts = range(len(result.system.contacts))
-    impulses = [np.abs(numbers[f"impulse.{k}"]) for k in contacts]
-    push = np.sum(impulses, axis=0)
-    scale = np.sum(masses, axis=0) * np.ptp(velocities, axis=0) ** 2 / 2
-    return scale + push**2 / (2 * np.min(masses, axis=0))
+    velocities = _numbered("velocity_after", len(bodies), numbers)
+    impulses = _numbered("impulse", len(result.system.contacts), numbers)
+    total_impulse = np.sum(np.abs(impulses), axis=0)
+    spread = np.ptp(velocities, axis=0)
+    of_motion = np.sum(masses, axis=0) * spread**2 / 2
+    smallest_mass = np.min(masses, axis=0)
+    return of_motion + total_impulse**2 / (2 * smallest_mass)
 
 
 def _written(values: Any, unit: str) -> list[str]:
+    """Values with their unit, each with a prefix such as "m" for 1/1000."""
     return [format_si(value, unit) for value in values]
 
 
 def _digits(value: float, scale: float, unit: str = "") -> str:
+    """Six digits of a value, without round-off relative to a scale; "-" for nan."""
     if math.isnan(value):
         return "-"
     return f"{clean(value, scale):.6g}{unit}"
 
 
 def _missing(result: SweepResult, varied: Varied) -> str:
-    """How many have no e, and why: a sentence for each kind."""
+    """How many members have no e, and why: a sentence for each kind; "" if all have one."""
     missing = np.isnan(result.restitution)
-    met = sum(contact.episodes for contact in result.contacts) > 0
-    # a number for each status, with contact or without
-    kinds = np.asarray(2 * result.columns["status"] + np.logical_not(met))
+    episodes: Any = 0
+    for contact in result.contacts:
+        episodes = episodes + contact.episodes
+    never_met = episodes == 0
+    # One number for each status with contact, another one without
+    kinds = np.asarray(2 * result.columns["status"] + never_met)
     sentences = []
     for kind in np.unique(kinds[missing]):
-        which = missing & (kinds == kind)
-        index = _first(which)
-        count = int(np.count_nonzero(which))
+        of_kind = missing & (kinds == kind)
+        index = _first(of_kind)
+        count = int(np.count_nonzero(of_kind))
         have = f"{count} collisions have"
         if count == 1:
             have = "1 collision has"
@@ -218,12 +249,15 @@ def _missing(result: SweepResult, varied: Varied) -> str:
     return "\n".join(sentences)
 
 
-def _first(which: Any) -> Any:
-    return np.unravel_index(np.argmax(which), which.shape)
+def _first(chosen: Any) -> Any:
+    """Index, a tuple, of the first member in C order for which `chosen` is true."""
+    return np.unravel_index(np.argmax(chosen), chosen.shape)
 
 
 def _where(index: Any, varied: Varied) -> str:
+    """What varies, with its value for the member of that index: "path = value, ..."."""
     coordinates = []
-    for i, (path, values, unit) in zip(index, varied, strict=True):
+    for i, axis in zip(index, varied, strict=True):
+        path, values, unit = axis
         coordinates.append(f"{path} = {format_si(values[i], unit)}")
     return ", ".join(coordinates)

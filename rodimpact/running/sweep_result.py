@@ -38,7 +38,7 @@ from .columns import (
 )
 from .readings import Readings
 
-LINES_PER_BLOCK = 4096  # of a table, which are made at a time
+LINES_PER_BLOCK = 4096  # lines of a table that are made at a time
 
 
 class Axis(NamedTuple):
@@ -136,8 +136,8 @@ class SweepResult(Shown, OnlyContact[Any]):
         for path, values in reversed(self.parameters.items()):
             varies = np.greater(values.shape, 1)
             if np.count_nonzero(varies) == 1:
-                from_last = int(np.argmax(varies)) - values.ndim
-                axes[from_last] = Axis(path, values.ravel())
+                dimension_from_last = int(np.argmax(varies)) - values.ndim
+                axes[dimension_from_last] = Axis(path, values.ravel())
         return tuple(axes)
 
     @property
@@ -148,8 +148,10 @@ class SweepResult(Shown, OnlyContact[Any]):
     @property
     def velocities_after(self) -> tuple[Any, ...]:
         """Velocities of the centres of mass, one array a body, m/s."""
-        bodies = range(len(self.system.bodies))
-        return tuple(self.columns[f"velocity_after.{i}"] for i in bodies)
+        velocities = []
+        for i in range(len(self.system.bodies)):
+            velocities.append(self.columns[f"velocity_after.{i}"])
+        return tuple(velocities)
 
     @property
     def vibration(self) -> Any:
@@ -198,25 +200,28 @@ class SweepResult(Shown, OnlyContact[Any]):
     @property
     def dissipated(self) -> Any:
         """Energy lost in contacts, J; ValueError where it was not asked for."""
-        return self._asked("dissipated")[0]
+        return self._requested("dissipated")[0]
 
     @property
     def sets(self) -> dict[int, Any]:
         """How far contacts have yielded for good, m, by contact; ValueError as above."""
-        return self._asked("set")
+        return self._requested("set")
 
     @property
     def displacements(self) -> dict[int, Any]:
         """Displacements of the centres of mass at the end, m, by body; ValueError as above."""
-        return self._asked("displacement")
+        return self._requested("displacement")
 
     @property
     def largest_stresses(self) -> dict[int, Any]:
         """Largest absolute stress in each rod, Pa, by body; ValueError as above."""
-        return self._asked("largest_stress")
+        return self._requested("largest_stress")
 
-    def _asked(self, name: str) -> dict[int, Any]:
-        """Columns of that name by body or contact, 0 where it is of the whole row."""
+    def _requested(self, name: str) -> dict[int, Any]:
+        """Columns of that name by body or contact, by 0 if it is of the whole row.
+
+        InvalidModel unless it was asked for in `also`.
+        """
         if name not in self.readings.also:
             raise invalid_argument(
                 name, f'was not asked for; give sweep(..., also=["{name}"])'
@@ -238,12 +243,15 @@ class SweepResult(Shown, OnlyContact[Any]):
         try:
             run = self.options.run(self.method, member)
         except InvalidModel as error:
-            return "; ".join(f"{path}: {message}" for path, message in error.problems)
+            sentences = []
+            for path, message in error.problems:
+                sentences.append(f"{path}: {message}")
+            return "; ".join(sentences)
         solution = Solution(run, self.options)
         outcome = solution.outcome
-        ends_driven = outcome.driven and solution.stopped_by == "until"
-        if outcome.final or ends_driven:  # a longer run would say the same
-            reason = outcome.why_no_restitution()
+        reached_end = solution.stopped_by == "until"
+        if outcome.final or (outcome.driven and reached_end):
+            reason = outcome.why_no_restitution()  # a longer run would say the same
             if reason:
                 return reason
         return outcome.status
@@ -265,27 +273,34 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @classmethod
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
-        """Make again what `save` wrote."""
-        system, options, (gauges, times, also) = restore(document, arrays)
+        """Make again what `save` wrote: from its document, and its arrays by name."""
+        system, options, stored_readings = restore(document, arrays)
+        gauges, times, also = stored_readings
         readings = Readings(tuple(map(tuple, gauges)), times, tuple(also))
         columns = {}
         for name, layout in layout_of(system, readings).items():
             columns[name] = arrays[name]
-            if columns[name].shape != (*system.shape, *layout.member_shape):
+            shape = (*system.shape, *layout.member_shape)
+            if columns[name].shape != shape:
                 raise ValueError("columns do not have the family's shape")
         strain = columns.pop("strain", None)
         return cls(system, Options(**options), columns, readings, strain)
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
-        """Varied numbers and results of the members `start` to `stop` in C order, by name."""
+        """Varied numbers and results of the members `start` to `stop` in C order, by name.
+
+        Each is an array with an entry a member; strains are left out.
+        """
         if not is_integer(start) or not (stop is None or is_integer(stop)):
             message = f"must be whole numbers, got {shown(start)} and {shown(stop)}"
             raise invalid_argument("start, stop", message)
         shape = self.shape
         if not shape:  # a single collision is a table of one line
             shape = (1,)
-        index = np.unravel_index(np.arange(math.prod(shape))[start:stop], shape)
-        columns = {**self.parameters, **self.columns, "status": self.status}
+        members = np.arange(math.prod(shape))[start:stop]
+        index = np.unravel_index(members, shape)
+        columns = self.parameters | self.columns
+        columns["status"] = self.status
         table = {}
         for name, values in columns.items():
             table[name] = np.broadcast_to(values, shape)[index]
@@ -296,7 +311,9 @@ class SweepResult(Shown, OnlyContact[Any]):
         yield ",".join([*self.parameters, *self.columns])
         for start in range(0, math.prod(self.shape), LINES_PER_BLOCK):
             table = self.table(start, start + LINES_PER_BLOCK)
-            columns = [values.tolist() for values in table.values()]
+            columns = []
+            for values in table.values():
+                columns.append(values.tolist())
             for row in zip(*columns, strict=True):
                 yield ",".join(map(_cell, row))
 
@@ -309,7 +326,8 @@ class SweepResult(Shown, OnlyContact[Any]):
             If the file is there and `force` is false.
         """
         with open_for_writing(path, force=force) as file:
-            file.writelines(f"{line}\n".encode() for line in self.csv_lines())
+            for line in self.csv_lines():
+                file.write(f"{line}\n".encode())
 
     def to_dataframe(self) -> Any:
         """All members as a pandas DataFrame (extra ``dataframe``), one a row.
@@ -358,9 +376,10 @@ class SweepResult(Shown, OnlyContact[Any]):
             variables[name] = names, column
         variables["status"] = names, self.status
         if self.strain is not None:
+            bodies, places = zip(*self.gauges, strict=True)
             coordinates["time"] = ["time"], self.times
-            coordinates["body"] = ["gauge"], [body for body, _ in self.gauges]
-            coordinates["x"] = ["gauge"], [x for _, x in self.gauges]
+            coordinates["body"] = ["gauge"], list(bodies)
+            coordinates["x"] = ["gauge"], list(places)
             variables["strain"] = [*names, "gauge", "time"], self.strain
         return dataset(self.system, variables, coordinates)
 

@@ -167,15 +167,17 @@ def sweep(
         contextlib.closing(keep),
         Progress(progress, "sweep", "collisions") as report,
         pool_of(executor, workers) as pool,
-        contextlib.closing(run_jobs(system, options, readings, keep, pool)) as results,
+        contextlib.closing(run_jobs(system, options, readings, keep, pool)) as ended,
     ):
-        for parts in results:
-            for start, stop, part in parts:
+        for jobs in ended:
+            for start, stop, part in jobs:
                 keep.put(start, stop, part)
-            report(int(np.count_nonzero(keep.done)), size)
+            done = int(np.count_nonzero(keep.done))
+            report(done, size)
     columns = {}
     for name, column in keep.columns.items():
-        columns[name] = column.reshape((*system.shape, *column.shape[1:]))
+        member_shape = column.shape[1:]
+        columns[name] = column.reshape((*system.shape, *member_shape))
     strain = columns.pop("strain", None)
     return SweepResult(system, options, columns, readings, strain)
 
@@ -183,7 +185,7 @@ def sweep(
 def describe_sweep(
     system: System, options: Options, readings: Readings
 ) -> dict[str, Any]:
-    """What makes it the same sweep, by which a checkpoint knows it."""
+    """Everything on which the results of a sweep depend: a checkpoint goes with these alone."""
     return {
         "rodimpact": __version__,
         "system": system.digest,

@@ -14,6 +14,8 @@ from ..model.laws import Spring
 from .solving import solve
 from .sweeping import sweep
 
+WARMING_CELLS = 8  # cells of the grid with which its kernels are run
+
 
 def warm() -> float:
     """Compile everything that can run compiled, and keep it on disk.
@@ -51,11 +53,11 @@ def warm() -> float:
 
 
 def warm_method(name: str) -> None:
-    """Run each kernel of a method once, compiled."""
+    """Run each kernel of the method of that name once, compiled."""
     method = METHODS[name]
     cells = None
     if "cells" in method.takes:
-        cells = 8
+        cells = WARMING_CELLS
     bar = Rod(1.0, area=1e-4, material=steel)
     speeds = np.array([1.0, 2.0])
     families = [
@@ -69,11 +71,14 @@ def warm_method(name: str) -> None:
 
 
 def _run_kernels(family: System, method: str, cells: int | None) -> None:
-    """Run all kernels that a method has for this family, and for one of its members."""
+    """Run all kernels that a method has for this family, and for its first member."""
     sweep(family, method, cells=cells, workers=1)
     also = ["largest_stress"]
     sweep(family, method, until=1e-3, cells=cells, workers=1, also=also)
     solution = solve(family[0], method=method, cells=cells)
-    if cells:  # without cells, what is measured of levels
+    if cells:
+        # Without cells a search for the mesh runs besides.
         solve(family[0], method=method, rtol=1.0)
-    solution.velocity(1, np.array([[0.0], [0.5]]), np.array([0.0, 1e-4]))
+    x = np.array([[0.0], [0.5]])
+    t = np.array([0.0, 1e-4])
+    solution.velocity(1, x, t)
