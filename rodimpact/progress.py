@@ -26,9 +26,9 @@ from typing import Any
 
 from .units import shown
 
-APPEARS_AFTER = 2.0  # s of work
-REDRAWN_AFTER = 0.1  # s
-MANY = 100_000  # units, from which on the bar writes 100k
+APPEARS_AFTER = 2.0  # s of work before a bar appears
+REDRAWN_AFTER = 0.1  # s between two drawings of a bar
+ABBREVIATED_FROM = 100_000  # units from which on the bar writes 100k
 
 NOTEBOOK_KERNELS = ("ipykernel.zmqshell", "IPython.utils._process_emscripten")
 """Modules of the kernels of Jupyter and of JupyterLite."""
@@ -45,11 +45,13 @@ def no_report(done: int, total: int | None) -> None:
 
 def is_function(value: object) -> bool:
     """Whether a value can be called for its result: a class would make an object."""
-    return callable(value) and not isinstance(value, type)
+    if isinstance(value, type):
+        return False
+    return callable(value)
 
 
 def check_progress(problems: list[tuple[str, str]], value: object) -> None:
-    """Note a value that cannot be the argument `progress`."""
+    """Add a problem of a value that cannot be the argument `progress`."""
     if not isinstance(value, bool) and not is_function(value):
         wanted = "must be True, False or a function of (done, total)"
         problems.append(("progress", f"{wanted}, got {shown(value)}"))
@@ -77,7 +79,7 @@ class Progress:
         self._bar: Any = None
         self._showwarning: Any = None  # `warnings.showwarning` without the bar
         self._began = math.inf  # s, time.time(); inf: no bar will appear
-        # in the first report: work that is taken over from a checkpoint
+        # The work done at the first report is taken over from a checkpoint.
         self._done_before: int | None = None
 
     def __enter__(self) -> Report:
@@ -112,6 +114,7 @@ class Progress:
             self._close()
 
     def _report(self, done: int, total: int | None) -> None:
+        """Tell the function, or the bar, of the work that is done and of all."""
         if total is not None:
             total = max(done, total)
         if callable(self._progress):
@@ -147,6 +150,7 @@ class Progress:
         warnings.showwarning = self._show_warning
 
     def _update(self, done: int, total: int | None) -> None:
+        """Set the bar to the work that is done and to all."""
         bar = self._bar
         if done < bar.n:  # a new stage, such as a finer mesh
             bar.reset(total)
@@ -155,15 +159,20 @@ class Progress:
             bar.total = total
             if total and hasattr(bar, "container"):  # the bar of a notebook
                 bar.container.children[1].max = total
-        bar.unit_scale = max(done, total or 0) >= MANY
+        largest = done
+        if total is not None:
+            largest = max(done, total)
+        bar.unit_scale = largest >= ABBREVIATED_FROM
         bar.update(done - bar.n)
 
     def _close(self) -> None:
+        """Erase the bar, and show warnings as before."""
         if warnings.showwarning == self._show_warning:
             warnings.showwarning = self._showwarning
         self._bar.close()
 
     def _show_warning(self, *message: Any, **more: Any) -> None:
+        """Show a warning above the bar; arguments as for `warnings.showwarning`."""
         with self.above_bar():
             self._showwarning(*message, **more)
 
@@ -182,8 +191,10 @@ _outermost: Progress | None = None
 
 def write_message(sentence: str) -> None:
     """Print a line on standard error, above a bar that stands there."""
-    shown_call = _outermost
-    with shown_call.above_bar() if shown_call else contextlib.nullcontext():
+    above_bar: contextlib.AbstractContextManager[None] = contextlib.nullcontext()
+    if _outermost is not None:
+        above_bar = _outermost.above_bar()
+    with above_bar:
         sys.stderr.write(f"{sentence}\n")
 
 
@@ -198,8 +209,11 @@ def is_watched() -> bool:
 
     if multiprocessing.process.parent_process() is not None:
         return False
-    on_terminal = sys.stderr is not None and sys.stderr.isatty()
-    return on_terminal or in_notebook()
+    if in_notebook():
+        return True
+    if sys.stderr is None:
+        return False
+    return sys.stderr.isatty()
 
 
 def in_notebook() -> bool:
@@ -210,7 +224,7 @@ def in_notebook() -> bool:
 def bar_class() -> Any:
     """The class of bars for a terminal or for a notebook, whichever this is."""
     with warnings.catch_warnings():
-        # without ipywidgets a notebook has the bar of a terminal, and tqdm warns
+        # Without ipywidgets a notebook has the bar of a terminal, and tqdm warns.
         warnings.simplefilter("ignore")
         from tqdm.autonotebook import tqdm
 

@@ -36,7 +36,7 @@ __all__ = [
     "stack_drop",
 ]
 
-_MASS = ("kg", "positive or infinite")
+_MASS = ("kg", "positive or infinite")  # unit and sign of an argument
 _VELOCITY = ("m/s", "any")
 _TOO_SLOW = (
     f"must be {SMALLEST:g} m/s or more above the velocity of body 2, got {{0!r}} more"
@@ -142,10 +142,12 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
         "must be finite where m1 is infinite: at most one body can be immovable, "
         "got {0!r}"
     )
-    demand(np.isfinite(M1) | np.isfinite(M2), "m2", message, M2)
+    one_is_finite = np.isfinite(M1) | np.isfinite(M2)
+    demand(one_is_finite, "m2", message, M2)
     light = np.minimum(M1, M2)
     heavy = np.maximum(M1, M2)
-    return float_or_array(light / (1 + light / heavy))
+    m_coll = light / (1 + light / heavy)
+    return float_or_array(m_coll)
 
 
 def collide(
@@ -220,11 +222,13 @@ def collide(
     W2 = V_cm + mass_fraction_1 * after
     energy_before = _kinetic_energy(M1, V1) + _kinetic_energy(M2, V2)
     energy_after = _kinetic_energy(M1, W1) + _kinetic_energy(M2, W2)
-    energy_lost = (1 - e) * (1 + e) * _kinetic_energy(M, before)
+    lost_fraction = (1 - e) * (1 + e)  # of the energy of the relative motion
+    energy_lost = lost_fraction * _kinetic_energy(M, before)
+    impulse = M * (after - before)
     return RigidCollision(
         velocity_1=float_or_array(W1),
         velocity_2=float_or_array(W2),
-        impulse=float_or_array(M * (after - before)),
+        impulse=float_or_array(impulse),
         centre_of_mass_velocity=float_or_array(V_cm),
         relative_velocity_before=float_or_array(before),
         relative_velocity_after=float_or_array(after),
@@ -273,7 +277,8 @@ def restitution_from_velocities(
     demand(V1 > V2, "v1_before", _NOT_APPROACHING, V1, V2)
     closing = V1 - V2
     demand(closing >= SMALLEST, "v1_before", _TOO_SLOW, closing)
-    return float_or_array((W2 - W1) / closing)
+    parting = W2 - W1
+    return float_or_array(parting / closing)
 
 
 def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
@@ -311,7 +316,8 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
         "must be at most the drop, {1!r}, got {0!r}: a ball from rest rises no higher"
     )
     demand(rise <= fall, "rebound", message, rise, fall)
-    return float_or_array(np.sqrt(rise / fall))
+    e = np.sqrt(rise / fall)
+    return float_or_array(e)
 
 
 def stack_drop(
@@ -372,7 +378,8 @@ def stack_drop(
         )
     drop_speed = np.sqrt(2 * g * h)
     shape = np.broadcast_shapes(M.shape[:-1], e.shape[:-1], drop_speed.shape)
-    v = np.full((*shape, n_balls), -drop_speed[..., np.newaxis])
+    fall_velocity = -drop_speed[..., np.newaxis]
+    v = np.full((*shape, n_balls), fall_velocity)  # upwards
     v[..., 0] = e[..., 0] * drop_speed
     for i in range(1, n_balls):
         below = i - 1
@@ -380,9 +387,11 @@ def stack_drop(
         v[..., below] = after.velocity_1
         v[..., i] = after.velocity_2
     rise_speed = np.maximum(v[..., -1], 0.0)
-    return StackDrop(velocities=v, top_height=float_or_array(rise_speed**2 / (2 * g)))
+    top_height = rise_speed**2 / (2 * g)
+    return StackDrop(velocities=v, top_height=float_or_array(top_height))
 
 
 def _kinetic_energy(mass: Array, velocity: Array) -> Array:
-    """M V^2/2, and 0 for a body at rest whose mass is infinite."""
-    return np.where(velocity == 0, 0.0, mass) * velocity * velocity / 2
+    """M V^2/2, J; 0 for a body at rest whose mass is infinite."""
+    moving_mass = np.where(velocity == 0, 0.0, mass)
+    return moving_mass * velocity * velocity / 2

@@ -168,14 +168,16 @@ def saint_venant(
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
     q = numbers.q
-    duration = 2 * np.where(q > 0, numbers.long_time, numbers.short_time)
+    transits = np.where(q > 0, numbers.long_time, numbers.short_time)
+    duration = 2 * transits
     opening = np.where(q == 0, 2 * numbers.long_time, duration)
+    high_fraction = high / (high + low)
     return _collision(
         restitution=e,
         impulse=(1 + e) * m * V,
         duration=duration,
         opening=opening,
-        peak_force=V * low * (high / (high + low)),
+        peak_force=V * low * high_fraction,
         vibration_energy=(1 - e) * (1 + e) * m * V * V / 2,
     )
 
@@ -234,8 +236,9 @@ def saint_venant_force(
         transit_time_2=transit_time_2,
     )
     numbers = pair_numbers(Z1, T1, Z2, T2)
-    round_trips = np.clip(t, 0.0, pair.duration) / (2 * numbers.short_time)
-    k = np.floor(round_trips)
+    time_in_contact = np.clip(t, 0.0, pair.duration)
+    round_trip = 2 * numbers.short_time  # s
+    k = np.floor(time_in_contact / round_trip)
     force = pair.peak_force * np.exp(k * numbers.log_q)
     is_pressing = (t >= 0) & (t < pair.duration)
     return float_or_array(np.where(is_pressing, force, 0.0))
@@ -277,11 +280,12 @@ def rod_on_wall(
     (1.0, 0.048, 120.0)
     """
     Z, T, V = _checked(impedance=impedance, transit_time=transit_time, speed=speed)
+    round_trip = 2 * T
     return _collision(
         restitution=np.ones_like(Z),
         impulse=2 * Z * V * T,
-        duration=2 * T,
-        opening=2 * T,
+        duration=round_trip,
+        opening=round_trip,
         peak_force=Z * V,
         vibration_energy=np.zeros_like(Z),
     )
@@ -330,17 +334,20 @@ def mass_on_rod(
     M, Z, T, V = _checked(
         mass=mass, impedance=impedance, transit_time=transit_time, speed=speed
     )
-    mu = Z * T / M
-    # fraction of its momentum that the mass hands over
+    rod_mass = Z * T
+    mu = rod_mass / M
+    round_trip = 2 * T
+    # The fraction of its momentum that the mass hands over
     momentum_fraction = -np.expm1(-2 * mu)
     e = momentum_fraction / mu - 1 + momentum_fraction
+    m = contact_mass(M, rod_mass)
     return _collision(
         restitution=e,
         impulse=M * V * momentum_fraction,
-        duration=2 * T,
-        opening=2 * T,
+        duration=round_trip,
+        opening=round_trip,
         peak_force=Z * V,
-        vibration_energy=(1 - e * e) * contact_mass(M, Z * T) * V * V / 2,
+        vibration_energy=(1 - e * e) * m * V * V / 2,
     )
 
 
@@ -374,7 +381,8 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     2.0
     """
     A0, A1 = _checked(area_0=area_0, area_1=area_1)
-    return float_or_array(np.sqrt(A0 / A1))
+    growth = np.sqrt(A0 / A1)
+    return float_or_array(growth)
 
 
 def horn_frequency(
@@ -413,7 +421,8 @@ def horn_frequency(
     10.0
     """
     c, k, beta = _checked(wave_speed=wave_speed, wave_number=wave_number, taper=taper)
-    return float_or_array(c * np.hypot(k, beta))
+    omega = c * np.hypot(k, beta)
+    return float_or_array(omega)
 
 
 def kelvin_voigt_decay(
@@ -457,7 +466,8 @@ def kelvin_voigt_decay(
         viscosity=viscosity,
         angular_frequency=angular_frequency,
     )
-    return float_or_array(eta * omega * omega / (2 * E))
+    rate = eta * omega * omega / (2 * E)
+    return float_or_array(rate)
 
 
 def rayleigh_love_speed(
@@ -508,7 +518,8 @@ def rayleigh_love_speed(
         poisson_ratio=poisson_ratio,
         wave_number=wave_number,
     )
-    return float_or_array(c / np.hypot(1.0, nu * kappa * k))
+    slowdown = np.hypot(1.0, nu * kappa * k)
+    return float_or_array(c / slowdown)
 
 
 class PairNumbers(NamedTuple):
@@ -531,20 +542,19 @@ def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
     """
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
-    is_equal = high - low <= EQUAL_IMPEDANCES_RTOL * high
-    # whether the impedance of the short rod is the higher one
+    difference = high - low
+    total = high + low
+    is_equal = difference <= EQUAL_IMPEDANCES_RTOL * high
+    # Whether the impedance of the short rod is the higher one
     is_short_higher = np.where(Z1 > Z2, T1 < T2, T2 < T1)
     is_short_higher = np.where(is_equal, False, is_short_higher)
-    abs_q = np.where(is_equal, 0.0, (high - low) / (high + low))
+    abs_q = np.where(is_equal, 0.0, difference / total)
+    q = np.where(is_short_higher, abs_q, -abs_q)
+    p = np.where(is_equal, 1.0, 2 * low / total)
     # With r = low/high, q = (1 - r)/(1 + r), and log(q) = -2 artanh(r).
     low_over_high = np.where(is_short_higher, low / high, 0.0)
-    return PairNumbers(
-        np.minimum(T1, T2),
-        np.maximum(T1, T2),
-        np.where(is_short_higher, abs_q, -abs_q),
-        np.where(is_equal, 1.0, 2 * low / (high + low)),
-        -2 * np.arctanh(low_over_high),
-    )
+    log_q = -2 * np.arctanh(low_over_high)
+    return PairNumbers(np.minimum(T1, T2), np.maximum(T1, T2), q, p, log_q)
 
 
 def pair_restitution(numbers: PairNumbers) -> Array:
@@ -555,10 +565,13 @@ def pair_restitution(numbers: PairNumbers) -> Array:
     trips = numbers.long_time / numbers.short_time
     K = np.floor(trips)
     f = trips - K
-    q_K = np.exp(K * numbers.log_q)  # q^K
-    g = -np.expm1(K * numbers.log_q) / p + q_K * f
+    log_q_K = K * numbers.log_q
+    q_K = np.exp(log_q_K)  # q^K
+    geometric_sum = -np.expm1(log_q_K) / p  # (1 - q^K)/(1 - q)
+    g = geometric_sum + q_K * f
     if_long_higher = np.abs(q) + p * x
-    if_short_higher = (1 + q) * x * g - q_K * (1 - p * f)
+    handed_over = (1 + q) * x * g
+    if_short_higher = handed_over - q_K * (1 - p * f)
     e: Array = np.where(q > 0, if_short_higher, if_long_higher)
     return np.minimum(e, 1.0)
 

@@ -198,13 +198,17 @@ def _fraction(text: str, units: dict[str, str]) -> Fraction:
     quantity = _QUANTITY.fullmatch(text.strip())
     if quantity is None:
         raise ValueError("it is not a decimal number followed by a unit")
-    unit = _spelt(quantity["unit"] or "")
+    unit = ""
+    if quantity["unit"] is not None:
+        unit = _spelt(quantity["unit"])
     if unit and unit not in units:
         dimension = DIMENSION.get(unit)
         if dimension is not None:
             raise ValueError(f"{unit!r} is a unit of {dimension}")
         raise ValueError(f"unknown unit {shown(unit)}{_hint(unit, units)}")
-    power = int(quantity["power"] or 0)
+    power = 0
+    if quantity["power"] is not None:
+        power = int(quantity["power"])
     if abs(power) > 2 * MOST_CHARACTERS:
         raise ValueError("its power of ten is out of range")
     factor = Fraction(1)
@@ -301,8 +305,10 @@ def _has_numbers(values: Any) -> bool:
     """Whether a value is a real number, or an array of real numbers without a mask."""
     dtype = getattr(values, "dtype", None)
     if dtype is None:
-        return isinstance(values, Real) and not isinstance(values, bool)
-    return getattr(dtype, "kind", "") in "fiu" and not hasattr(values, "mask")
+        is_truth_value = isinstance(values, bool)
+        return isinstance(values, Real) and not is_truth_value
+    is_masked = hasattr(values, "mask")
+    return getattr(dtype, "kind", "") in "fiu" and not is_masked
 
 
 def dimension_of(unit: str) -> str:
@@ -339,10 +345,13 @@ def _hint(word: str, units: Iterable[str]) -> str:
 
     These are all units that differ by capitals alone, or else the nearest one.
     """
-    near = [repr(unit) for unit in units if unit.casefold() == word.casefold()]
+    near = []
+    for unit in units:
+        if unit.casefold() == word.casefold():
+            near.append(repr(unit))
     if not near:
         matches = difflib.get_close_matches(word[:MOST_SHOWN], units, n=1)
-        near = [repr(unit) for unit in matches]
+        near = list(map(repr, matches))
     if not near:
         return ""
     return f"; perhaps {' or '.join(near)} is meant"
@@ -382,7 +391,8 @@ def shown_path(path: Any) -> str:
 def one_line(text: str) -> str:
     """A text in one line, cut, and with escapes for characters that do not print."""
     line = ""
-    for character in " ".join(text[: 2 * MOST_SHOWN].split()):
+    words = text[: 2 * MOST_SHOWN].split()
+    for character in " ".join(words):
         if character.isprintable():
             line += character
         else:
@@ -428,8 +438,8 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
     """
     number: Any = value
     is_number = isinstance(number, Real)
-    is_count = isinstance(digits, int) and 0 < digits < MOST_CHARACTERS
-    if not is_number or not isinstance(unit, str) or not is_count:
+    is_unit = isinstance(unit, str)
+    if not is_number or not is_unit or not _is_digit_count(digits):
         raise ValueError(
             f"cannot write {shown(value)} in {shown(unit)} to {shown(digits)} digits"
         )
@@ -454,6 +464,13 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
             decimal = Decimal(mantissa).scaleb(shift).normalize() + 0
             return f"{decimal:f} {_PREFIXES[power]}{unit}"
     return f"{value + 0.0:.{digits}g} {unit}".rstrip()
+
+
+def _is_digit_count(digits: Any) -> bool:
+    """Whether a value is a number of digits with which a number can be written."""
+    if not isinstance(digits, int):
+        return False
+    return 0 < digits < MOST_CHARACTERS
 
 
 def format_power(exponent: int) -> str:

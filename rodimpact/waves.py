@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -211,16 +211,14 @@ class Bar(FrozenDataclass):
         [5000.0, 1975.0]
         """
         f = array("frequency", frequency, "Hz", "non-negative")
-        c = self._speed_ratio(f)
-        G = 2 * math.pi * self.radius / self.wave_speed * f / c
+        x = self._speed_ratio(f)
+        G = np.asarray(2 * math.pi * self.radius / self.wave_speed * f / x)
         above = self._scaled_frequency(G * (1 + DIFFERENCE_STEP))
         below = self._scaled_frequency(G * (1 - DIFFERENCE_STEP))
-        ratio = np.divide(
-            above - below,
-            2 * DIFFERENCE_STEP * G,
-            out=np.ones(np.shape(G)),  # the limit of long waves
-            where=np.asarray(G) > 0,
-        )
+        change = above - below  # of G x
+        width = 2 * DIFFERENCE_STEP * G
+        ratio = np.ones(G.shape)  # the limit of long waves
+        np.divide(change, width, out=ratio, where=G > 0)
         return float_or_array(self.wave_speed * ratio)
 
     def wavenumber(self, frequency: ArrayLike) -> Number:
@@ -248,7 +246,8 @@ class Bar(FrozenDataclass):
         [0.0, 242.6]
         """
         f = array("frequency", frequency, "Hz", "non-negative")
-        k = 2 * math.pi * f / self.wave_speed / self._speed_ratio(f)
+        k_of_long_waves = 2 * math.pi * f / self.wave_speed
+        k = k_of_long_waves / self._speed_ratio(f)
         return float_or_array(k)
 
     @property
@@ -285,10 +284,12 @@ class Bar(FrozenDataclass):
         f = array("frequency", frequency, "Hz")
         highest = self.cut_off * (1 + CUT_OFF_RTOL)
         message = f"must be from 0 to {self.cut_off!r} Hz, got {{0!r}}"
-        demand((f >= 0) & (f <= highest), "frequency", message, f)
-        slowness = _slowness_curve(self.poisson_ratio)
-        delay = slowness(f * self.radius / self.wave_speed)
-        return float_or_array(delay / self.wave_speed)
+        is_in_range = (f >= 0) & (f <= highest)
+        demand(is_in_range, "frequency", message, f)
+        relative_delays = _slowness_curve(self.poisson_ratio)
+        scaled_frequency = f * self.radius / self.wave_speed
+        relative_delay = relative_delays(scaled_frequency)  # c0/c - 1
+        return float_or_array(relative_delay / self.wave_speed)
 
     def _speed_ratio(self, frequency: ArrayLike) -> Array:
         """c/c0 at frequencies in Hz."""
@@ -299,7 +300,8 @@ class Bar(FrozenDataclass):
 
     def _scaled_frequency(self, G: Array) -> Any:
         """omega a/c0 at dimensionless wave numbers G."""
-        return G * first_mode(G / (2 * math.pi), self.poisson_ratio)
+        radius_over_wavelength = G / (2 * math.pi)
+        return G * first_mode(radius_over_wavelength, self.poisson_ratio)
 
 
 def first_mode(
@@ -344,8 +346,10 @@ def first_mode(
     problems: Problems = []
     check_progress(problems, progress)
     raise_if_problems(problems)
-    G = 2 * math.pi * np.minimum(ratio, MAX_RADIUS_OVER_WAVELENGTH)
-    return float_or_array(_lowest_roots(_same_wavenumber, G, nu, progress))
+    ratio = np.minimum(ratio, MAX_RADIUS_OVER_WAVELENGTH)
+    G = 2 * math.pi * ratio
+    speeds = _lowest_roots(_same_wavenumber, G, nu, progress)
+    return float_or_array(speeds)
 
 
 def mindlin_herrmann(
@@ -447,8 +451,13 @@ def _rayleigh_speed(nu: float) -> float:
     With r = (c/c2)^2, Rayleigh's equation is squared and divided by r.
     """
     kappa = (1 - 2 * nu) / (2 - 2 * nu)  # (c2/c1)^2
-    cubic = [1.0, -8.0, 24.0 - 16.0 * kappa, 16.0 * (kappa - 1.0)]
-    r = brentq(lambda x: float(np.polyval(cubic, x)), 0.5, 1.0)
+    linear = 24.0 - 16.0 * kappa
+    constant = 16.0 * (kappa - 1.0)
+
+    def cubic(r: float) -> float:
+        return float(np.polyval([1.0, -8.0, linear, constant], r))
+
+    r = brentq(cubic, 0.5, 1.0)
     return math.sqrt(r / (2 + 2 * nu))
 
 
@@ -458,10 +467,10 @@ def _uniform_segment(rod: Any) -> Any:
     if isinstance(rod, Rod):
         segments = list(rod.segments)
     segment = segments[0]
-    if len(segments) != 1 or not isinstance(segment, Segment) or segment.tapered:
-        wanted = "must be a uniform Rod or Segment, or a waves.Bar"
-        raise invalid_argument("bar", f"{wanted}, got {shown(rod)}")
-    return segment
+    if len(segments) == 1 and isinstance(segment, Segment) and not segment.tapered:
+        return segment
+    wanted = "must be a uniform Rod or Segment, or a waves.Bar"
+    raise invalid_argument("bar", f"{wanted}, got {shown(rod)}")
 
 
 def _same_wavenumber(G: Any, x: Any) -> Any:  # noqa: ARG001
@@ -502,11 +511,10 @@ def _lowest_roots(
     roots = np.ones(numbers.size)
     with Progress(progress, "first mode", "values") as report:
         for start in range(0, numbers.size, VALUES_PER_BLOCK):
-            end = start + VALUES_PER_BLOCK
-            roots[start:end] = _roots_of_block(
-                wavenumber, numbers[start:end], nu[start:end]
-            )
-            report(min(end, numbers.size), numbers.size)
+            block = slice(start, start + VALUES_PER_BLOCK)
+            roots[block] = _roots_of_block(wavenumber, numbers[block], nu[block])
+            done = min(block.stop, numbers.size)
+            report(done, numbers.size)
     return roots.reshape(given_numbers.shape)
 
 
@@ -515,17 +523,17 @@ def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -
     roots = np.ones(numbers.size)
     slowest = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
     speeds = np.arange(slowest, 1.0 + 2 * SPEED_STEP, SPEED_STEP)
-    values = _equation(wavenumber(numbers[:, None], speeds), speeds, nu[:, None])
+    G = wavenumber(numbers[:, None], speeds)  # [wave, speed]
+    values = _equation(G, speeds, nu[:, None])
     signs = np.sign(values)
     has_changed = signs[:, 1:] != signs[:, :1]
     first_change = has_changed.argmax(axis=1)
-    for i in np.flatnonzero((numbers > 0) & has_changed.any(axis=1)):
+    has_root = (numbers > 0) & has_changed.any(axis=1)
+    for i in np.flatnonzero(has_root):
         low = speeds[first_change[i]]
         high = speeds[first_change[i] + 1]
-        wave = float(numbers[i]), float(nu[i])
-        roots[i] = brentq(
-            _equation_of_wave, low, high, args=(wavenumber, *wave), xtol=ROOT_ATOL
-        )
+        of_wave = (wavenumber, float(numbers[i]), float(nu[i]))
+        roots[i] = brentq(_equation_of_wave, low, high, args=of_wave, xtol=ROOT_ATOL)
     return roots
 
 
@@ -548,22 +556,34 @@ def _equation(G: Any, x: Any, nu: Any) -> Any:
     J0A, jA = _bessel(A, A2)
     J0B, jB = _bessel(B, B2)
     square = (B2 - 1) * (B2 - 1)
-    return 2 * A2 * (B2 + 1) * jA * jB - square * J0A * jB - 4 * A2 * jA * J0B
+    of_both = 2 * A2 * (B2 + 1) * jA * jB
+    of_dilatation = square * J0A * jB
+    of_shear = 4 * A2 * jA * J0B
+    return of_both - of_dilatation - of_shear
 
 
-def _bessel(x: Any, sign: Any) -> tuple[Any, Any]:
-    """J0(x) and J1(x)/x; where `sign` is negative, the scaled I0 and I1/x."""
-    is_imaginary = sign < 0
+class _Bessel(NamedTuple):
+    """Bessel functions at x, or modified ones without their growth exp(x)."""
+
+    order_0: Any  # J0(x) or I0(x)
+    order_1_over_x: Any  # J1(x)/x or I1(x)/x
+
+
+def _bessel(x: Any, square: Any) -> _Bessel:
+    """Bessel functions at the root of a square, x its size; modified if it is negative."""
+    is_imaginary = square < 0
     is_small = x < SERIES_LIMIT
     divisor = np.where(is_small, 1.0, x)
     first_order = np.where(is_imaginary, i1e(divisor), j1(divisor))
     order_0 = np.where(is_imaginary, i0e(x), j0(x))
-    return order_0, np.where(is_small, 0.5, first_order / divisor)
+    order_1_over_x = np.where(is_small, 0.5, first_order / divisor)
+    return _Bessel(order_0, order_1_over_x)
 
 
 @lru_cache(maxsize=64)
 def _slowness_curve(poisson_ratio: float) -> Any:
-    """Curve of c0/c - 1 over f a/c0, up to the cut-off."""
+    """Curve of c0/c - 1 over f a/c0, up to the cut-off: a function of arrays."""
     frequencies = np.linspace(0.0, CUT_OFF, SLOWNESS_KNOTS)
     unit_bar = Bar(1.0, poisson_ratio, 1.0)
-    return CubicSpline(frequencies, 1 / unit_bar._speed_ratio(frequencies) - 1)
+    speed_ratios = unit_bar._speed_ratio(frequencies)
+    return CubicSpline(frequencies, 1 / speed_ratios - 1)
