@@ -57,8 +57,9 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
         smallest = 0.0
         if "positive" in sign:
             smallest = SMALLEST
-        in_scale = (size >= smallest) & (size <= LARGEST) | (size == np.inf)
-        demand(in_scale, name, OUT_OF_SCALE, numbers)
+        is_sound = (size >= smallest) & (size <= LARGEST)
+        is_infinite = size == np.inf
+        demand(is_sound | is_infinite, name, OUT_OF_SCALE, numbers)
     return numbers
 
 
@@ -71,13 +72,15 @@ def scalar(name: str, value: Any, unit: str, sign: str = "any") -> float:
 
 
 def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
-    """Return arguments, each given with its unit and sign, as arrays of one shape.
+    """Return arguments as arrays of one shape, in the order in which they are given.
 
-    InvalidModel with the mistakes of all arguments, or if they do not broadcast.
+    Each is given as (value, unit, sign), see `array`. InvalidModel with the mistakes of
+    all arguments, or if they do not broadcast.
     """
     problems: Problems = []
     arrays = {}
-    for name, (value, unit, sign) in arguments.items():
+    for name, argument in arguments.items():
+        value, unit, sign = argument
         try:
             arrays[name] = array(name, value, unit, sign)
         except InvalidModel as error:

@@ -290,7 +290,7 @@ class Segment(FrozenDataclass):
             self._set(polar_moment=None)  # the diameter implies "circular"
 
     def _check_poisson_ratio(self, problems: Problems) -> None:
-        """Note a Poisson ratio that the theory of lateral inertia cannot take."""
+        """Add a problem of a Poisson ratio that the theory of lateral inertia cannot take."""
         material = self.material
         path = "material.poisson_ratio"
         if material.poisson_ratio is None:
@@ -315,7 +315,9 @@ class Segment(FrozenDataclass):
     @property
     def solid_round(self) -> bool:
         """Whether the section is said to be a solid disc."""
-        return self.diameter is not None or isinstance(self.polar_moment, str)
+        if self.diameter is not None:
+            return True
+        return isinstance(self.polar_moment, str)  # "circular"
 
     @property
     def tapered(self) -> bool:
@@ -478,7 +480,10 @@ class Segment(FrozenDataclass):
         if not self.tapered:
             return [self]
         length = self.length / n
-        return [self.replace(length=length, area=A) for A in self._mean_areas(n)]
+        steps = []
+        for area in self._mean_areas(n):
+            steps.append(self.replace(length=length, area=area))
+        return steps
 
     def _mean_areas(self, n: int) -> list[float]:
         """Mean areas of `n` pieces of equal length, m^2."""
@@ -571,16 +576,17 @@ class Rod(Frozen, kind="rod"):
         except frozen.InvalidModel as error:
             problems += error.problems
         if len(pieces) > 1:
-            frozen.family_shape(
-                (f"segments.{i}.length", s.length) for i, s in enumerate(pieces)
-            )
+            lengths = []
+            for i, segment in enumerate(pieces):
+                lengths.append((f"segments.{i}.length", segment.length))
+            frozen.family_shape(lengths)  # refuses lengths that make no family
         total: Number | None = None  # faulty segments leave the length unknown
         if not problems:
-            total = sum(s.length for s in pieces)
-        v = profiles.along_rod(
-            problems, "velocity", velocity, self.fields["velocity"], total
-        )
-        e = profiles.along_rod(problems, "strain", strain, self.fields["strain"], total)
+            total = sum(segment.length for segment in pieces)
+        velocity_field = self.fields["velocity"]
+        strain_field = self.fields["strain"]
+        v = profiles.along_rod(problems, "velocity", velocity, velocity_field, total)
+        e = profiles.along_rod(problems, "strain", strain, strain_field, total)
         frozen.raise_if_problems(problems)
         self._set(segments=pieces, velocity=v, strain=e)
 
@@ -595,22 +601,22 @@ class Rod(Frozen, kind="rod"):
     @property
     def length(self) -> Number:
         """Length of all segments together, m."""
-        return sum(s.length for s in self.segments)
+        return sum(segment.length for segment in self.segments)
 
     @property
     def mass(self) -> Number:
         """Mass of all segments together, kg."""
-        return sum(s.mass for s in self.segments)
+        return sum(segment.mass for segment in self.segments)
 
     @property
     def transit_time(self) -> Number:
         """Time that a wave takes from one end to the other, s."""
-        return sum(s.transit_time for s in self.segments)
+        return sum(segment.transit_time for segment in self.segments)
 
     @property
     def tapered(self) -> bool:
         """Whether the area of any segment varies along it."""
-        return any(s.tapered for s in self.segments)
+        return any(segment.tapered for segment in self.segments)
 
     def in_steps(self, n: int) -> Rod:
         """Return the rod with uniform pieces in place of every taper.

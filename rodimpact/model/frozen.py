@@ -19,7 +19,6 @@ import typing
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import pairwise
 from typing import (
     TYPE_CHECKING,
     Any,
@@ -111,13 +110,14 @@ class InvalidModel(ValueError):
 
 
 def _are_problems(problems: Any) -> bool:
-    """Whether it is a list of pairs of texts."""
+    """Whether an argument is a list of pairs of texts."""
     if not isinstance(problems, list | tuple):
         return False
     for pair in problems:
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             return False
-        if not all(isinstance(each, str) for each in pair):
+        path, message = pair
+        if not isinstance(path, str) or not isinstance(message, str):
             return False
     return True
 
@@ -195,9 +195,12 @@ class QuantityField(NamedTuple):
         return is_above & is_below
 
     def checked(self, problems: Problems, path: str, value: Any) -> Any:
-        """Return a value as a float or a read-only array; note a mistake in `problems`.
+        """Return a value as a float or a read-only array in the unit of the field.
 
-        -0.0 becomes 0.0, so that equal numbers have equal descriptions.
+        None, or the word of the field, stays as it is, and a list becomes a tuple, where
+        the field takes them. A mistake is added to `problems` with the path; what is
+        returned then is of no use. -0.0 becomes 0.0, so that equal numbers have equal
+        descriptions.
         """
         if value is None and self.default is None:
             return None
@@ -258,7 +261,7 @@ class QuantityField(NamedTuple):
     def _each_checked(
         self, problems: Problems, path: str, items: Any
     ) -> tuple[Any, ...]:
-        """Return a list of numbers as a tuple, each as `checked` returns it."""
+        """Return a list of numbers as a tuple, each as `checked` returns it; () for none."""
         if not isinstance(items, list | tuple):
             try:
                 items = list(floats(items, self.unit))
@@ -294,9 +297,12 @@ NumericOrNone: TypeAlias = TypedAttribute[Number | None, ArrayLike | None]
 
 
 def increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
-    """Note numbers that do not lie above the one before them."""
+    """Add a problem for each number that does not lie above the one before it."""
     message = "must lie above {0!r}, got {1!r}"
-    for i, (before, value) in enumerate(pairwise(values), 1):
+    numbers = list(values)
+    for i in range(1, len(numbers)):
+        before = numbers[i - 1]
+        value = numbers[i]
         is_above = np.greater(value, before)
         require(problems, is_above, f"{path}.{i}", message, before, value)
 
@@ -306,7 +312,10 @@ def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
 
     InvalidModel if they do not broadcast, or make more than `MOST_MEMBERS`.
     """
-    arrays = [(path, v) for path, v in numbers if isinstance(v, np.ndarray)]
+    arrays = []
+    for path, value in numbers:
+        if isinstance(value, np.ndarray):
+            arrays.append((path, value))
     shape = broadcast_shape(arrays)
     n_members = math.prod(shape)
     if n_members > MOST_MEMBERS:
@@ -354,10 +363,11 @@ def in_range(value: Number) -> Any:
 def require(
     problems: Problems, condition: Any, path: str, message: str, *values: Number
 ) -> bool:
-    """Whether a condition holds for every member of a family.
+    """Return whether a condition, an array, holds for every member of a family.
 
-    The first member for which it does not is noted in `problems`. The message may show
-    its values, as ``{0!r}``; the path ends with its index, ``[3,1]``.
+    If not, a problem is added for the first member for which it does not hold. The message
+    may show the values of that member, as ``{0!r}``; the path ends with its index,
+    ``[3,1]``.
     """
     if condition is True or np.all(condition):
         return True
@@ -366,10 +376,11 @@ def require(
     if index:
         path = f"{path}[{','.join(map(str, index))}]"
     if values:
-        numbers = []
+        of_member = []
         for value in values:
-            numbers.append(float(np.broadcast_to(value, condition.shape)[index]))
-        message = message.format(*numbers)
+            all_members = np.broadcast_to(value, condition.shape)
+            of_member.append(float(all_members[index]))
+        message = message.format(*of_member)
     problems.append((path, message))
     return False
 
@@ -409,7 +420,9 @@ class Frozen:
         for name, word in tag.items():
             setattr(cls, name, word)
         declared = {
-            name: v for name, v in vars(cls).items() if isinstance(v, QuantityField)
+            name: attribute
+            for name, attribute in vars(cls).items()
+            if isinstance(attribute, QuantityField)
         }
         if declared:
             cls.fields = declared
@@ -432,6 +445,7 @@ class Frozen:
                 item.flags.writeable = False
 
     def _set(self, **fields: Any) -> None:
+        """Set attributes, which nobody else can."""
         self.__dict__.update(fields)
 
     def replace(self, **changes: Any) -> Self:
@@ -527,7 +541,7 @@ class Frozen:
         return f"{type(self).__name__}({', '.join(parameters)})"
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Every part of the object with its place in a case file: ``"values.0"``."""
+        """Every part of the object with its path in a case file: ``"values.0"``."""
         for name, value in self._parameters().items():
             if isinstance(value, tuple):
                 for i, item in enumerate(value):
@@ -552,14 +566,17 @@ class Frozen:
         return False
 
     def _numbers(self, path: str = "") -> Iterator[tuple[str, Number]]:
-        """Every number of this object and its parts, with its path in a case file."""
-        for place, item in self._parts():
-            item_path = place
+        """Every number of this object and its parts, with its path in a case file.
+
+        `path` is that of the object itself, if it is a part of another one.
+        """
+        for name, item in self._parts():
+            item_path = name
             if path:
-                item_path = f"{path}.{place}"
+                item_path = f"{path}.{name}"
             if isinstance(item, Frozen):
                 yield from item._numbers(item_path)
-            elif place in self._shared_fields:
+            elif name in self._shared_fields:
                 continue
             elif isinstance(item, float | np.ndarray):
                 yield item_path, item
@@ -617,7 +634,7 @@ class FrozenDataclass(Frozen):
         raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Note, or raise, mistakes that are not in a single number."""
+        """Add problems of numbers together, or raise them; each class has its own check."""
 
 
 @cache
@@ -632,7 +649,9 @@ def short(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return f"array{value.shape}"
     name = getattr(value, "name", None)
-    return one_line(name) if name else repr(value)
+    if name:
+        return one_line(name)
+    return repr(value)
 
 
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
@@ -640,7 +659,7 @@ def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
 
     `head` is put before the choices that are named.
     """
-    names = {}
+    names = {}  # without capitals, and cut
     for choice in choices:
         names[choice.casefold()[:MOST_SHOWN]] = head + choice
     text = word
@@ -648,8 +667,10 @@ def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
         text = shown(word)
     near = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), names, n=1)
     if near:
-        return f"perhaps {shown(names[near[0]])} is meant"
-    return f"use one of {listed(list(map(one_line, names.values())))}"
+        meant = names[near[0]]
+        return f"perhaps {shown(meant)} is meant"
+    all_names = list(map(one_line, names.values()))
+    return f"use one of {listed(all_names)}"
 
 
 def listed(names: list[str]) -> str:

@@ -76,7 +76,7 @@ def alternative_of(entry: str) -> str:
 
 
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
-    """System with other numbers at entries; InvalidModel if it is none.
+    """System with other numbers at entries; InvalidModel if the model refuses them.
 
     A wave speed is set after the density, on which its modulus depends. A negative
     speed or area is passed on as a negative modulus or diameter, so that the model
@@ -119,24 +119,30 @@ def suggestion(path: str, choices: Collection[str]) -> str:
     It is the nearest choice that shares the longest beginning with the path, or a list
     of these choices.
     """
-    parts = path[: 2 * MOST_SHOWN].split(".")[:-1]
-    beginning = ""
-    for n in range(len(parts), 0, -1):
-        candidate = ".".join(parts[:n]) + "."
-        if any(choice.startswith(candidate) for choice in choices):
-            beginning = candidate
-            break
+    beginning = _shared_beginning(path, choices)
     remainders = []
     for choice in choices:
         if choice.startswith(beginning):
             remainders.append(choice.removeprefix(beginning))
     hint = nearest(path.removeprefix(beginning), remainders, beginning)
     if len(remainders) > MOST_CHOICES and hint.startswith("use one of"):
-        next_parts = dict.fromkeys(
-            beginning + remainder.partition(".")[0] for remainder in remainders
-        )
-        hint = f"use one that begins with {listed(list(next_parts))}"
+        beginnings: dict[str, None] = {}  # each once, in order
+        for remainder in remainders:
+            next_part, _, _ = remainder.partition(".")
+            beginnings[beginning + next_part] = None
+        hint = f"use one that begins with {listed(list(beginnings))}"
     return hint
+
+
+def _shared_beginning(path: str, choices: Collection[str]) -> str:
+    """Longest beginning of whole parts that a path shares with any choice: "bodies.0."."""
+    parts = path[: 2 * MOST_SHOWN].split(".")[:-1]
+    for n in range(len(parts), 0, -1):
+        beginning = ".".join(parts[:n]) + "."
+        for choice in choices:
+            if choice.startswith(beginning):
+                return beginning
+    return ""
 
 
 def _slot(description: Any, entry: str) -> _Slot:

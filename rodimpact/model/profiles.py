@@ -314,7 +314,7 @@ def along_rod(
 def _check_inside(
     problems: Problems, path: str, profile: Steps | Polynomials, length: Number
 ) -> None:
-    """Note the last jump or border of a profile if it lies beyond the rod."""
+    """Add a problem if the last jump or border of a profile lies beyond the rod."""
     if isinstance(profile, Steps):
         places = list(profile.at)
     else:
@@ -383,7 +383,8 @@ def in_time(value: Any, field: QuantityField, duration: Any) -> Profile:
 def negative(profile: Profile) -> Profile:
     """Return minus the profile."""
     if isinstance(profile, Steps | Samples | Polynomials):
-        return profile.replace(values=[-v for v in profile.values])
+        values = [-value for value in profile.values]
+        return profile.replace(values=values)
     return -profile
 
 
@@ -420,7 +421,9 @@ def extremes(profile: Profile) -> list[Any]:
     Polynomials may be a little larger between their places.
     """
     if isinstance(profile, Samples | Polynomials):
-        return [float(np.min(profile.values)), float(np.max(profile.values))]
+        smallest = float(np.min(profile.values))
+        largest = float(np.max(profile.values))
+        return [smallest, largest]
     values: Any = [profile]
     if isinstance(profile, Steps):
         values = profile.values
@@ -466,10 +469,13 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
     last = np.searchsorted(jumps, edges[1:])
     means: Floats = values[first]
     for i in np.flatnonzero(last > first):
+        start = edges[i]
+        stop = edges[i + 1]
         jumps_inside = jumps[first[i] : last[i]]
-        cuts = np.concatenate(([edges[i]], jumps_inside, [edges[i + 1]]))
-        integral = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts))
-        means[i] = integral / (edges[i + 1] - edges[i])
+        values_inside = values[first[i] : last[i] + 1]
+        cuts = np.concatenate(([start], jumps_inside, [stop]))
+        integral = np.sum(values_inside * np.diff(cuts))
+        means[i] = integral / (stop - start)
     return means
 
 
@@ -493,9 +499,11 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
     inner = knots[first:last]
     cuts = np.insert(edges, np.searchsorted(edges, inner), inner)
     heights = np.interp(cuts, knots, values)
-    trapezia = (heights[1:] + heights[:-1]) / 2 * np.diff(cuts)
+    mean_heights = (heights[1:] + heights[:-1]) / 2
+    trapezia = mean_heights * np.diff(cuts)
     begins = np.searchsorted(cuts, edges[:-1])
-    return np.asarray(np.add.reduceat(trapezia, begins) / np.diff(edges))
+    integrals = np.add.reduceat(trapezia, begins)
+    return np.asarray(integrals / np.diff(edges))
 
 
 def _averages_of_polynomials(
@@ -513,7 +521,7 @@ def _averages_of_polynomials(
     i = np.clip(i, 0, len(widths) - 1)
     y = 2 * (x - borders[i]) / widths[i] - 1
     in_interval = chebyshev.chebval(y, primitives[i].T, tensor=False)
-    integral = integral_to_border[i] + in_interval * widths[i] / 2
+    integral = integral_to_border[i] + in_interval * widths[i] / 2  # from x = 0 on
     means: Floats = np.diff(integral) / np.diff(edges)
     return means
 
@@ -543,7 +551,7 @@ def _samples_of(
     field: QuantityField,
     step: float | None,
 ) -> Profile:
-    """Samples of a function at equal distances.
+    """Samples of a function at places, m, or times, s, at equal distances.
 
     The curve between them is a spline or straight lines, whichever is nearer to the
     function half way between the samples; that distance is the error of the samples.

@@ -110,8 +110,9 @@ class System(FrozenDataclass):
             field = GAP
             if type(law) in _LAWS and not isinstance(law, Rigid | Bonded | Joint):
                 field = GAP_OR_OVERLAP
-            gaps.append(field.checked(problems, f"gaps.{i}", gap))
-            _check_contact(problems, i, law, gaps[i], bodies[i : i + 2])
+            checked_gap = field.checked(problems, f"gaps.{i}", gap)
+            gaps.append(checked_gap)
+            _check_contact(problems, i, law, checked_gap, bodies[i : i + 2])
         ends = _checked_ends(problems, self.ends, bodies)
         frozen.raise_if_problems(problems)
         self._set(
@@ -140,7 +141,8 @@ class System(FrozenDataclass):
 
         The arrays are those that were given; they broadcast to `shape`.
         """
-        return {path: v for path, v in self._numbers() if isinstance(v, np.ndarray)}
+        numbers = self._numbers()
+        return {path: value for path, value in numbers if isinstance(value, np.ndarray)}
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
         for path, value in super()._parts():
@@ -289,7 +291,7 @@ class System(FrozenDataclass):
         problems: Problems = []
         reason = "losses and driven ends cannot be reversed in time"
         for path, value in self._numbers():
-            name = path.rpartition(".")[2]
+            _, _, name = path.rpartition(".")
             if name in LOSSLESS and np.any(value != LOSSLESS[name]):
                 problems.append((path, f"must be {LOSSLESS[name]}; {reason}"))
         for i, law in enumerate(self.contacts):
@@ -373,7 +375,7 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
 def _one_per_pair(
     problems: Problems, name: str, items: Any, default: Any, n_pairs: int
 ) -> Any:
-    """Items of the neighbouring pairs, or defaults; a wrong number of them is noted."""
+    """Items of the neighbouring pairs, or defaults; a problem if their number is wrong."""
     if items is None:
         return (default,) * n_pairs
     is_list = isinstance(items, list | tuple)
@@ -389,7 +391,7 @@ def _one_per_pair(
 
 
 def _check_bodies(problems: Problems, bodies: Any) -> None:
-    """Note what is no body, and inner walls; InvalidModel if there is no list."""
+    """Add problems of what is no body, and of inner walls; InvalidModel without a list."""
     if not isinstance(bodies, list | tuple) or not bodies:
         message = "must be a list of at least one rod or rigid mass"
         raise frozen.invalid_argument("bodies", f"{message}, got {shown(bodies)}")
@@ -406,7 +408,7 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
 
 
 def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
-    """Note a row of walls, and of masses that are all bonded to a wall."""
+    """Add a problem if the row has walls alone, or masses that are bonded to them."""
     n_walls = 0
     for body in bodies:
         if isinstance(body, Rod):
@@ -425,7 +427,7 @@ def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
 def _check_contact(
     problems: Problems, i: int, law: Any, gap: Number, pair: Any
 ) -> None:
-    """Note a law that is none, or that does not go with its gap or its two bodies."""
+    """Add a problem of a law that is none, or does not go with its gap or its bodies."""
     if type(law) not in _LAWS:
         message = f"must be a contact law itself, one of {_class_names(_LAWS)}"
         add_problem(problems, f"contacts.{i}", message, law)
@@ -439,7 +441,7 @@ def _check_contact(
 
 
 def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
-    """Note a rigid contact that is undetermined, and one that is determined twice."""
+    """Add a problem of a rigid contact that is undetermined, or determined twice."""
     kinds = set(map(type, pair))
     has_mass = RigidMass in kinds
     are_rigid = kinds <= {RigidMass, Wall}
@@ -473,7 +475,7 @@ def _check_bonded_velocities(system: System) -> None:
 
 
 def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
-    """Pair of ends, free by default; mistakes are noted in `problems`."""
+    """Pair of ends, free by default; mistakes are added to `problems`."""
     if ends is None:
         ends = (FREE, FREE)
     if not isinstance(ends, list | tuple) or len(ends) != 2:
@@ -486,7 +488,7 @@ def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
-    """Note what is no end, and an end that does not go with the body there."""
+    """Add a problem of what is no end, or does not go with the body there."""
     path = f"ends.{side}"
     name = type(end).__name__
     if type(end) not in _ENDS:
