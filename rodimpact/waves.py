@@ -455,6 +455,7 @@ def _rayleigh_speed(nu: float) -> float:
     constant = 16.0 * (kappa - 1.0)
 
     def cubic(r: float) -> float:
+        """Rayleigh's equation, squared and divided by r."""
         return float(np.polyval([1.0, -8.0, linear, constant], r))
 
     r = brentq(cubic, 0.5, 1.0)

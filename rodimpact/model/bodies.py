@@ -213,7 +213,7 @@ class Segment(FrozenDataclass):
         self._check_magnitudes(area)
 
     def _checked_area(self, problems: Problems) -> Any:
-        """Area from the area or the diameter, m^2; a mistake is noted in `problems`."""
+        """Area from the area or the diameter, m^2; a mistake is added to `problems`."""
         area: Any = self.area
         if self.diameter is not None:
             if area is not None:
@@ -259,7 +259,7 @@ class Segment(FrozenDataclass):
         demand(are_sound, name, message, L, area)
 
     def _check_lateral_inertia(self, problems: Problems) -> None:
-        """Note mistakes in the lateral inertia, and numbers that it lacks."""
+        """Add problems of the lateral inertia, and of numbers that it lacks."""
         theory = self.lateral_inertia
         moment = self.polar_moment
         has_diameter = self.diameter is not None

@@ -517,6 +517,7 @@ class Frozen:
     @property
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process."""
+        # The outline has shapes in place of arrays, whose numbers follow as bytes.
         with_shapes = self._mapped(lambda array: list(array.shape))
         outline = json.dumps(with_shapes.to_dict(), sort_keys=True)
         sha = hashlib.sha256(outline.encode())
@@ -585,6 +586,7 @@ class Frozen:
         """The object with every array of numbers replaced by ``change(array)``."""
 
         def mapped(value: Any) -> Any:
+            """A value, or all items of a tuple, with arrays changed."""
             if isinstance(value, np.ndarray):
                 return change(value)
             if isinstance(value, Frozen):
@@ -682,7 +684,7 @@ def listed(names: list[str]) -> str:
 
 
 def json_ready(value: Any) -> Any:
-    """A number, array, tuple or `Frozen` as JSON has it."""
+    """A number, array, tuple or `Frozen` as numbers, lists and dictionaries for JSON."""
     if isinstance(value, Frozen):
         return value.to_dict()
     if isinstance(value, np.ndarray):

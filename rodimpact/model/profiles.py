@@ -228,8 +228,9 @@ class Polynomials(FrozenDataclass):
         n_intervals = len(self.inner) + 1
         values = np.asarray(self.values, dtype=float).reshape(n_intervals, -1)
         n = values.shape[1]
-        y = -np.cos(np.pi * np.arange(n) / (n - 1))
-        values_to_coefficients = np.linalg.inv(chebyshev.chebvander(y, n - 1))
+        y = -np.cos(np.pi * np.arange(n) / (n - 1))  # places of the values
+        coefficients_to_values = chebyshev.chebvander(y, n - 1)
+        values_to_coefficients = np.linalg.inv(coefficients_to_values)
         coefficients: Floats = values @ values_to_coefficients.T
         return coefficients
 
@@ -322,7 +323,9 @@ def _check_inside(
     if not places:
         return
     if isinstance(profile, Steps):
-        frozen.family_shape([("length", length), *profile._numbers(path)])
+        # The numbers of the profile may be arrays, which must go with those of the length.
+        numbers = [("length", length), *profile._numbers(path)]
+        frozen.family_shape(numbers)
     last = places[-1]
     is_inside = np.asarray(last) < length
     message = "must lie inside the rod of length {0!r}, got {1!r}"
@@ -462,7 +465,7 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
 
 
 def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
-    """Mean values of steps between edges."""
+    """Mean values of steps between n + 1 edges, m or s, [n]."""
     jumps = np.array(steps.at, dtype=float)
     values = np.array(steps.values, dtype=float)
     first = np.searchsorted(jumps, edges[:-1], "right")
@@ -480,7 +483,7 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
 
 
 def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floats:
-    """Mean values of straight lines between samples; both ends hold on outside.
+    """Mean values of lines between samples, between n + 1 edges, [n]; ends hold on outside.
 
     Every interval is cut where samples lie in it, and the trapezia of its parts are
     added. So a small value is exact beside one that is 1e20 times as large, as a
@@ -509,7 +512,7 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
 def _averages_of_polynomials(
     profile: Polynomials, edges: Floats, length: float
 ) -> Floats:
-    """Mean values of polynomials along a rod of that length, m."""
+    """Mean values of polynomials along a rod of that length, m, between n + 1 edges, [n]."""
     borders = np.concatenate(([0.0], profile.inner, [length]))
     widths = np.diff(borders)
     primitives = chebyshev.chebint(profile.coefficients(), lbnd=-1, axis=1)
@@ -581,7 +584,7 @@ def _samples_of(
 def _values_of(
     function: Callable[[Any], Any], places: Floats, field: QuantityField
 ) -> Floats:
-    """Values of a function; ValueError says why it has none.
+    """Values of a function at places, by the unit and sign of a field; else ValueError.
 
     The function is called with the array of places, or if it cannot take that, with
     each place.

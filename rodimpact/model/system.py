@@ -183,6 +183,7 @@ class System(FrozenDataclass):
             raise IndexError(f"index: {message}: {error}") from None
 
         def pick(array: Floats) -> Number:
+            """The array of a number, or the number, of the chosen members."""
             view = np.broadcast_to(array, self.shape)[index]
             # Axes along which the array does not vary are reduced to one value.
             first_only = [slice(None)] * view.ndim
@@ -358,7 +359,7 @@ def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
 
 
 def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
-    """Parameters of the constructor of a described object."""
+    """Parameters of the constructor of an object from its `to_dict`: objects made again."""
     parameters = {}
     for name, value in description.items():
         parameters[name] = profile_from(value)
@@ -460,7 +461,7 @@ def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
 
 
 def _check_bonded_velocities(system: System) -> None:
-    """Refuse rigid bodies that are bonded and have different velocities."""
+    """Raise InvalidModel if rigid bodies that are bonded have different velocities."""
     for i, law in enumerate(system.contacts):
         left = system.bodies[i]
         right = system.bodies[i + 1]

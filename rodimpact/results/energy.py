@@ -198,9 +198,9 @@ class ContactEnergies(NamedTuple):
 
 
 def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactEnergies:
-    """Energies of all contacts at times t in s, the first of which is 0.
+    """Energies of all contacts together at times t in s, the first of which is 0.
 
-    What is lost is the work of the bodies on the contact, less the change of what it stores.
+    A contact loses the work that the bodies do on it, less the change of its stored energy.
     """
     all_stored = np.zeros(t.shape)
     dissipated = np.zeros(t.shape)
@@ -361,7 +361,10 @@ def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
 def _motion_at(
     run: Run, states: BondedGroups, book: EnergyLedger, instant: int
 ) -> Motion:
-    """Motion of the bodies at one of the instants of the states, by its index."""
+    """Velocities and energies of the bodies at the time of that index in the states.
+
+    A body has the velocity of its group, m/s, and its own vibration energy, J.
+    """
     velocities = []
     group_velocities = states.velocity[:, instant]
     for g, group in enumerate(groups(run.system)):

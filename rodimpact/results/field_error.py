@@ -84,7 +84,10 @@ def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> Fie
 def _error_of(
     name: str, fine: Any, coarser: Sequence[CoarserSolution], t: Floats
 ) -> Floats:
-    """Stated error of the field of that name at times t, s, [time]; inf if not compared."""
+    """Stated error of the field of that name near times t, s, [time].
+
+    It is the largest by any coarser mesh; inf at times that no coarser run reaches.
+    """
     error = np.full(t.size, np.inf)
     for mesh, coarse in coarser:
         near_steps = coarse.fields.step * np.array(COMPARED_STEPS)

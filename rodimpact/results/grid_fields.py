@@ -83,6 +83,7 @@ class GridFields(Fields):
         return np.asarray(self.motion.when * STEP_TICKS)
 
     def nearest_energy_ticks(self, ticks: Ints) -> Ints:
+        """The ticks of the states that are nearest to some ticks."""
         known = self.state_ticks
         middles = (known[1:] + known[:-1]) / 2
         return known[np.searchsorted(middles, ticks, "right")]
@@ -212,20 +213,28 @@ class GridFields(Fields):
     # Fields ---------------------------------------------------------------------------------------
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
+        """Velocity, m/s, without that which gravity gives; x, m, and ticks broadcast.
+
+        It has no jumps, so that both sides are the same.
+        """
         in_frame = self._interpolated(body, x, ticks, self._velocity_tables[body])
         return in_frame + self.clock.frame
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
+        """Strain; x, m, and ticks broadcast. It has no jumps in time."""
         return self._interpolated(body, x, ticks, self._strain_tables.strain[body])
 
     def rod_strain_rate(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Strain rate, 1/s; x, m, and ticks broadcast."""
         return self._interpolated(body, x, ticks, self._strain_tables.rate[body])
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Displacement, m, without the way that the frame falls; x, m, and ticks broadcast."""
         in_frame = self._interpolated(body, x, ticks, self._displacement_tables[body])
         return in_frame + self.clock.frame * (ticks * self.clock.tick)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Integral of the strain from t = 0 on at points x, m [point], ticks, [point, tick]."""
         states = self.state_ticks
         strain = self._strain_tables.strain[body]
         integrals = []
@@ -235,6 +244,7 @@ class GridFields(Fields):
         return np.array(integrals)
 
     def point_history(self, body: int, x: float) -> PassingWaves:
+        """The waves v - c strain and v + c strain at the point x, m, as lines between states."""
         segment = int(self.locate(body, x)[0])
         c = self.clock.wave_speed[segment]
         ticks = self.state_ticks
@@ -254,6 +264,7 @@ class GridFields(Fields):
     # Integrals over bodies ------------------------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
+        """Sum of m v over the nodes of a rod at times t in s, kg m/s, between states."""
         span = self._span(body)
         # A product of matrices would give other bits for other numbers of states.
         momenta = self.motion.velocity[:, span.nodes] * span.mass
@@ -264,6 +275,7 @@ class GridFields(Fields):
         return np.asarray(in_frame + span.mass.sum() * frame)
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
+        """Energy of a rod in the state at `tick`; kinetic energy relative to a velocity, m/s."""
         clock = self.clock
         span = self._span(body)
         state = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
@@ -273,10 +285,12 @@ class GridFields(Fields):
         return RodEnergy(*energies)
 
     def viscous_loss(self, ticks: Ints) -> Floats:
+        """Energy lost in damped material from t = 0 to the states at some ticks, J."""
         states = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
         return np.asarray(self.motion.lost[states] * self.step)
 
     def profile(self, body: int, tick: int) -> Profile:
+        """State of a rod at `tick`, between states: velocity and strain of each cell."""
         span = self._span(body)
         at_tick = np.asarray(tick)
         v = self._between_states(self.motion.velocity, span.nodes, at_tick)
@@ -290,6 +304,7 @@ class GridFields(Fields):
     # Extreme stress -------------------------------------------------------------------------------
 
     def extreme_stress(self, body: int) -> ExtremeStress:
+        """The largest of the stresses in kept states, and of those by the forces on ends."""
         tensions = []
         compressions = []
         for peak in (*self._state_peaks(body), *self._end_peaks(body)):

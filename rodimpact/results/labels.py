@@ -5,7 +5,7 @@ A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a D
 
 from typing import Any, NamedTuple
 
-from ..model import System
+from ..model import SIDES, System
 from ..model.frozen import QuantityField
 from ..model.numbering import body_names, contact_names
 from ..model.paths import FIELDS
@@ -166,8 +166,11 @@ def _quantity(name: str, field: QuantityField) -> Quantity:
 
 
 def _of_end(system: System, side: str, path: list[str]) -> Quantity:
-    """Name and unit of a number of what drives an end, at a path within its value."""
-    end = system.ends[side == "right"]
+    """Name and unit of a number of what drives an end.
+
+    The path within its value is ["values", "0"], ["at", "0"], ["step"], or empty.
+    """
+    end = system.ends[SIDES.index(side)]
     label, unit = _quantity("value", end.fields["value"])
     name = f"{label} of the {side} end"
     if label == "force":

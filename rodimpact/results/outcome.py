@@ -240,7 +240,7 @@ class Outcome(OnlyContact[float]):
 def outcome_of(run: Run, totals: Totals) -> Outcome:
     """The outcome of a run with these totals."""
     system = run.system
-    unbalanced = _unbalanced(totals.momentum_residual, totals.energy_residual)
+    warning = _balance_warning(totals.momentum_residual, totals.energy_residual)
     return Outcome(
         bodies=tuple(system.kinds),
         masses=tuple(totals.masses),
@@ -255,14 +255,14 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         momentum_residual=totals.momentum_residual,
         energy_residual=totals.energy_residual,
         final=run.final,
-        status=run.status + unbalanced,
+        status=run.status + warning,
         driven=has_external_drive(system) or bool(system.gravity),
         **totals.works._asdict(),
     )
 
 
-def _unbalanced(momentum: float, energy: float) -> str:
-    """A sentence on relative residuals of balances that do not close; "" if both close."""
+def _balance_warning(momentum: float, energy: float) -> str:
+    """Sentence on relative residuals of momentum and energy; "" if both are small."""
     missing = []
     residuals = {"momentum": abs(momentum), "energy": abs(energy)}
     for name, residual in residuals.items():

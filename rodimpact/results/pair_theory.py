@@ -61,6 +61,7 @@ class PairTheory(NamedTuple):
         """
 
         def between(values: Floats) -> Floats:
+            """Values of the members, interpolated at those that are wanted."""
             if (values <= 0).any() or np.isinf(values).any():  # no logarithms
                 return np.interp(wanted, members, values)
             logarithms = np.interp(wanted, members, np.log(values))
@@ -121,7 +122,10 @@ COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
 
 
 def pair_theory(system: System) -> PairTheory | None:
-    """The closed form that holds for a family; None if there is none or no members collide."""
+    """The numbers of a family whose collision has a closed form.
+
+    None if there is no closed form, or no members approach each other.
+    """
     is_pair = len(system.bodies) == 2
     if not is_pair or not isinstance(system.contacts[0], Rigid):
         return None
@@ -152,9 +156,9 @@ class _Numbers(NamedTuple):
 
 
 def _numbers(body: Body) -> _Numbers | None:
-    """Numbers that the closed forms take of a body; None of a rod that is not uniform.
+    """Numbers that the closed forms take of a body.
 
-    Nor have closed forms a rod whose state is not uniform, or that is strained.
+    None of a rod that is not uniform, or does not move as one, or is strained.
     """
     if not isinstance(body, Rod):
         mass = getattr(body, "mass", np.inf)

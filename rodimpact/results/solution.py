@@ -137,7 +137,7 @@ class Solution(Shown):
     @cached_property
     @_ALLOW_UNDERFLOW
     def _totals(self) -> Totals:
-        """Totals by the method, or read off the fields."""
+        """Totals that the method found, else those that follow from the fields."""
         if self.run.totals:
             return self.run.totals
         return totals_of(self.run, self.fields, self.contacts)
@@ -290,7 +290,7 @@ class Solution(Shown):
 
     @cached_property
     def _coarser(self) -> list[CoarserSolution]:
-        """Solutions on coarser meshes."""
+        """Solutions of the same collision on coarser meshes, if the mesh was searched for."""
         solutions = []
         for mesh in self.run.coarser:
             solution = Solution(mesh.make_run(), self.options)
@@ -579,7 +579,7 @@ class Solution(Shown):
     # Bodies -------------------------------------------------------------------------------------
 
     def _index(self, body: int) -> int:
-        """Return the index of a body as it is; InvalidModel where there is none."""
+        """Return the index of a body; InvalidModel unless the row has such a body."""
         return integer("body", body, 0, len(self.system.bodies) - 1)
 
     def _along(self, body: int, x: ArrayLike, name: str) -> Floats:

@@ -72,11 +72,13 @@ class WaveFields(Fields):
 
     @cached_property
     def constant_between_fronts(self) -> bool:
+        """Whether all waves are, so that velocity and strain are."""
         return all(wave is None or wave.size == 1 for wave in self.motion.lines)
 
     # Fields at points and times -----------------------------------------------------
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
+        """(A(p) + B(q))/2 + frame, m/s; of the shape to which x, m, and ticks broadcast."""
         frame = self.clock.frame
 
         def velocity(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
@@ -85,12 +87,15 @@ class WaveFields(Fields):
         return self._one_sided_values(body, x, ticks, side, velocity)
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
+        """(B(q) - A(p))/(2 c); of the shape to which x, m, and ticks broadcast."""
+
         def strain(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
             return waves.strain(p, q, side)
 
         return self._one_sided_values(body, x, ticks, side, strain)
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Integral of the velocity, m, and the displacement at t = 0; x and ticks broadcast."""
         frame = self.clock.frame
         tick = self.clock.tick
 
@@ -101,6 +106,7 @@ class WaveFields(Fields):
         return self._values(body, x, ticks, displacement)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Integral of the strain over time at points x, m [point], ticks, [point, tick]."""
         return self._values(body, x[:, None], ticks, SegmentWaves.strain_integral)
 
     @cached_property
@@ -166,6 +172,10 @@ class WaveFields(Fields):
         return on_grid.reshape(len(points.offset), len(ticks))
 
     def point_history(self, body: int, x: float) -> PassingWaves:
+        """The waves that pass the point x, m: A later by its distance in ticks, B likewise.
+
+        Both are cut at the breaks of either, from t = 0 to the end of the run.
+        """
         point = self._points(body, x)
         offset = int(point.offset)
         waves = self.waves(int(point.segment))
@@ -205,6 +215,7 @@ class WaveFields(Fields):
         return RodEnergy(kinetic, strain)
 
     def extreme_stress(self, body: int) -> ExtremeStress:
+        """The largest of the peaks of all segments: E/(2 c) times the extremes of B - A."""
         tensions = []
         compressions = []
         segments = self.rods[body].segments
@@ -241,6 +252,7 @@ class WaveFields(Fields):
         return StressPeak(stress, x, tick * self.clock.tick)
 
     def profile(self, body: int, tick: int) -> Profile:
+        """State of a rod just after `tick`: means of velocity and strain over its pieces."""
         frame = self.frame_velocity(tick)
         edges = [np.zeros(1)]
         velocities = []

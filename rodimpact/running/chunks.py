@@ -73,6 +73,7 @@ def run_jobs(
         to_do += stop - start
 
     def submit(start: int, stop: int) -> Future[Columns]:
+        """Hand the members from `start` to `stop` over to the executor."""
         members = members_of(system, start, stop)
         chunk = Chunk(members, options, readings, in_one_call)
         if pool.stop is None:
@@ -144,6 +145,7 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     columns = _empty_columns(system, readings)
 
     def raise_if_stopped(*_: Any) -> None:
+        """Raise Stopped if the sweep shall give up; as the progress function of a run."""
         if should_stop():
             raise Stopped
 
@@ -171,9 +173,9 @@ def _empty_columns(system: System, readings: Readings) -> Columns:
 
 
 def _without_unread_states(options: Options, readings: Readings) -> Options:
-    """Options by which a grid keeps no more states than are read.
+    """Options with two states to keep, where a grid's other states are not read.
 
-    Of the states that it keeps, an outcome needs the first and the last.
+    An outcome needs the first and the last state alone.
     """
     reads_fields = len(readings.gauges) > 0 or "largest_stress" in readings.also
     if reads_fields or "snapshots" not in METHODS[options.method].takes:

@@ -37,60 +37,74 @@ class ContactColumns(NamedTuple):
 
 
 def _restitution(solution: Solution, _: int) -> float:
+    """e; nan where it is undefined."""
     if solution.outcome.why_no_restitution():
         return math.nan
     return solution.outcome.restitution
 
 
 def _velocity_after(solution: Solution, body: int) -> float:
+    """Velocity of the centre of mass at the end, m/s."""
     return solution.outcome.velocities_after[body]
 
 
 def _impulse(solution: Solution, contact: int) -> float:
+    """Impulse, N s."""
     return solution.outcome.contacts[contact].impulse
 
 
 def _peak_force(solution: Solution, contact: int) -> float:
+    """Peak force, N."""
     return solution.outcome.contacts[contact].peak_force
 
 
 def _duration(solution: Solution, contact: int) -> float:
+    """Force duration, s."""
     return solution.outcome.contacts[contact].duration
 
 
 def _episodes(solution: Solution, contact: int) -> int:
+    """How often the contact pressed."""
     return solution.outcome.contacts[contact].episodes
 
 
 def _vibration(solution: Solution, _: int) -> float:
+    """Vibration energy of all bodies at the end, J."""
     return sum(solution.outcome.vibration_after)
 
 
 def _final(solution: Solution, _: int) -> bool:
+    """Whether it is proved that no contact can happen again."""
     return solution.outcome.final
 
 
 def _status(solution: Solution, _: int) -> int:
+    """Why the run stopped, an index of `STATUS`."""
     return STATUS.index(solution.stopped_by)
 
 
 def _dissipated(solution: Solution, _: int) -> float:
+    """Energy lost in contacts, J."""
     return solution.outcome.dissipated
 
 
 def _permanent_set(solution: Solution, contact: int) -> float:
+    """How far the contact has yielded for good, m."""
     return solution.contacts[contact].permanent_set()
 
 
 def _largest_stress(solution: Solution, body: int) -> float:
+    """Largest absolute stress in the rod, Pa."""
     return solution.extreme_stress(body).largest
 
 
 def _displacement(solution: Solution, body: int) -> float:
+    """Displacement of the centre of mass at the end, m."""
     return final_displacement(solution.run, solution.fields, body)
 
 
 def _accuracy(solution: Solution, _: int) -> float:
+    """Largest stated relative error of velocities, impulses and forces."""
     return largest_error(solution.accuracy)
 
 
@@ -149,7 +163,10 @@ class Layout(NamedTuple):
 
 
 def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
-    """Columns of these names of `COLUMNS`, by the names that users read: "impulse.1"."""
+    """What each column of a family holds, by the name that users read: "impulse.1".
+
+    Of the columns of these names of `COLUMNS`; one that no body or contact has is left out.
+    """
     owners = _owners(system)
     sources = {}
     for name in names:

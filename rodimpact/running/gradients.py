@@ -264,7 +264,7 @@ def gradient(
     """
     options = Options(until, method, max_events, rtol=rtol)
     options.method_for(system)
-    _check(system, of, wrt, until, progress)
+    _check_arguments(system, of, wrt, until, progress)
     numbers = []
     for path in wrt:
         numbers.append(_number(system, path))
@@ -589,7 +589,7 @@ class _Column(NamedTuple):
 
 
 def _column(sides: Sides, defined: Any) -> _Column:
-    """One derivative where both sides agree; else those of both sides.
+    """Derivatives by one number: one where both sides agree, else those of both sides.
 
     `defined` tells of each member whether its result is a number.
     """
@@ -637,10 +637,13 @@ def lasting_bodies(system: System) -> set[int]:
     return lasting
 
 
-def _check(
+def _check_arguments(
     system: System, of: Any, wrt: Any, until: float | None, progress: Any
 ) -> None:
-    """Raise InvalidModel for what has no derivatives."""
+    """Raise InvalidModel with the mistakes of all arguments.
+
+    `of` must be a result that the system has, and `wrt` a list of paths of its numbers.
+    """
     problems: Problems = []
     check_progress(problems, progress)
     bodies = set(range(len(system.bodies)))

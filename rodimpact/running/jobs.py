@@ -25,18 +25,12 @@ from typing import Any, NamedTuple
 from ..methods import memory
 from ..model import Law, System
 from ..model.frozen import Problems, add_problem
+from ..storage.checkpoint import Span
 
 JOBS_A_WORKER = 8  # number of jobs over that of workers, about
 JOBS_A_WORKER_TO_KEEP = 100  # the same with a checkpoint: a crash undoes a hundredth
 WORKERS_OF_EXECUTOR = 64  # workers of an executor of which the caller does not say it
 HEARTBEAT = 0.4  # s, after which progress is reported though no job has ended
-
-
-class Span(NamedTuple):
-    """Some members in a row."""
-
-    start: int
-    stop: int  # the member after the last
 
 
 class JobResult(NamedTuple):
@@ -154,8 +148,8 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
     return size
 
 
-def cut(spans: Iterable[tuple[int, int]], size: int) -> Iterator[Span]:
-    """Cut spans (start, stop) at multiples of a size."""
+def cut(spans: Iterable[Span], size: int) -> Iterator[Span]:
+    """Cut spans at multiples of a size."""
     for start, stop in spans:
         while start < stop:
             next_multiple = start - start % size + size

@@ -46,9 +46,9 @@ def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
         largest = format_si(values.max(), unit)
         rows.append([path, str(len(values)), smallest, largest])
     blocks = [align(rows), _extremes(result, varied), _members(result, varied, more)]
-    missing = _missing(result, varied)
-    if missing:
-        blocks.append(missing)
+    reasons = _why_no_restitution(result, varied)
+    if reasons:
+        blocks.append(reasons)
     return "\n\n".join(blocks)
 
 
@@ -187,7 +187,7 @@ def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
 
 
 def _numbered(name: str, count: int, numbers: dict[str, Any]) -> list[Any]:
-    """The columns name.0, name.1, ... of the numbers."""
+    """The columns name.0 to name.(count - 1) of numbers by column."""
     columns = []
     for i in range(count):
         columns.append(numbers[f"{name}.{i}"])
@@ -227,7 +227,7 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
     return f"{clean(value, scale):.6g}{unit}"
 
 
-def _missing(result: SweepResult, varied: Varied) -> str:
+def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
     """How many members have no e, and why: a sentence for each kind; "" if all have one."""
     missing = np.isnan(result.restitution)
     episodes: Any = 0
