@@ -240,9 +240,8 @@ def add_segment(
             for p, q in region(p_range, q_range, T, start, stop):
                 a_passed = integral_to(a, p) - a_passed_at_start
                 in_frame = a_passed + integral_to(b, q) - b_passed_at_start
-                twice = in_frame + clock.frame * (
-                    p + q + T
-                )  # the displacement, m/s ticks
+                # Twice the displacement, m/s ticks
+                twice = in_frame + clock.frame * (p + q + T)
                 displacement = twice / 2 * clock.tick + left.displacement
                 x = left.x + (q - p + T) / 2 / T * piece["length"]
                 polygons["x"].append(x)
