@@ -113,8 +113,9 @@ def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
         if not isinstance(rod, Rod):
             continue
         x = np.linspace(0.0, float(rod.length), COMPARED_POINTS)
-        fine_values = getattr(fine, name)(body, x[:, None], instants)
-        coarse_values = getattr(coarse, name)(body, x[:, None], instants)
+        column = x[:, None]
+        fine_values = getattr(fine, name)(body, column, instants)
+        coarse_values = getattr(coarse, name)(body, column, instants)
         over_points = np.abs(fine_values - coarse_values).max(axis=0)
         over_near_times = over_points.reshape(times.shape).max(axis=1)
         largest = np.maximum(largest, over_near_times)

@@ -92,6 +92,7 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
     T = piece["ticks"]
     p = edges_of(piece["rightward"], start - T, stop)
     q = edges_of(piece["leftward"], start - T, stop)
+    last = len(q) - 1
     first = []
     after_last = []
     for k in range(len(p) - 1):
@@ -101,7 +102,7 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
         low = max(p[k] - T, earliest)
         high = min(p[k + 1] + T, latest)
         first.append(bisect_right(q, low, 1) - 1)
-        after_last.append(bisect_left(q, high, 0, len(q) - 1))
+        after_last.append(bisect_left(q, high, 0, last))
     return Lattice(p, q, first, after_last)
 
 
@@ -219,6 +220,9 @@ def add_segment(
     a = piece["rightward"]
     b = piece["leftward"]
     T = piece["ticks"]
+    length = piece["length"]
+    tick = clock.tick
+    frame = clock.frame
     per_difference = 0.5 / piece["wave_speed"]  # strain over b - a, s/m
     lattice = lattice_of(piece, start, stop)
     p_edges = lattice.p
@@ -234,17 +238,17 @@ def add_segment(
             strain = (b_value - a_value) * per_difference
             polygons["body"].append(left.body)
             polygons["segment"].append(left.number)
-            polygons["velocity"].append((a_value + b_value) / 2 + clock.frame)
+            polygons["velocity"].append((a_value + b_value) / 2 + frame)
             polygons["strain"].append(strain)
             polygons["stress"].append(strain * piece["youngs_modulus"])
             for p, q in region(p_range, q_range, T, start, stop):
                 a_passed = integral_to(a, p) - a_passed_at_start
                 in_frame = a_passed + integral_to(b, q) - b_passed_at_start
                 # Twice the displacement, m/s ticks
-                twice = in_frame + clock.frame * (p + q + T)
-                displacement = twice / 2 * clock.tick + left.displacement
-                x = left.x + (q - p + T) / 2 / T * piece["length"]
+                twice = in_frame + frame * (p + q + T)
+                displacement = twice / 2 * tick + left.displacement
+                x = left.x + (q - p + T) / 2 / T * length
                 polygons["x"].append(x)
-                polygons["t"].append((p + q + T) / 2 * clock.tick)
+                polygons["t"].append((p + q + T) / 2 * tick)
                 polygons["displacement"].append(displacement)
             polygons["start"].append(len(polygons["x"]))

@@ -191,7 +191,8 @@ class Gauge:
         breaks = all_breaks[first:stop]
         after = bounds[:-1].searchsorted(breaks, "right")
         cuts = np.insert(bounds, after, breaks)
-        cell = np.insert(np.arange(len(bounds) - 1), after, after - 1)
+        cell_count = len(bounds) - 1
+        cell = np.insert(np.arange(cell_count), after, after - 1)
         return CellParts(cuts, cell)
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:

@@ -124,7 +124,9 @@ class GridFields(Fields):
         edges = self.edges(body)
         places = []
         for i, cell_count in enumerate(cell_counts):
-            nodes = np.linspace(edges[i], edges[i + 1], cell_count + 1)
+            left = edges[i]
+            right = edges[i + 1]
+            nodes = np.linspace(left, right, cell_count + 1)
             places.append(nodes)
         return places
 
