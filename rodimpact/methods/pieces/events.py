@@ -112,6 +112,7 @@ def resolve_impacts(
             if closing > 0:
                 link.closing_after = -link.restitution * closing
             if -link.closing_after <= RESTING_RTOL * run.velocity_scale:
+                run.resting_velocity = max(run.resting_velocity, -link.closing_after)
                 link.closing_after = 0.0
             link.force[0] = 0.0
             link.closing[0] = closing
@@ -147,6 +148,7 @@ def finish_impact(
     if closing >= -RESTING_RTOL * run.velocity_scale:
         link.status = Status.REST.value
         run.resting_impacts += struck
+        run.resting_velocity = max(run.resting_velocity, -closing)
     if struck:
         link.impulse += link.force[0]
         log_contact_change(run, turns, link, i, tick, Status.PRESS.value)
@@ -184,11 +186,18 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
             # A piece within the window lies where two breaks nearly meet: its peak is round-off.
             if ticks > run.event_window and largest > PEAK_RTOL * link.peak_force:
                 peak = series.maximum(link.force, node.scratch_series, link.peak_force)
-                if peak > link.peak_force:
-                    link.peak_force = peak
-                    link.peak_force_error = series.remainder(link.force, False)
-            if link.status >= Status.PRESS and presses(run, link, largest):
+                error = series.remainder(link.force, False)
+                if peak > largest:  # it was searched for between the points
+                    rise = peak - series.smallest(link.force)
+                    error += series.EXTREMUM_RTOL * rise
+                link.peak_force = max(link.peak_force, peak)
+                link.peak_force_bound = max(link.peak_force_bound, peak + error)
+            overlap = series.largest(link.overlaps)
+            if link.status >= Status.PRESS and presses(run, link, largest, overlap):
                 touch = Status.PRESS.value
+                link.fading_ticks = 0
+                if not presses(run, link, link.force[N], link.overlaps[N]):
+                    link.fading_ticks = ticks
                 start -= max(link.faint_ticks, 0)
                 link.force_ticks += node.now + ticks - start
         if link.law >= Law.RIGID and touch != link.logged_status:
@@ -212,18 +221,15 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         body.velocity[0] = body.velocity[N]
 
 
-def presses(run: Run, link: Link, largest: float) -> bool:
-    """Return whether a touching contact presses; `largest` is the largest force of the piece.
+def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
+    """Return whether a touching contact presses with a force, N, at an overlap, m.
 
     A contact with a contact law must have an overlap too; others are decided by their force.
     """
     if link.law >= Law.SPRING:
-        return (
-            largest > 0
-            and series.largest(link.overlaps)
-            > run.graze_velocity * run.shortest_transit * run.tick_duration
-        )
-    return largest * link.effective_mobility > run.graze_velocity
+        transit = run.shortest_transit * run.tick_duration
+        return force > 0 and overlap > run.graze_velocity * transit
+    return force * link.effective_mobility > run.graze_velocity
 
 
 def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
@@ -255,7 +261,13 @@ def log_contact_change(
         link.starts_episode = 0
     elif link.logged_status == Status.PRESS:
         link.last_force_tick = tick
+        if link.status >= Status.PRESS:  # the force has become faint
+            link.cut_ticks += link.fading_ticks
     if touch == Status.OPEN:
+        is_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
+        if is_faint and link.law >= Law.SPRING and link.damping == 0:
+            # a spring presses until it opens: by so much its last force comes too early
+            link.cut_ticks += tick - link.last_force_tick - link.fading_ticks
         link.starts_episode = 1
         link.last_opening_tick = tick
     link.logged_status = touch

@@ -10,7 +10,7 @@ import math
 from .. import contact_laws
 from ..compiling import borrowed
 from ..states import Status, Stop
-from . import events, finality, lines, nodes, series
+from . import event_errors, events, finality, lines, nodes, series
 from .records import HARD, NEVER, NONE, Lines, Log, Node, Nodes, Run, State
 from .series import N
 
@@ -114,6 +114,9 @@ def advance(state: State, node: Node) -> bool:
         return False
     ticks = full
     if event_link != NONE:
+        h = full * run.tick_duration
+        link = links[event_link]
+        event_errors.record_event(run, link, node, event_position, status, h)
         rounding = 0.5
         if status == Status.PLASTIC:
             rounding = 0.0  # the force stays below that at which the contact yields
@@ -149,6 +152,7 @@ def advance(state: State, node: Node) -> bool:
         if run.first_averaged_tick == NONE:
             run.first_averaged_tick = tick
     if event_link != NONE:
+        node.halved_until = 0
         for side in range(2):
             node.incoming[side][0] = node.incoming[side][N]
         events.apply_transition(state, node, tick + ticks, event_link, status)
@@ -205,6 +209,11 @@ def horizon(state: State, node: Node, is_after_break: bool) -> int:
             if lines.order_at(all_lines, log, source, tick) <= HARD:
                 piece = log[all_lines[source].read_piece]
                 end = min(end, tick + 2 * (piece.end - piece.start))
+    is_limited = tick == 0 or end < tick + node.next_ticks
+    if run.halves_pieces and is_limited and end > node.halved_until:
+        # A first piece, like one that breaks limit, is as long at any tolerance.
+        node.halved_until = end
+        end = tick + (end - tick + 1) // 2
     return end
 
 

@@ -2,7 +2,7 @@
 
 Waves are lists of polynomial pieces; a node, the chain of links and masses between two rods, is
 integrated by itself as far as its inputs are known. There is no time step: every piece is as long
-as what happens in it is smooth. A second run at a coarser tolerance tells how wrong the first is.
+as what happens in it is smooth. A second run in other pieces tells how wrong the first is.
 A single collision is a family of one that keeps its pieces.
 """
 
@@ -33,10 +33,8 @@ from ..status import rounding, strain_warning
 from . import totals
 from .accuracy import (
     COARSER,
-    COARSEST,
     SHOWN,
     compare,
-    differences,
     left_open,
     stated,
 )
@@ -74,7 +72,7 @@ def solve(
         stuck = min(nodes, key=lambda node: node.now)
         seconds = float(fine.clock.tick * stuck.now)
         raise InvalidModel([totals.why_stuck(row, stuck, seconds)])
-    (errors,) = stated_errors(fine, np.array([0]), COARSEST, report=report).tolist()
+    (errors,) = stated_errors(fine, np.array([0]), report=report).tolist()
     accuracy = dict(zip(runs.MEASURES, errors, strict=True))
     goal = RTOL
     if rtol is not None:
@@ -133,7 +131,7 @@ def solve_family(
     is_stuck = fine.runs["stop_reason"][:, 0] == Stop.STUCK
     columns = _columns_of(fine, refused.ravel() | is_stuck)
     if "accuracy" in also:
-        errors = stated_errors(fine, members, COARSER * tolerance, should_stop)
+        errors = stated_errors(fine, members, should_stop)
         columns["accuracy"] = errors[:, :SHOWN].max(axis=1)
     return columns
 
@@ -141,33 +139,23 @@ def solve_family(
 def stated_errors(
     fine: Members,
     members: Any,
-    coarsest: float,
     stop: Callable[[], bool] = lambda: False,
     report: Report = no_report,
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure], of members that have run.
 
-    Members run again at a coarser tolerance, and the results are compared. A member that takes the
-    same steps again shows no difference: it runs at a still coarser one, up to `coarsest`.
+    Members run again in other steps, at a coarser tolerance, and the results are compared.
     """
-    count = len(fine.runs)
-    apart = np.zeros((count, len(runs.MEASURES)))
-    alike = members
-    tolerance = COARSER * fine.request.tolerance
-    while len(alike) and tolerance <= coarsest:
-        coarse = Members(
-            fine.row, fine.request._replace(tolerance=tolerance, keep=False)
-        )
-        compare(fine.runs.view(np.recarray), coarse.runs.view(np.recarray))
-        coarse.run_all(alike, stop, report)
-        for m in alike:
-            apart[m] = differences(fine.ended(m), coarse.ended(m))
-        alike = alike[~apart[alike].any(axis=1)]
-        tolerance *= COARSER
-    errors = np.full_like(apart, math.nan)
+    coarser = fine.request._replace(
+        tolerance=COARSER * fine.request.tolerance, keep=False
+    )
+    coarse = Members(fine.row, coarser)
+    compare(fine.runs.view(np.recarray), coarse.runs.view(np.recarray))
+    coarse.run_all(members, stop, report)
+    errors = np.full((len(fine.runs), len(runs.MEASURES)), math.nan)
     for m in members:
         ended = fine.ended(m)
-        errors[m] = stated(ended, apart[m].tolist())
+        errors[m] = stated(ended, coarse.ended(m))
         errors[m] += left_open(ended, fine.fit)
         errors[m] += fine.carried
     return errors

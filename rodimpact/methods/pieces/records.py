@@ -76,6 +76,7 @@ class Node:
     first_mass: int  # there is one mass less than there are links
     is_free_end: int  # 1: it reflects waves as they are
     is_averaging: int  # 1: hard breaks come too densely to be followed one by one
+    halved_until: Tick  # end of the last stretch that a comparison takes in halves
     incoming_lines: SideLines
     outgoing_lines: SideLines
     mobility: Sides  # 1/Z of the rods, s/kg; 0 where there is none
@@ -120,14 +121,20 @@ class Link(link.Link):
     # Totals
     impulse: float  # N s
     peak_force: float  # N
-    peak_force_error: float  # estimate, N
+    peak_force_bound: float  # largest that the errors of the pieces allow, N
     first_force_tick: Tick  # NONE before the first force
     last_force_tick: Tick  # end of the last force
     last_opening_tick: Tick
     starts_episode: int  # 1: the next force begins another episode
     force_ticks: Tick  # total time with force
     faint_ticks: Tick  # time since it closed, without a force that counts
+    fading_ticks: (
+        Tick  # duration of its last piece with force, if that ends with a faint one
+    )
+    cut_ticks: Tick  # time in which a force became faint, or acted and counts as none
     episodes: int
+    event_error: float  # largest error of the time of an event in its piece, s
+    event_lag: float  # largest change of such a time by velocities of the scale, s
 
     # Over the piece that is being solved, at its points: F = base + by_overlap d + by_closing c
     overlaps: Series  # d, m
@@ -198,6 +205,7 @@ class Run:
     end_tick: Tick
     max_steps: int
     keeps_history: int  # 1: forces, overlaps and velocities of masses are kept
+    halves_pieces: int  # 1: a comparison, which halves the pieces that breaks limit
     proved_tick: Tick  # instant of the proof of finality, NONE before
     has_bonds: int  # 1: bodies are joined to others, a wall or an endless rod
     last_proof_tick: Tick  # NONE before the first attempt of a proof
@@ -216,6 +224,7 @@ class Run:
         float  # largest error of a piece that is as long at any tolerance, m/s
     )
     resting_impacts: int  # impacts after which bodies rest on each other
+    resting_velocity: float  # largest velocity of parting that counts as rest, m/s
     stop_reason: int  # `Stop`
     graze_velocity: (
         float  # m/s: a force that makes less in the shortest transit is none

@@ -22,6 +22,12 @@ NEXT_INTEGRAL = 0.01
 """Integral of the Chebyshev polynomial of the next degree, about."""
 THIRDS = 36
 """Steps to an extremum, each of which leaves two thirds of the width: 5e-7 of it at the end."""
+EXTREMUM_RTOL = 4 * (2 / 3) ** (2 * THIRDS)
+"""By how much the value there may miss the extremum, over the range of the values at the points.
+
+A parabola whose vertex is in the middle of a width w rises to it by r = |f''| w^2/8; at a distance
+of u w from the vertex it is lower by |f''| (u w)^2/2 = 4 u^2 r.
+"""
 
 Values: TypeAlias = Sequence[float]
 """Values at the points of a piece, or coefficients of a series."""
@@ -73,6 +79,22 @@ def slope_at_end(c: Values, end: float) -> float:
     for m in range(1, POINTS):
         sign *= end
         s += sign * m * m * c[m]
+    return s
+
+
+def slope(c: Values, y: float) -> float:
+    """Return the derivative of the series c at y, by y: the sum of m c_m U_(m-1)(y).
+
+    U are the Chebyshev polynomials of the second kind.
+    """
+    s = 0.0
+    before = 0.0
+    u = 1.0
+    for m in range(1, POINTS):
+        s += m * c[m] * u
+        after = 2 * y * u - before
+        before = u
+        u = after
     return s
 
 

@@ -1,0 +1,119 @@
+"""What characteristics state as errors is never less than the errors, against a finer run."""
+
+import numpy as np
+import pytest
+from compliant_rows import KINDS, random_row
+from exhaustive import few_of
+from networks import random_network, unit_rod
+
+import rodimpact as ri
+
+METHOD = "characteristics"
+EXACT = 1e-13  # tolerance of the finer run
+LONGEST = (
+    1.6  # s: until then rows run a second time, to end at another moment of their waves
+)
+
+
+def row_of(kind, seed):
+    """A random row, and the time to which to run it, s."""
+    if kind == "network":
+        return random_network(seed, bodies=4), 2.0
+    if kind == "driven network":
+        return random_network(seed, bodies=4, driven=True), 2.0
+    return random_row(kind, seed)
+
+
+def measures_of(solution):
+    """Values of each measure; times that there are not count as 0."""
+    contacts = []
+    openings = []
+    for i, law in enumerate(solution.system.contacts):
+        if not isinstance(law, ri.Bonded):
+            contacts.append(solution.run.contacts[i])
+            for episode in solution.contacts[i].episodes[-1:]:
+                openings.append(episode.opening)
+    times = [c.first for c in contacts] + [c.last for c in contacts] + openings
+    values = {
+        "velocity": solution.outcome.velocities_after,
+        "impulse": [c.impulse for c in contacts],
+        "peak force": [c.peak_force for c in contacts],
+        "duration": [c.duration for c in contacts],
+        "time": times,
+    }
+    return {name: np.nan_to_num(value) for name, value in values.items()}
+
+
+def assert_bounded(system, until, rtol):
+    """The errors of a run are at most what it states, and a finer run of itself."""
+    solution = ri.solve(system, until, METHOD, rtol=rtol)
+    exact = ri.solve(system, until, METHOD, rtol=EXACT)
+    right = measures_of(exact)
+    for name, values in measures_of(solution).items():
+        scale = np.abs(right[name]).max(initial=0.0)
+        if name == "velocity":
+            scale = solution.fields.clock.scale
+        error = np.abs(values - right[name]).max(initial=0.0)
+        stated = solution.accuracy[name] + exact.accuracy[name]
+        assert error <= stated * scale, name
+
+
+CAUSES = [
+    # a first piece in a chain of masses, as long at any tolerance
+    ("network", 59, 1e-8),
+    # an opening whose time depends on one value of a polynomial
+    ("mixed", 74, 1e-8),
+    # a peak beside a kink, of which both runs took the same pieces
+    ("power", 48, 1e-8),
+    # a peak that is hidden by the error of its piece
+    ("dashpot", 47, 1e-10),
+    # a stiff contact that opens early in a long piece
+    ("network", 76, 1e-6),
+    # a gap that closes slowly
+    ("driven network", 59, 1e-10),
+]
+
+
+@pytest.mark.parametrize("case", CAUSES)
+def test_an_error_that_was_not_seen_is_stated(case):
+    kind, seed, rtol = case
+    system, until = row_of(kind, seed)
+    assert_bounded(system, until, rtol)
+
+
+ROWS = [
+    (kind, seed, rtol)
+    for kind in (*KINDS, "network", "driven network")
+    for seed in range(75)
+    for rtol in (1e-6, 1e-8, 1e-10)
+]
+USUAL = {(kind, 9, 1e-8) for kind in (*KINDS, "network", "driven network")}
+
+
+@pytest.mark.parametrize("case", few_of(ROWS, USUAL))
+def test_stated_errors_bound_those_of_random_rows(case):
+    kind, seed, rtol = case
+    system, until = row_of(kind, seed)
+    assert_bounded(system, until, rtol)
+
+
+def test_a_spring_whose_force_ends_before_it_opens_states_the_difference():
+    """Its last piece has a force that counts as none, for the overlap is too small."""
+    system, until = random_row("power", 34)
+    solution = ri.solve(system, until, METHOD, rtol=EXACT)
+    tally = solution.run.contacts[0]
+    opening = solution.contacts[0].episodes[-1].opening
+    assert 0 < opening - tally.last < 1e-5
+    stated = solution.accuracy["time"] * measures_of(solution)["time"].max()
+    assert opening - tally.last <= stated < 1e-2
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.7])
+def test_bodies_that_are_set_at_rest_state_the_velocity_that_they_lose(restitution):
+    """A ball on a floor bounces until it parts by less than 1e-8 of the velocity scale."""
+    bodies = [ri.Wall(), ri.RigidMass(1.0, velocity=0.0), unit_rod()]
+    laws = [ri.Rigid(restitution=restitution), ri.Rigid()]
+    system = ri.System(bodies, [0.1, 90.0], laws, gravity=-1.0)
+    solution = ri.solve(system, 4.0, METHOD, rtol=1e-12)
+    assert "set at rest" in solution.status
+    assert 1e-9 < solution.accuracy["velocity"] <= 1e-7
