@@ -15,7 +15,7 @@ GUARD_LENGTH = 0.01
 def record_event(
     run: Run, link: Link, node: Node, position: float, status: int, h: float
 ) -> None:
-    """Record the error of an event of a link: its position in a piece of duration h, its new status.
+    """Record the error of an event of a link at a position in a piece of duration h.
 
     The piece of the event is wrong by what its polynomial leaves out, which makes `event_error`.
     All that went before is wrong, too: where velocities are wrong by v, a force is wrong by v/Y,

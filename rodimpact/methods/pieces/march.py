@@ -148,9 +148,7 @@ def advance(state: State, node: Node) -> bool:
     send_outgoing(state, node, ticks, left, right)
     events.record_piece(state, node, ticks)
     if node.is_averaging:
-        run.averaged_steps += 1
-        if run.first_averaged_tick == NONE:
-            run.first_averaged_tick = tick
+        count_averaged_step(run, tick)
     if event_link != NONE:
         node.halved_until = 0
         for side in range(2):
@@ -170,6 +168,13 @@ def advance(state: State, node: Node) -> bool:
         wanted = max(node.next_ticks, wanted)
     node.next_ticks = wanted
     return True
+
+
+def count_averaged_step(run: Run, tick: int) -> None:
+    """Count a step that took means of its waves, and note when the first was."""
+    run.averaged_steps += 1
+    if run.first_averaged_tick == NONE:
+        run.first_averaged_tick = tick
 
 
 def horizon(state: State, node: Node, is_after_break: bool) -> int:
