@@ -47,9 +47,13 @@ def tables_of(case: Case) -> dict[str, Any]:
     tables = tomllib.loads(write_case(case))
     tables.pop("output", None)
     all_materials = tables.pop("materials", {})
-    new = {name: m for name, m in all_materials.items() if m != LIBRARY.get(name)}
-    if new:
-        tables["materials"] = new
+    own_materials = {
+        name: material
+        for name, material in all_materials.items()
+        if material != LIBRARY.get(name)
+    }
+    if own_materials:
+        tables["materials"] = own_materials
     for body in tables["bodies"]:
         for segment in body.get("segments", [body]):
             if "diameter" in segment:  # the page has round rods by their areas

@@ -20,10 +20,10 @@ from ..storage.writing import PathLike, write_text
 from ..units import shown
 from ..version import __version__
 from .design import LIBRARY, tables_of, with_gauges
-from .fronts import run_of, solved_by_fronts, space_of
+from .fronts import new_run, run_to_end, solve_by_fronts
 from .page_files import standalone
 from .presets import presets
-from .tables import RULES, is_smooth, lacking, request_of, system_of
+from .tables import is_smooth, lacking, request_of, system_of
 
 FRAME_STYLE = "width: 100%; height: 58rem; border: 0"
 """Style of the frame of the page in a notebook."""
@@ -176,7 +176,6 @@ def explore(case: System | Case) -> Page:
         "version": __version__,
         "design": design,
         "materials": LIBRARY,
-        "rules": RULES,
         "presets": preset_tables(),
     }
     title = os.fsencode(Path(case.path).stem).decode(errors="replace")
@@ -210,11 +209,11 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
         return
     request = request_of(tables)
     system = system_of(tables, LIBRARY)
-    solved = solved_by_fronts(system, request)
-    if "problem" in solved:
-        raise InvalidModel([solved["problem"]])
-    state = run_of(request, True, space_of(lay_out_family(build_row(system))))
-    run = state["run"]
+    solution = solve_by_fronts(system, request)
+    if "problem" in solution:
+        path, message = solution["problem"]
+        raise invalid_argument(path, f"{message} {solution['advice']}".strip())
+    run = run_to_end(request, True, new_run(lay_out_family(build_row(system)))).record
     is_cap_of_page = request.max_events < case.solve.get("max_events", MAX_EVENTS)
     limit = ""
     if run.stop_reason == Stop.CLOCK:

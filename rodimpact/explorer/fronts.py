@@ -1,18 +1,18 @@
-"""A collision that fronts carry: runs of the kernels, and what they come to.
+"""A collision that fronts solve: runs of the kernels, and what the page shows of them.
 
-Plain Python around the kernels, which the page has as JavaScript. Tests hold all of it against
-`Solution` and `Outcome`.
+Begin with `solve_by_fronts`. The page has this module as JavaScript. Tests compare its
+results with those of `Solution` and `Outcome`.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..methods.abilities import has_external_drive
 from ..methods.clock import Clock, mass_of, most_rounded
 from ..methods.fronts import events, members
-from ..methods.fronts.family_layout import lay_out_family, make_state
+from ..methods.fronts.family_layout import FamilyLayout, lay_out_family, make_state
 from ..methods.fronts.initial_state import round_trip
-from ..methods.fronts.records import FRONT, IDLE, NONE
-from ..methods.fronts.status import faint_sentence, status_of
+from ..methods.fronts.records import FRONT, IDLE, NONE, Run
+from ..methods.fronts.status import end_of_run, faint_sentence
 from ..methods.fronts.totals import (
     final_motion,
     initial_motion,
@@ -26,113 +26,99 @@ from ..methods.record_lists import blank
 from ..methods.row_builder import build_row
 from ..methods.scales import smallest
 from ..methods.states import Stop
-from ..methods.status import rounding, strain_warning
+from ..methods.status import RunEnd, rounding, strain_warning
 from ..results.front_polygons import count_of, polygons_of, wave_of
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
-from .known import Ending, outcome_shown
+from .facts import RunSummary, facts_of_outcome
 
-ROOM = 32  # rows of the log at first
+INITIAL_LOG_ROWS = 32
+"""Rows of the log at t = 0; it grows when it is full."""
 FIRST_HORIZON_SHARE = 1.0
 """Share of the default horizon that the first clock counts.
 
-The page's clock has fewer bits and begins with less, so that its ticks are fine. A run that
-outlasts its clock is made again.
+The page's clock has fewer bits and begins with a smaller share, so that its ticks are
+fine. A run that outlasts its clock is made again.
 """
-MOST_REGIONS = 3000  # that are drawn
+MAX_REGIONS = 3000
+"""Polygons of constant state that the page draws at most."""
 TOO_FAR_APART = (
     "times too far apart for the clock of this page; rodimpact run may solve it"
 )
 
 
-# Runs ---------------------------------------------------------------------------------------------
+class PageRun(NamedTuple):
+    """A collision, and the records that its run fills."""
+
+    layout: FamilyLayout
+    state: Any  # a `State` whose log is a list, which can grow
+    record: Run  # the only one of `state.runs`
 
 
-def run_of(asked: Any, further: bool, space: Any) -> Any:
-    """Run a plan to its end; `further` goes on for a round trip after the proof of finality.
+# Runs ---------------------------------------------------------------------------------
 
-    Returns
-    -------
-    dict
-        The `space`, whose records the kernels have left.
+
+def new_run(layout: Any) -> PageRun:
+    """A collision that has not begun."""
+    state = make_state(layout, INITIAL_LOG_ROWS, [layout.values])
+    return PageRun(layout, state, state.runs[0])
+
+
+def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
+    """Run a collision to its end.
+
+    Parameters
+    ----------
+    request : RunRequest
+    run_past_proof : bool
+        Whether it goes on for a round trip after the proof of finality.
+    run : PageRun
     """
-    run = space["run"]
-    run.max_events = asked.max_events
-    run.run_past_proof = further
-    if asked.until >= 0:
-        run.until = asked.until
-        go(space)
-        return space
+    record = run.record
+    record.max_events = request.max_events
+    record.run_past_proof = run_past_proof
+    if request.until >= 0:
+        record.until = request.until
+        run_from_start(run)
+        return run
     share = FIRST_HORIZON_SHARE
-    run.until = -share
-    go(space)
-    while run.stop_reason == Stop.CLOCK and share < 1:
+    record.until = -share
+    run_from_start(run)
+    while record.stop_reason == Stop.CLOCK and share < 1:
         share = min(4 * share, 1.0)
-        run.until = -share
-        go(space)
-    return space
+        record.until = -share
+        run_from_start(run)
+    return run
 
 
-def go(space: Any) -> None:
+def run_from_start(run: PageRun) -> None:
     """Run from t = 0 on, on the clock that `until` asks for."""
-    log = space["state"].log
-    while not members.run_members(space["state"]):
+    log = run.state.log
+    while not members.run_members(run.state):
         log.extend(blank(3 * len(log), FRONT))
 
 
-def space_of(plan: Any) -> Any:
-    """Space for runs of a plan: the ``plan``, the ``state``, and its ``run``."""
-    state = make_state(plan, ROOM, [plan.values])
-    return {"plan": plan, "state": state, "run": state.runs[0]}
+# Waves --------------------------------------------------------------------------------
 
 
-# What moves ---------------------------------------------------------------------------------------
+def motion_of(run: PageRun) -> Any:
+    """The motion of a run as `motion` describes it; its waves are constant pieces.
 
-
-def motion_of(run: Any) -> Any:
-    """A run as `motion` has it, whose waves are constant pieces; it ends where too much is drawn.
-
-    ``rods`` are its waves as `polygons_of` has them.
+    It ends earlier than the run if the page could not draw all regions. The entry
+    ``rods`` has the same waves in the form of `polygons_of`.
     """
-    it, row, state = run["run"], run["plan"].row, run["state"]
-    pieces: list[Any] = []
-    for front in state.log[: it.log_rows]:
-        if front.line > 1:
-            piece = piece_of(
-                front.tick, NEVER, [front.value]
-            )  # until the next one begins
-            piece.line, piece.break_order = front.line - 2, 0
-            pieces.append(piece)
-    waves = reading.waves_of(pieces, len(state.lines) - 2)
-    transits = [at.transit for at in state.segments[1 : len(row.segments) + 1]]
-    steady = [
-        wave_of(wave["start"], [piece.coefficients[0] for piece in wave["piece"]])
-        for wave in waves
-    ]
-    rods = [
-        {
-            "body": i,
-            "pieces": [
-                {
-                    "length": row.segments[s].length,
-                    "wave_speed": row.segments[s].wave_speed,
-                    "youngs_modulus": row.segments[s].material.youngs_modulus,
-                    "ticks": transits[s],
-                    "rightward": steady[2 * s],
-                    "leftward": steady[2 * s + 1],
-                }
-                for s in range(first - 1, last)
-            ],
-        }
-        for i, (first, last) in enumerate(row.spans)
-    ]
-    now: int = it.now
-    while now > 0 and count_of(rods, 0, now, MOST_REGIONS) > MOST_REGIONS:
+    record = run.record
+    row = run.layout.row
+    transits = transits_of(run)
+    waves = waves_of_fronts(run)
+    rods = rods_of(row, transits, waves)
+    now: int = record.now
+    while now > 0 and count_of(rods, 0, now, MAX_REGIONS) > MAX_REGIONS:
         now //= 2
     return {
         "row": row,
-        "tick": it.tick_duration,
-        "frame": it.frame_velocity,
+        "tick": record.tick_duration,
+        "frame": record.frame_velocity,
         "transits": transits,
         "now": now,
         "waves": waves,
@@ -144,56 +130,126 @@ def motion_of(run: Any) -> Any:
     }
 
 
-def contact_curves(run: Any, stop: int) -> list[Any]:
+def transits_of(run: PageRun) -> list[Any]:
+    """Transit times of the segments, ticks."""
+    inside = run.state.segments[1 : len(run.layout.row.segments) + 1]
+    return [segment.transit for segment in inside]
+
+
+def waves_of_fronts(run: PageRun) -> list[Any]:
+    """Waves of all segments: each front begins a piece, and the next one ends it."""
+    state = run.state
+    pieces: list[Any] = []
+    for front in state.log[: run.record.log_rows]:
+        if front.line > 1:  # neither a change of a contact nor a line outside
+            piece = piece_of(front.tick, NEVER, [front.value])
+            piece.line = front.line - 2
+            piece.break_order = 0
+            pieces.append(piece)
+    return reading.waves_of(pieces, len(state.lines) - 2)
+
+
+def rods_of(row: Any, transits: list[Any], waves: list[Any]) -> list[Any]:
+    """Segments of each body with their waves, in the form of `polygons_of`."""
+    rods = []
+    for i in range(len(row.spans)):
+        pieces = []
+        for s in range(row.spans[i][0] - 1, row.spans[i][1]):
+            segment = row.segments[s]
+            pieces.append(
+                {
+                    "length": segment.length,
+                    "wave_speed": segment.wave_speed,
+                    "youngs_modulus": segment.material.youngs_modulus,
+                    "ticks": transits[s],
+                    "rightward": constant_wave(waves[2 * s]),
+                    "leftward": constant_wave(waves[2 * s + 1]),
+                }
+            )
+        rods.append({"body": i, "pieces": pieces})
+    return rods
+
+
+def constant_wave(wave: Any) -> Any:
+    """A wave of constant pieces in the form of `front_polygons`."""
+    values = [piece.coefficients[0] for piece in wave["piece"]]
+    return wave_of(wave["start"], values)
+
+
+# Contacts -----------------------------------------------------------------------------
+
+
+def contact_curves(run: PageRun, stop: int) -> list[Any]:
     """Force, N, and gap, m, of each contact, at the times at which the contact changes.
 
-    The kernel runs again, event by event, to `stop`.
+    The kernel runs again, event by event, to the tick `stop`.
     """
-    again, tick, now = space_of(run["plan"]), run["run"].tick_duration, 0
-    it, state = again["run"], again["state"]
-    it.until = run["run"].until
-    it.max_events = 0
-    it.run_past_proof = 1
-    go(again)  # what happens at t = 0
-    it.max_events = run["run"].max_events
-    it.next_proof_event = IDLE  # nothing is to be proved
-    contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
-    changes: list[Any] = [[] for _ in contacts]  # time, force, gap
+    again = new_run(run.layout)
+    state = again.state
+    record = again.record
+    record.until = run.record.until
+    record.max_events = 0
+    record.run_past_proof = 1
+    run_from_start(again)  # the run ends with the events at t = 0
+    record.max_events = run.record.max_events
+    record.next_proof_event = IDLE  # the first run has the proof
+    curves = []
+    for contact in run.layout.row.system.contacts:
+        curves.append(empty_curves(contact))
+    now = 0
     while now <= stop:
-        for i, k in enumerate(contacts):
-            at = state.nodes[k]
-            if at.solved_tick == now or now in (0, stop):
-                gap = max(at.gap + at.gap_rate * (now - at.solved_tick), 0.0)
-                changes[i].append((now * tick, at.force, gap * tick))
-        now = min(state.queue[1], stop) if now < stop else stop + 1
+        for i, node in enumerate(contacts_of(again)):
+            if node.solved_tick == now or now in (0, stop):
+                add_change(curves[i], node, now, run.record.tick_duration)
+        if now < stop:
+            now = min(state.queue[1], stop)
+        else:
+            now = stop + 1
         while events.advance(state, min(now, stop)) == Stop.FULL:
             state.log.extend(blank(len(state.log), FRONT))
-    return [
-        {  # of forces the one before, and the new one
-            "force": {
-                "t": [at[0] for at in of for _ in (0, 1)][1:],
-                "y": [at[1] for at in of for _ in (0, 1)][:-1],
-            },
-            "gap": {"t": [at[0] for at in of], "y": [at[2] for at in of]}
-            if law.opens
-            else None,
-        }
-        for law, of in zip(laws, changes, strict=True)
-    ]
+    return curves
 
 
-# What it comes to ---------------------------------------------------------------------------------
+def empty_curves(contact: Any) -> Any:
+    """Curves of force and gap of a contact without any point; no gap for a bond."""
+    gap: Any = None
+    if contact.opens:
+        gap = {"t": [], "y": []}
+    return {"force": {"t": [], "y": []}, "gap": gap}
 
 
-def outcome_of(run: Any, status: str) -> Any:
-    """What the collision did, as of `outcome_shown`."""
-    record = run["run"]
-    row = run["plan"].row
-    segments = run["state"].segments
+def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
+    """Add the force and the gap of a contact at a tick.
+
+    The force is a step curve: each change has a point with the force before it, and one
+    with the force after it.
+    """
+    t = now * tick_duration
+    force = curves["force"]
+    if len(force["t"]) > 0:
+        force["t"].append(t)
+        force["y"].append(force["y"][-1])
+    force["t"].append(t)
+    force["y"].append(node.force)
+    gap = curves["gap"]
+    if gap is not None:
+        width = max(node.gap + node.gap_rate * (now - node.solved_tick), 0.0)
+        gap["t"].append(t)
+        gap["y"].append(width * tick_duration)
+
+
+# Outcome ------------------------------------------------------------------------------
+
+
+def outcome_of(run: PageRun, status: str) -> Any:
+    """The outcome of a collision, in the form of `facts_of_outcome`."""
+    record = run.record
+    row = run.layout.row
+    segments = run.state.segments
     clock = clock_of(run)
     rounded, _ = most_rounded(row, clock.transits, clock.tick)
     error_of_event = (rounded + 1 / max(clock.transits)) * record.velocity_scale
-    ending = Ending(
+    summary = RunSummary(
         [tally_of(node, clock.tick) for node in contacts_of(run)],
         is_proved(run),
         status,
@@ -202,63 +258,83 @@ def outcome_of(run: Any, status: str) -> Any:
     masses = [mass_of(clock, i) for i in range(len(row.spans))]
     before = initial_motion(clock, masses, segments)
     after = final_motion(clock, masses, segments)
-    return outcome_shown(row.system, before, after, ending)
+    return facts_of_outcome(row.system, before, after, summary)
 
 
-def clock_of(run: Any) -> Clock:
+def clock_of(run: PageRun) -> Clock:
     """The clock of a run."""
-    record = run["run"]
-    row = run["plan"].row
-    inside = run["state"].segments[1 : len(row.segments) + 1]
-    transits = [segment.transit for segment in inside]
-    impedance = [0.0, *[piece.impedance for piece in row.segments], 0.0]
+    record = run.record
+    row = run.layout.row
+    transits = transits_of(run)
+    impedance = [0.0, *[segment.impedance for segment in row.segments], 0.0]
     tick = record.tick_duration
     return Clock(row, tick, transits, record.frame_velocity, 0.0, 0.0, 0, impedance)
 
 
-def contacts_of(run: Any) -> list[Any]:
+def contacts_of(run: PageRun) -> list[Any]:
     """The nodes of the contacts."""
-    return [run["state"].nodes[k] for k in run["plan"].contacts]
+    return [run.state.nodes[k] for k in run.layout.contacts]
 
 
-def is_proved(run: Any) -> bool:
+def is_proved(run: PageRun) -> bool:
     """Whether the outcome is final."""
-    it, system = run["run"], run["plan"].row.system
-    proved: bool = it.proved_tick != NONE and not (
-        it.until >= 0 and has_external_drive(system)
-    )
-    return proved
+    record = run.record
+    has_proof: bool = record.proved_tick != NONE
+    is_driven_to_end = record.until >= 0 and has_external_drive(run.layout.row.system)
+    return has_proof and not is_driven_to_end
 
 
-def sentence_of(run: Any) -> str:
-    """Why the run ended, as `Solution.status` has it."""
-    it, row, contacts = run["run"], run["plan"].row, contacts_of(run)
-    segments = run["state"].segments
-    last = last_contact_end(it, contacts, round_trip(segments) * it.tick_duration)
-    sentence = status_of(it, contacts, row.system, is_proved(run), last)
-    faint = faint_sentence(it, contacts, row.system)
-    ticks = [at.transit for at in segments[1 : len(row.segments) + 1]]
-    rounded, worst = most_rounded(row, ticks, it.tick_duration)
-    strain = it.max_wave / smallest([piece.wave_speed for piece in row.segments])
-    return sentence + rounding(rounded, worst) + strain_warning(strain) + faint
+def why_ended(run: PageRun) -> RunEnd:
+    """Why the run ended."""
+    record = run.record
+    contacts = contacts_of(run)
+    longest_trip = round_trip(run.state.segments) * record.tick_duration
+    last = last_contact_end(record, contacts, longest_trip)
+    return end_of_run(record, contacts, run.layout.row.system, is_proved(run), last)
 
 
-def solved_by_fronts(system: Any, asked: Any) -> Any:
-    """A collision as `solved.shown_of` takes it; or a ``problem``, path and sentence."""
-    run = run_of(asked, True, space_of(lay_out_family(build_row(system))))
-    if run["run"].stop_reason >= Stop.OVERFLOW:
-        return {"problem": ("bodies", TOO_FAR_APART)}
-    outcome, motion = outcome_of(run, sentence_of(run)), motion_of(run)
-    stop, tick = motion["now"], motion["tick"]
+def status_of(run: PageRun) -> str:
+    """Why the run ended: `Solution.status` without its advice to users of Python."""
+    record = run.record
+    row = run.layout.row
+    contacts = contacts_of(run)
+    tick = record.tick_duration
+    rounded, worst = most_rounded(row, transits_of(run), tick)
+    wave_speeds = [segment.wave_speed for segment in row.segments]
+    strain = record.max_wave / smallest(wave_speeds)
+    remarks = rounding(rounded, worst) + strain_warning(strain)
+    faint = faint_sentence(record, contacts, row.system)
+    return why_ended(run).statement + remarks + faint
+
+
+# Solution -----------------------------------------------------------------------------
+
+
+def solve_by_fronts(system: Any, request: Any) -> Any:
+    """Solve a collision.
+
+    Returns
+    -------
+    dict
+        The solution, in the form that `solved.scene_of_solution` takes; or a
+        ``problem``, path and sentence, with ``advice`` to users of Python.
+    """
+    run = run_to_end(request, True, new_run(lay_out_family(build_row(system))))
+    record = run.record
+    if record.stop_reason >= Stop.OVERFLOW:
+        return {"problem": ("bodies", TOO_FAR_APART), "advice": ""}
+    outcome = outcome_of(run, status_of(run))
+    motion = motion_of(run)
+    stop = motion["now"]
+    tick = motion["tick"]
     if stop == 0:
-        message = (
-            "lasts no time to show"
-            if run["run"].now == 0
-            else "has too many fronts to show"
-        )
-        return {"problem": ("solve", f"{message}. {outcome['status']}")}
+        message = "has too many fronts to show"
+        if record.now == 0:
+            message = "lasts no time to show"
+        sentences = f"{message}. {outcome['status']}"
+        return {"problem": ("solve", sentences), "advice": why_ended(run).advice}
     notes = [outcome["status"]]
-    if stop < run["run"].now:
+    if stop < record.now:
         end = format_si(stop * tick, "s", 4)
         notes.append(f"The picture ends at {end}: too many regions later.")
     return {
@@ -273,20 +349,28 @@ def solved_by_fronts(system: Any, asked: Any) -> Any:
 
 
 def closed_form_of(system: Any, before: list[float]) -> Any:
-    """e of a pair for which theory knows it, and the source; None for any other row."""
+    """e of a pair in closed form, and its source; None for a row without one.
+
+    Parameters
+    ----------
+    system : System
+    before : list of float
+        Velocities of the bodies before the collision, m/s.
+    """
     bodies = system.bodies
     if len(bodies) != 2 or not system.contacts[0].opens or before[0] <= before[1]:
         return None
-    if any(
-        not isinstance(body.velocity, float)
-        or body.strain != 0.0
-        or len(body.segments) > 1
-        for body in bodies
-    ) or any(end.kind != "free" for end in system.ends):
-        return None
+    for body in bodies:
+        has_one_velocity = isinstance(body.velocity, float)
+        if not has_one_velocity or body.strain != 0.0 or len(body.segments) > 1:
+            return None
+    for end in system.ends:
+        if end.kind != "free":
+            return None
     if any(body.kind == "wall" for body in bodies):
         return {"restitution": 1.0, "source": "textbook, box 10.4"}
-    left, right = [body.segments[0] for body in bodies]
+    left = bodies[0].segments[0]
+    right = bodies[1].segments[0]
     numbers = pair_numbers(
         left.impedance, left.transit_time, right.impedance, right.transit_time
     )

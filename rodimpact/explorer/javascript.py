@@ -39,7 +39,8 @@ TEMPLATES = {
     "Expr": "{value};\n",
     "Assign": "{targets}={value};\n",
     "AnnAssign": "{target}={value};\n",
-    "If": "if({?test}){\n{body}}else{\n{orelse}}\n",
+    "If": "if({?test}){\n{body}}\n",
+    "If Else": "if({?test}){\n{body}}else{\n{orelse}}\n",
     "While": "while({?test}){\n{body}}\n",
     "For": "for({target} of {iter}){\n{body}}\n",
     "IfExp": "({?test}?{body}:{orelse})",
@@ -290,6 +291,8 @@ class _Translator(ast.NodeVisitor):
         kind = type(getattr(node, "op", node)).__name__
         if kind == "Mult" and isinstance(getattr(node, "left", None), ast.List):
             kind = "List Mult"
+        if kind == "If" and getattr(node, "orelse", None):
+            kind = "If Else"
         return self.filled(kind, node)
 
     def filled(self, kind: str, node: Any) -> str:

@@ -16,21 +16,35 @@ SCRIPTS = (
     "numbers.js",
     "python.js",
     "kernels.js",
+    "elements.js",
+    "fields.js",
     "solver.js",
+    "curves.js",
+    "toml.js",
     "pens.js",
+    "colours.js",
+    "axes.js",
     "layout.js",
-    "picture.js",
-    "strip.js",
+    "cuts.js",
+    "centres.js",
+    "grids.js",
+    "diagram.js",
+    "rods.js",
     "plots.js",
     "reading.js",
-    "lesson.js",
+    "events.js",
+    "guess.js",
     "tour.js",
     "film.js",
     "compare.js",
-    "controls.js",
+    "row.js",
+    "undo.js",
+    "form.js",
     "map.js",
-    "build.js",
+    "dragging.js",
     "handles.js",
+    "results.js",
+    "files.js",
     "address.js",
     "main.js",
 )
@@ -42,16 +56,27 @@ LOADER = "loader.js"
 def read(name: str) -> str:
     """Text of a file of the page; the kernels are translated now."""
     if name == "kernels.js":
-        return script()
+        return compact(script())
     file = resources.files(__package__).joinpath("page", name)
     return file.read_text(encoding="utf-8")
 
 
 def lean(text: str) -> str:
-    """A script or a style without indentation and without lines of comments."""
-    return re.sub(
-        r"^(\s+|\s*//.*\n|\s*/\*\*(.|\n)*?\*/\n)", "", text, flags=re.MULTILINE
-    )
+    """A file of the page without indentation and without comments.
+
+    A comment behind code stays if it has a quotation mark: it may be part of a text.
+    """
+    comments = r"^(\s+|\s*//.*\n|\s*/\*\*(.|\n)*?\*/\n)"
+    text = re.sub(comments, "", text, flags=re.MULTILINE)
+    return re.sub(r"[ \t]+// [^\"'`\n]*$", "", text, flags=re.MULTILINE)
+
+
+def compact(text: str) -> str:
+    """A style or translated script without ends of lines behind punctuation.
+
+    Scripts that people write may have comments there, which would hide the next line.
+    """
+    return re.sub(r"(?<=[;{},])\n", "", lean(text))
 
 
 def standalone(embedded: Mapping[str, Any], title: str) -> str:
@@ -69,7 +94,7 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
     str
         HTML.
     """
-    style = lean(read("page.css"))
+    style = compact(read("page.css"))
     loader = lean(read(LOADER))
     script = lean("\n".join(map(read, SCRIPTS)))
     policy = "; ".join(
@@ -95,7 +120,7 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
         f'<script type="text/plain" id="packed">{packed(script)}</script>\n'
         f"<script>{loader}</script>"
     )
-    page = read("page.html").replace(
+    page = lean(read("page.html")).replace(
         "<title>rodimpact<", f"<title>{html.escape(title)}<"
     )
     page = page.replace('<link rel="stylesheet" href="page.css">', head)

@@ -1,7 +1,7 @@
 """All data that the page shows of a solved collision: layout, curves and texts.
 
-The page has these functions as JavaScript. Polygons cut at time t are the rods at time
-t, so the page slices them and needs no physics.
+Begin with `page_data`. The page has these functions as JavaScript. Polygons cut at time
+t are the rods at time t, so the page slices them and needs no physics.
 """
 
 from typing import Any
@@ -10,9 +10,9 @@ from ..model.numbering import body_numbers, contact_names
 from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..storage.tables import clean
 from ..units import TIMES, format_factor, format_si
-from .known import body_told, initial_offsets, slowest_of
+from .facts import facts_of_body, initial_offsets, slowest_velocity
 from .reason import peak_of, reason_of
-from .texts import capital, stated, written
+from .texts import as_sentence, error_text, format_quantity, with_error
 
 NO_VALUE = "-"
 """Text of a number that does not exist."""
@@ -20,15 +20,17 @@ SMALLEST_RESTITUTION = 1e-9
 """A smaller e has the digits of this one when its error is stated."""
 
 
-def page_data(system: Any, solved: Any, paths: Any, records: Any, energy: Any) -> Any:
+def page_data(
+    system: Any, solution: Any, paths: Any, records: Any, energies: Any
+) -> Any:
     """Data of the page for a solved collision.
 
     Parameters
     ----------
     system : System
-    solved : dict
+    solution : dict
         ``method``, ``notes``, and whether it is ``exact``; ``closed_form`` of e, or
-        None; ``gauges``; ``outcome`` from `outcome_shown`; ``tiling``: polygons, or
+        None; ``gauges``; ``outcome`` from `facts_of_outcome`; ``tiling``: polygons, or
         grids with ``across`` cells in a row; ``contacts``, each with its curves of
         ``force`` and ``gap``, the gap None for a bond. Curves are tables of ``t``, s,
         and ``y``.
@@ -36,7 +38,7 @@ def page_data(system: Any, solved: Any, paths: Any, records: Any, energy: Any) -
         Paths of bodies without inside, None for rods.
     records : list of dict
         Curves of gauges, each with the ``name`` of its gauge.
-    energy : dict
+    energies : dict
         Times ``t``, and energies by their names.
 
     Returns
@@ -47,23 +49,37 @@ def page_data(system: Any, solved: Any, paths: Any, records: Any, energy: Any) -
     """
     kinds = [body.kind for body in system.bodies]
     facts = {
-        **solved,
+        "method": solution["method"],
+        "notes": solution["notes"],
+        "exact": solution["exact"],
+        "closed_form": solution["closed_form"],
+        "outcome": solution["outcome"],
+        "tiling": solution["tiling"],
         "bodies": bodies_of_page(system, body_numbers(kinds), paths),
-        "contacts": contacts_of_page(system, contact_names(kinds), solved["contacts"]),
+        "contacts": contacts_of_page(
+            system, contact_names(kinds), solution["contacts"]
+        ),
     }
     restitution = restitution_of(facts)
     e = ""
     if restitution["why"] == "":
         e = restitution["text"]
     return {
-        **facts,
-        "outcome": None,
-        "end": max(solved["tiling"]["t"]),
-        "plots": [energy_plot(energy), gauge_plot(records)],
+        "method": facts["method"],
+        "notes": facts["notes"],
+        "exact": facts["exact"],
+        "gauges": solution["gauges"],
+        "tiling": facts["tiling"],
+        "bodies": facts["bodies"],
+        "contacts": facts["contacts"],
+        "end": max(facts["tiling"]["t"]),
+        "plots": [energy_plot(energies), gauge_plot(records)],
         "row": layout_of_row(system, facts),
         "restitution": restitution,
         "ratio": ratio_of(facts),
         "reason": reason_of(facts, e),
+        "final": facts["outcome"]["final"],
+        "velocities": velocities_after(facts),
         "results": results_of(facts),
         "by_contact": rows_by_contact(facts),
     }
@@ -73,7 +89,7 @@ def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
     """Data of each body."""
     bodies = []
     for i, body in enumerate(system.bodies):
-        bodies.append(body_told(body, numbers[i], paths[i]))
+        bodies.append(facts_of_body(body, numbers[i], paths[i]))
     return bodies
 
 
@@ -87,18 +103,19 @@ def contacts_of_page(system: Any, names: list[str], curves: Any) -> list[Any]:
                 "name": names[i],
                 "bonded": law.law == "bonded",
                 "compliant": law.law not in ("rigid", "bonded"),
-                **curves[i],
+                "force": curves[i]["force"],
+                "gap": curves[i]["gap"],
             }
         )
     return contacts
 
 
-def energy_plot(energy: Any) -> Any:
+def energy_plot(energies: Any) -> Any:
     """Curves of the energies over time."""
     series = []
-    for name, values in energy.items():
+    for name, values in energies.items():
         if name != "t":
-            series.append({"name": name, "t": [*energy["t"]], "y": values})
+            series.append({"name": name, "t": [*energies["t"]], "y": values})
     return {"key": "energy", "title": "Energy", "unit": "J", "series": series}
 
 
@@ -107,7 +124,7 @@ def gauge_plot(records: Any) -> Any:
     series = []
     for record in records:
         microstrain = [1e6 * strain for strain in record["y"]]
-        series.append({**record, "y": microstrain})
+        series.append({"name": record["name"], "t": record["t"], "y": microstrain})
     title = "Strain, below 0 compressed"
     return {"key": "gauge", "title": title, "unit": "µε", "series": series}
 
@@ -118,14 +135,14 @@ def gauge_plot(records: Any) -> Any:
 def layout_of_row(system: Any, facts: Any) -> Any:
     """Layout of the row in the moving picture.
 
-    A point is drawn at X = left + x + magnification * (apart + displacement - frame t).
-    ``block`` is the width of a mass; bodies lie side by side.
+    A point is drawn at X = left + x + magnification * (offset + displacement - frame t).
+    Bodies lie side by side, a mass with its `mass_width`.
     """
     length = 0.0
     for body in facts["bodies"]:
-        for piece in body["pieces"]:
-            length += piece["length"]
-    slowest = slowest_of(system, facts["outcome"]["before"])
+        for segment in body["segments"]:
+            length += segment["length"]
+    slowest = slowest_velocity(system, facts["outcome"]["before"])
     offsets = initial_offsets(system, facts["tiling"])
     reach = spread(facts, offsets, 0.0)
     relative_reach = spread(facts, offsets, slowest)
@@ -134,17 +151,17 @@ def layout_of_row(system: Any, facts: Any) -> Any:
     frame = 0.0
     if drifts(reach, relative_reach):
         frame = slowest
-    note = "true to scale"
+    notes = ["true to scale"]
     if magnification != 1:
-        note = f"displacements {TIMES} {format_factor(magnification)}"
+        notes = [f"displacements {TIMES} {format_factor(magnification)}"]
     if frame != 0:
-        note = f"{note}, frame moving at {format_si(frame, 'm/s', 4)}"
+        notes.append(f"frame moving at {format_si(frame, 'm/s', 4)}")
     return {
-        "block": round_down(BLOCK * length),
-        "apart": offsets,
+        "mass_width": round_down(BLOCK * length),
+        "offsets": offsets,
         "magnification": magnification,
         "frame": frame,
-        "note": note,
+        "notes": notes,
     }
 
 
@@ -173,19 +190,28 @@ def ratio_of(facts: Any) -> Any:
     bodies = facts["bodies"]
     if len(bodies) != 2:
         return None
-    left = bodies[0]["pieces"]
-    right = bodies[1]["pieces"]
+    left = bodies[0]["segments"]
+    right = bodies[1]["segments"]
     if len(left) != 1 or len(right) != 1:
         return None
     return left[0]["length"] / right[0]["length"]
 
 
 def restitution_of(facts: Any) -> Any:
-    """Coefficient of restitution with text and closed form, or why there is none."""
+    """Coefficient of restitution with texts and closed form, or why there is none.
+
+    Returns
+    -------
+    dict
+        The ``value``, or None; its ``text`` with the error, and apart the ``number``
+        and its ``error``, "" for a small one; ``why``, a sentence, or ""; and the
+        ``closed_form``.
+    """
     outcome = facts["outcome"]
     why = outcome["why"]
     value = None
-    text = NO_VALUE
+    number = NO_VALUE
+    error = ""
     if why == "":
         value = outcome["restitution"]
         digits = 5
@@ -193,17 +219,22 @@ def restitution_of(facts: Any) -> Any:
             digits = 6
         number = f"{clean(value, 1.0):.{digits}g}"
         size = max(value, SMALLEST_RESTITUTION)
-        text = stated(number, size, digits, outcome["error"], "")
+        error = error_text(size, digits, outcome["error"], "")
     elif len(outcome["unilateral"]) > 1:
         count = len(outcome["unilateral"])
         why = (
             f"A coefficient e belongs to one contact; this row has {count}, see the "
             "velocities"
         )
+    text = number
+    if error != "":
+        text = f"{number} ± {error}"
     return {
         "value": value,
         "text": text,
-        "why": capital(why),
+        "number": number,
+        "error": error,
+        "why": as_sentence(why),
         "closed_form": facts["closed_form"],
     }
 
@@ -230,7 +261,7 @@ def text_of(value: float, error: float, unit: str) -> str:
     is_number = value == value
     if not is_number:
         return NO_VALUE
-    return stated(written(value, unit, 5), value, 5, error, unit)
+    return with_error(format_quantity(value, unit, 5), value, 5, error, unit)
 
 
 def rows_by_contact(facts: Any) -> Any:
@@ -252,7 +283,9 @@ def results_of(facts: Any) -> Any:
     after = "at the end"
     if outcome["final"]:
         after = "after"
-    rows = velocity_rows(facts, after)
+    rows = []
+    for velocity in velocities_after(facts):
+        rows.append((f"velocity of {velocity['name']} {after}", velocity["text"]))
     if len(outcome["unilateral"]) == 1:
         for name, text in rows_of_contact(facts, outcome["unilateral"][0]):
             if text != NO_VALUE:
@@ -260,23 +293,37 @@ def results_of(facts: Any) -> Any:
     energy_before = outcome["energy_before"]
     vibration = clean(outcome["vibration_after"], energy_before)
     vibration_text = text_of(vibration, outcome["errors"].get("energy", 0.0), "J")
-    rows.append(("energy before", written(energy_before, "J", 5)))
+    rows.append(("energy before", format_quantity(energy_before, "J", 5)))
     rows.append((f"vibration energy {after}", vibration_text))
     return rows
 
 
-def velocity_rows(facts: Any, after: str) -> list[Any]:
-    """Name and text of the velocity of each rod and mass at the end."""
+def velocities_after(facts: Any) -> list[Any]:
+    """Velocity of each rod and mass at the end.
+
+    Returns
+    -------
+    list of dict
+        ``number`` and ``name`` of the body, the ``value`` in m/s as a text, and the
+        ``text`` with unit and stated error.
+    """
     outcome = facts["outcome"]
     digits = 4
     if facts["method"] == "fronts":
         digits = 6
     error = outcome["errors"]["velocity"]
     fastest = peak_of([*outcome["before"], *outcome["after"]])
-    rows = []
+    velocities = []
     for i, body in enumerate(facts["bodies"]):
         if body["kind"] != "wall":
             v = clean(outcome["after"][i], fastest)
-            text = stated(f"{v:.{digits}g} m/s", v, digits, error, "m/s")
-            rows.append((f"velocity of {body['name']} {after}", text))
-    return rows
+            value = f"{v:.{digits}g}"
+            velocities.append(
+                {
+                    "number": body["number"],
+                    "name": body["name"],
+                    "value": value,
+                    "text": with_error(f"{value} m/s", v, digits, error, "m/s"),
+                }
+            )
+    return velocities

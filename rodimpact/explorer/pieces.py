@@ -1,6 +1,6 @@
-"""A collision that characteristics carry: runs of the kernels, and what they come to.
+"""A collision that characteristics solve: runs of the kernels, and what the page shows.
 
-Plain Python around the kernels, which the page has as JavaScript.
+Begin with `solve_by_pieces`. The page has this module as JavaScript.
 """
 
 import math
@@ -24,10 +24,10 @@ from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import CONTACT_EVENT, NONE, PIECE, State
 from ..methods.pieces.series import N
 from ..methods.pieces.totals import (
+    end_of_run,
     last_of,
     simplifications_text,
     stated,
-    status_of,
     tally_of,
     why_stopped,
     why_stuck,
@@ -38,26 +38,30 @@ from ..methods.scales import frame_of, largest, scale_of, wave_of_strain
 from ..methods.states import Stop
 from ..methods.status import strain_warning
 from ..methods.tick_rule import default_horizon
+from .facts import RunSummary, errors_of, facts_of_outcome
 from .fronts import TOO_FAR_APART
-from .known import Ending, errors_of, outcome_shown
 from .motion import curve_of, grids_of
 
-ROOM = 512  # of the log at first
-MAX_STEPS = (
-    100_000  # of a run that starts: more take longer than a page may stand still
-)
-LOG_GROWTH = 256  # rows that logs grow by; whenever they grow, the deadline is checked
+INITIAL_LOG_ROWS = 512
+"""Rows of the logs of pieces and of contact events at t = 0."""
+LOG_GROWTH = 256
+"""Rows by which the logs grow. Whenever they grow, the deadline is checked."""
+MAX_STEPS = 100_000
+"""Steps of a run at most: more take longer than a page may stand still."""
 TOO_MUCH_WORK = (
-    "This collision takes too long for the page. Usually one rod is very much shorter than "
-    "another, or a contact is very stiff. Make the shortest rod longer or that contact softer; or "
-    "solve the collision with Python: rodimpact run CASE.toml"
+    "This collision takes too long for the page. Usually one rod is very much shorter "
+    "than another, or a contact is very stiff. Make the shortest rod longer or that "
+    "contact softer; or solve the collision with Python: rodimpact run CASE.toml"
 )
+
+
+# Runs ---------------------------------------------------------------------------------
 
 
 def clock_of(row: Any, until: Any) -> Any:
     """The clock of a row with rods; None where times are too far apart for it."""
-    transits = [s.transit_time for s in row.segments]
-    reference = largest(transits)
+    transit_times = [segment.transit_time for segment in row.segments]
+    reference = largest(transit_times)
     scale = scale_of(row)
     if not scale > 0:
         scale = 1.0
@@ -66,19 +70,19 @@ def clock_of(row: Any, until: Any) -> Any:
         crossing_time = crossing_time_of(row)
         flight_time = flight_time_of(row, scale)
         end = default_horizon(reference, crossing_time, flight_time, 1.0)
-    total, ticks = count_ticks(transits, reference, end)
-    if total == 0 or any(transit <= MIN_TRANSIT for transit in ticks):
+    total, transits = count_ticks(transit_times, reference, end)
+    if total == 0 or min(transits) <= MIN_TRANSIT:
         return None
     tick = reference / total
     last_tick = round(end / tick)
-    return Clock(row, tick, ticks, frame_of(row), scale, reference, last_tick)
+    return Clock(row, tick, transits, frame_of(row), scale, reference, last_tick)
 
 
 def least_steps(clock: Clock, until: Any) -> float:
-    """Lower bound of the steps of one member; to its proof of finality where no end is given.
+    """Lower bound of the steps of a run; to its proof of finality without a given end.
 
-    A node goes on by twice the shorter transit time beside it at most. A run without an end goes on
-    for a round trip of the longest rod after its proof.
+    A step of a node takes at most twice the shorter transit time beside it. A run
+    without a given end goes on for a round trip of the longest rod after its proof.
     """
     transits = clock.transits
     duration = 2 * max(transits)
@@ -90,81 +94,104 @@ def least_steps(clock: Clock, until: Any) -> float:
     return steps
 
 
-def waves_at_start(row: Any, clock: Clock) -> Any:
-    """Pieces of all lines that are known at t = 0, and lines of what comes from outside."""
-    pieces, outside, last = [], [], len(row.segments) - 1
+def initial_lines(row: Any, clock: Clock) -> Any:
+    """Pieces of all lines that are known at t = 0, and the lines from outside.
+
+    Returns
+    -------
+    pieces : list of PIECE
+    outside : list of int
+        Line of what acts on the left and on the right end, or NONE.
+    """
+    pieces: list[Any] = []
     for i, body in enumerate(row.system.bodies):
+        velocity = body.velocity - clock.frame
         for s in range(row.spans[i][0] - 1, row.spans[i][1]):
             stretch = body.strain * row.segments[s].wave_speed
-            pieces.extend(
-                layout.initial_waves(
-                    body.velocity - clock.frame, stretch, clock.transits[s]
-                )
-            )
+            pieces.extend(layout.initial_waves(velocity, stretch, clock.transits[s]))
+    n_segments = len(row.segments)
+    outside = []
     for side, (kind, value) in enumerate(row.boundaries):
-        k, came, factor = side * (last + 1), 0.0, 1.0
+        k = side * n_segments
         if kind == "none" and row.first[k] == row.first[k + 1]:
             outside.append(NONE)
             continue
+        wave = value
         if kind == "velocity":
-            came = -clock.frame
+            wave = -clock.frame + value
         elif kind == "absorbing":
-            came = pieces[2 * last + 1 if side == 1 else 0].coefficients[0]
-            factor = wave_of_strain(row, side)
+            leaving = 0  # line of the wave that leaves the row at this end
+            if side == 1:
+                leaving = 2 * n_segments - 1
+            initial_wave = pieces[leaving].coefficients[0]
+            wave = initial_wave + value * wave_of_strain(row, side)
         outside.append(len(pieces))
-        pieces.append(layout.constant_wave(came + value * factor))
+        pieces.append(layout.constant_wave(wave))
     return pieces, outside
 
 
 def run_of(
     row: Any,
-    asked: Any,
+    request: Any,
     tolerance: float,
     keep: bool,
     earlier: Any,
     deadline: float = math.inf,
 ) -> Any:
-    """Run a row; like an `earlier` run at a finer tolerance, where there is one.
+    """Run a row once.
 
-    A run that is not over when the clock `monotonic` reaches its deadline, s, is a problem: steps
-    alone do not bound its time, since each proof of finality reads all waves that are under way.
+    Parameters
+    ----------
+    row : Row
+    request : RunRequest
+    tolerance : float
+        Of pieces, relative to the velocity scale.
+    keep : bool
+        Whether all waves are kept.
+    earlier : dict or None
+        A run at a finer tolerance, which this one is to be like.
+    deadline : float
+        Time of the clock `monotonic`, s, at which a run is given up. Steps alone do not
+        bound its time, since each proof of finality reads all waves that are under way.
 
     Returns
     -------
     dict
-        The `row`, its ``clock``, ``ended``, the records of `Ended`, ``masses`` and ``log``, the
-        tick ``now`` to which all is known; or a ``problem``, path and sentence.
+        The ``row``, its ``clock``, ``ended``, the records of `Ended`, ``masses`` and
+        ``log``, the number of ``lines``, ``until`` of the request, and the tick ``now``
+        to which all is known; or a ``problem``, path and sentence.
     """
-    until = asked.until if asked.until >= 0 else None
+    until = None
+    if request.until >= 0:
+        until = request.until
     clock = clock_of(row, until)
     if clock is None:
         return {"problem": ("bodies", TOO_FAR_APART)}
     if least_steps(clock, until) > MAX_STEPS:
         return {"problem": ("", TOO_MUCH_WORK)}
-    log, outside = waves_at_start(row, clock)
+    log, outside = initial_lines(row, clock)
     for l in range(len(log)):
         log[l].line = l
-    wanted = RunRequest(until, tolerance, asked.max_events, keep)
-    initial_lines = [InitialLine(1, 0, 1) for _ in log]
+    options = RunRequest(until, tolerance, request.max_events, keep)
+    one_piece_each = [InitialLine(1, 0, 1) for _ in log]
     runs, nodes, links, masses, lines, parts = layout.lay_out(
-        row, clock, wanted, initial_lines, outside
+        row, clock, options, one_piece_each, outside
     )
     run = runs[0]
-    turns = blank(ROOM + march.MAX_STATUS_CHANGES, CONTACT_EVENT)
-    log.extend(blank(ROOM, PIECE))
+    contact_events = blank(INITIAL_LOG_ROWS + march.MAX_STATUS_CHANGES, CONTACT_EVENT)
+    log.extend(blank(INITIAL_LOG_ROWS, PIECE))
     if earlier is not None:
         accuracy.compare(earlier["ended"].run, run)
-    unknowns = N * max([node.link_count for node in nodes])
-    matrix = [[0.0] * (unknowns + 1) for _ in range(unknowns)]
-    state = State(runs, nodes, links, masses, lines, parts, log, turns, matrix)
+    matrix = empty_matrix(nodes)
+    state = State(runs, nodes, links, masses, lines, parts, log, contact_events, matrix)
     while march.run_nodes(state) == Stop.FULL:
         if monotonic() > deadline:
             return {"problem": ("", TOO_MUCH_WORK)}
         log.extend(blank(LOG_GROWTH, PIECE))
-        turns.extend(blank(LOG_GROWTH, CONTACT_EVENT))
+        contact_events.extend(blank(LOG_GROWTH, CONTACT_EVENT))
+    earliest = nodes[march.earliest_node(nodes)]
     if run.stop_reason == Stop.STUCK:
-        stuck = nodes[march.earliest_node(nodes)]
-        return {"problem": why_stuck(row, stuck, clock.tick * stuck.now)}
+        return {"problem": why_stuck(row, earliest, clock.tick * earliest.now)}
     return {
         "row": row,
         "clock": clock,
@@ -172,29 +199,48 @@ def run_of(
         "masses": masses,
         "log": log[: run.piece_count],
         "lines": len(lines),
-        "until": asked.until,
-        "now": min([run.end_tick, *[node.now for node in nodes]]),
+        "until": request.until,
+        "now": min(run.end_tick, earliest.now),
     }
 
 
-def solved(row: Any, asked: Any, tolerance: float, deadline: float) -> Any:
-    """A run, as of `run_of`, with the stated ``errors`` of the `MEASURES`, and their ``goal``."""
-    fine = run_of(row, asked, tolerance, True, None, deadline)
+def empty_matrix(nodes: list[Any]) -> list[list[float]]:
+    """Matrix of zeros for the forces of the node with the most links."""
+    size = N * max([node.link_count for node in nodes])
+    matrix = []
+    for _ in range(size):
+        matrix.append([0.0] * (size + 1))
+    return matrix
+
+
+def run_with_errors(row: Any, request: Any, tolerance: float, deadline: float) -> Any:
+    """A run of `run_of` with the stated ``errors`` of the `MEASURES` and its ``goal``.
+
+    The errors come from its difference to a coarser run. A run that takes the same
+    steps has no difference, so that the next one is coarser still.
+    """
+    fine = run_of(row, request, tolerance, True, None, deadline)
     if "problem" in fine:
         return fine
     coarser = accuracy.COARSER * tolerance
-    coarse = run_of(row, asked, coarser, False, fine, deadline)
+    coarse = run_of(row, request, coarser, False, fine, deadline)
     if "problem" in coarse:
         return coarse
-    rounding = max([1 / T for T in fine["clock"].transits])  # to whole ticks
-    stated = accuracy.stated(fine["ended"], coarse["ended"])
-    left = accuracy.left_open(fine["ended"], 0.0)
-    errors = [stated[i] + max(left[i], rounding) for i in range(len(stated))]
-    return {**fine, "errors": errors, "goal": tolerance}
+    rounding = max([1 / transit for transit in fine["clock"].transits])
+    unresolved = accuracy.left_open(fine["ended"], 0.0)
+    errors = []
+    for i, error in enumerate(accuracy.stated(fine["ended"], coarse["ended"])):
+        errors.append(error + max(unresolved[i], rounding))
+    fine["errors"] = errors
+    fine["goal"] = tolerance
+    return fine
+
+
+# Outcome ------------------------------------------------------------------------------
 
 
 def outcome_of(run: Any, errors: list[float], status: str) -> Any:
-    """What the collision did, as of `outcome_shown`."""
+    """The outcome of a collision, in the form of `facts_of_outcome`."""
     row = run["row"]
     clock = run["clock"]
     ended = run["ended"]
@@ -203,97 +249,121 @@ def outcome_of(run: Any, errors: list[float], status: str) -> Any:
         tally_of(ended.link[i], clock.tick, run["now"]) for i in row.contact_link
     ]
     total_mass = sum([body.mass for body in row.system.bodies])
-    energy_error = (
+    stated_errors = errors_of(errors, record.velocity_scale, contacts)
+    stated_errors["energy"] = (
         errors[0] * record.velocity_scale * record.velocity_scale * total_mass
     )
-    ending = Ending(
-        contacts,
-        record.proved_tick >= 0,
-        status,
-        {**errors_of(errors, record.velocity_scale, contacts), "energy": energy_error},
-    )
-    return outcome_shown(
-        row.system,
-        initial_motion(row, clock, ended),
-        final_motion(row, clock, ended),
-        ending,
-    )
+    summary = RunSummary(contacts, record.proved_tick >= 0, status, stated_errors)
+    before = initial_motion(row, clock, ended)
+    after = final_motion(row, clock, ended)
+    return facts_of_outcome(row.system, before, after, summary)
 
 
 def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     """Motion of the bodies at t = 0; each has one velocity and one strain."""
-    groups = [part for part in ended.part if part.part_count > 0]
-    velocities = [part.initial_velocity + clock.frame for part in groups]
+    velocities = []  # one for each group of bonded bodies
+    for part in ended.part:
+        if part.part_count > 0:
+            velocities.append(part.initial_velocity + clock.frame)
     kinetic = 0.0
     strain_energies = []
     for body in row.system.bodies:
         kinetic += body.mass * body.velocity**2 / 2
         strain_energy = 0.0
-        for piece in body.segments:
-            strain_energy += piece.mass * (piece.wave_speed * body.strain) ** 2 / 2
+        for segment in body.segments:
+            stretch = segment.wave_speed * body.strain
+            strain_energy += segment.mass * stretch**2 / 2
         strain_energies.append(strain_energy)
     return Motion(body_velocities(row.system, velocities), strain_energies, kinetic)
 
 
 def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     """Motion of the bodies when it was measured last; vibration is that of the parts."""
-    groups = [part for part in ended.part if part.part_count > 0]
-    velocities = [part.group_velocity + clock.frame for part in groups]
-    vibration = [part.vibration_energy for part in ended.part]
+    velocities = []  # one for each group of bonded bodies
+    vibration = []
+    for part in ended.part:
+        vibration.append(part.vibration_energy)
+        if part.part_count > 0:
+            velocities.append(part.group_velocity + clock.frame)
     return Motion(body_velocities(row.system, velocities), vibration, math.nan)
 
 
-def sentence_of(run: Any) -> str:
-    """Why the run ended, as `Solution.status` has it."""
-    row, ended, tick, it = (
-        run["row"],
-        run["ended"],
-        run["clock"].tick,
-        run["ended"].run,
-    )
-    strains = [
-        sum(abs(c) for c in piece.coefficients)
-        / row.segments[piece.line // 2].wave_speed
-        for piece in run["log"]
-        if piece.line < 2 * len(row.segments)
-    ]
-    end, round_trip = (
-        run["now"] * tick,
-        2 * layout.longest_of(row, run["clock"], 0) * tick,
-    )
-    sentence = status_of(
-        it,
-        ended.link,
-        row.system,
-        why_stopped(it, run["until"] >= 0),
-        end,
-        last_of(it, ended.link, end, round_trip),
-    )
-    return (
-        sentence
-        + stated(size_of(run["errors"][:3]), run["goal"])
-        + simplifications_text(it)
-        + (strain_warning(max(strains)))
-    )
+def status_of(run: Any) -> str:
+    """Why the run ended: `Solution.status` without its advice to users of Python."""
+    row = run["row"]
+    ended = run["ended"]
+    record = ended.run
+    tick = run["clock"].tick
+    end = run["now"] * tick
+    round_trip = 2 * layout.longest_of(row, run["clock"], 0) * tick
+    last = last_of(record, ended.link, end, round_trip)
+    stopped_by = why_stopped(record, run["until"] >= 0)
+    why = end_of_run(record, ended.link, row.system, stopped_by, end, last)
+    error = stated(size_of(run["errors"][:3]), run["goal"])
+    strain = strain_warning(largest_strain(row, run["log"]))
+    return why.statement + error + simplifications_text(record) + strain
 
 
-def solved_by_pieces(
-    system: Any, asked: Any, tolerance: float, seconds: float = math.inf
+def largest_strain(row: Any, log: list[Any]) -> float:
+    """Bound of the strain in all segments: that of one wave, v/c.
+
+    A piece of a wave is a series, so that v = sum(abs(coefficients)).
+    """
+    strains = []
+    for piece in log:
+        if piece.line < 2 * len(row.segments):
+            velocity = sum(abs(c) for c in piece.coefficients)
+            strains.append(velocity / row.segments[piece.line // 2].wave_speed)
+    strain: float = max(strains)
+    return strain
+
+
+# Solution -----------------------------------------------------------------------------
+
+
+def solve_by_pieces(
+    system: Any, request: Any, tolerance: float, seconds: float = math.inf
 ) -> Any:
-    """A collision as `solved.shown_of` takes it; or a ``problem``, path and sentence.
+    """Solve a collision.
 
-    It is a problem as well if the runs take longer than so many seconds.
+    Returns
+    -------
+    dict
+        The solution, in the form that `solved.scene_of_solution` takes; or a
+        ``problem``, path and sentence: also if the runs take longer than so many
+        seconds.
     """
     row = build_row(system)
-    run = solved(row, asked, tolerance, monotonic() + seconds)
+    run = run_with_errors(row, request, tolerance, monotonic() + seconds)
     if "problem" in run:
         return run
-    outcome = outcome_of(run, run["errors"], sentence_of(run))
-    link, clock = run["ended"].link, run["clock"]
+    outcome = outcome_of(run, run["errors"], status_of(run))
     if run["now"] == 0:
         return {"problem": ("solve", f"lasts no time to show. {outcome['status']}")}
+    motion = motion_of(run)
+    motion["draft"] = tolerance > RTOL
+    return {
+        "motion": motion,
+        "outcome": outcome,
+        "method": "characteristics",
+        "closed_form": None,
+        "notes": [outcome["status"], "The picture shows means over cells."],
+        "contacts": contact_curves(run, motion),
+        "tiling": grids_of(motion),
+    }
+
+
+def motion_of(run: Any) -> Any:
+    """The motion of a run as `motion` describes it."""
+    row = run["row"]
+    clock = run["clock"]
+    links = run["ended"].link
     waves = reading.waves_of(run["log"], run["lines"])
-    motion = {
+    springs = []
+    for i in row.contact_link:
+        if links[i].law >= Law.SPRING:
+            springs.append((links[i], waves[links[i].history_line + 1]))
+    return {
         "row": row,
         "tick": clock.tick,
         "frame": clock.frame,
@@ -301,31 +371,23 @@ def solved_by_pieces(
         "now": run["now"],
         "waves": waves,
         "masses": [waves[mass.history_line] for mass in run["masses"]],
-        "springs": [
-            (link[i], waves[link[i].history_line + 1])
-            for i in row.contact_link
-            if link[i].law >= Law.SPRING
-        ],
+        "springs": springs,
         "exact": False,
-        "draft": tolerance > RTOL,
+        "draft": False,
     }
-    contacts = []
-    for i, law in enumerate(system.contacts):
-        it = link[row.contact_link[i]]
-        contacts.append(
-            {
-                "force": curve_of(motion, [(waves[it.history_line], 0, 1.0)]),
-                "gap": curve_of(motion, [(waves[it.history_line + 1], 0, -1.0)])
-                if law.opens
-                else None,
-            }
-        )
-    return {
-        "motion": motion,
-        "outcome": outcome,
-        "method": "characteristics",
-        "closed_form": None,
-        "notes": [outcome["status"], "The picture shows means over cells."],
-        "contacts": contacts,
-        "tiling": grids_of(motion),
-    }
+
+
+def contact_curves(run: Any, motion: Any) -> list[Any]:
+    """Curves of the force, N, and of the gap, m, of each contact; no gap for a bond."""
+    row = run["row"]
+    waves = motion["waves"]
+    curves = []
+    for i, contact in enumerate(row.system.contacts):
+        link = run["ended"].link[row.contact_link[i]]
+        gap = None
+        if contact.opens:
+            overlap = waves[link.history_line + 1]
+            gap = curve_of(motion, [(overlap, 0, -1.0)])
+        force = curve_of(motion, [(waves[link.history_line], 0, 1.0)])
+        curves.append({"force": force, "gap": gap})
+    return curves

@@ -10,7 +10,7 @@ from bisect import bisect_right
 from typing import Any
 
 from ..storage.tables import clean
-from .texts import capital, written
+from .texts import capital, format_quantity
 
 NEGLIGIBLE = 1e-6
 """Fraction of the peak force, the largest gap or a time that counts as zero.
@@ -141,8 +141,8 @@ def events_of_chain(facts: Any, pressed: list[Any]) -> str:
                 end = spell["to"]
     return (
         f"The first contact to press is that of {pair_of(facts, first)}, at "
-        f"{written(start, 's', 4)}; the last force, between {pair_of(facts, last)}, "
-        f"ends at {written(end, 's', 4)}."
+        f"{format_quantity(start, 's', 4)}; the last force, between {pair_of(facts, last)}, "
+        f"ends at {format_quantity(end, 's', 4)}."
     )
 
 
@@ -166,13 +166,13 @@ def events_of_contact(facts: Any, contact: Any) -> str:
         text = end_of_smooth_force(facts, contact, presses)
     elif reopens:
         text = f"{pair} part and meet again; the last force ends at "
-        text = f"{text}{written(end, 's', 4)}"
+        text = f"{text}{format_quantity(end, 's', 4)}"
     else:
         text = end_by_wave(facts, contact, start, end)
     if facts["exact"] and last["state"] == "open":
         is_later = last["from"] > end + NEGLIGIBLE * (end - start)
         if is_later:
-            parting = written(last["from"], "s", 4)
+            parting = format_quantity(last["from"], "s", 4)
             text = f"{text}; the faces touch without force until they part at {parting}"
     return f"{text}."
 
@@ -183,7 +183,7 @@ def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
     duration = presses[-1]["to"] - start
     if len(presses) == 1:  # the outcome has it more exactly than the curve
         duration = facts["outcome"]["contacts"][contact["index"]].duration
-    time = written(duration, "s", 4)
+    time = format_quantity(duration, "s", 4)
     text = f"The force has fallen to zero {time} after the first touch"
     text = f"{text}{in_transits(facts, contact, duration)}"
     if contact["compliant"]:
@@ -192,7 +192,7 @@ def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
     if early < EARLY * duration:
         text = (
             f"{text}; {100 * MAIN_IMPULSE:.3g} % of the impulse came in the first "
-            f"{written(early, 's', 4)}"
+            f"{format_quantity(early, 's', 4)}"
         )
     return text
 
@@ -242,7 +242,7 @@ def returning_wave(facts: Any, contact: Any, after: float) -> str:
 
     It is the wave of the rod for which after/(2 T) is the smallest whole number.
     """
-    time = written(after, "s", 4)
+    time = format_quantity(after, "s", 4)
     name = ""
     fewest_trips = 0
     for body in bodies_of(facts, contact):
@@ -263,9 +263,9 @@ def returning_wave(facts: Any, contact: Any, after: float) -> str:
 
 def round_trips(body: Any, time: float) -> int:
     """Round trips of a wave in a uniform rod in a time; 0 if they are not whole."""
-    if len(body["pieces"]) != 1:
+    if len(body["segments"]) != 1:
         return 0
-    ratio = time / (2 * body["pieces"][0]["transit_time"])
+    ratio = time / (2 * body["segments"][0]["transit_time"])
     trips: int = round(ratio)
     if abs(ratio - trips) > NEGLIGIBLE:
         return 0
@@ -278,8 +278,8 @@ def in_transits(facts: Any, contact: Any, duration: float) -> str:
     text = ""
     for body in bodies_of(facts, contact):
         time = 0.0
-        for piece in body["pieces"]:
-            time += piece["transit_time"]
+        for segment in body["segments"]:
+            time += segment["transit_time"]
         if time > 0 and (shortest == 0 or time < shortest):
             shortest = time
             text = f", {duration / time:.3g} transit times of {body['name']}"
@@ -301,7 +301,7 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
         noun = "velocities"
     if len(pressed) == 1 and len(outcome["unilateral"]) == 1:
         tally = outcome["contacts"][pressed[0]["index"]]
-        impulse = written(tally.impulse, "N s", 4)
+        impulse = format_quantity(tally.impulse, "N s", 4)
         text = f"The impulse of {impulse} changes the mean {noun} to {text}"
         if e != "":
             text = f"{text}, so e = {e}{ratio_named(facts)}"
@@ -347,10 +347,10 @@ def ratio_named(facts: Any) -> str:
     if len(bodies) != 2 or facts["contacts"][0]["compliant"]:
         return ""
     for body in bodies:
-        if len(body["pieces"]) != 1 or body["approach"] is None:
+        if len(body["segments"]) != 1 or body["approach"] is None:
             return ""
-    left = bodies[0]["pieces"][0]
-    right = bodies[1]["pieces"][0]
+    left = bodies[0]["segments"][0]
+    right = bodies[1]["segments"][0]
     short = "₁"
     long = "₂"
     ratio = left["transit_time"] / right["transit_time"]

@@ -1,6 +1,6 @@
-"""What the page shows of a case, by the method that carries it: fronts, else characteristics.
+"""All that the page shows of a case, solved by fronts or else by characteristics.
 
-Plain Python, which the page has as JavaScript.
+Begin with `scene_of`. The page has this module as JavaScript.
 """
 
 import math
@@ -12,12 +12,13 @@ from ..methods.pieces.method import RTOL
 from ..methods.row_builder import build_row
 from ..methods.states import Stop
 from . import fronts, pieces
-from .known import gauge_of
+from .facts import locate_gauge
 from .motion import energy_curves, gauge_curve, path_of
 from .picture import page_data
 from .tables import is_smooth, request_of, system_of
 
-QUICK = 1e-6  # tolerance of pieces for curves and maps
+MAP_TOLERANCE = 1e-6
+"""Tolerance of pieces for curves and maps of e, which need many runs."""
 
 
 def scene_of(
@@ -29,58 +30,81 @@ def scene_of(
 ) -> Any:
     """All that the page shows of a case without mistakes that it can solve.
 
-    Waves between compliant contacts are pieces of this tolerance; the errors say what it does.
-    Runs that take longer than so many seconds are given up.
+    Parameters
+    ----------
+    case : dict
+        Tables of a case file.
+    gauges : list of dict
+        Each with its ``body`` and ``fraction`` of the length.
+    library : dict
+        Tables of the materials that the case may name.
+    tolerance : float
+        Of the pieces of waves between compliant contacts. The stated errors say how
+        accurate the results are.
+    seconds : float
+        Time after which runs are given up.
 
     Returns
     -------
     dict
         As `page_data` makes it; or one with a ``problem``, path and sentence.
     """
-    system, asked = system_of(case, library), request_of(case)
+    system = system_of(case, library)
+    request = request_of(case)
     if is_smooth(case):
-        found = pieces.solved_by_pieces(system, asked, tolerance, seconds)
+        solution = pieces.solve_by_pieces(system, request, tolerance, seconds)
     else:
-        found = fronts.solved_by_fronts(system, asked)
-    return found if "problem" in found else shown_of(system, gauges, found)
+        solution = fronts.solve_by_fronts(system, request)
+    if "problem" in solution:
+        return solution
+    return scene_of_solution(system, gauges, solution)
 
 
-def shown_of(system: Any, gauges: Any, found: Any) -> Any:
-    """The data of the page for a solved collision.
+def scene_of_solution(system: Any, gauges: Any, solution: Any) -> Any:
+    """All that the page shows of a solved collision.
 
     Parameters
     ----------
-    system : Row
+    system : System
     gauges : list of dict
         Each with its ``body`` and ``fraction`` of the length.
-    found : dict
-        The ``motion``, the ``outcome``, ``method``, ``notes``, ``closed_form``, curves of the
-        ``contacts`` and the ``tiling``.
+    solution : dict
+        The ``motion``, the ``outcome``, ``method``, ``notes``, ``closed_form``, curves
+        of the ``contacts`` and the ``tiling``.
     """
-    motion, records, exact = found["motion"], [], found["motion"]["exact"]
+    motion = solution["motion"]
+    records = []
     for gauge in gauges:
-        s, x, name = gauge_of(system, gauge)
-        curve = gauge_curve(motion, motion["row"].spans[gauge["body"]][0] - 1 + s, x)
-        records.append({"name": name, **curve})
+        location = locate_gauge(system, gauge)
+        first_segment = motion["row"].spans[gauge["body"]][0] - 1
+        curve = gauge_curve(motion, first_segment + location.segment, location.x)
+        curve["name"] = location.name
+        records.append(curve)
     paths = [path_of(motion, i) for i in range(len(system.bodies))]
-    energy = energy_curves(motion, found["tiling"]["t"] if exact else [])
-    found = {**found, "motion": None, "exact": exact, "gauges": gauges}
-    return page_data(system, found, paths, records, energy)
+    corners = []  # times at which the energies of a run by fronts change
+    if motion["exact"]:
+        corners = solution["tiling"]["t"]
+    energies = energy_curves(motion, corners)
+    solution["exact"] = motion["exact"]
+    solution["gauges"] = gauges
+    return page_data(system, solution, paths, records, energies)
 
 
-def e_of(case: Any, library: Any, seconds: float = math.inf) -> Any:
+def restitution_of_case(case: Any, library: Any, seconds: float = math.inf) -> Any:
     """e of a case, as quickly as a curve needs it.
 
-    None where there is no e, and where its run takes longer than so many seconds.
+    It is None where there is no e, and where its run takes longer than so many seconds.
     """
-    row, asked = build_row(system_of(case, library)), request_of(case)
+    row = build_row(system_of(case, library))
+    request = request_of(case)
     if is_smooth(case):
         deadline = monotonic() + seconds
-        run = pieces.run_of(row, asked, QUICK, False, None, deadline)
+        run = pieces.run_of(row, request, MAP_TOLERANCE, False, None, deadline)
         if "problem" in run:
             return None
-        return pieces.outcome_of(run, [0.0 for _ in range(5)], "")["restitution"]
-    run = fronts.run_of(asked, False, fronts.space_of(lay_out_family(row)))
-    if run["run"].stop_reason >= Stop.OVERFLOW:
+        no_errors = [0.0] * 5
+        return pieces.outcome_of(run, no_errors, "")["restitution"]
+    run = fronts.run_to_end(request, False, fronts.new_run(lay_out_family(row)))
+    if run.record.stop_reason >= Stop.OVERFLOW:
         return None
     return fronts.outcome_of(run, "")["restitution"]

@@ -1,8 +1,9 @@
-"""The solver inside the page: which functions become JavaScript, and on what clock they run.
+"""The solver inside the page: which functions become JavaScript, and on which clock.
 
-JavaScript has whole numbers below 2^53 only, so its clock ends at 2^52 ticks where Python's ends at
-2^62. What is left for a transit is kept fine by a shorter room: a run that outlasts it is made
-again on a coarser clock.
+JavaScript has whole numbers below 2^53 only, so the page's clock ends at 2^52 ticks,
+Python's at 2^62. Transit times still have fine ticks, since the first clock of a run
+counts a small share of its horizon; a run that outlasts it is made again on a coarser
+clock.
 """
 
 import functools
@@ -14,9 +15,9 @@ from ..model.profiles import Steps, extremes
 from ..units import format_factor, format_si
 from .javascript import javascript
 from .reason import spells_of, value_at
-from .solved import e_of, scene_of
+from .solved import restitution_of_case, scene_of
 from .tables import lacking, mistakes
-from .texts import name_of, written
+from .texts import format_quantity, name_of
 
 CONSTANTS = {
     "CLOCK_BITS": 52,
@@ -31,32 +32,33 @@ FUNCTIONS = (
     lacking,
     mistakes,
     scene_of,
-    e_of,
+    restitution_of_case,
     body_numbers,
     contact_names,
     name_of,
     spells_of,
     value_at,
 )
-KNOWN = {
+"""Functions that the page calls."""
+PROVIDED = {
     format_si: "inSi",
-    written: "inSi",
+    format_quantity: "inSi",
     format_factor: "plainNumber",
     blank: "py.blank",
     extremes: "py.extremes",
     Steps: "py.steps",
     monotonic: "py.monotonic",
 }
-"""What the page writes in its own way."""
+"""Functions that the page has in its own way, by their names there."""
 
 
 @functools.cache
 def script() -> str:
     """The solver as a file of the page."""
     names = ", ".join(function.__name__ for function in FUNCTIONS)
-    text = javascript(FUNCTIONS, CONSTANTS, KNOWN)
+    text = javascript(FUNCTIONS, CONSTANTS, PROVIDED)
     return (
         '"use strict";\n// Translated from Python by rodimpact; see page/solver.js.\n'
-        f"const fronts = (() => {{\n{text}\nreturn {{ {names} }};\n"
+        f"const solver = (() => {{\n{text}\nreturn {{ {names} }};\n"
         "})();\n"
     )

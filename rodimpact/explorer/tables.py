@@ -1,8 +1,8 @@
-"""Tables of a case, and the system that the page makes of them, as JavaScript.
+"""Tables of a case, and the system that the page makes of them.
 
 `lacking` names the first physics that the page cannot solve, `mistakes` lists the
 mistakes of a case in the words of the model (`RULES` are the rules of its fields), and
-`system_of` makes the system.
+`system_of` makes the system. The page has these functions as JavaScript.
 """
 
 import math
@@ -14,6 +14,7 @@ from ..model import GAP, Bonded, Material, Rigid, RigidMass, Rod, Segment, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, TINY, QuantityField
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
 from ..model.profiles import Steps
+from ..model.quantities import number_of
 
 LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 """Contact laws that the page can solve."""
@@ -65,6 +66,16 @@ class Rule(NamedTuple):
     smallest: float  # allowed, in SI units
     largest: float  # allowed, in SI units
     wanted: str  # sentence: what the number must be
+    unit: str  # end of that sentence: the SI unit in words; "" for a pure number
+
+
+class Mistake(NamedTuple):
+    """A mistake in a table. The page shows a number in the unit of its field."""
+
+    path: str
+    message: str  # sentence, without the unit and the value of a wrong number
+    unit: str  # its end: the SI unit in words; "" without any
+    value: Any  # the wrong number in this unit; None if the message is complete
 
 
 def _rules_of(fields: dict[str, QuantityField], names: list[str]) -> dict[str, Rule]:
@@ -73,7 +84,11 @@ def _rules_of(fields: dict[str, QuantityField], names: list[str]) -> dict[str, R
     for name in names:
         field = fields[name]
         smallest, largest = RANGES[field.sign]
-        rules[name] = Rule(smallest, largest, field.wanted.removesuffix(VALUE))
+        wanted = field._replace(unit="").wanted.removesuffix(VALUE)
+        unit = ""
+        if field.wanted.removesuffix(VALUE) != wanted:
+            unit = number_of(field.unit)
+        rules[name] = Rule(smallest, largest, wanted, unit)
     return rules
 
 
@@ -82,11 +97,12 @@ RULES: dict[str, dict[str, Rule]] = {
     "rod": _rules_of(Rod.fields, list(Rod.fields)),
     "wall": _rules_of(Wall.fields, ["velocity"]),
     "mass": _rules_of(RigidMass.fields, ["mass", "velocity"]),
-    **{law.law: _rules_of(law.fields, list(law.fields)) for law in LAWS},
     "contact": _rules_of({"gap": GAP}, ["gap"]),
     "material": _rules_of(Material.fields, ["youngs_modulus", "density"]),
     "gauge": _rules_of({"fraction": QuantityField("", "[0, 1]")}, ["fraction"]),
 }
+for _law in LAWS:
+    RULES[_law.law] = _rules_of(_law.fields, list(_law.fields))
 """Rules of the numbers in each kind of table."""
 
 
@@ -98,8 +114,8 @@ def is_smooth(case: Any) -> bool:
     method = case.get("solve", {}).get("method", "auto")
     if method != "auto":
         return bool(method == "characteristics")
-    laws = [contact.get("law", "rigid") for contact in case.get("contacts", [])]
-    for law in laws:
+    for contact in case.get("contacts", []):
+        law = contact.get("law", "rigid")
         if law not in ("rigid", "bonded"):
             return True
     return any(body["kind"] == "mass" for body in case["bodies"])
@@ -219,10 +235,10 @@ def entries_of(case: Any) -> list[Entries]:
     for i, body in enumerate(case["bodies"]):
         path = f"bodies.{i}"
         tables.append(Entries(path, body, BODY_ENTRIES))
-        segments = body.get("segments", [])
-        tables.extend([Entries(path, segment, SEGMENT_ENTRIES) for segment in segments])
-        used = [segment.get("material", "") for segment in segments_of(body)]
-        used_materials.extend(used)
+        for segment in body.get("segments", []):
+            tables.append(Entries(path, segment, SEGMENT_ENTRIES))
+        for segment in segments_of(body):
+            used_materials.append(segment.get("material", ""))
     for i, contact in enumerate(case.get("contacts", [])):
         law = contact.get("law", "rigid")
         numbers = NUMBERS[law]
@@ -248,8 +264,8 @@ class RuledTable(NamedTuple):
     kind: str  # key of `RULES`
 
 
-def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
-    """Path and sentence of each mistake in a case that the page can solve.
+def mistakes(case: Any, gauges: Any, library: Any) -> list[Mistake]:
+    """Mistakes in a case whose physics the page can solve.
 
     Parameters
     ----------
@@ -259,22 +275,23 @@ def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
         Tables of its gauges.
     library : dict
         Materials that the case may name, by their names.
-    rules : dict
-        `RULES`, which the page has from Python.
     """
-    problems = [
+    sentences = [
         *mistakes_of_row(case),
         *mistakes_of_gauges(case, gauges),
         *mistakes_of_bodies(case, library),
         *mistakes_of_contacts(case),
     ]
+    all_mistakes = []
+    for path, message in sentences:
+        all_mistakes.append(Mistake(path, message, "", None))
     for ruled in ruled_tables(case, gauges):
-        for key, (smallest, largest, wanted) in rules[ruled.kind].items():
-            value = ruled.table.get(key, 0.0)
-            wrong = wrong_number(value, smallest, largest, wanted)
-            if wrong != "":
-                problems.append((f"{ruled.path}.{key}", wrong))
-    return problems
+        for key, rule in RULES[ruled.kind].items():
+            path = f"{ruled.path}.{key}"
+            all_mistakes.extend(
+                mistakes_of_number(path, ruled.table.get(key, 0.0), rule)
+            )
+    return all_mistakes
 
 
 def mistakes_of_row(case: Any) -> list[Any]:
@@ -306,14 +323,15 @@ def mistakes_of_bodies(case: Any, library: Any) -> list[Any]:
     """Walls inside the row, and materials that nobody declared."""
     problems = []
     bodies = case["bodies"]
-    materials = {**library, **case.get("materials", {})}
+    declared = case.get("materials", {})
     for i, body in enumerate(bodies):
         if body["kind"] == "wall" and 0 < i < len(bodies) - 1:
             problems.append(
                 (f"bodies.{i}", "a wall may stand only at an end of the row")
             )
         for j, segment in enumerate(segments_of(body)):
-            if segment.get("material", "") not in materials:
+            name = segment.get("material", "")
+            if name not in library and name not in declared:
                 path = segment_path(body, i, j)
                 problems.append((f"{path}.material", "unknown material"))
     return problems
@@ -363,17 +381,20 @@ def ruled_tables(case: Any, gauges: Any) -> list[RuledTable]:
     return tables
 
 
-def wrong_number(value: Any, smallest: float, largest: float, wanted: str) -> str:
-    """Sentence on a wrong number; "" if it is right, or a profile."""
+def mistakes_of_number(path: str, value: Any, rule: Any) -> list[Mistake]:
+    """The mistake of a wrong number; none if it is right, or a profile."""
     if isinstance(value, dict):
-        return ""
+        return []
+    smallest, largest, wanted, unit = rule
     if not isinstance(value, float):
-        return f"{wanted}, got no number"
+        return [Mistake(path, f"{wanted}{unit}, got no number", "", None)]
+    if not math.isfinite(value):
+        return [Mistake(path, f"{wanted}{unit}, got {value:.6g}", "", None)]
     if not smallest <= value <= largest:
-        return f"{wanted}, got {value:.6g}"
+        return [Mistake(path, wanted, unit, value)]
     if value == 0 or SMALLEST <= abs(value) <= LARGEST:
-        return ""
-    return f"{OUT_OF_SCALE_PAGE}, got {value:.6g}"
+        return []
+    return [Mistake(path, OUT_OF_SCALE_PAGE, "", value)]
 
 
 # A case as a system -------------------------------------------------------------------
@@ -449,19 +470,18 @@ class RunRequest(NamedTuple):
 
 def system_of(case: Any, library: Any) -> PageSystem:
     """System of a case without mistakes that the page can solve."""
-    contacts = contacts_in(case)
-    ends = case.get("ends", {})
     materials = {**library, **case.get("materials", {})}
-    return PageSystem(
-        [body_of(body, materials) for body in case["bodies"]],
-        [contact.get("gap", 0.0) for contact in contacts],
-        [law_of(contact) for contact in contacts],
-        0.0,
-        [
-            end_of(ends.get("left", {"kind": "free"})),
-            end_of(ends.get("right", {"kind": "free"})),
-        ],
-    )
+    bodies = [body_of(body, materials) for body in case["bodies"]]
+    gaps = []
+    laws = []
+    for contact in contacts_in(case):
+        gaps.append(contact.get("gap", 0.0))
+        laws.append(law_of(contact))
+    ends = case.get("ends", {})
+    left = end_of(ends.get("left", {"kind": "free"}))
+    right = end_of(ends.get("right", {"kind": "free"}))
+    gravity = 0.0  # the page solves no row in gravity
+    return PageSystem(bodies, gaps, laws, gravity, [left, right])
 
 
 def request_of(case: Any) -> RunRequest:

@@ -17,7 +17,14 @@ def capital(word: str) -> str:
     return f"{word[:1].upper()}{word[1:]}"
 
 
-def written(value: float, unit: str, digits: int) -> str:
+def as_sentence(text: str) -> str:
+    """The text as a sentence, with a capital letter and a full stop; "" for ""."""
+    if text == "" or text[-1] == ".":
+        return capital(text)
+    return f"{capital(text)}."
+
+
+def format_quantity(value: float, unit: str, digits: int) -> str:
     """A quantity for people, with a µ."""
     number, _, prefixed = format_si(value, unit, digits).partition(" ")
     if prefixed.startswith("u"):
@@ -25,11 +32,19 @@ def written(value: float, unit: str, digits: int) -> str:
     return f"{number} {prefixed}".strip()
 
 
-def stated(text: str, value: float, digits: int, error: float, unit: str) -> str:
-    """Text of a value with its error, if this is above half of the last digit."""
+def error_text(value: float, digits: int, error: float, unit: str) -> str:
+    """Text of the error of a value, if it is above half of the last digit; else ""."""
     if value == 0:
-        return text
+        return ""
     last_digit = math.floor(math.log10(abs(value))) + 1 - digits
-    if error > 0.5 * 10.0**last_digit:
-        return f"{text} ± {written(error, unit, 1)}"
-    return text
+    if error <= 0.5 * 10.0**last_digit:
+        return ""
+    return format_quantity(error, unit, 1)
+
+
+def with_error(text: str, value: float, digits: int, error: float, unit: str) -> str:
+    """Text of a value with its error, if this is above half of the last digit."""
+    error_shown = error_text(value, digits, error, unit)
+    if error_shown == "":
+        return text
+    return f"{text} ± {error_shown}"

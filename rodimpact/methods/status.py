@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..units import format_si
 from .abilities import has_external_drive
@@ -11,6 +11,13 @@ LARGE_STRAIN = 0.01
 """Strain from which the linear theory of small strains is doubtful: squares count a percent."""
 ROUNDED = 2.0**-36
 """Relative change of a transit time by rounding from which a status states it."""
+
+
+class RunEnd(NamedTuple):
+    """Why a run ended, in sentences."""
+
+    statement: str  # what happened
+    advice: str  # which argument of Python changes it; "" if there is none
 
 
 def is_held(system: Any) -> bool:
@@ -26,34 +33,53 @@ def is_held(system: Any) -> bool:
     return wall_count == 2 or is_joined
 
 
-def ending(stopped_by: str, final: str, end: str, cap: str, system: Any) -> str:
-    """Why a run ended, with the remedy; the page has this as JavaScript."""
+def describe_end(
+    stopped_by: str, final: str, end: str, cap: str, system: Any
+) -> RunEnd:
+    """Why a run ended; the page has this as JavaScript.
+
+    Parameters
+    ----------
+    stopped_by : str
+        ``"final"``, ``"until"`` or ``"max_events"``.
+    final : str
+        Sentence of the proof that the collision is final; "" without a proof.
+    end, cap : str
+        End of the run, and the work that it may do at most, with their units.
+    system : System
+    """
     if stopped_by == "final":
-        return final
+        return RunEnd(final, "")
     if stopped_by == "until" and final != "":
-        return f"Stopped at the time asked for. {final}"
+        return RunEnd(f"Stopped at the time asked for. {final}", "")
     if stopped_by == "until":
-        way = "leave out until= to run to the proof"
+        asked = f"Stopped at the time asked for, {end}, before the collision was final"
         if has_external_drive(system):
             acting = "an end is driven"
             if system.gravity != 0:
                 acting = "gravity acts"
-            way = f"while {acting}, no contact is known to be the last"
-        elif is_held(system):
-            way = "a row between walls, or joined to one, may never come to an end"
-        stopped = (
-            f"Stopped at the time asked for, {end}, before the collision was final"
-        )
-        return f"{stopped}; {way}."
+            reason = f"while {acting}, no contact is known to be the last"
+            return RunEnd(f"{asked}; {reason}.", "")
+        if is_held(system):
+            reason = "a row between walls, or joined to one, may never come to an end"
+            return RunEnd(f"{asked}; {reason}.", "")
+        return RunEnd(f"{asked}.", "Leave out until= to run to the proof.")
     if final != "":
-        return (
-            f"{final} The cap of {cap} ended the run at {end}; raise max_events to see more of the "
-            "vibration."
+        return RunEnd(
+            f"{final} The cap of {cap} ended the run at {end}.",
+            "Raise max_events to see more of the vibration.",
         )
-    return (
-        f"Stopped by the cap of {cap} at {end}, before the collision was final. Raise max_events, "
-        "or give until= to set another end."
+    return RunEnd(
+        f"Stopped by the cap of {cap} at {end}, before the collision was final.",
+        "Raise max_events, or give until= to set another end.",
     )
+
+
+def with_advice(end: RunEnd) -> str:
+    """Statement and advice in one text."""
+    if end.advice == "":
+        return end.statement
+    return f"{end.statement} {end.advice}"
 
 
 def last_contact(

@@ -289,7 +289,7 @@ def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
 @pytest.mark.parametrize(
     ("argv", "remedy", "status"),
     [
-        (["--until", "0"], "leave out --until to run", 2),
+        (["--until", "0"], "Leave out --until to run", 2),
         (["--max-events", "1"], "Raise --max-events", 3),
     ],
 )

@@ -7,6 +7,7 @@ from rodimpact.explorer.solved import scene_of
 
 def shown(system, **solve):
     """The solution, and the scene as the page makes it."""
-    sent = tables_of(with_gauges(ri.Case(system, solve)))
+    case = with_gauges(ri.Case(system, solve))
+    sent = tables_of(case)
     scene = scene_of(sent["case"], sent["gauges"], LIBRARY)
     return ri.solve(system, **solve), scene

@@ -13,9 +13,9 @@ import pytest
 import rodimpact as ri
 from rodimpact.cli import main
 from rodimpact.explorer import page_files
-from rodimpact.explorer.page_files import LOADER, SCRIPTS, lean, read
+from rodimpact.explorer.page_files import LOADER, SCRIPTS, compact, lean, read
 
-MOST = 165_000  # bytes of a page
+MAX_PAGE_BYTES = 165_000
 
 
 class Reader(html.parser.HTMLParser):
@@ -23,7 +23,9 @@ class Reader(html.parser.HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.elements, self.texts, self._open = [], {}, None
+        self.elements = []
+        self.texts = {}  # texts of scripts and styles
+        self._open = None
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -57,7 +59,7 @@ def export(case, *arguments):
 def test_the_page_holds_its_case(case, tmp_path, capsys):
     assert export(case) == 0
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert len(text.encode()) < MOST
+    assert len(text.encode()) < MAX_PAGE_BYTES
     assert re.fullmatch(r"page\.html: \d+ kB\n", capsys.readouterr().out)
     data = json.loads(Reader(text).texts["embedded"])
     assert data["design"]["case"]["bodies"][0]["length"] == 0.4
@@ -86,6 +88,23 @@ def test_the_page_asks_nobody_for_anything(case, tmp_path):
         assert f"'sha256-{digest}'" in policy
 
 
+@pytest.mark.parametrize(
+    ("text", "short"),
+    [
+        ("  a = 1; // why\n", "a = 1;\n"),
+        ('  b = "x // y";\n', 'b = "x // y";\n'),
+        ("// all of the line\n  c();\n", "c();\n"),
+        ("/** What it does.\n * And more. */\nd();\n", "d();\n"),
+    ],
+)
+def test_scripts_lose_their_comments_and_no_text(text, short):
+    assert lean(text) == short
+
+
+def test_a_style_keeps_the_spaces_that_separate():
+    assert compact("a,\nb c {\n  d: e f;\n}\n") == "a,b c {d: e f;}"
+
+
 def unpacked(text):
     return zlib.decompress(base64.b64decode(text)).decode()
 
@@ -100,7 +119,7 @@ def test_all_of_the_script_is_inside(case, tmp_path):
     files = {
         path.name for path in (Path(page_files.__file__).parent / "page").glob("*.js")
     }
-    around = "notebook.js"  # of the frame around the page
+    around = "notebook.js"  # the script of the frame around the page
     assert files | {"kernels.js"} == {*SCRIPTS, LOADER, around}
 
 
@@ -111,10 +130,13 @@ def test_a_case_that_the_page_cannot_solve_is_refused_before_anything_is_written
     case.write_text(case.read_text("utf-8") + "[solve]\nmethod = 'finite-difference'\n")
     output = ["-o", "page.html"] if command == "export" else ["--no-browser"]
     assert main([command, str(case), *output]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert 'solve.method: the page cannot solve the method "finite-diff' in told.err
-    assert "rodimpact animate CASE.toml" in told.err
+    output_shown = capsys.readouterr()
+    assert output_shown.out == ""
+    assert (
+        'solve.method: the page cannot solve the method "finite-diff'
+        in output_shown.err
+    )
+    assert "rodimpact animate CASE.toml" in output_shown.err
     assert list(tmp_path.iterdir()) == [case]
 
 

@@ -64,28 +64,30 @@ def solved(tmp_path):
 @pytest.fixture
 def visit(browser, url):
     """Opens addresses without a network; afterwards nothing may have gone wrong or been asked."""
-    opened, wrong = [], []
+    contexts = []
+    errors = []  # messages of the console, and requests that leave the page
+    own_schemes = ("data:", "blob:", "file:")
+
+    def note_request(request):
+        if not request.url.startswith(own_schemes):
+            errors.append(request.url)
 
     def open_page(address=url, **options):
         context = browser.new_context(**options)
+        contexts.append(context)
         context.set_offline(True)
         page = context.new_page()
-        page.on("console", lambda message: wrong.append(message.text))
-        page.on("pageerror", lambda error: wrong.append(str(error)))
-        own = ("data:", "blob:", "file:")
-        page.on(
-            "request", lambda r: None if r.url.startswith(own) else wrong.append(r.url)
-        )
-        page.wrong = wrong
-        opened.append(context)
+        page.on("console", lambda message: errors.append(message.text))
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.on("request", note_request)
         page.goto(address)
         page.wait_for_selector("html[data-frames]", state="attached")
         return page
 
     yield open_page
-    for context in opened:
+    for context in contexts:
         context.close()
-    assert wrong == []
+    assert errors == []
 
 
 def field(page, path):
@@ -119,6 +121,11 @@ def open_menu(page):
     page.click("#menu summary")
 
 
+def stop_clock(page):
+    """Let no time pass for a page or a frame: undo takes back changes without a pause."""
+    page.evaluate("performance.now = () => 0")
+
+
 def picture(page, canvas="#diagram"):
     return page.locator(canvas).evaluate("canvas => canvas.toDataURL()")
 
@@ -131,7 +138,8 @@ def test_dragging_a_slider_moves_e_as_the_api_does(visit):
     assert field(page, LENGTH).input_value() == "400"
     unfold(page, "bodies.0")
     assert "impedance Z 3962 kg/s" in page.inner_text("#controls")
-    before, box = picture(page), slider(page, LENGTH).bounding_box()
+    before = picture(page)
+    box = slider(page, LENGTH).bounding_box()
     y = box["y"] + box["height"] / 2
     page.mouse.move(box["x"] + 0.2 * box["width"], y)
     page.mouse.down()
@@ -145,20 +153,24 @@ def test_dragging_a_slider_moves_e_as_the_api_does(visit):
     assert page.input_value("#preset") == ""
 
 
-def rods_at(page, share):
+def rods_at(page, thousandths):
     """Left and right end of every rod in the picture, at a thousandth of the film."""
-    page.locator("#time").fill(str(share))
-    pieces = page.evaluate("""() => slice(shown.scene, now()).map(({ polygon, low, high }) =>
-        [shown.scene.tiling.body[polygon], low, high])""")
-    found = {}
+    page.locator("#time").fill(str(thousandths))
+    pieces = page.evaluate("""() => {
+        const { scene } = page;
+        const pieces = cutPolygons(scene, currentTime());
+        return pieces.map(({ polygon, low, high }) => [scene.tiling.body[polygon], low, high]);
+    }""")
+    rods = {}
     for body, low, high in pieces:
-        left, right = found.get(body, (low, high))
-        found[body] = (min(left, low), max(right, high))
-    return found
+        left, right = rods.get(body, (low, high))
+        rods[body] = (min(left, low), max(right, high))
+    return rods
 
 
 def assert_the_film_ends_with_its_rods(page):
-    before, last = rods_at(page, 999), rods_at(page, 1000)
+    before = rods_at(page, 999)
+    last = rods_at(page, 1000)
     assert last.keys() == before.keys()
     for body, ends in last.items():
         assert ends == pytest.approx(before[body], abs=0.01)
@@ -168,7 +180,7 @@ def test_presets_show_their_collisions_to_the_end(visit):
     page = visit()
     for key, preset in PRESETS.items():
         page.select_option("#preset", key)
-        page.wait_for_function("() => !shown.asked && !shown.due")
+        page.wait_for_function("() => !page.isSceneDue && !page.isRedrawDue")
         outcome = ri.solve(preset.system).outcome
         wait_for_e(page, "-" if outcome.why_no_restitution() else shown_e(outcome))
         last = f"{outcome.velocities_after[-1]:.6g} m/s".replace("-0 ", "0 ")
@@ -182,13 +194,13 @@ def test_presets_show_their_collisions_to_the_end(visit):
 def test_curves_of_the_collision_before_are_not_solved_for_the_next(visit):
     page = visit()
     page.evaluate("""async () => {
-        changed(true);
+        designChanged(true);
         await new Promise(requestAnimationFrame);
         const frame = requestAnimationFrame;  // slower than the wait for sliders that rest
         window.requestAnimationFrame = (draw) => setTimeout(frame, 400, draw);
-        begin(start.presets.find(({ key }) => key === "chain").design);
+        showDesign(embedded.presets.find(({ key }) => key === "chain").design);
     }""")
-    page.wait_for_function("() => shown.scene.bodies.length > 2")
+    page.wait_for_function("() => page.scene.bodies.length > 2")
 
 
 def test_material_can_be_chosen(visit):
@@ -200,8 +212,8 @@ def test_material_can_be_chosen(visit):
     wait_for_e(page, shown_e(ri.collide(left, aluminium)))
     page.select_option('[id="bodies.1.material"]', "own 2")
     field(page, "materials.own 2.youngs_modulus").fill("50")
-    own = ri.Material("own", youngs_modulus=50e9, density=2698.0)
-    outcome = ri.collide(left, ri.Rod(1.0, area=1e-4, material=own))
+    material = ri.Material("own", youngs_modulus=50e9, density=2698.0)
+    outcome = ri.collide(left, ri.Rod(1.0, area=1e-4, material=material))
     wait_for_e(page, shown_e(outcome))
 
 
@@ -213,8 +225,8 @@ def test_a_mistake_is_told_beside_its_field_in_its_unit_and_mended(visit):
         "must be a finite positive number, got \u22125 mm"
     )
     assert field(page, LENGTH).get_attribute("aria-invalid") == "true"
-    for told in (".restitution", "#facts", "#reason"):  # numbers of another collision
-        assert not page.locator(told).is_visible()
+    for part in (".restitution", "#facts", "#reason"):  # numbers of another collision
+        assert not page.locator(part).is_visible()
     field(page, LENGTH).fill("500")
     wait_for_e(page, "0.5")
     sync_api.expect(problem).to_be_empty()
@@ -237,12 +249,12 @@ def test_a_view_can_be_shared(visit):
     page.wait_for_url(
         re.compile(r"bodies\.0\.length=0\.3&.*view\.quantity=stress&view\.time=0\.7")
     )
-    address, seen = page.url, (picture(page), picture(page, "#rods"))
-    again = visit(address)
+    pictures = (picture(page), picture(page, "#rods"))
+    again = visit(page.url)
     wait_for_e(again, "0.3")
     assert again.inner_text("#question") == "How long & why?"
     assert again.is_checked("input[value=stress]")
-    assert (picture(again), picture(again, "#rods")) == seen
+    assert (picture(again), picture(again, "#rods")) == pictures
 
 
 def test_play_pause_and_scrub(visit):
@@ -260,30 +272,32 @@ def test_play_pause_and_scrub(visit):
     assert float(page.input_value("#time")) == moved
 
 
+READING = re.compile(
+    r"t = (\S+) (µ?)s: Rod (\d), x = (\S+) (m?)m .*velocity (\S+) (m?)m/s, stress (\S+)"
+)
+PREFIXES = {"": 1.0, "m": 1e-3, "µ": 1e-6}
+
+
 def test_pointing_reads_the_value_of_the_solution(visit):
     page = visit()
     solution = ri.solve(PRESETS["unequal"].system)
     box = page.locator("#diagram").bounding_box()
-    found = 0
+    n_readings = 0
     for across, up in ((0.3, 0.7), (0.5, 0.6), (0.6, 0.3), (0.7, 0.5), (0.35, 0.2)):
         page.mouse.move(box["x"] + across * box["width"], box["y"] + up * box["height"])
         page.wait_for_timeout(60)
         text = page.inner_text("#readout").replace("\u00a0", " ").replace("\u2212", "-")
-        read = re.match(
-            r"t = (\S+) (µ?)s: Rod (\d), x = (\S+) (m?)m .*velocity (\S+) (m?)m/s, stress (\S+)",
-            text,
-        )
-        if read is None:
+        reading = READING.match(text)
+        if reading is None:
             assert "no rod here" in text
             continue
-        t = float(read[1]) * (1e-6 if read[2] else 1)
-        x = float(read[4]) * (1e-3 if read[5] else 1)
-        v = float(read[6]) * (1e-3 if read[7] else 1)
-        assert v == pytest.approx(
-            solution.velocity(int(read[3]) - 1, x, t).item(), abs=1e-9
-        )
-        found += 1
-    assert found >= 3
+        n_readings += 1
+        t = float(reading[1]) * PREFIXES[reading[2]]
+        x = float(reading[4]) * PREFIXES[reading[5]]
+        v = float(reading[6]) * PREFIXES[reading[7]]
+        velocity = solution.velocity(int(reading[3]) - 1, x, t).item()
+        assert v == pytest.approx(velocity, abs=1e-9)
+    assert n_readings >= 3
 
 
 def turn_the_wheel_on_the_diagram(page):
@@ -391,14 +405,14 @@ def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(
         ends = rods_at(page, share)
         assert ends[0][1] < ends[1][0]
     page.locator("#time").fill("0")
-    assert page.evaluate("now()") < 0
+    assert page.evaluate("currentTime()") < 0
     assert page.evaluate(
-        "shown.scene.centres.every(({ t }) => t[0] === shown.scene.begin)"
+        "page.scene.centres.every(({ t }) => t[0] === page.scene.begin)"
     )
     sync_api.expect(page.locator("#sentence")).to_contain_text("Rod 1 moves at 1")
     assert page.evaluate(
-        "shown.scene.grids.map((g) => g.rows * g.across).reduce((a, b) => a + b)"
-        " === shown.scene.cells"
+        "page.scene.grids.map((g) => g.rows * g.across).reduce((a, b) => a + b)"
+        " === page.scene.cellCount"
     )
 
 
@@ -415,11 +429,11 @@ def test_a_sentence_follows_the_events(visit):
         page.click("#event-after")
         sync_api.expect(sentence).to_contain_text(words)
     T = 0.4 / ri.materials.steel.wave_speed
-    assert page.evaluate("now()") == pytest.approx(2 * T, rel=1e-6)
+    assert page.evaluate("currentTime()") == pytest.approx(2 * T, rel=1e-6)
     page.click("#event-before")
     sync_api.expect(sentence).to_contain_text("turns back")
     spot = page.evaluate(
-        "({ x: shown.frame.x, y: shown.frame.up(shown.scene.events[1].t) })"
+        "({ x: page.frame.x, y: page.frame.up(page.scene.events[1].t) })"
     )
     page.locator("#diagram").click(position=spot)
     sync_api.expect(sentence).to_contain_text("meet")
@@ -453,11 +467,11 @@ def test_a_guess_comes_before_e(visit):
     whole = picture(page)
     page.click("#guess-first")
     assert [where for where in TELLING if page.locator(where).is_visible()] == []
-    asked = page.locator("#asked")
-    sync_api.expect(asked).to_contain_text(
+    question = page.locator("#asked")
+    sync_api.expect(question).to_contain_text(
         "rod 2 is at rest. How fast do they part, as a share of"
     )
-    assert asked.inner_text().count("?") == 1
+    assert question.inner_text().count("?") == 1
     page.wait_for_timeout(60)
     hidden = picture(page)
     field(page, LENGTH).fill("900")
@@ -472,15 +486,15 @@ def test_a_guess_comes_before_e(visit):
     sync_api.expect(verdict).to_contain_text("You said 0.7; e is 0.4: off by 0.3.")
     for words in ("Rod 1's wave returns", "The impulse of 314", "so e = 0.4 = l₁/l₂"):
         sync_api.expect(page.locator("#reason")).to_contain_text(words)
-    assert page.evaluate("shown.playing && now() < 0.2 * shown.scene.end")
+    assert page.evaluate("page.isPlaying && currentTime() < 0.2 * page.scene.end")
     assert page.evaluate("document.activeElement.id") == "play"
     assert page.locator("#restitution").is_visible()
-    field(page, LENGTH).fill("700")  # of another e nothing was said
+    field(page, LENGTH).fill("700")  # nothing was said on another e
     wait_for_e(page, "0.7")
     assert verdict.inner_text() == ""
     page.click("#guess-first")
     page.select_option("#preset", "wall")
-    sync_api.expect(asked).not_to_contain_text("rod 2")
+    sync_api.expect(question).not_to_contain_text("rod 2")
     page.select_option("#preset", "chain")
     sync_api.expect(page.locator("#theory")).to_contain_text("this row has 4")
     assert not page.locator("#restitution").is_visible()
@@ -541,26 +555,24 @@ def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_ve
     page = visit()
     assert page.is_checked("#displaced")
     page.locator("#time").fill("500")
-    page.wait_for_function("() => !shown.due")  # it is drawn
-    slopes = page.evaluate("""() => shown.scene.centres.map(({ t, y }) => [[0, 1], [-2, -1]]
+    page.wait_for_function("() => !page.isRedrawDue")  # it is drawn
+    slopes = page.evaluate("""() => page.scene.centres.map(({ t, y }) => [[0, 1], [-2, -1]]
         .map(([i, j]) => (y.at(j) - y.at(i)) / (t.at(j) - t.at(i)))
-        .map((slope) => slope / shown.scene.row.magnification))""")
+        .map((slope) => slope / page.scene.row.magnification))""")
     assert slopes == [
         pytest.approx([1.0, 0.0], abs=1e-6),
         pytest.approx([0.0, 0.4], abs=1e-6),
     ]
     T = 1 / ri.materials.steel.wave_speed
-    marks = page.evaluate("shown.scene.marks.map(({ t, text }) => [t, text])")
+    marks = page.evaluate("page.scene.marks.map(({ t, text }) => [t, text])")
     assert marks == [[pytest.approx(0.8 * T), "2l₁/c"], [pytest.approx(2 * T), "2l₂/c"]]
-    above, below = (
-        page.evaluate("""() => [shown.frame, shown.strip.frame].map((frame) =>
-        frame.across(valueAt(shown.scene.contacts[0].faces[1], now())))""")
-    )
-    ends = page.evaluate("[shown.strip.frame.across(shown.strip.ends.get(1)[0])]")
+    above, below = page.evaluate("""() => [page.frame, page.strip.frame].map((frame) =>
+        frame.across(valueAt(page.scene.contacts[0].faces[1], currentTime())))""")
+    ends = page.evaluate("[page.strip.frame.across(page.strip.ends.get(1)[0])]")
     assert [above, below] == [pytest.approx(ends[0])] * 2  # rods and diagram line up
     assert page.evaluate("""() => {
-        const { left, right } = shown.frame, { view } = shown;
-        const [low, high] = shown.scene.row.span;
+        const { left, right } = page.frame, { view } = page;
+        const [low, high] = page.scene.row.span;
         return (high - low) / (view.right - view.left) > 0.95;
     }""")
 
@@ -569,7 +581,7 @@ def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_ve
 def test_a_print_is_one_page_on_white_without_controls(visit, width, key):
     page = visit(viewport={"width": width, "height": 800}, color_scheme="dark")
     page.select_option("#preset", key)
-    page.wait_for_function("() => !shown.asked && !shown.due")
+    page.wait_for_function("() => !page.isSceneDue && !page.isRedrawDue")
     pages = re.findall(
         rb"/Type\s*/Page\b", page.pdf(format="A4", print_background=True)
     )
@@ -591,8 +603,8 @@ def test_a_tour_of_the_box_in_six_steps(visit):
     shown = []
     for k in range(6):
         sync_api.expect(page.locator("#tour-text")).to_contain_text(f"{k + 1} of 6")
-        page.wait_for_function("() => !shown.asked && !arrived")
-        shown.append((page.input_value("#preset"), page.evaluate("now()")))
+        page.wait_for_function("() => !page.isSceneDue && !afterScene")
+        shown.append((page.input_value("#preset"), page.evaluate("currentTime()")))
         page.click("#tour-next")
     T = 1 / ri.materials.steel.wave_speed
     assert [key for key, _ in shown] == [*["identical"] * 4, "wall", "unequal"]
@@ -622,13 +634,15 @@ def test_two_collisions_are_shown_at_the_same_time_in_the_same_colours(visit):
     page = visit()
     page.click("#compare")
     page.select_option("#preset", "hopkinson")
-    page.wait_for_function("() => !shown.asked && shown.scene.bodies.length === 3")
+    page.wait_for_function("() => !page.isSceneDue && page.scene.bodies.length === 3")
     sync_api.expect(page.locator("#other-text")).to_contain_text("Kept: e = 0.4")
-    reach = page.evaluate("[shown.scene, shown.other].map((scene) => scene.reach)")
+    reach = page.evaluate("[page.scene, page.keptScene].map((scene) => scene.scale)")
     assert reach[0] == reach[1]
     assert reach[0]["velocity"] == 10
     page.locator("#time").fill("0")
-    assert page.evaluate("now() === Math.min(shown.scene.begin, shown.other.begin)")
+    assert page.evaluate(
+        "currentTime() === Math.min(page.scene.begin, page.keptScene.begin)"
+    )
     boxes = [
         page.locator(canvas).bounding_box() for canvas in ("#diagram", "#other-diagram")
     ]
@@ -679,7 +693,7 @@ def test_bodies_come_go_and_change_places(visit):
 
 def drag(page, start, way):
     """Drag a point of the strip, given by an expression, by so many pixels."""
-    page.wait_for_function("() => !shown.asked && !shown.due")
+    page.wait_for_function("() => !page.isSceneDue && !page.isRedrawDue")
     x, y = page.evaluate(start)
     box = page.locator("#rods").bounding_box()
     page.mouse.move(box["x"] + x, box["y"] + y)
@@ -691,16 +705,16 @@ def drag(page, start, way):
 
 def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
     page = visit()
-    across = "shown.strip.frame.across(shown.strip.ends.get({})[{}])"
-    scale = page.evaluate("shown.strip.frame.across(1) - shown.strip.frame.across(0)")
-    drag(page, f"[{across.format(1, 1)}, shown.strip.middle]", 0.2 * scale)
+    across = "page.strip.frame.across(page.strip.ends.get({})[{}])"
+    scale = page.evaluate("page.strip.frame.across(1) - page.strip.frame.across(0)")
+    drag(page, f"[{across.format(1, 1)}, page.strip.middle]", 0.2 * scale)
     assert float(field(page, "bodies.1.length").input_value()) == pytest.approx(
         1200, abs=2
     )
     wait_for_e(page, f"{400 / float(field(page, 'bodies.1.length').input_value()):.6g}")
-    drag(page, "shown.strip.gauges[0]", 60)
+    drag(page, "page.strip.gauges[0]", 60)
     assert float(field(page, "gauges.0.fraction").input_value()) > 60
-    drag(page, f"[{across.format(0, 1)} - 20, shown.strip.middle]", 0.9 * scale)
+    drag(page, f"[{across.format(0, 1)} - 20, page.strip.middle]", 0.9 * scale)
     assert float(field(page, "bodies.1.length").input_value()) == 400
     page.click("#undo")
     assert float(field(page, LENGTH).input_value()) == 400
@@ -729,8 +743,8 @@ def test_an_address_that_cannot_be_solved_is_told(visit, url):
     ):
         page = context.new_page()
         page.goto(f"{url}{address}")
-        told = page.locator("#message:not(:empty), .problem:not(:empty)").first
-        sync_api.expect(told).to_contain_text(words)
+        message = page.locator("#message:not(:empty), .problem:not(:empty)").first
+        sync_api.expect(message).to_contain_text(words)
 
 
 def test_compliant_contacts_and_masses_are_solved_while_a_slider_moves(visit, solved):
@@ -741,12 +755,12 @@ def test_compliant_contacts_and_masses_are_solved_while_a_slider_moves(visit, so
         outcome = ri.solve(HERTZ.replace(bodies=[left, HERTZ.bodies[1]])).outcome
         wait_for_e(page, f"{outcome.restitution:.5g}")
     page.wait_for_function(
-        "() => [shown.scene.curve, shown.scene.roundness].every((c) => c.outdated === false)"
+        "() => [page.scene.curve, page.scene.roundness].every((c) => c.isOutdated === false)"
     )
-    count = "shown.scene.{}.values.filter((e) => e !== null).length"
+    count = "page.scene.{}.values.filter((e) => e !== null).length"
     page.wait_for_function(count.format("curve") + " === 20")
     page.wait_for_function(count.format("roundness") + " === 20")
-    curve = page.evaluate("shown.scene.roundness")  # from e of balls to l1/l2
+    curve = page.evaluate("page.scene.roundness")  # e falls from that of balls to l1/l2
     assert (curve["ratios"][0], curve["ratios"][-1]) == (-2, 4)
     here = np.interp(curve["here"], curve["ratios"], curve["values"])
     assert [curve["values"][0], here, curve["values"][-1]] == pytest.approx(
@@ -759,36 +773,37 @@ def test_compliant_contacts_and_masses_are_solved_while_a_slider_moves(visit, so
     assert page.locator("#ends").input_value() == "4"
 
 
+def round_ends(page, kappa):
+    """Move the slider of the ends; returns the draft of e while it moves."""
+    return page.evaluate(
+        """(kappa) => {
+            byId("ends").value = kappa ?? byId("ends").max;
+            byId("ends").dispatchEvent(new Event("input"));
+            return sceneOf(design, true).scene.restitution;
+        }""",
+        kappa,
+    )
+
+
 def test_a_slider_rounds_the_ends(visit):
     """e falls from that of balls to l1/l2; a draft, while it moves, says how wrong it may be."""
     page = visit()
-    found = []
+    left, right = PRESETS["unequal"].system.bodies
+    restitutions = []
     for kappa in (-2, 1, 3):
-        draft = page.evaluate(
-            """(kappa) => {
-          byId("ends").value = kappa;
-          byId("ends").dispatchEvent(new Event("input"));
-          const { value, text } = sceneOf(design, true).data.restitution;
-          return { value, text };
-        }""",
-            kappa,
-        )
+        draft = round_ends(page, kappa)
         stiffness = float(field(page, "contacts.0.stiffness").input_value()) * 1e9
-        left, right = PRESETS["unequal"].system.bodies
-        law, scale = ri.Hertz(stiffness), right.transit_time**0.5 * 1.0 / (2e11 * 1e-4)
-        assert stiffness * scale == pytest.approx(
-            10**kappa, rel=0.01
-        )  # k (V T)^(1/2) L/(E A)
-        e = ri.solve(ri.System([left, right], contacts=[law])).outcome.restitution
+        # kappa = k (V T)^(1/2) L/(E A), with V = 1 m/s
+        ratio = stiffness * right.transit_time**0.5 / (2e11 * 1e-4)
+        assert ratio == pytest.approx(10**kappa, rel=0.01)
+        pair_of_balls = ri.System([left, right], contacts=[ri.Hertz(stiffness)])
+        e = ri.solve(pair_of_balls).outcome.restitution
         wait_for_e(page, f"{e:.5g}")
-        error = float(draft["text"].partition("±")[2].replace("\u2212", "-") or 5e-6)
+        error = float(draft["error"].replace("\u2212", "-") or 5e-6)
         assert draft["value"] == pytest.approx(e, abs=error)
-        found.append(e)
-    assert found == sorted(found, reverse=True)
-    page.evaluate("""() => {
-      byId("ends").value = byId("ends").max;
-      byId("ends").dispatchEvent(new Event("input"));
-    }""")
+        restitutions.append(e)
+    assert restitutions == sorted(restitutions, reverse=True)
+    round_ends(page, None)
     wait_for_e(page, "0.4")
 
 
@@ -797,10 +812,8 @@ def test_a_map_of_compliant_contacts_is_made_of_solutions(visit, solved):
     page.click("#map summary")
     page.select_option("#map-y", label="stiffness of contact 1-2")
     sync_api.expect(page.locator("#map-reading")).to_contain_text("% solved")
-    page.wait_for_function("() => chart.values.length > 5", timeout=120_000)
-    length, stiffness, e = page.evaluate(
-        "[chart.xs[30], chart.ys[5], chart.values[5][30]]"
-    )
+    page.wait_for_function("() => map.values.length > 5", timeout=120_000)
+    length, stiffness, e = page.evaluate("[map.xs[30], map.ys[5], map.values[5][30]]")
     left = HERTZ.bodies[0].replace(length=length / 1000)
     row = HERTZ.replace(
         bodies=[left, HERTZ.bodies[1]], contacts=[ri.Hertz(stiffness * 1e9)]
@@ -813,7 +826,7 @@ def test_a_collision_that_takes_too_long_is_told_and_the_page_goes_on(visit, sol
     middle = right.replace(length=0.1)
     contacts = [ri.Rigid(), ri.Hertz(1e10)]
     page = visit(solved(ri.System([left, middle, right], contacts=contacts)))
-    page.evaluate("Object.assign(PATIENCE, { scene: 0.2, draft: 0.1 })")  # s
+    page.evaluate("Object.assign(TIME_LIMITS, { scene: 0.2, draft: 0.1 })")  # s
     field(page, "bodies.1.length").fill("0.001")
     message = sync_api.expect(page.locator("#message"))
     message.to_contain_text("This collision takes too long for the page.")
@@ -823,14 +836,14 @@ def test_a_collision_that_takes_too_long_is_told_and_the_page_goes_on(visit, sol
     page.evaluate(
         """(design) => {
         design.case.bodies[0].length = 1e-6;
-        begin(design);
+        showDesign(design);
     }""",
         fewer,
     )
-    page.wait_for_function("() => !shown.asked && !shown.due")
+    page.wait_for_function("() => !page.isSceneDue && !page.isRedrawDue")
     message.to_contain_text("This collision takes too long for the page.")
     page.click("#undo")
-    page.evaluate("PATIENCE.scene = 60")
+    page.evaluate("TIME_LIMITS.scene = 60")
     field(page, "bodies.1.length").fill("100")
     sync_api.expect(page.locator("#results")).to_be_visible()
     message.to_be_hidden()
@@ -838,11 +851,11 @@ def test_a_collision_that_takes_too_long_is_told_and_the_page_goes_on(visit, sol
 
 def test_a_curve_of_other_rods_is_grey_until_it_is_solved(visit, solved):
     page = visit(solved(HERTZ))
-    page.wait_for_function("() => shown.scene.roundness.outdated === false")
+    page.wait_for_function("() => page.scene.roundness.isOutdated === false")
     outdated = page.evaluate("""() => [0.4, 0.55].map((length) => {
         const other = structuredClone(design);
         other.case.bodies[0].length = length;
-        return sceneOf(other).data.roundness.outdated;
+        return sceneOf(other).scene.roundness.isOutdated;
     })""")
     assert outdated == [False, True]
     colours = page.evaluate("""() => {
@@ -853,10 +866,10 @@ def test_a_curve_of_other_rods_is_grey_until_it_is_solved(visit, solved):
             line.call(this, points, stroke, ...rest);
         };
         for (const outdated of [true, false])
-            drawCurve("roundness", { ...shown.scene.roundness, outdated, name: "", title: "" },
-                      shown.scene, shown.theme);
+            drawRestitution("roundness", { ...page.scene.roundness, low: -2, isOutdated: outdated },
+                            { title: "", name: "", label: "" }, page.scene, page.theme);
         CanvasPen.prototype.line = line;
-        return [seen, [shown.theme.line, shown.theme.series[0]]];
+        return [seen, [page.theme.line, page.theme.series[0]]];
     }""")
     assert colours[0] == colours[1]
 
@@ -866,7 +879,7 @@ def test_the_legend_names_the_values_that_occur(visit):
     legend = sync_api.expect(page.locator(".bar .legend"))
     legend.to_have_text("0 m/s+1 m/s")  # no rod moves to the left
     page.check("input[value=stress]")
-    low, high = page.evaluate("shown.scene.range.stress")
+    low, high = page.evaluate("page.scene.colourRange.stress")
     assert low == pytest.approx(-high)  # the wave turns back at free ends
     legend.to_have_text("−19.8 MPa, compressed+19.8 MPa")  # noqa: RUF001
     field(page, "bodies.0.velocity").fill("0")
@@ -879,9 +892,9 @@ def test_no_line_ends_between_a_number_and_its_unit(visit):
     page = visit()
     for key in ("unequal", "chain", "wall"):
         page.select_option("#preset", key)
-        page.wait_for_function("() => !shown.asked && !shown.due")
-        for told in ("#reason", "#sentence", "#theory", "#remark", "#notes"):
-            text = page.locator(told).text_content()
+        page.wait_for_function("() => !page.isSceneDue && !page.isRedrawDue")
+        for part in ("#reason", "#sentence", "#theory", "#remark", "#notes"):
+            text = page.locator(part).text_content()
             assert re.findall(r"\d (?:%|[nµmkMG]?(?:m|s|N|J|Pa)\b)| = ", text) == []
 
 
@@ -929,12 +942,14 @@ INPUTS = (
 
 def begin(page, case):
     """Let a page begin with a case, and wait until it is solved in full."""
-    page.evaluate("(design) => begin(design)", tables_of(with_gauges(case)))
-    page.wait_for_function("() => !shown.asked && !shown.due && !shown.draft")
+    page.evaluate("(design) => showDesign(design)", tables_of(with_gauges(case)))
+    page.wait_for_function(
+        "() => !page.isSceneDue && !page.isRedrawDue && !page.isDraft"
+    )
 
 
 def hidden_parts(page, selectors):
-    """Those of the selectors whose element is not whole on the first screen, or is covered."""
+    """Selectors of elements that are covered, or not whole on the first screen."""
     return page.evaluate(
         """(selectors) => selectors.filter((selector) => {
             const element = document.querySelector(selector);
@@ -953,10 +968,10 @@ def test_inputs_e_and_reason_are_on_the_first_screen(visit, width, height):
     page = visit(viewport={"width": width, "height": height})
     for name, system in LESSONS.items():
         begin(page, ri.Case(system))
-        has_e = page.evaluate("shown.scene.restitution.value !== null")
-        told = "#restitution" if has_e else "#after"
+        has_e = page.evaluate("page.scene.restitution.value !== null")
+        result = "#restitution" if has_e else "#after"
         inputs = [f"[id='{path}']" for path in INPUTS]
-        assert hidden_parts(page, [*inputs, told, "#reason"]) == [], name
+        assert hidden_parts(page, [*inputs, result, "#reason"]) == [], name
         assert page.evaluate("scrollY") == 0
 
 
@@ -980,11 +995,11 @@ def test_tools_stand_in_one_row_on_the_narrowest_phone(visit):
 
 def test_the_page_opens_still_at_the_start(visit):
     page = visit()
-    assert page.evaluate("[now() === shown.scene.begin, shown.playing]") == [
+    assert page.evaluate("[currentTime() === page.scene.begin, page.isPlaying]") == [
         True,
         False,
     ]
-    assert page.evaluate("shown.scene.begin") < 0
+    assert page.evaluate("page.scene.begin") < 0
     assert page.inner_text("#play") == "Play"
 
 
@@ -1002,46 +1017,49 @@ def random_row(rng):
         bodies.append(ri.Wall())
     if rng.random() < 0.2:
         bodies.insert(0, ri.Wall())
-    laws, gaps = [], []
+    laws = []
+    gaps = []
     for left, right in itertools.pairwise(bodies):
-        waves = isinstance(left, ri.Rod) or isinstance(right, ri.Rod)
-        kind = rng.integers(0 if waves else 1, 3)
-        laws.append([ri.Rigid(), ri.Spring(1e8), ri.Hertz(1e10)][kind])
+        has_rod = isinstance(left, ri.Rod) or isinstance(right, ri.Rod)
+        first_law = 0 if has_rod else 1  # no wave decides a rigid contact of masses
+        law = rng.integers(first_law, 3)
+        laws.append([ri.Rigid(), ri.Spring(1e8), ri.Hertz(1e10)][law])
         gaps.append(float(rng.choice([0.0, 2e-4])))
     return ri.System(bodies, contacts=laws, gaps=gaps)
+
+
+OUTSIDE = """(design) => {
+    const { case: tables, gauges } = design;
+    const scene = prepareScene(solver.scene_of(tables, gauges, embedded.materials, 1e-4));
+    const before = { scene: page.scene, isDisplaced: page.isDisplaced };
+    page.scene = scene;
+    const outside = [];
+    for (const isDisplaced of [true, false]) {
+        page.isDisplaced = isDisplaced;
+        const view = wholeView(scene);
+        for (let k = 0; k <= 20; k += 1) {
+            const t = scene.begin + ((scene.end - scene.begin) * k) / 20;
+            for (const [i, [low, high]] of endsAt(scene, t, { view, isDisplaced })) {
+                const isWall = scene.bodies[i].kind === "wall";
+                const left = isWall && i === 0 ? high : low;  // the face of a wall
+                const right = isWall && i > 0 ? low : high;
+                if (left < view.left || right > view.right) outside.push([i, t]);
+            }
+        }
+    }
+    Object.assign(page, before);
+    return outside;
+}"""
+"""Bodies that are not inside the picture of a design, with the times."""
 
 
 def test_the_whole_row_is_inside_the_picture(visit):
     page = visit()
     rng = np.random.default_rng(43)
     for _ in range(50):
-        design = tables_of(with_gauges(ri.Case(random_row(rng), {"max_events": 300})))
-        outside = page.evaluate(
-            """(design) => {
-            const { case: asked, gauges } = design;
-            const scene = prepare(fronts.scene_of(asked, gauges, start.materials, 1e-4));
-            const kept = [shown.scene, shown.displaced];
-            shown.scene = scene;
-            const outside = [];
-            for (const displaced of [true, false]) {
-                shown.displaced = displaced;
-                const view = wholeView(scene);
-                for (let k = 0; k <= 20; k += 1) {
-                    const t = scene.begin + ((scene.end - scene.begin) * k) / 20;
-                    for (const [i, [low, high]] of endsAt(scene, t, { view, displaced })) {
-                        const isWall = scene.bodies[i].kind === "wall";
-                        const left = isWall && i === 0 ? high : low;  // the face of a wall
-                        const right = isWall && i > 0 ? low : high;
-                        if (left < view.left || right > view.right) outside.push([i, t]);
-                    }
-                }
-            }
-            [shown.scene, shown.displaced] = kept;
-            return outside;
-        }""",
-            design,
-        )
-        assert outside == [], design
+        case = with_gauges(ri.Case(random_row(rng), {"max_events": 300}))
+        design = tables_of(case)
+        assert page.evaluate(OUTSIDE, design) == [], design
 
 
 def test_escape_ends_the_tour_and_gives_all_back(visit):
@@ -1052,13 +1070,13 @@ def test_escape_ends_the_tour_and_gives_all_back(visit):
     page.click("#tour-open")
     sync_api.expect(page.locator("#tour-text")).to_contain_text("1 of 6")
     page.click("#tour-next")
-    page.wait_for_function("() => !shown.asked && !arrived")
+    page.wait_for_function("() => !page.isSceneDue && !afterScene")
     assert page.input_value("#preset") == "identical"
     page.keyboard.press("Escape")
     wait_for_e(page, "0.7")
-    page.wait_for_function("() => !shown.asked && !arrived && !shown.due")
+    page.wait_for_function("() => !page.isSceneDue && !afterScene && !page.isRedrawDue")
     assert field(page, LENGTH).input_value() == "700"
-    assert page.evaluate("shown.share") == pytest.approx(0.64)
+    assert page.evaluate("page.fraction") == pytest.approx(0.64)
     assert page.evaluate("document.activeElement.id") == "tour-open"
     assert not page.locator("#tour").is_visible()
 
@@ -1066,9 +1084,10 @@ def test_escape_ends_the_tour_and_gives_all_back(visit):
 def test_an_arrow_is_dragged_and_undone(visit):
     page = visit()
     page.locator("#time").fill("0")
-    arrow = "[shown.strip.arrows[{}].tip, shown.strip.arrows[{}].y]"
+    stop_clock(page)
+    arrow = "[page.strip.arrows[{}].tip, page.strip.arrows[{}].y]"
     speed = field(page, "bodies.0.velocity")
-    per_pixel = page.evaluate("1 / shown.arrow")
+    per_pixel = page.evaluate("1 / page.arrowScale")
     drag(page, arrow.format(0, 0), 40)
     assert float(speed.input_value()) == pytest.approx(1 + 40 * per_pixel, abs=0.06)
     drag(page, arrow.format(1, 1), -20)
@@ -1086,7 +1105,7 @@ def test_an_arrow_is_dragged_and_undone(visit):
 def test_ends_and_arrows_are_moved_by_keys(visit):
     page = visit()
     page.locator("#time").fill("0")
-    page.wait_for_function("() => !shown.due")
+    page.wait_for_function("() => !page.isRedrawDue")
     handles = page.locator("#handles [role=slider]")
     assert handles.evaluate_all("all => all.map((one) => one.ariaLabel)") == [
         "Velocity of rod 1",
@@ -1104,18 +1123,18 @@ def test_ends_and_arrows_are_moved_by_keys(visit):
     handles.nth(2).focus()
     page.keyboard.press("ArrowLeft")
     assert field(page, "bodies.1.velocity").input_value() == "-0.1"
-    page.wait_for_function("() => !shown.asked && !shown.due")
+    page.wait_for_function("() => !page.isSceneDue && !page.isRedrawDue")
     places = page.evaluate("""() => [...document.querySelectorAll("#handles > *")].map((one) => {
         const { left, width, top, height } = one.getBoundingClientRect();
         const origin = byId("rods").getBoundingClientRect();
         return [left + width / 2 - origin.left, top + height / 2 - origin.top];
     })""")
-    tip, end = page.evaluate("""[[shown.strip.arrows[1].tip, shown.strip.arrows[1].y],
-        [shown.strip.frame.across(shown.strip.ends.get(1)[1]), shown.strip.middle]]""")
+    tip, end = page.evaluate("""[[page.strip.arrows[1].tip, page.strip.arrows[1].y],
+        [page.strip.frame.across(page.strip.ends.get(1)[1]), page.strip.middle]]""")
     assert places[2] == pytest.approx(tip, abs=1)
     assert places[3] == pytest.approx(end, abs=1)
     page.locator("#time").fill("500")
-    page.wait_for_function("() => !shown.due")
+    page.wait_for_function("() => !page.isRedrawDue")
     assert handles.count() == 0  # the set-up is no longer seen
 
 
@@ -1137,26 +1156,27 @@ def lines_drawn(page, do):
 def test_the_force_stands_beside_the_diagram_on_its_time_axis(visit):
     page = visit()
     page.locator("#time").fill("300")
-    page.wait_for_function("() => !shown.due")
+    page.wait_for_function("() => !page.isRedrawDue")
     lines = lines_drawn(page, "draw()")
-    frame = page.evaluate(
-        """(({ x, right, force }) => ({ x, right, force }))(shown.frame)"""
-    )
-    wrong, blue = page.evaluate("[shown.theme.wrong, shown.theme.series[0]]")
+    frame_left = page.evaluate("page.frame.x")
+    force = page.evaluate("({ ...page.frame.force })")
+    red, blue = page.evaluate("[page.theme.accent, page.theme.series[0]]")
+    time_lines = []
+    force_curves = []
+    for colour, points in lines:
+        x = points[0][0]
+        if colour == red and x == frame_left:
+            time_lines.append(points)
+        if colour == blue and x >= force["x"]:
+            force_curves.append(points)
+    assert time_lines[0][1][0] == force["right"]  # one line crosses both
     T = 0.4 / ri.materials.steel.wave_speed
-    up = page.evaluate("([a, b, c]) => [a, b, c].map(shown.frame.up)", [0, T, 2 * T])
-    red = [points for colour, points in lines if colour == wrong]
-    across = [points for points in red if points[0][0] == frame["x"]]
-    assert across[0][1][0] == frame["force"]["right"]  # one line crosses both
-    beside = [
-        points
-        for colour, points in lines
-        if colour == blue and points[0][0] >= frame["force"]["x"]
-    ]
-    places = dict.fromkeys(y for _, y in beside[0])
-    assert [y for y in places if min(abs(y - at) for at in (up[0], up[2])) < 0.01]
-    jump = max(x for x, y in beside[0]) - min(x for x, y in beside[0])
-    assert jump > 0.8 * (frame["force"]["right"] - frame["force"]["x"])
+    up = page.evaluate("([start, end]) => [start, end].map(page.frame.up)", [0, 2 * T])
+    curve = np.array(force_curves[0])
+    for height in up:  # the force begins and ends on the axis of the diagram
+        assert np.abs(curve[:, 1] - height).min() < 0.01
+    jump = np.ptp(curve[:, 0])
+    assert jump > 0.8 * (force["right"] - force["x"])
 
 
 def test_a_chain_is_told_contact_by_contact(visit):
@@ -1167,11 +1187,12 @@ def test_a_chain_is_told_contact_by_contact(visit):
     outcome = ri.solve(PRESETS["chain"].system).outcome
     for k, contact in enumerate(outcome.contacts):
         cells = rows.nth(k).locator("th, td").all_inner_texts()
-        impulse, force, duration = (text.replace("\u00a0", " ") for text in cells[1:])
-        assert cells[0] == f"{k + 1}-{k + 2}"
-        assert impulse == f"{1e3 * contact.impulse:.5g} mN s"
-        assert force == f"{1e-3 * contact.peak_force:.5g} kN"
-        assert duration == f"{1e6 * contact.duration:.5g} µs"
+        assert [text.replace("\u00a0", " ") for text in cells] == [
+            f"{k + 1}-{k + 2}",
+            f"{1e3 * contact.impulse:.5g} mN s",
+            f"{1e-3 * contact.peak_force:.5g} kN",
+            f"{1e6 * contact.duration:.5g} µs",
+        ]
     assert page.locator("#results tr").count() == 7  # five velocities, two energies
     page.select_option("#preset", "unequal")
     sync_api.expect(page.locator("#by-contact")).to_be_hidden()
@@ -1181,17 +1202,17 @@ def test_a_label_without_room_leaves_the_others(visit, solved):
     short = ri.System([steel_rod(0.05, 1.0), steel_rod(0.05), steel_rod(1.0)])
     page = visit(solved(short), viewport={"width": 390, "height": 844})
     page.locator("#time").fill("0")
-    page.wait_for_function("() => !shown.due")
+    page.wait_for_function("() => !page.isRedrawDue")
     texts = page.evaluate("""() => {
         const texts = [];
         const { text } = CanvasPen.prototype;
         CanvasPen.prototype.text = function (x, y, said, look) { texts.push(said); };
-        drawRods(new CanvasPen(byId("rods")), shown.scene, shown, now(), shown.theme);
+        drawRods(new CanvasPen(byId("rods")), page.scene, page, currentTime(), page.theme);
         CanvasPen.prototype.text = text;
         return texts;
     }""")
     assert "Rod 3, 0\u00a0m/s" in texts
-    assert not [text for text in texts if text.startswith("Rod 2,")]
+    assert not any(text.startswith("Rod 2,") for text in texts)
 
 
 def test_a_lesson_on_paper(visit):
@@ -1201,15 +1222,15 @@ def test_a_lesson_on_paper(visit):
     page.locator("#question").fill("What happens?")
     page.locator("#time").fill("700")
     page.emulate_media(media="print")
-    page.wait_for_function("() => shown.printing && !shown.due")
-    assert page.evaluate("shown.strip.arrows.length") == 2  # the set-up
+    page.wait_for_function("() => page.isPrinting && !page.isRedrawDue")
+    assert page.evaluate("page.strip.arrows.length") == 2  # the set-up
     tops = [
         page.locator(part).bounding_box()["y"]
         for part in ("#question", "#given", "#rods", "#diagram", "#plots")
     ]
     assert tops == sorted(tops)
-    given = page.inner_text("#given").replace("\u00a0", " ")
-    assert given.startswith(
+    setup = page.inner_text("#given").replace("\u00a0", " ")
+    assert setup.startswith(
         "Rod 1: 400 mm long, 100 mm², steel; 1 m/s. Contact 1-2: ri"
     )
     assert page.locator("#reason").is_visible()
@@ -1221,7 +1242,7 @@ def test_a_lesson_on_paper(visit):
     page.emulate_media(media="screen")
     page.click("#guess-first")
     page.emulate_media(media="print")
-    page.wait_for_function("() => shown.printing && !shown.due")
+    page.wait_for_function("() => page.isPrinting && !page.isRedrawDue")
     assert page.locator("#lines p").count() > 8
     for part in ("#lines", "#question", "#asked", "#rods", "#diagram"):
         assert page.locator(part).is_visible(), part
@@ -1234,19 +1255,23 @@ def test_numbers_shown_are_those_of_the_api(visit):
     page = visit()
     for _ in range(12):
         system = random_row(rng)
-        limit = {"max_events": 1000}
-        begin(page, ri.Case(system, limit))
-        outcome = ri.solve(system, **limit).outcome
-        rows = page.evaluate("shown.scene.results")
-        assert rows[0][0].endswith(" after" if outcome.final else " at the end")
+        options = {"max_events": 1000}
+        begin(page, ri.Case(system, options))
+        outcome = ri.solve(system, **options).outcome
+        name, _ = page.evaluate("page.scene.results[0]")
+        assert name.endswith(" after" if outcome.final else " at the end")
+        assert page.evaluate("page.scene.final") == outcome.final
         if not outcome.final:
             continue
-        shown = [float(text.split()[0]) for name, text in rows if "velocity" in name]
-        solids = zip(outcome.bodies, outcome.velocities_after, strict=True)
-        wanted = [v for kind, v in solids if kind != "wall"]
-        digits = 6 if page.evaluate("shown.scene.method") == "fronts" else 4
-        rounded = [float(f"{v:.{digits}g}") for v in wanted]
-        fastest = max(map(abs, [*outcome.velocities_before, *wanted]))
+        shown = []
+        for velocity in page.evaluate("page.scene.velocities"):
+            shown.append(float(velocity["value"]))
+        digits = 6 if page.evaluate("page.scene.method") == "fronts" else 4
+        rounded = []
+        for kind, v in zip(outcome.bodies, outcome.velocities_after, strict=True):
+            if kind != "wall":
+                rounded.append(float(f"{v:.{digits}g}"))
+        fastest = max(map(abs, [*outcome.velocities_before, *rounded]))
         assert shown == pytest.approx(rounded, rel=1e-12, abs=1e-12 * fastest), system
 
 
@@ -1272,6 +1297,7 @@ def test_a_notebook_is_told_what_the_sliders_say(visit, tmp_path):
     page = visit((tmp_path / "holder.html").as_uri())
     inside = page.frame_locator("iframe")
     sync_api.expect(inside.locator("#results")).to_contain_text("velocity of rod 2")
+    stop_clock(page.frames[1])
     length = inside.locator(f'[id="{LENGTH}"]')
     length.fill("700")
     length.fill("-3")  # a mistake is not sent

@@ -66,9 +66,10 @@ def row(solution):
 def test_the_page_magnifies_as_figures_do_in_the_same_frame(layout, row):
     assert row["magnification"] == layout.magnification
     assert row["frame"] == layout.frame
-    assert layout.block in (0, row["block"])
-    assert layout.scale in row["note"]
-    assert ("frame" in row["note"]) == (layout.frame != 0)
+    assert layout.block in (0, row["mass_width"])
+    note = ", ".join(row["notes"])
+    assert layout.scale in note
+    assert ("frame" in note) == (layout.frame != 0)
 
 
 def test_figures_magnify_by_the_same_factor_in_the_same_frame(solution, layout):
@@ -93,7 +94,7 @@ def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution, layou
     for t in np.linspace(0.0, solution.t_end, 5):
         for i in range(len(solution.system.bodies)):
             u = float(solution.displacement(i, 0.0, t))
-            movement = row["apart"][i] + u - row["frame"] * t
+            movement = row["offsets"][i] + u - row["frame"] * t
             left = layout.left[i] + row["magnification"] * movement
             drawn = float(layout.end(i, False, t))
             assert left == pytest.approx(drawn, abs=tolerance)

@@ -1,71 +1,64 @@
 "use strict";
-// Two collisions side by side: the one shown, and one that was kept, at the same time and in the same colours.
+// Two collisions beside each other: the one shown, and one that was kept. They have one
+// time and one scale of colours. Begin with `keepScene`.
 
-const compared = () =>
-  shown.other ? [shown.scene, shown.other] : [shown.scene];
+const scenesShown = () =>
+  page.keptScene ? [page.scene, page.keptScene] : [page.scene];
 
-/** First and last moment of the film of all that is shown. */
+/** First and last time of the film of all scenes that are shown. */
 function filmSpan() {
+  const scenes = scenesShown();
   return {
-    begin: Math.min(...compared().map(({ begin }) => begin)),
-    end: Math.max(...compared().map(({ end }) => end)),
+    begin: Math.min(...scenes.map(({ begin }) => begin)),
+    end: Math.max(...scenes.map(({ end }) => end)),
   };
 }
 
-/** One scale of colours for both, and one legend. */
-function shareReach() {
-  for (const scene of compared()) {
-    scene.range = Object.fromEntries(
-      Object.keys(UNITS).map((name) => [
-        name,
-        rangeIn(compared().flatMap(({ ownRange }) => ownRange[name])),
-      ]),
-    );
-    scene.reach = Object.fromEntries(
-      Object.keys(UNITS).map((name) => [
-        name,
-        Math.max(...compared().map(({ own }) => own[name])),
-      ]),
-    );
-    for (const grid of scene.grids || []) grid.images = {};
+/** Give all scenes one scale of colours, and one legend. */
+function shareScale() {
+  const scenes = scenesShown();
+  const scale = {};
+  const colourRange = {};
+  for (const name of Object.keys(UNITS)) {
+    scale[name] = Math.max(...scenes.map(({ largest }) => largest[name]));
+    colourRange[name] = rangeOf(scenes.flatMap(({ ranges }) => ranges[name]));
+  }
+  for (const scene of scenes) {
+    scene.scale = scale;
+    scene.colourRange = colourRange;
+    for (const grid of scene.grids || []) {
+      grid.images = {};
+      grid.viewKey = "";
+    }
   }
 }
 
-/** Keep the collision shown beside those to come, or put it away. */
-function keepBeside(on) {
-  shown.other = on ? shown.scene : null;
-  byId("other").hidden = !on;
-  document.documentElement.toggleAttribute("data-compare", on);
-  byId("compare").setAttribute("aria-pressed", String(on));
-  if (on) {
-    const { restitution, events } = shown.scene;
-    const e =
-      restitution.value === null
-        ? events.at(-1).text
-        : `e = ${minus(restitution.text)}`;
-    byId("other-text").textContent = unbroken(`Kept: ${e}`);
+/** Keep the collision that is shown beside those to come, or put it away. */
+function keepScene(isKept) {
+  page.keptScene = isKept ? page.scene : null;
+  byId("other").hidden = !isKept;
+  document.documentElement.toggleAttribute("data-compare", isKept);
+  byId("compare").setAttribute("aria-pressed", String(isKept));
+  if (isKept) {
+    const { restitution, events } = page.scene;
+    let text = `e = ${minus(restitution.text)}`;
+    if (restitution.value === null) ({ text } = events.at(-1));
+    byId("other-text").textContent = unbroken(`Kept: ${text}`);
   }
-  shareReach();
+  shareScale();
   showLegend();
   zoomAll();
 }
 
-function drawBeside(t, theme) {
-  const { other } = shown;
-  if (!other) return;
-  const { left, right } = wholeView(other);
-  const look = {
-    ...shown,
-    view: { left, right, from: shown.view.from, to: shown.view.to },
-  };
-  const moment = Math.max(other.begin, Math.min(other.end, t));
-  drawDiagram(
-    new CanvasPen(byId("other-diagram")),
-    other,
-    look,
-    moment,
-    null,
-    theme,
-  );
-  drawRods(new CanvasPen(byId("other-rods")), other, look, moment, theme);
+/** Draw the collision that was kept, at time t of the film. */
+function drawKeptScene(t, theme) {
+  const { keptScene: scene } = page;
+  if (!scene) return;
+  const { left, right } = wholeView(scene);
+  const { from, to } = page.view;
+  const look = { ...page, view: { left, right, from, to } };
+  const moment = clamp(t, scene.begin, scene.end);
+  const diagram = new CanvasPen(byId("other-diagram"));
+  drawDiagram(diagram, scene, look, moment, null, theme);
+  drawRods(new CanvasPen(byId("other-rods")), scene, look, moment, theme);
 }

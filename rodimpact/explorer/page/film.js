@@ -1,90 +1,98 @@
 "use strict";
-// The film: it plays, pauses, steps from event to event, and holds at the end.
+// The film: it plays, pauses, goes from event to event, and stops at the end. Begin with
+// `play`.
 
-const REAL = 1e5; // how much slower than the collision the pace "100,000 × slower" is
+const REAL_PACE = 1e5; // times slower than the collision: pace "100,000 × slower"
+const STEP_SECONDS = 8; // pace of the film while it plays to the next event
+const INPUTS = "button, input, select, textarea, summary, [contenteditable]";
 
-/** How long the whole film lasts, in s. */
-function filmTime() {
+/** Seconds that the whole film lasts. */
+function filmSeconds() {
   const { begin, end } = filmSpan();
-  const pace = byId("pace").value;
-  return pace === "real"
-    ? (end - begin) * REAL
-    : pace === "step"
-      ? 8
-      : Number(pace);
+  const { value: pace } = byId("pace");
+  if (pace === "real") return (end - begin) * REAL_PACE;
+  if (pace === "step") return STEP_SECONDS;
+  return Number(pace);
 }
 
-/** Say how much slower than the collision each pace is. */
+/** Name how much slower than the collision each pace is. */
 function namePaces() {
   const { begin, end } = filmSpan();
   for (const option of byId("pace").options) {
     const seconds = Number(option.value);
-    if (seconds)
-      write(
-        option,
-        `${seconds} s: ${String(Number((seconds / (end - begin)).toPrecision(2))).replace(/\B(?=(\d{3})+$)/g, ",")} × slower`,
-      );
+    if (!seconds) continue;
+    const factor = Number((seconds / (end - begin)).toPrecision(2));
+    const grouped = String(factor).replace(/\B(?=(\d{3})+$)/g, ",");
+    setText(option, `${seconds} s: ${grouped} × slower`);
   }
 }
 
-function shareOfTime(t) {
+/** Time of the collision that the page shows, s. */
+function currentTime() {
+  const { begin, end } = filmSpan();
+  return Math.min(end, begin + page.fraction * (end - begin));
+}
+
+/** Fraction of the film at time t. */
+function fractionAt(t) {
   const { begin, end } = filmSpan();
   return (t - begin) / (end - begin);
 }
 
-function setShare(share) {
-  Object.assign(shown, {
-    share: Math.max(0, Math.min(1, share)),
-    fresh: false,
-    mark: null,
-  });
+function setFraction(fraction) {
+  page.fraction = clamp(fraction, 0, 1);
+  page.isFresh = false;
+  page.mark = null;
   redraw();
   keepAddress();
 }
 
-function play(on) {
-  shown.playing = on;
-  byId("play").textContent = on ? "Pause" : "Play";
-  byId("play").setAttribute("aria-pressed", String(on));
-  if (!on) return;
-  if (shown.share >= 1 || shown.fresh) shown.share = 0;
-  Object.assign(shown, { fresh: false, mark: null });
-  let last = performance.now();
-  const { scene } = shown;
-  const next =
-    byId("pace").value === "step"
-      ? scene.events[eventAt(scene, now()) + 1]
-      : null;
-  const stop = next ? shareOfTime(next.t) : 1;
+/** Stop the film at time t. */
+function goTo(t) {
+  play(false);
+  setFraction(fractionAt(t));
+}
+
+function play(isPlaying) {
+  page.isPlaying = isPlaying;
+  byId("play").textContent = isPlaying ? "Pause" : "Play";
+  byId("play").setAttribute("aria-pressed", String(isPlaying));
+  if (!isPlaying) return;
+  if (page.fraction >= 1 || page.isFresh) page.fraction = 0;
+  page.isFresh = false;
+  page.mark = null;
+  const stop = stopOfFilm();
+  let lastMoment = performance.now();
   const advance = (moment) => {
-    if (!shown.playing || !shown.scene) return;
-    shown.share = Math.min(
-      stop,
-      shown.share + Math.max(0, moment - last) / 1000 / filmTime(),
-    );
-    last = moment;
+    if (!page.isPlaying || !page.scene) return;
+    const seconds = Math.max(0, moment - lastMoment) / 1000;
+    lastMoment = moment;
+    const fraction = page.fraction + seconds / filmSeconds();
+    page.fraction = Math.min(stop, fraction);
     draw();
-    if (shown.share >= stop) play(false);
+    if (page.fraction >= stop) play(false);
     else requestAnimationFrame(advance);
   };
   requestAnimationFrame(advance);
 }
 
+/** Fraction of the film at which it stops: its end, or the next event. */
+function stopOfFilm() {
+  if (byId("pace").value !== "step") return 1;
+  const { scene } = page;
+  const next = scene.events[eventIndexAt(scene, currentTime()) + 1];
+  return next ? fractionAt(next.t) : 1;
+}
+
 function connectFilm() {
-  byId("play").addEventListener("click", () => play(!shown.playing));
+  byId("play").addEventListener("click", () => play(!page.isPlaying));
   byId("time").addEventListener("input", () => {
     play(false);
-    setShare(byId("time").valueAsNumber / 1000);
+    setFraction(byId("time").valueAsNumber / 1000);
   });
   addEventListener("keydown", (event) => {
-    if (
-      event.key !== " " ||
-      event.target.closest(
-        "button, input, select, textarea, summary, [contenteditable]",
-      )
-    )
-      return;
+    if (event.key !== " " || event.target.closest(INPUTS)) return;
     event.preventDefault();
-    play(!shown.playing);
+    play(!page.isPlaying);
   });
 }

@@ -1,17 +1,14 @@
 "use strict";
-// The page holds its script compressed.
+// Unpacks the compressed script of the page, and runs it.
 
-/** A text that is compressed. */
-function unpacked(letters) {
-  const bytes = Uint8Array.from(atob(letters), (letter) =>
-    letter.charCodeAt(0),
-  );
-  return new Response(
-    new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")),
-  ).text();
+function unpack(text) {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const packed = new Blob([bytes]).stream();
+  const unpacked = packed.pipeThrough(new DecompressionStream("deflate"));
+  return new Response(unpacked).text();
 }
 
-unpacked(document.getElementById("packed").textContent).then((text) => {
+unpack(document.getElementById("packed").textContent).then((text) => {
   const script = document.createElement("script");
   script.textContent = text;
   document.head.append(script);

@@ -1,366 +1,176 @@
 "use strict";
-// The page: what is shown, what moves it, and when it is drawn.
+// The page: its state, its design, and when it is solved and drawn. Begin with
+// `designChanged`, `redraw` and, at the end, `beginPage`.
 
-const byId = (id) => document.getElementById(id);
-const start = JSON.parse(byId("embedded").textContent);
+const embedded = JSON.parse(byId("embedded").textContent); // data from Python
 
-const shown = {
-  scene: null,
-  other: null,
-  view: null,
-  share: 0,
-  playing: false,
-  mark: null,
-  quantity: "velocity",
-  displaced: true,
-  zoomed: false,
-  held: false,
-  fresh: true,
-  guessing: false,
-  frame: null,
-  strip: null,
+const page = {
+  scene: null, // all that is shown of the collision
+  keptScene: null, // another collision beside it
+  view: null, // places and times in the diagram
+  fraction: 0, // part of the film up to the time that is shown
+  mark: null, // place and time at which values are read
+  quantity: "velocity", // what colours show
+  judgedText: null, // e on which the verdict is
   theme: null,
-  due: false,
-  asked: false,
-  frames: 0,
+  screenTheme: "light", // while the page is printed
+  frame: null, // frame of the diagram
+  strip: null, // frame and parts of the picture of the rods
+  arrowScale: 0, // px for each m/s
+  frameCount: 0,
+  isDisplaced: true, // points are where they move to
+  isZoomed: false,
+  isDragging: false,
+  isFresh: true, // the film of this design has not begun
+  isPlaying: false,
+  isGuessing: false,
+  isPrinting: false,
+  isDraft: false, // the next scene may be less accurate
+  isSceneDue: false,
+  isRedrawDue: false,
 };
-let [design, arrived, past, controls, keeping] = []; // not there yet
+let design = null; // the tables of the case, and its gauges
+let form = null;
+let undoHistory = null;
+let afterScene = null; // called once when the next scene is shown
 
-// Drawing ----------------------------------------------------------------------------------------
+// Solving and drawing ---------------------------------------------------------------------
 
-function readTheme() {
-  const style = getComputedStyle(document.documentElement);
-  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
-  shown.theme = {
-    size: shown.printing
-      ? 12
-      : Math.round(Math.min(17, parseFloat(style.fontSize) * 0.87)),
-    series: [0, 1, 2, 3, 4].map((k) => colour(`series-${k}`)),
-    name: document.documentElement.dataset.theme,
-    stops: STOPS[document.documentElement.dataset.theme],
-  };
-  for (const name of ["paper", "ink", "faint", "line", "wrong"])
-    shown.theme[name] = colour(name);
-  for (const name of ["ink", "paper"])
-    shown.theme[`${name}s`] = shown.theme[name]
-      .match(/\w\w/g)
-      .map((pair) => parseInt(pair, 16));
-  if (shown.scene) showLegend();
-}
-
-function now() {
-  const { begin, end } = filmSpan();
-  return Math.min(end, begin + shown.share * (end - begin));
-}
-
-/** Draw in the next frame; solve before, if that is asked: once, however often a slider moves. */
+/** Draw in the next frame. If a scene is due, solve it first, once for all changes. */
 function redraw() {
-  if (shown.due) return;
-  shown.due = true;
+  if (page.isRedrawDue) return;
+  page.isRedrawDue = true;
   requestAnimationFrame(() => {
     try {
-      if (shown.asked) receive(sceneOf(design, shown.draft));
-      if (shown.scene) draw();
+      if (page.isSceneDue) showSolution(sceneOf(design, page.isDraft));
+      if (page.scene) draw();
     } finally {
-      shown.due = false;
+      page.isRedrawDue = false;
     }
   });
 }
 
-/** Ask for the scene of the design as it is now; what is under way for the one before ends. */
-function askScene(draft = false) {
-  clearTimeout(resting);
-  curveTurn += 1;
+/** Ask for the scene of the design as it is now; work for the one before ends. */
+function requestScene(isDraft = false) {
+  clearTimeout(restTimer);
+  sceneCount += 1;
   stopMap();
-  Object.assign(shown, { asked: true, draft });
+  page.isSceneDue = true;
+  page.isDraft = isDraft;
   redraw();
 }
 
 function draw() {
-  const { scene, theme } = shown;
-  const moment = shown.printing ? scene.begin : now(); // paper has the set-up
-  const t = Math.max(scene.begin, Math.min(scene.end, moment));
-  shown.frame = drawDiagram(
-    new CanvasPen(byId("diagram")),
-    scene,
-    shown,
-    t,
-    shown.mark,
-    theme,
-  );
-  shown.strip = drawRods(new CanvasPen(byId("rods")), scene, shown, t, theme);
-  placeHandles(shown.strip);
-  drawBeside(now(), theme);
+  const { scene, theme } = page;
+  const time = currentTime();
+  const shownTime = page.isPrinting ? scene.begin : time; // paper shows the set-up
+  const t = clamp(shownTime, scene.begin, scene.end);
+  const diagram = new CanvasPen(byId("diagram"));
+  page.frame = drawDiagram(diagram, scene, page, t, page.mark, theme);
+  page.strip = drawRods(new CanvasPen(byId("rods")), scene, page, t, theme);
+  placeHandles(page.strip);
+  drawKeptScene(time, theme);
   drawPlots(byId("plots"), scene, t, theme);
-  byId("time").value = 1000 * shown.share;
-  byId("time").setAttribute("aria-valuetext", quantity(now(), "s"));
-  byId("now").value = quantity(now(), "s");
+  byId("time").value = 1000 * page.fraction;
+  byId("time").setAttribute("aria-valuetext", quantity(time, "s"));
+  byId("now").value = quantity(time, "s");
   showReading();
-  showLesson(scene, t);
-  shown.frames += 1;
-  document.documentElement.dataset.frames = shown.frames;
+  showEvent(scene, t);
+  page.frameCount += 1;
+  document.documentElement.dataset.frames = page.frameCount;
 }
 
-/** Name the values that occur, from the least to the largest, beside their colours. */
-function showLegend() {
-  const { scene, theme, quantity: name } = shown;
-  const reach = scene.reach[name];
-  const [least, most] = scene.range[name].map((value) =>
-    Math.abs(value) < FAINT * reach ? 0 : value,
-  );
-  const said = (value) =>
-    `${value > 0 ? "+" : ""}${quantity(value, UNITS[name], 3)}`;
-  const compressed = name === "stress" && least < 0 ? ", compressed" : "";
-  write(byId("least"), least < most ? said(least) + compressed : "");
-  write(byId("most"), said(most));
-  const colours = Array.from({ length: 9 }, (_, k) =>
-    css(colourOf((least + ((most - least) * k) / 8) / (reach || 1), theme)),
-  );
-  byId("colours").style.background =
-    `linear-gradient(to right, ${colours.join(",")})`;
+/** Show a scene, or the problems of the design; neither for a draft that took too long. */
+function showSolution({ scene, problems = [] }) {
+  page.isSceneDue = false;
+  document.documentElement.removeAttribute("data-solving");
+  showProblems(problems);
+  document.documentElement.toggleAttribute("data-stale", !scene);
+  if (!scene) return;
+  showScene(scene);
+  const callback = afterScene;
+  afterScene = null;
+  if (callback) callback();
+  form.showDerived(scene.bodies);
+  showMap();
+  postCase();
 }
 
-/** A sentence as the page has it: with µ, and without what only Python can be asked for. */
-const plainly = (text) =>
-  unbroken(
-    text
-      .replace(/ us\b/g, " µs")
-      .replace(/[.;] [^.;]*(max_events|until=)[^.]*\./g, "."),
-  );
-
-/** What an engineer asks: how the run ended, the method, how close e is to its closed form, points of curves. */
-function notesOf({ notes, method, restitution, curve, roundness }) {
-  const { closed_form: known, value: e } = restitution;
-  const found = [...notes, `The method is "${method}".`];
-  if (e !== null && known) {
-    const apart = Math.abs(e - known.restitution);
-    found.push(
-      apart < 1e-12
-        ? "e agrees with its closed form to 12 digits."
-        : `e differs from its closed form by ${plainNumber(apart, 1)}.`,
-    );
-  }
-  if (curve) found.push(`The curve of e over l₁/l₂ is ${curve.source}.`);
-  if (roundness) found.push(`The curve of e over κ is ${roundness.source}.`);
-  return found.map(plainly);
-}
-
-/** The velocities in the end, short. */
-function afterwards({ results }) {
-  const found = results.flatMap(([name, value]) => {
-    const [, number] = /^velocity of \w+ (\d+) after/.exec(name) || [];
-    return number ? [[`v${lowered(number)}`, ...minus(value).split(/\s/)]] : [];
-  });
-  const same = found.every(([, , unit]) => unit === found[0][2]);
-  return found
-    .map(([name, number, unit], k) =>
-      [name, "=", number, ...(same && k + 1 < found.length ? [] : [unit])].join(
-        "\u00a0",
-      ),
-    )
-    .join(", ");
-}
-
-function showNumbers(scene) {
-  const { restitution: e } = scene;
-  const [said, error] = minus(e.text).split(" ± ");
-  byId("restitution").replaceChildren(
-    said,
-    ...(error ? [make("small", {}, ` ± ${error}`)] : []),
-  );
-  document.querySelector(".restitution").hidden = e.value === null;
-  byId("guess-first").hidden = e.value === null;
-  byId("after").hidden = e.value !== null;
-  write(byId("after"), e.value !== null ? "" : afterwards(scene));
-  write(
-    byId("now-text"),
-    unbroken(e.value === null ? "Now" : `Now: e = ${minus(e.text)}`),
-  );
-  if (e.value === null) hideResult(false);
-  askOrJudge(scene);
-  write(byId("given"), unbroken(givenOf(design.case)));
-  const { closed_form: known } = e;
-  const beside = known
-    ? `Closed form (${known.source}): ${plainNumber(known.restitution, 6)}`
-    : "";
-  byId("theory").textContent = (e.why ? `${plainly(e.why)}. ` : "") + beside;
-  fillTable(byId("results"), scene.results);
-  byId("by-contact").hidden = scene.by_contact.length === 0;
-  fillTable(byId("by-contact").tBodies[0], scene.by_contact);
-  write(byId("reason"), minus(plainly(scene.reason.join(" "))));
-  const notes = notesOf(scene);
-  if (byId("notes").dataset.shown !== notes.join()) {
-    byId("notes").dataset.shown = notes.join();
-    byId("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));
-  }
-}
-
-/** Take a new scene. */
-function show(scene) {
-  shown.scene = prepare(scene);
-  shareReach();
-  if (!shown.zoomed && !shown.held) shown.view = wholeView(shown.scene);
-  shown.scene.events = eventsOf(shown.scene);
-  showNumbers(scene);
+function showScene(scene) {
+  page.scene = prepareScene(scene);
+  shareScale();
+  if (!page.isZoomed && !page.isDragging) page.view = wholeView(scene);
+  scene.events = eventsOf(scene);
+  showResults(scene);
   showLegend();
   listEvents();
   namePaces();
   redraw();
 }
 
-// State ------------------------------------------------------------------------------------------
-
-function stateAddress() {
-  const view = {
-    quantity: shown.quantity,
-    time: Number(shown.share.toFixed(3)),
-  };
-  if (!shown.displaced) view.displaced = false;
-  const question = byId("question").textContent.trim();
-  if (question) view.question = question;
-  return addressOf(design ? { ...design, view } : { view }).join("&");
-}
-
-function keepAddress() {
-  if (location.protocol === "about:") return; // a frame of a notebook has no address
-  clearTimeout(keeping);
-  keeping = setTimeout(
-    () => history.replaceState(null, "", `#${stateAddress()}`),
-    300,
-  );
-}
-
-function setQuantity(name) {
-  shown.quantity = name in UNITS ? name : "velocity";
-  document.querySelector(
-    `input[name="quantity"][value="${shown.quantity}"]`,
-  ).checked = true;
-  if (shown.scene) showLegend();
-  redraw();
-}
-
-/** Take the state that the address holds, if it holds one. */
-function readAddress() {
-  let tree = {};
-  try {
-    tree = treeOf(location.hash.slice(1));
-  } catch {
-    showProblems([
-      { path: "", message: "The address of this page cannot be read." },
-    ]);
-  }
-  const view = tree.view || {};
-  if (view.time >= 0 && view.time <= 1) shown.share = view.time;
-  if (view.quantity) setQuantity(view.quantity);
-  shown.displaced = byId("displaced").checked = view.displaced !== false;
-  byId("question").textContent =
-    view.question === undefined ? "" : String(view.question);
-  byId("asking").hidden = !byId("question").textContent;
-  return tree.case && typeof tree.case === "object"
-    ? { case: tree.case, gauges: listOf(tree.gauges) }
-    : null;
-}
-
 function showProblems(problems) {
-  const others = controls ? controls.showProblems(problems) : problems;
+  const others = form ? form.showProblems(problems) : problems;
   byId("message").hidden = others.length === 0;
-  byId("message").replaceChildren(
-    ...others.map(({ path, message }) =>
-      make("p", {}, path ? `${path}: ${message}` : message),
-    ),
-  );
+  const paragraphs = others.map((problem) => {
+    const text = problemInSiUnits(problem);
+    const { path } = problem;
+    return makeElement("p", {}, path ? `${path}: ${text}` : text);
+  });
+  byId("message").replaceChildren(...paragraphs);
 }
 
-function receive({ data, problems = [] }) {
-  shown.asked = false;
-  document.documentElement.removeAttribute("data-solving");
-  showProblems(problems);
-  document.documentElement.toggleAttribute("data-stale", !data);
-  if (!data) return;
-  show(data);
-  if (arrived) arrived();
-  arrived = null;
-  controls.showDerived(data.bodies);
-  showMap();
-  tellFrame();
-}
+// The design ------------------------------------------------------------------------------
 
-/** Tell the frame around the page, such as a notebook, the case file of what is shown; "" of the first design. */
-function tellFrame() {
-  if (parent === window) return;
-  const first = JSON.stringify(design) === JSON.stringify(start.design);
-  const rodimpact = first ? "" : tomlOf(design, start.materials);
-  parent.postMessage({ rodimpact }, "*");
-}
-
-function changed(rebuild) {
-  past.keep(design, rebuild);
-  if (rebuild) controls.build(design);
+/** Solve the design that has changed; `isWhole` is false for a number of the form. */
+function designChanged(isWhole) {
+  undoHistory.keep(design, isWhole);
+  if (isWhole) form.build(design);
   showPreset();
-  askScene(!rebuild);
+  requestScene(!isWhole);
   keepAddress();
 }
 
-/** Begin with another design; `then` is called when its scene is there. */
-function begin(next, then = null) {
-  arrived = then;
-  design = structuredClone(next);
-  Object.assign(shown, { mark: null, zoomed: false, fresh: true });
-  changed(true);
+/** Show another design; `callback` is called when its scene is there. */
+function showDesign(newDesign, callback = null) {
+  afterScene = callback;
+  design = structuredClone(newDesign);
+  page.mark = null;
+  page.isZoomed = false;
+  page.isFresh = true;
+  designChanged(true);
 }
 
-/** Name the collision, if it is one of those to begin with. */
+/** Name the collision, if it is a preset. */
 function showPreset() {
   const text = JSON.stringify(design);
-  const same = start.presets.find(
-    (preset) => JSON.stringify(preset.design) === text,
+  const preset = embedded.presets.find(
+    (candidate) => JSON.stringify(candidate.design) === text,
   );
-  byId("preset").value = same ? same.key : "";
-  byId("remark").textContent = unbroken(same ? same.remark : "");
+  byId("preset").value = preset ? preset.key : "";
+  byId("remark").textContent = preset ? unbroken(preset.remark) : "";
 }
 
-function offerPresets() {
-  byId("preset").append(new Option("your own", ""));
-  for (const { key, title } of start.presets)
-    byId("preset").append(new Option(title, key));
-  byId("preset").addEventListener("change", () => {
-    const chosen = start.presets.find(
-      ({ key }) => key === byId("preset").value,
-    );
-    if (chosen) begin(chosen.design);
+function connectPresets() {
+  const select = byId("preset");
+  select.append(new Option("your own", ""));
+  for (const { key, title } of embedded.presets) {
+    select.append(new Option(title, key));
+  }
+  select.addEventListener("change", () => {
+    const preset = embedded.presets.find(({ key }) => key === select.value);
+    if (preset) showDesign(preset.design);
   });
 }
 
-// Files ------------------------------------------------------------------------------------------
+// The view --------------------------------------------------------------------------------
 
-function download(name, kind, text) {
-  const link = make("a", {
-    href: URL.createObjectURL(new Blob([text], { type: kind })),
-    download: name,
-  });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+function setQuantity(name) {
+  page.quantity = name in UNITS ? name : "velocity";
+  const selector = `input[name="quantity"][value="${page.quantity}"]`;
+  document.querySelector(selector).checked = true;
+  if (page.scene) showLegend();
+  redraw();
 }
-
-function saveSvg() {
-  const pen = new SvgPen(900, 640);
-  const { scene, theme } = shown;
-  const frame = drawDiagram(pen, scene, shown, null, null, theme);
-  const said = ["least", "most"].map((id) => byId(id).textContent);
-  const colours = `colours: ${shown.quantity}, ${said.filter(Boolean).join(" to ")}; blue below 0, yellow above`;
-  pen.text(frame.x, frame.bottom + 2.3 * theme.size, colours, {
-    size: 0.8 * theme.size,
-    colour: theme.faint,
-    baseline: "top",
-  });
-  download(
-    "rodimpact.svg",
-    "image/svg+xml",
-    pen.document(beginning(scene), theme.paper),
-  );
-}
-
-// Beginning --------------------------------------------------------------------------------------
 
 function setTheme(name) {
   document.documentElement.dataset.theme = name;
@@ -369,19 +179,21 @@ function setTheme(name) {
   redraw();
 }
 
-function connect() {
+/** Follow the theme of the system, and the button. */
+function connectTheme() {
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  setTheme(dark.matches ? "dark" : "light");
-  dark.addEventListener("change", () =>
-    setTheme(dark.matches ? "dark" : "light"),
-  );
-  byId("theme").addEventListener("click", () =>
-    setTheme(
-      document.documentElement.dataset.theme === "dark" ? "light" : "dark",
-    ),
-  );
-  byId("displaced").addEventListener("change", () => {
-    shown.displaced = byId("displaced").checked;
+  const follow = () => setTheme(dark.matches ? "dark" : "light");
+  follow();
+  dark.addEventListener("change", follow);
+  byId("theme").addEventListener("click", () => {
+    const { theme } = document.documentElement.dataset;
+    setTheme(theme === "dark" ? "light" : "dark");
+  });
+}
+
+function connectView() {
+  byId("displaced").addEventListener("change", ({ target }) => {
+    page.isDisplaced = target.checked;
     zoomAll();
     keepAddress();
   });
@@ -389,15 +201,16 @@ function connect() {
     setQuantity(target.value);
     keepAddress();
   });
-  byId("save-svg").addEventListener("click", saveSvg);
-  byId("save-case").addEventListener("click", () =>
-    download("case.toml", "application/toml", tomlOf(design, start.materials)),
-  );
   byId("question").addEventListener("input", keepAddress);
   byId("ask").addEventListener("click", () => {
     byId("asking").hidden = false;
     byId("question").focus();
   });
+  byId("compare").addEventListener("click", () => keepScene(!page.keptScene));
+}
+
+/** Close the menu after a choice, a click beside it, or Escape. */
+function connectMenu() {
   const menu = byId("menu");
   addEventListener("click", ({ target }) => {
     if (!menu.contains(target) || target.closest("button")) menu.open = false;
@@ -405,39 +218,50 @@ function connect() {
   addEventListener("keydown", ({ key }) => {
     if (key === "Escape") menu.open = false;
   });
+}
+
+/** Follow the size of the window, and print in the light theme. */
+function connectWindow() {
+  const sizeOfBody = new ResizeObserver(() => {
+    readTheme();
+    redraw();
+  });
+  sizeOfBody.observe(document.body);
+  const sizeOfOutcome = new ResizeObserver(([{ target }]) => {
+    const height = `${target.offsetHeight}px`;
+    document.documentElement.style.setProperty("--pinned", height);
+  });
+  sizeOfOutcome.observe(byId("outcome"));
+  matchMedia("print").addEventListener("change", ({ matches }) => {
+    page.isPrinting = matches;
+    if (matches) page.screenTheme = document.documentElement.dataset.theme;
+    setTheme(matches ? "light" : page.screenTheme);
+    if (page.scene) draw();
+  });
+}
+
+// Beginning -------------------------------------------------------------------------------
+
+function beginPage() {
+  connectTheme();
+  connectView();
+  connectMenu();
+  connectWindow();
+  connectFiles();
   connectDiagram();
   connectMap();
   connectRoundness();
   connectFilm();
-  connectLesson();
-  new ResizeObserver(() => {
-    readTheme();
-    redraw();
-  }).observe(document.body);
-  new ResizeObserver(([{ target }]) =>
-    document.documentElement.style.setProperty(
-      "--pinned",
-      `${target.offsetHeight}px`,
-    ),
-  ).observe(byId("outcome"));
-  matchMedia("print").addEventListener("change", ({ matches }) => {
-    shown.printing = matches;
-    if (matches) shown.screen = document.documentElement.dataset.theme;
-    setTheme(matches ? "light" : shown.screen);
-    if (shown.scene) draw();
-  });
-}
-
-function beginPage() {
-  controls = new Controls(byId("controls"), start.materials, changed);
-  past = new History(byId("undo"), begin);
-  offerPresets();
+  connectEvents();
+  connectGuess();
+  connectPresets();
   connectTour();
-  connectDragging(changed);
-  byId("compare").addEventListener("click", () => keepBeside(!shown.other));
-  begin(readAddress() || start.design);
-  addEventListener("hashchange", () => begin(readAddress() || start.design));
+  connectDragging();
+  form = new Form(byId("controls"), embedded.materials);
+  undoHistory = new UndoHistory(byId("undo"), showDesign);
+  const showAddress = () => showDesign(readAddress() || embedded.design);
+  addEventListener("hashchange", showAddress);
+  showAddress();
 }
 
-connect();
 beginPage();

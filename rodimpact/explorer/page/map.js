@@ -1,230 +1,231 @@
 "use strict";
-// A map of e over two numbers of the design, computed by the page; a click takes the numbers there.
+// A map of e over two numbers of the design; a click takes the numbers there. Begin with
+// `showMap`.
 
-const CELLS = 100; // each way
-const SOON = 200; // ms between two drawings of a map that is not ready
-const REST = 300; // ms without a change before the map is computed anew
-const chart = {
-  cells: 0,
-  xs: null,
-  ys: null,
-  values: [],
+const MAP_CELLS = 100; // each way
+const MAP_REDRAW_INTERVAL = 200; // ms between two drawings of a map that grows
+const MAP_DELAY = 300; // ms without a change before the map is solved
+const MAP_STOPS = [
+  [0, 35, 90],
+  [130, 120, 115],
+  [255, 230, 90],
+]; // colours of e = 0, 1/2 and 1
+const NO_RESTITUTION = [128, 128, 128, 40]; // pixel where there is no e
+const map = {
+  x: null, // number of the design that varies across, and up
+  y: null,
+  xs: [], // its values, in the unit of its field
+  ys: [],
+  values: [], // e by rows
   timer: 0,
-  turn: 0,
+  turn: 0, // maps of an earlier turn are not solved to their end
   frame: null,
 };
 
-/** The numbers that a map can vary, each with its path in the case and its name. */
-function numbersOf({ case: tables }) {
-  const found = [];
-  const add = (key, path, where, entry = key) => {
-    const value = getAt(tables, [...path, entry]);
-    if (typeof value === "number")
-      found.push({
-        name: `${FIELDS[key].name} of ${where}`,
-        key,
-        path: [...path, entry],
-        value,
-      });
+// Numbers ---------------------------------------------------------------------------------
+
+/** Numbers that a map can vary, each with its path, name, value and the key of its field. */
+function numbersOf(tables) {
+  const numbers = [];
+  const add = (key, path, where) => {
+    const value = getAt(tables, path);
+    if (typeof value === "number") {
+      const name = `${FIELDS[key].name} of ${where}`;
+      numbers.push({ name, key, path, value });
+    }
   };
-  const [numbers, contacts] = namesIn(tables.bodies);
+  const names = namesOf(tables.bodies);
   tables.bodies.forEach((body, i) => {
-    const name = fronts.name_of(body.kind, numbers[i]);
-    const profile = [body.velocity, body.strain].some(
+    const path = ["bodies", i];
+    const name = solver.name_of(body.kind, names.numbers[i]);
+    const hasProfile = [body.velocity, body.strain].some(
       (value) => typeof value === "object",
     );
-    listOf(body.segments || [body]).forEach((_, j) => {
-      const path = body.segments ? ["bodies", i, "segments", j] : ["bodies", i];
+    const places = segmentsWithPaths(body);
+    places.forEach((segment, j) => {
+      const segmentPath = [...path, ...segment.path];
       const where = body.segments ? `${name}, segment ${j + 1}` : name;
-      if (!profile) add("length", path, where); // which is bound to the length it was made for
-      add("area", path, where);
+      if (!hasProfile) add("length", [...segmentPath, "length"], where); // profiles have a length
+      add("area", [...segmentPath, "area"], where);
     });
-    add("mass", ["bodies", i], name);
-    add("velocity", ["bodies", i], name);
+    add("mass", [...path, "mass"], name);
+    add("velocity", [...path, "velocity"], name);
   });
   listOf(tables.contacts).forEach(({ law }, i) => {
-    add("gap", ["contacts", i], `contact ${contacts[i]}`);
-    add(
-      stiffnessField(law),
-      ["contacts", i],
-      `contact ${contacts[i]}`,
-      "stiffness",
-    );
+    const where = `contact ${names.contacts[i]}`;
+    add("gap", ["contacts", i, "gap"], where);
+    add(stiffnessField(law), ["contacts", i, "stiffness"], where);
   });
   for (const name of Object.keys(tables.materials || {})) {
-    add("youngs_modulus", ["materials", name], name);
-    add("density", ["materials", name], name);
+    add("youngs_modulus", ["materials", name, "youngs_modulus"], name);
+    add("density", ["materials", name, "density"], name);
   }
-  return found;
+  return numbers;
 }
 
-/** Even values about the one in use, or over the range of its slider, in the unit of that. */
+/** Even values about that of a number, or over the range of its slider. */
 function valuesAbout({ key, value }) {
   const { low, high, power } = FIELDS[key];
-  const [from, to] =
-    value > 0
-      ? [toShown(value, power) / 10, 2 * toShown(value, power)]
-      : [low, high];
+  let from = low;
+  let to = high;
+  if (value > 0) {
+    from = toShown(value, power) / 10;
+    to = 2 * toShown(value, power);
+  }
   return Array.from(
-    { length: chart.cells },
-    (_, i) => from + ((to - from) * i) / (chart.cells - 1),
+    { length: MAP_CELLS },
+    (_, i) => from + ((to - from) * i) / (MAP_CELLS - 1),
   );
 }
 
-/** Offer the numbers of the design, and keep those that are chosen. */
+/** Offer the numbers of the design; those that are chosen stay. */
 function offerNumbers(numbers) {
-  ["map-x", "map-y"].forEach((id, k) => {
-    const chosen = byId(id).value;
-    const other = numbers.findIndex(
-      ({ path }) => path[1] === 1 && path[2] === "length",
-    );
-    byId(id).replaceChildren(
+  const lengthOfRod2 = numbers.findIndex(
+    ({ path }) => path[1] === 1 && path[2] === "length",
+  );
+  const defaults = { "map-x": 0, "map-y": Math.max(0, lengthOfRod2) };
+  for (const [id, index] of Object.entries(defaults)) {
+    const select = byId(id);
+    const { value: chosen } = select;
+    select.replaceChildren(
       ...numbers.map(({ name }, i) => new Option(name, i)),
     );
-    byId(id).value =
-      chosen && chosen < numbers.length ? chosen : k && other > 0 ? other : 0;
-  });
+    const isThere = chosen !== "" && Number(chosen) < numbers.length;
+    select.value = isThere ? chosen : index;
+  }
 }
+
+// Solving ---------------------------------------------------------------------------------
 
 function stopMap() {
-  clearTimeout(chart.timer);
-  chart.turn += 1;
+  clearTimeout(map.timer);
+  map.turn += 1;
 }
 
-/** Compute the map of the design as it is now, if it is open. */
+/** Solve the map of the design as it is now, if the map is open. */
 function showMap() {
   stopMap();
   if (!byId("map").open) return;
-  const numbers = numbersOf(design);
+  const numbers = numbersOf(design.case);
   offerNumbers(numbers);
-  const able = shown.scene && !problemsOf(design).length;
-  byId("map-reading").textContent = able
-    ? ""
-    : "The map is for collisions that this page can solve.";
-  if (able) chart.timer = setTimeout(computeMap, REST, numbers, chart.turn);
+  const canSolve = page.scene && problemsOf(design).length === 0;
+  if (canSolve) {
+    byId("map-reading").textContent = "";
+    map.timer = setTimeout(solveMap, MAP_DELAY, numbers, map.turn);
+  } else {
+    byId("map-reading").textContent =
+      "The map is for collisions that this page can solve.";
+  }
 }
 
-async function computeMap(numbers, turn) {
-  const [x, y] = ["map-x", "map-y"].map((id) => numbers[byId(id).value]);
-  chart.cells = CELLS;
-  const [xs, ys] = [valuesAbout(x), valuesAbout(y)];
-  Object.assign(chart, { x, y, xs, ys, values: [] });
-  const began = performance.now();
-  let drawn = began;
-  const inSI = (values, { key }) =>
-    values.map((value) => fromShown(value, FIELDS[key].power));
-  for await (const row of mapOf(
-    structuredClone(design),
-    [x.path, inSI(xs, x)],
-    [y.path, inSI(ys, y)],
-  )) {
-    if (turn !== chart.turn) return;
-    chart.values.push(row);
-    if (performance.now() - drawn < SOON) continue;
-    drawn = performance.now();
-    byId("map-reading").textContent =
-      `${Math.round((100 * chart.values.length) / ys.length)} % solved`;
-    drawMap();
+async function solveMap(numbers, turn) {
+  map.x = numbers[byId("map-x").value];
+  map.y = numbers[byId("map-y").value];
+  map.xs = valuesAbout(map.x);
+  map.ys = valuesAbout(map.y);
+  map.values = [];
+  const start = performance.now();
+  let lastDrawing = start;
+  const inSiUnits = ({ path, key }, values) => [
+    path,
+    values.map((value) => fromShown(value, FIELDS[key].power)),
+  ];
+  const rows = restitutionRows(
+    structuredClone(design.case),
+    inSiUnits(map.x, map.xs),
+    inSiUnits(map.y, map.ys),
+  );
+  for await (const row of rows) {
+    if (turn !== map.turn) return;
+    map.values.push(row);
+    if (performance.now() - lastDrawing >= MAP_REDRAW_INTERVAL) {
+      lastDrawing = performance.now();
+      const percentage = Math.round((100 * map.values.length) / MAP_CELLS);
+      byId("map-reading").textContent = `${percentage} % solved`;
+      drawMap();
+    }
   }
   byId("map-reading").textContent = "";
-  byId("map").dataset.took = Math.round(performance.now() - began);
+  byId("map").dataset.took = Math.round(performance.now() - start);
   drawMap();
 }
 
-/** Colour of e: from dark at 0 to light at 1; without e nothing. */
-const colourOfE = (e) =>
-  e === null
-    ? [128, 128, 128, 40]
-    : [
-        ...colourOf(2 * e - 1, {
-          stops: [
-            [0, 35, 90],
-            [130, 120, 115],
-            [255, 230, 90],
-          ],
-        }),
-        255,
-      ];
+// Drawing ---------------------------------------------------------------------------------
+
+/** Pixel of e: from dark at 0 to light at 1. */
+function pixelOf(e) {
+  if (e === null) return NO_RESTITUTION;
+  return [...colourOf(2 * e - 1, { stops: MAP_STOPS }), 255];
+}
 
 function drawMap() {
-  const { x, y, xs, ys, values } = chart;
-  if (!values.length) return;
+  const { x, y, xs, ys, values } = map;
+  if (values.length === 0) return;
+  const { theme } = page;
+  const xField = FIELDS[x.key];
+  const yField = FIELDS[y.key];
+  const axes = {
+    x: { low: xs[0], high: xs.at(-1), unit: xField.unit, name: x.name },
+    y: { low: ys[0], high: ys.at(-1), unit: yField.unit, name: y.name },
+  };
   const pen = new CanvasPen(byId("map-picture"));
-  const { theme } = shown;
-  const frame = plotFrame(pen, theme.size, {
-    x0: xs[0],
-    x1: xs.at(-1),
-    y0: ys[0],
-    y1: ys.at(-1),
+  const frame = frameOfPlot(pen, axes, theme);
+  const pixels = new ImageData(MAP_CELLS, MAP_CELLS);
+  values.forEach((row, j) => {
+    const firstPixel = (MAP_CELLS - 1 - j) * MAP_CELLS;
+    row.forEach((e, i) => pixels.data.set(pixelOf(e), 4 * (firstPixel + i)));
   });
-  const count = chart.cells;
-  const image = new ImageData(count, count);
-  values.forEach((row, j) =>
-    row.forEach((e, i) =>
-      image.data.set(colourOfE(e), 4 * ((count - 1 - j) * count + i)),
-    ),
-  );
-  const cells = new OffscreenCanvas(count, count);
-  cells.getContext("2d").putImageData(image, 0, 0);
+  const cells = new OffscreenCanvas(MAP_CELLS, MAP_CELLS);
+  cells.getContext("2d").putImageData(pixels, 0, 0);
   pen.context.imageSmoothingEnabled = false;
-  pen.context.drawImage(cells, frame.x, frame.y, frame.width, frame.height);
-  const [xField, yField] = [x, y].map(({ key }) => FIELDS[key]);
-  pen.disc(
-    frame.across(toShown(x.value, xField.power)),
-    frame.up(toShown(y.value, yField.power)),
-    0.35 * theme.size,
-    theme.wrong,
-  );
-  drawFrame(pen, frame, theme.size, theme, {
-    x: [xs[0], xs.at(-1), xField.unit, x.name],
-    y: [ys[0], ys.at(-1), yField.unit, y.name],
-  });
-  chart.frame = frame;
+  pen.image(cells, frame.x, frame.y, frame.width, frame.height);
+  const hereX = frame.across(toShown(x.value, xField.power));
+  const hereY = frame.up(toShown(y.value, yField.power));
+  pen.disc(hereX, hereY, 0.35 * theme.size, theme.accent);
+  drawAxes(pen, frame, theme, axes);
+  map.frame = frame;
 }
 
 /** Numbers, to three digits, and e under a pointer; null beside the map. */
-function placeOnMap({ offsetX, offsetY }) {
-  const { frame, xs, ys, values } = chart;
+function cellAt({ offsetX, offsetY }) {
+  const { frame, xs, ys, values } = map;
   if (!frame) return null;
-  const [i, j] = [
-    (offsetX - frame.x) / frame.width,
-    (frame.bottom - offsetY) / frame.height,
-  ].map((share) => Math.round(share * (chart.cells - 1)));
-  if (!values[j] || values[j][i] === undefined) return null;
-  return {
-    x: Number(xs[i].toPrecision(3)),
-    y: Number(ys[j].toPrecision(3)),
-    e: values[j][i],
-  };
+  const indexOf = (fraction) => Math.round(fraction * (MAP_CELLS - 1));
+  const i = indexOf((offsetX - frame.x) / frame.width);
+  const j = indexOf((frame.bottom - offsetY) / frame.height);
+  const e = getAt(values, [j, i]);
+  if (e === undefined) return null;
+  const x = Number(xs[i].toPrecision(3));
+  const y = Number(ys[j].toPrecision(3));
+  return { x, y, e };
+}
+
+/** A cell of the map in words. */
+function cellText({ x, y, e }) {
+  const textOf = ({ name, key }, value) =>
+    `${name} ${plainNumber(value, 4)} ${FIELDS[key].unit}`;
+  const result = e === null ? "no e" : `e = ${plainNumber(e, 4)}`;
+  return `${textOf(map.x, x)}, ${textOf(map.y, y)}: ${result}`;
 }
 
 function connectMap() {
-  const stops = [0, 0.5, 1].map(
-    (e) => `rgb(${colourOfE(e).slice(0, 3).join(",")})`,
-  );
-  byId("map-colours").style.background =
-    `linear-gradient(to right, ${stops.join(",")})`;
+  const colours = [0, 0.5, 1].map((e) => css(pixelOf(e).slice(0, 3)));
+  byId("map-colours").style.background = gradient(colours);
   byId("map").addEventListener("toggle", showMap);
-  for (const id of ["map-x", "map-y"])
-    byId(id).addEventListener("change", showMap);
+  byId("map-x").addEventListener("change", showMap);
+  byId("map-y").addEventListener("change", showMap);
   const picture = byId("map-picture");
-  const told = ({ name, key }, value) =>
-    `${name} ${plainNumber(value, 4)} ${FIELDS[key].unit}`;
   picture.addEventListener("pointermove", (event) => {
-    const at = placeOnMap(event);
-    byId("map-reading").textContent = at
-      ? `${told(chart.x, at.x)}, ${told(chart.y, at.y)}: ${at.e === null ? "no e" : `e = ${plainNumber(at.e, 4)}`}`
-      : "";
+    const cell = cellAt(event);
+    byId("map-reading").textContent = cell ? cellText(cell) : "";
   });
   picture.addEventListener("click", (event) => {
-    const at = placeOnMap(event);
-    if (!at) return;
-    for (const [{ key, path }, value] of [
-      [chart.x, at.x],
-      [chart.y, at.y],
-    ]) {
+    const cell = cellAt(event);
+    if (!cell) return;
+    const take = ({ key, path }, value) =>
       setAt(design.case, path, fromShown(value, FIELDS[key].power));
-    }
-    changed(true);
+    take(map.x, cell.x);
+    take(map.y, cell.y);
+    designChanged(true);
   });
 }

@@ -1,26 +1,27 @@
-// A page in the output of a notebook cell: it tells the kernel the case that its sliders say.
+// The page in the output of a notebook cell: the case of its sliders goes to the kernel.
+// Begin with `render`, which anywidget calls.
 
-const REST = 100; // ms without a message, after which the case is sent to the kernel
+const SEND_DELAY = 100; // ms without a message before the case is sent
 
 function render({ model, el }) {
   const frame = document.createElement("iframe");
   frame.srcdoc = model.get("page");
   frame.title = "Elastic rods collide";
   Object.assign(frame.style, { width: "100%", height: "58rem", border: 0 });
-  let resting = 0;
+  let timer = 0;
   const send = (text) => {
     model.set("case", text);
     model.save_changes();
   };
-  const take = ({ source, data }) => {
-    const text = data && data.rodimpact;
+  const receive = ({ source, data }) => {
+    const text = data?.rodimpact;
     if (source !== frame.contentWindow || typeof text !== "string") return;
-    clearTimeout(resting);
-    resting = setTimeout(send, REST, text);
+    clearTimeout(timer);
+    timer = setTimeout(send, SEND_DELAY, text);
   };
-  addEventListener("message", take);
+  addEventListener("message", receive);
   el.append(frame);
-  return () => removeEventListener("message", take);
+  return () => removeEventListener("message", receive);
 }
 
 export default { render };

@@ -1,71 +1,107 @@
 "use strict";
-// One way to draw, on a canvas or into SVG; lengths in CSS pixels.
+// Pens: one way to draw, on a canvas or into SVG. Lengths are CSS pixels. Begin with
+// `Pen`, whose methods both pens have.
 
 const FONT = 'system-ui, "DejaVu Sans", sans-serif';
+const PRINT_PIXELS = 3; // pixels of a canvas on paper for each CSS pixel
 
-// sizes are kept: to ask for one after a text has changed makes the browser lay out the page again
+// Sizes of canvases are remembered: asking for one after a text has changed makes the
+// browser lay out the page again.
 const sizes = new WeakMap();
 const sizeWatch = new ResizeObserver((entries) => {
-  for (const { target } of entries)
-    sizes.set(target, [target.clientWidth, target.clientHeight]);
+  for (const { target } of entries) sizes.set(target, clientSize(target));
   redraw();
 });
 
-/** Size of a canvas; on paper it is another, which the style fixes, so that its text keeps its size. */
+const clientSize = ({ clientWidth, clientHeight }) => [
+  clientWidth,
+  clientHeight,
+];
+
+/** Size of a canvas. On paper it is another, which the style fixes for its texts. */
 function sizeOf(canvas) {
-  if (shown.printing) return [canvas.clientWidth, canvas.clientHeight];
+  if (page.isPrinting) return clientSize(canvas);
   if (!sizes.has(canvas)) {
-    sizes.set(canvas, [canvas.clientWidth, canvas.clientHeight]);
+    sizes.set(canvas, clientSize(canvas));
     sizeWatch.observe(canvas);
   }
   return sizes.get(canvas);
 }
 
-class CanvasPen {
-  constructor(canvas) {
-    const ratio = shown.printing ? 3 : window.devicePixelRatio || 1;
-    [this.width, this.height] = sizeOf(canvas);
-    const [w, h] = [
-      Math.round(this.width * ratio),
-      Math.round(this.height * ratio),
-    ];
-    if (canvas.width !== w || canvas.height !== h)
-      Object.assign(canvas, { width: w, height: h });
-    this.context = canvas.getContext("2d");
-    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.context.clearRect(0, 0, this.width, this.height);
+/** Shapes that both pens draw with their `polygon` and `line`. */
+class Pen {
+  /** A straight line between two points [x, y]. */
+  segment(from, to, colour, width = 1, dash = []) {
+    this.line([from, to], colour, width, dash);
   }
 
-  trace(points, closed) {
-    const c = this.context;
-    c.beginPath();
-    points.forEach(([x, y], i) => (i ? c.lineTo(x, y) : c.moveTo(x, y)));
-    if (closed) c.closePath();
+  /** A rectangle between two opposite corners [x, y]. */
+  rectangle([left, top], [right, bottom], fill, stroke = null, width = 1) {
+    const corners = [
+      [left, top],
+      [right, top],
+      [right, bottom],
+      [left, bottom],
+    ];
+    this.polygon(corners, fill, stroke, width);
+  }
+
+  /** A triangle with its tip at x, its base at `base`, and a height. */
+  triangle(x, base, y, halfHeight, fill, stroke = null) {
+    const corners = [
+      [x, y],
+      [base, y - halfHeight],
+      [base, y + halfHeight],
+    ];
+    this.polygon(corners, fill, stroke);
+  }
+}
+
+class CanvasPen extends Pen {
+  constructor(canvas) {
+    super();
+    const ratio = page.isPrinting ? PRINT_PIXELS : window.devicePixelRatio || 1;
+    const [width, height] = sizeOf(canvas);
+    const pixelWidth = Math.round(width * ratio);
+    const pixelHeight = Math.round(height * ratio);
+    if (canvas.width !== pixelWidth || canvas.height !== pixelHeight) {
+      canvas.width = pixelWidth;
+      canvas.height = pixelHeight;
+    }
+    this.width = width;
+    this.height = height;
+    this.context = canvas.getContext("2d");
+    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.context.clearRect(0, 0, width, height);
+  }
+
+  trace([[x0, y0], ...points]) {
+    this.context.beginPath();
+    this.context.moveTo(x0, y0);
+    for (const [x, y] of points) this.context.lineTo(x, y);
   }
 
   polygon(points, fill, stroke, width = 1) {
-    this.trace(points, true);
+    this.trace(points);
+    this.context.closePath();
     this.context.fillStyle = fill;
     this.context.fill();
-    if (!stroke) return;
-    Object.assign(this.context, {
-      strokeStyle: stroke,
-      lineWidth: width,
-      lineJoin: "round",
-    });
-    this.context.stroke();
+    if (stroke) this.strokePath(stroke, width);
   }
 
-  line(points, stroke, width = 1, dash = []) {
-    this.trace(points, false);
-    Object.assign(this.context, {
-      strokeStyle: stroke,
-      lineWidth: width,
-      lineJoin: "round",
-    });
+  line(points, colour, width = 1, dash = []) {
+    if (points.length === 0) return;
+    this.trace(points);
     this.context.setLineDash(dash);
-    this.context.stroke();
+    this.strokePath(colour, width);
     this.context.setLineDash([]);
+  }
+
+  strokePath(colour, width) {
+    this.context.strokeStyle = colour;
+    this.context.lineWidth = width;
+    this.context.lineJoin = "round";
+    this.context.stroke();
   }
 
   disc(x, y, radius, fill) {
@@ -75,29 +111,22 @@ class CanvasPen {
     this.context.fill();
   }
 
-  text(
-    x,
-    y,
-    text,
-    { size, colour, align = "left", baseline = "middle", turned = false },
-  ) {
-    const c = this.context;
-    Object.assign(c, {
-      font: `${size}px ${FONT}`,
-      fillStyle: colour,
-      textAlign: align,
-      textBaseline: baseline,
-    });
-    c.save();
-    c.translate(x, y);
-    if (turned) c.rotate(-Math.PI / 2);
-    c.fillText(text, 0, 0);
-    c.restore();
+  text(x, y, text, style) {
+    const { size, colour, align = "left", baseline = "middle" } = style;
+    this.context.font = `${size}px ${FONT}`;
+    this.context.fillStyle = colour;
+    this.context.textAlign = align;
+    this.context.textBaseline = baseline;
+    this.context.save();
+    this.context.translate(x, y);
+    if (style.isUpright) this.context.rotate(-Math.PI / 2);
+    this.context.fillText(text, 0, 0);
+    this.context.restore();
   }
 
-  /** Draw what tiles an empty part of the picture: edges that two share add up, and none is seen. */
+  /** Draw polygons that tile an empty part of the picture, so that no edges are seen. */
   seamless(draw) {
-    this.context.globalCompositeOperation = "lighter";
+    this.context.globalCompositeOperation = "lighter"; // colours of shared edges add up
     draw();
     this.context.globalCompositeOperation = "source-over";
   }
@@ -106,6 +135,7 @@ class CanvasPen {
     this.context.drawImage(canvas, x, y, width, height);
   }
 
+  /** Draw inside a rectangle only. */
   inside(x, y, width, height, draw) {
     this.context.save();
     this.context.beginPath();
@@ -116,33 +146,37 @@ class CanvasPen {
   }
 }
 
-const safe = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
+const escapeXml = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
 
-class SvgPen {
+class SvgPen extends Pen {
   constructor(width, height) {
-    Object.assign(this, { width, height, parts: [], clips: 0, named: true });
+    super();
+    this.width = width;
+    this.height = height;
+    this.hasNames = true; // names of the bodies stand above the diagram
+    this.parts = [];
+    this.clipCount = 0;
   }
 
-  path(points, closed) {
-    const steps = points.map(
-      ([x, y], i) => `${i ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`,
-    );
-    return steps.join("") + (closed ? "Z" : "");
+  path(points) {
+    return points
+      .map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`)
+      .join("");
   }
 
   polygon(points, fill, stroke, width = 1) {
-    const edge = stroke
-      ? ` stroke="${stroke}" stroke-width="${width}" stroke-linejoin="round"`
-      : "";
-    this.parts.push(
-      `<path d="${this.path(points, true)}" fill="${fill}"${edge}/>`,
-    );
+    let edge = "";
+    if (stroke) {
+      edge = ` stroke="${stroke}" stroke-width="${width}" stroke-linejoin="round"`;
+    }
+    this.parts.push(`<path d="${this.path(points)}Z" fill="${fill}"${edge}/>`);
   }
 
-  line(points, stroke, width = 1, dash = []) {
-    const dashes = dash.length ? ` stroke-dasharray="${dash.join(" ")}"` : "";
+  line(points, colour, width = 1, dash = []) {
+    let dashes = "";
+    if (dash.length) dashes = ` stroke-dasharray="${dash.join(" ")}"`;
     this.parts.push(
-      `<path d="${this.path(points, false)}" fill="none" stroke="${stroke}" stroke-width="${width}"${dashes}/>`,
+      `<path d="${this.path(points)}" fill="none" stroke="${colour}" stroke-width="${width}"${dashes}/>`,
     );
   }
 
@@ -152,17 +186,13 @@ class SvgPen {
     );
   }
 
-  text(
-    x,
-    y,
-    text,
-    { size, colour, align = "left", baseline = "middle", turned = false },
-  ) {
+  text(x, y, text, style) {
+    const { size, colour, align = "left", baseline = "middle" } = style;
     const anchor = { left: "start", center: "middle", right: "end" }[align];
     const drop = { middle: 0.35, top: 0.8, bottom: -0.1 }[baseline] * size;
-    const turn = turned ? " rotate(-90)" : "";
+    const turn = style.isUpright ? " rotate(-90)" : "";
     this.parts.push(
-      `<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${safe(text)}</text>`,
+      `<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${escapeXml(text)}</text>`,
     );
   }
 
@@ -179,8 +209,8 @@ class SvgPen {
   }
 
   inside(x, y, width, height, draw) {
-    this.clips += 1;
-    const name = `frame-${this.clips}`;
+    this.clipCount += 1;
+    const name = `frame-${this.clipCount}`;
     this.parts.push(
       `<clipPath id="${name}"><rect x="${x}" y="${y}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#${name})">`,
     );
@@ -193,7 +223,7 @@ class SvgPen {
     const size = `width="${this.width}" height="${this.height}" viewBox="0 0 ${this.width} ${this.height}"`;
     return (
       `<svg xmlns="http://www.w3.org/2000/svg" ${size} font-family="sans-serif">` +
-      `<title>${safe(title)}</title><rect width="100%" height="100%" fill="${paper}"/>${this.parts.join("")}</svg>\n`
+      `<title>${escapeXml(title)}</title><rect width="100%" height="100%" fill="${paper}"/>${this.parts.join("")}</svg>\n`
     );
   }
 }

@@ -1,36 +1,36 @@
 "use strict";
-// Curves over time, and e over the ratio of the lengths.
+// Figures of curves: over time, and of e over one number. Begin with `drawPlots`.
 
-/** Value of a curve at time t. */
-const valueAt = (series, t) => fronts.value_at(series, t);
+const PLOT_MARGIN = 0.06; // above and below curves, in their range
+const ROUNDING_OF_CURVES = 1e-9; // smaller values, relative to the largest one, are 0
 
-/** Range of values with 0 in it and some air around. */
-function rangeOf(plot) {
-  let [low, high] = [0, 0];
-  for (const { y } of plot.series)
-    for (const v of y) [low, high] = [Math.min(low, v), Math.max(high, v)];
-  const air = 0.06 * (high - low) || 1;
-  return [low < 0 ? low - air : 0, high > 0 ? high + air : low < 0 ? 0 : air];
+/** Range of the values of curves with 0 in it, and with a margin. */
+function plotRange(curves) {
+  let low = 0;
+  let high = 0;
+  for (const { y } of curves) {
+    for (const value of y) {
+      low = Math.min(low, value);
+      high = Math.max(high, value);
+    }
+  }
+  const margin = PLOT_MARGIN * (high - low) || 1;
+  if (low < 0) low -= margin;
+  if (high > 0 || low === 0) high += margin;
+  return [low, high];
 }
 
-const plotFrame = (pen, size, ends) =>
-  frameOf(
-    pen,
-    { left: ends.x0, right: ends.x1, from: ends.y0, to: ends.y1 },
-    size,
-  );
+/** Frame of a figure with the axes x and y, each with `low` and `high`. */
+const frameOfPlot = (pen, { x, y }, { size }) =>
+  frameOf(pen, { left: x.low, right: x.high, from: y.low, to: y.high }, size);
 
-/** Let a pointer on a curve move the time. */
+/** Let a pointer on a figure move the time. */
 function scrubOn(canvas) {
   const follow = ({ offsetX }) => {
     const { x, width } = canvas.frame;
-    play(false);
-    setShare(
-      shareOfTime(
-        shown.scene.begin +
-          ((offsetX - x) / width) * (shown.scene.end - shown.scene.begin),
-      ),
-    );
+    const { begin, end } = page.scene;
+    const t = begin + ((offsetX - x) / width) * (end - begin);
+    goTo(t);
   };
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
@@ -41,215 +41,185 @@ function scrubOn(canvas) {
   });
 }
 
-/** One figure of curves over time. */
-function drawPlot(pen, plot, { begin, end }, now, theme) {
-  const [low, high] = rangeOf(plot);
-  const frame = plotFrame(pen, theme.size, {
-    x0: begin,
-    x1: end,
-    y0: low,
-    y1: high,
-  });
-  pen.inside(frame.x, frame.y - 2, frame.width, frame.height + 4, () => {
-    pen.line(
-      [
-        [frame.x, frame.up(0)],
-        [frame.right, frame.up(0)],
-      ],
-      theme.line,
-      1,
-    );
-    plot.series.forEach((series, k) => {
-      const points = series.t.map((t, i) => [
-        frame.across(t),
-        frame.up(series.y[i]),
-      ]);
-      pen.line(
-        points,
-        theme.series[k % theme.series.length],
-        2,
-        k >= theme.series.length ? [6, 3] : [],
-      );
-    });
-    if (!shown.printing)
-      pen.line(
-        [
-          [frame.across(now), frame.y],
-          [frame.across(now), frame.bottom],
-        ],
-        theme.wrong,
-        2,
-      );
-  });
-  drawFrame(pen, frame, theme.size, theme, {
-    x: [begin, end, "s", "time"],
-    y: [low, high, plot.unit, ""],
-  });
-  return frame;
-}
-
-/** e over l1/l2, and over the roundness of the ends. */
-function drawCurves(scene, theme) {
-  const { curve, ratio, roundness } = scene;
-  drawCurve(
-    "curve",
-    curve && {
-      ...curve,
-      here: ratio,
-      from: 0,
-      title: "e over l₁/l₂",
-      name: "l₁/l₂",
-      said: `here l₁/l₂ = ${plainNumber(ratio, 4)}`,
-    },
-    scene,
-    theme,
-  );
-  drawCurve(
-    "roundness",
-    roundness && {
-      ...roundness,
-      title: "e over the roundness of the ends",
-      name: "log₁₀ κ, κ = stiffness of ends / rod",
-      said:
-        roundness.here === null
-          ? "rigid ends: κ is infinite"
-          : `here κ = ${plainNumber(10 ** roundness.here, 3)}`,
-    },
-    scene,
-    theme,
-  );
-  const slider = byId("ends");
-  if (!roundness) return;
-  if (document.activeElement !== slider)
-    slider.value = roundness.here ?? slider.max;
-  slider.setAttribute(
-    "aria-valuetext",
-    roundness.here === null
-      ? "rigid"
-      : `kappa ${plainNumber(10 ** roundness.here, 3)}`,
-  );
-}
-
-/** Let a slider round the ends, which then meet by Hertz's law; at its right end they are rigid. */
-function connectRoundness() {
-  byId("ends").addEventListener("input", ({ target }) => {
-    const [{ gap = 0, law } = {}] = listOf(design.case.contacts);
-    const stiffness = Number(
-      (shown.scene.roundness.unit * 10 ** target.valueAsNumber).toPrecision(3),
-    );
-    const rigid = target.value === target.max;
-    const before = law || "rigid";
-    design.case.contacts = [
-      rigid ? { gap, law: "rigid" } : { gap, law: "hertz", stiffness },
-    ];
-    if (!rigid && before === "hertz")
-      enter("contacts.0.stiffness", toShown(stiffness, FIELDS.hertz.power));
-    else if (before !== design.case.contacts[0].law) changed(true);
-  });
-}
-
-/** e over one number, and the collision shown. */
-function drawCurve(id, curve, { restitution }, theme) {
-  byId(`plot-${id}`).hidden = !curve;
-  if (!curve) return;
-  const {
-    ratios,
-    values,
-    outdated,
-    here,
-    from = ratios[0],
-    title,
-    name,
-    said,
-  } = curve;
-  caption(byId(`plot-${id}`).firstElementChild, title, [[said, theme.wrong]]);
-  const pen = new CanvasPen(byId(id));
-  if (!ratios.length) return;
-  const right = ratios.at(-1);
-  const most = Math.max(1, ...values.filter((e) => e !== null));
-  const frame = plotFrame(pen, theme.size, {
-    x0: from,
-    x1: right,
-    y0: 0,
-    y1: 1.08 * most,
-  });
-  let points = [];
-  const strokes = [points];
-  ratios.forEach((ratio, i) => {
-    if (values[i] === null) strokes.push((points = []));
-    else points.push([frame.across(ratio), frame.up(values[i])]);
-  });
-  const colour = outdated ? theme.line : theme.series[0];
-  for (const stroke of strokes) if (stroke.length) pen.line(stroke, colour, 2);
-  const beyond = 0.01 * (right - from); // a slider at its end may be a rounding outside
-  if (
-    restitution.value !== null &&
-    here !== null &&
-    here >= from - beyond &&
-    here <= right + beyond
-  ) {
-    pen.disc(
-      frame.across(here),
-      frame.up(restitution.value),
-      0.42 * theme.size,
-      theme.wrong,
-    );
-  }
-  drawFrame(pen, frame, theme.size, theme, {
-    x: [from, right, "", name],
-    y: [0, 1.08 * most, "", "e"],
-  });
-}
-
-/** Caption: the title, and each curve with its value at the time shown. */
-function caption(element, title, entries) {
+/** Set a caption: the title, and each curve with its value at the time shown. */
+function setCaption(element, title, entries) {
   if (element.children.length !== entries.length + 1) {
-    element.replaceChildren(
-      make("strong"),
-      ...entries.map(() => make("span", {}, make("i"), "")),
+    const labels = entries.map(() =>
+      makeElement("span", {}, makeElement("i"), ""),
     );
+    element.replaceChildren(makeElement("strong"), ...labels);
   }
-  write(element.firstChild, title);
+  setText(element.firstChild, title);
   entries.forEach(([text, colour], k) => {
-    const { firstChild: swatch, lastChild: said } = element.children[k + 1];
-    if (said.data !== text) said.data = text;
+    const { firstChild: swatch, lastChild: label } = element.children[k + 1];
+    if (label.data !== text) label.data = text;
     swatch.style.borderColor = colour;
   });
 }
 
-/** Draw all curves; figures are made anew only when there are others. */
-function drawPlots(holder, scene, now, theme) {
-  drawCurves(scene, theme);
-  const keys = scene.plots.map((plot) => plot.key).join();
+// Over time -------------------------------------------------------------------------------
+
+/** Draw all figures; their elements are made anew only if there are others. */
+function drawPlots(holder, scene, t, theme) {
+  drawRestitutionCurves(scene, theme);
+  const keys = scene.plots.map(({ key }) => key).join();
   if (holder.dataset.keys !== keys) {
     holder.dataset.keys = keys;
-    holder.replaceChildren(
-      ...scene.plots.map(({ key, title }) =>
-        make(
-          "figure",
-          { id: `plot-${key}` },
-          make("figcaption"),
-          make("canvas", { role: "img", "aria-label": `${title} over time` }),
-        ),
-      ),
-    );
+    holder.replaceChildren(...scene.plots.map(makeFigure));
     holder.querySelectorAll("canvas").forEach(scrubOn);
   }
   scene.plots.forEach((plot, i) => {
-    const [text, canvas] = holder.children[i].children;
-    const least = 1e-9 * largestOf(plot.series.flatMap(({ y }) => y)); // less is rounding
-    const told = (value) =>
-      quantity(Math.abs(value) < least ? 0 : value, plot.unit, 3);
-    caption(
-      text,
-      plot.title,
-      plot.series.map((series, k) => [
-        shown.printing
-          ? series.name
-          : `${series.name}: ${told(valueAt(series, now))}`,
-        theme.series[k % theme.series.length],
-      ]),
-    );
-    canvas.frame = drawPlot(new CanvasPen(canvas), plot, scene, now, theme);
+    const [caption, canvas] = holder.children[i].children;
+    setCaption(caption, plot.title, labelsOfCurves(plot, t, theme));
+    canvas.frame = drawPlot(new CanvasPen(canvas), plot, scene, t, theme);
+  });
+}
+
+function makeFigure({ key, title }) {
+  const canvas = makeElement("canvas", {
+    role: "img",
+    "aria-label": `${title} over time`,
+  });
+  const caption = makeElement("figcaption");
+  return makeElement("figure", { id: `plot-${key}` }, caption, canvas);
+}
+
+/** Text and colour of each curve of a figure, with its value at time t. */
+function labelsOfCurves({ series, unit }, t, theme) {
+  const zero = ROUNDING_OF_CURVES * largestOf(series.flatMap(({ y }) => y));
+  return series.map((curve, k) => {
+    const { colour } = styleOfCurve(k, theme);
+    if (page.isPrinting) return [curve.name, colour];
+    let value = valueAt(curve, t);
+    if (Math.abs(value) < zero) value = 0;
+    return [`${curve.name}: ${quantity(value, unit, 3)}`, colour];
+  });
+}
+
+/** Draw one figure of curves over time; returns its frame. */
+function drawPlot(pen, { series, unit }, { begin, end }, t, theme) {
+  const [low, high] = plotRange(series);
+  const axes = {
+    x: { low: begin, high: end, unit: "s", name: "time" },
+    y: { low, high, unit, name: "" },
+  };
+  const frame = frameOfPlot(pen, axes, theme);
+  pen.inside(frame.x, frame.y - 2, frame.width, frame.height + 4, () => {
+    const zero = frame.up(0);
+    pen.segment([frame.x, zero], [frame.right, zero], theme.line);
+    series.forEach((curve, k) => {
+      const { colour, dash } = styleOfCurve(k, theme);
+      const points = curve.t.map((time, i) => [
+        frame.across(time),
+        frame.up(curve.y[i]),
+      ]);
+      pen.line(points, colour, 2, dash);
+    });
+    if (page.isPrinting) return;
+    const x = frame.across(t);
+    pen.segment([x, frame.y], [x, frame.bottom], theme.accent, 2);
+  });
+  drawAxes(pen, frame, theme, axes);
+  return frame;
+}
+
+// e over one number -----------------------------------------------------------------------
+
+/** Draw e over l1/l2, and over the roundness of the ends. */
+function drawRestitutionCurves(scene, theme) {
+  const { curve, ratio, roundness } = scene;
+  byId("plot-curve").hidden = !curve;
+  byId("plot-roundness").hidden = !roundness;
+  if (curve) {
+    const texts = {
+      title: "e over l₁/l₂",
+      name: "l₁/l₂",
+      label: `here l₁/l₂ = ${plainNumber(ratio, 4)}`,
+    };
+    const lengths = { ...curve, here: ratio, low: 0 };
+    drawRestitution("curve", lengths, texts, scene, theme);
+  }
+  if (roundness) {
+    const isRigid = roundness.here === null;
+    const kappa = isRigid ? "" : plainNumber(10 ** roundness.here, 3);
+    const texts = {
+      title: "e over the roundness of the ends",
+      name: "log₁₀ κ, κ = stiffness of ends / rod",
+      label: isRigid ? "rigid ends: κ is infinite" : `here κ = ${kappa}`,
+    };
+    const ends = { ...roundness, low: roundness.points[0] };
+    drawRestitution("roundness", ends, texts, scene, theme);
+    const slider = byId("ends");
+    if (document.activeElement !== slider) {
+      slider.value = roundness.here ?? slider.max;
+    }
+    slider.setAttribute("aria-valuetext", isRigid ? "rigid" : `kappa ${kappa}`);
+  }
+}
+
+/** Draw a curve of e, and the collision shown as a dot on it. */
+function drawRestitution(id, curve, texts, { restitution }, theme) {
+  const { points, values, isOutdated, here, low } = curve;
+  const caption = byId(`plot-${id}`).firstElementChild;
+  setCaption(caption, texts.title, [[texts.label, theme.accent]]);
+  const pen = new CanvasPen(byId(id));
+  if (points.length === 0) return;
+  const high = points.at(-1);
+  const largest = Math.max(1, ...values.filter((e) => e !== null));
+  const axes = {
+    x: { low, high, unit: "", name: texts.name },
+    y: { low: 0, high: 1.08 * largest, unit: "", name: "e" },
+  };
+  const frame = frameOfPlot(pen, axes, theme);
+  const colour = isOutdated ? theme.line : theme.series[0];
+  for (const stroke of strokesOf(points, values)) {
+    const line = stroke.map(([x, e]) => [frame.across(x), frame.up(e)]);
+    pen.line(line, colour, 2);
+  }
+  const e = restitution.value;
+  const margin = 0.01 * (high - low); // a slider at its end may be outside by rounding
+  const isInside = here >= low - margin && here <= high + margin;
+  if (e !== null && here !== null && isInside) {
+    const x = frame.across(here);
+    pen.disc(x, frame.up(e), 0.42 * theme.size, theme.accent);
+  }
+  drawAxes(pen, frame, theme, axes);
+}
+
+/** Points [x, e] of the parts of a curve between places where there is no e. */
+function strokesOf(points, values) {
+  let stroke = [];
+  const strokes = [stroke];
+  points.forEach((x, i) => {
+    if (values[i] === null) {
+      stroke = [];
+      strokes.push(stroke);
+    } else {
+      stroke.push([x, values[i]]);
+    }
+  });
+  return strokes.filter(({ length }) => length > 0);
+}
+
+/** Let a slider round the ends, which then meet by Hertz's law; its right end is rigid. */
+function connectRoundness() {
+  byId("ends").addEventListener("input", ({ target }) => {
+    const [contact = {}] = listOf(design.case.contacts);
+    const { gap = 0, law: lawBefore = "rigid" } = contact;
+    if (target.value === target.max) {
+      design.case.contacts = [{ gap, law: "rigid" }];
+      if (lawBefore !== "rigid") designChanged(true);
+      return;
+    }
+    const kappa = 10 ** target.valueAsNumber;
+    const { unit } = page.scene.roundness;
+    const stiffness = Number((unit * kappa).toPrecision(3));
+    design.case.contacts = [{ gap, law: "hertz", stiffness }];
+    if (lawBefore === "hertz") {
+      const number = toShown(stiffness, FIELDS.hertz.power);
+      enterNumber("contacts.0.stiffness", number);
+    } else {
+      designChanged(true);
+    }
   });
 }

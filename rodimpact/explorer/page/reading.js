@@ -1,221 +1,256 @@
 "use strict";
-// Reading values off the diagram, and zooming into it.
+// Reading values off the diagram, and zooming into it. Begin with `connectDiagram`.
 
-const MOST_ZOOM = 10000;
+const MAX_ZOOM = 10000;
+const ZOOM_STEP = 1.5; // factor of buttons and keys
+const WHEEL_STEP = 1.0015; // factor for each pixel that the wheel turns
+const TIME_LINE_REACH = 8; // px from the line of the time, to take hold of it
+const TIME_AXIS_REACH = 12; // px to the right of the axis of time, for its events
+const READING_HELP =
+  "Drag the red line, the ends of the rods, or their arrows. Point at the diagram to read values.";
 
-/** What is under the reading mark, in words. */
+// Values ----------------------------------------------------------------------------------
+
+/** Say what is under the reading mark. */
 function showReading() {
-  const { scene, mark, frame } = shown;
-  const found = mark && pick(scene, mark.place, mark.t, frame);
-  const { velocity, stress } = scene.tiling;
-  const said = !found
-    ? "no rod here"
-    : `${scene.bodies[found.body].title}, x = ${quantity(found.x, "m")} from its left end: ` +
-      `velocity ${quantity(velocity[found.polygon], "m/s")}, stress ${quantity(stress[found.polygon], "Pa")}`;
+  const { mark } = page;
   document.documentElement.toggleAttribute("data-marked", Boolean(mark));
-  write(
-    byId("readout"),
-    mark
-      ? unbroken(`t = ${quantity(mark.t, "s")}: ${said}`)
-      : "Drag the red line, the ends of the rods, or their arrows. Point at the diagram to read values.",
+  let text = READING_HELP;
+  if (mark) text = unbroken(`t = ${quantity(mark.t, "s")}: ${readingAt(mark)}`);
+  setText(byId("readout"), text);
+}
+
+/** Velocity and stress at a mark, in words. */
+function readingAt({ place, t }) {
+  const { scene, frame } = page;
+  const point = pointAt(scene, place, t, frame.places);
+  if (point === null) return "no rod here";
+  const { tiling, bodies } = scene;
+  const { title } = bodies[point.body];
+  const velocity = quantity(tiling.velocity[point.polygon], "m/s");
+  const stress = quantity(tiling.stress[point.polygon], "Pa");
+  return (
+    `${title}, x = ${quantity(point.x, "m")} from its left end: ` +
+    `velocity ${velocity}, stress ${stress}`
   );
 }
 
-/** The polygon under a place in the picture and a time, with the place in the body; or null. */
-function pick(scene, place, t, frame) {
-  const found = slice(scene, t, frame.places).find(
+/** Polygon, body, and x in the body, at a place in the picture at time t; or null. */
+function pointAt(scene, place, t, places) {
+  const cut = cutPolygons(scene, t, places).find(
     ({ low, high }) => low <= place && place <= high,
   );
-  if (!found) return null;
-  const [left, right] = chord(scene, found.polygon, t, scene.tiling.x);
-  const x =
-    left + ((right - left) * (place - found.low)) / (found.high - found.low);
-  return { polygon: found.polygon, body: scene.tiling.body[found.polygon], x };
+  if (!cut) return null;
+  const { polygon, low, high } = cut;
+  const [left, right] = rangeAt(scene, polygon, t, scene.tiling.x);
+  const x = left + ((right - left) * (place - low)) / (high - low);
+  return { polygon, body: scene.tiling.body[polygon], x };
 }
+
+/** Mark the point of the diagram under a pointer. */
+function markAt({ offsetX, offsetY }) {
+  const { frame } = page;
+  if (!frame) return;
+  const isAcross = offsetX >= frame.x && offsetX <= frame.right;
+  const isUp = offsetY >= frame.y && offsetY <= frame.bottom;
+  page.mark = null;
+  if (isAcross && isUp) {
+    page.mark = { place: frame.placeAt(offsetX), t: frame.timeAt(offsetY) };
+  }
+  redraw();
+}
+
+function removeMark() {
+  if (!page.frame) return;
+  page.mark = null;
+  redraw();
+}
+
+/** Move the mark by fractions of the view. */
+function moveMark(across, up) {
+  const { left, right, from, to } = page.view;
+  const mark = page.mark || { place: (left + right) / 2, t: currentTime() };
+  page.mark = {
+    place: clamp(mark.place + across * (right - left), left, right),
+    t: clamp(mark.t + up * (to - from), from, to),
+  };
+  redraw();
+}
+
+// Zoom ------------------------------------------------------------------------------------
 
 /** Magnify about a place and a time. */
 function zoom(factor, place, t) {
-  const { view } = shown;
-  const whole = wholeView(shown.scene);
-  const scale = Math.min(
-    factor,
-    ((view.right - view.left) / (whole.right - whole.left)) * MOST_ZOOM,
-  );
-  shown.view = {
-    left: place + (view.left - place) / scale,
-    right: place + (view.right - place) / scale,
-    from: t + (view.from - t) / scale,
-    to: t + (view.to - t) / scale,
+  const { left, right, from, to } = page.view;
+  const whole = wholeView(page.scene);
+  const widest = ((right - left) / (whole.right - whole.left)) * MAX_ZOOM;
+  const scale = Math.min(factor, widest);
+  page.view = {
+    left: place + (left - place) / scale,
+    right: place + (right - place) / scale,
+    from: t + (from - t) / scale,
+    to: t + (to - t) / scale,
   };
   keepInside(whole);
   redraw();
 }
 
-/** No view is wider than the whole, or beside it. */
+/** Keep the view inside the whole. */
 function keepInside(whole) {
-  const { view } = shown;
-  for (const [low, high] of [
+  const { view } = page;
+  const sides = [
     ["left", "right"],
     ["from", "to"],
-  ]) {
+  ];
+  for (const [low, high] of sides) {
     const width = Math.min(view[high] - view[low], whole[high] - whole[low]);
-    view[low] = Math.max(whole[low], Math.min(view[low], whole[high] - width));
+    view[low] = clamp(view[low], whole[low], whole[high] - width);
     view[high] = view[low] + width;
   }
-  shown.zoomed = view.right - view.left < 0.999 * (whole.right - whole.left);
+  page.isZoomed = view.right - view.left < 0.999 * (whole.right - whole.left);
 }
 
-function zoomAtMiddle(factor) {
-  const { view, mark } = shown;
-  zoom(
-    factor,
-    mark ? mark.place : (view.left + view.right) / 2,
-    mark ? mark.t : (view.from + view.to) / 2,
-  );
+/** Magnify about the mark, or the middle of the view. */
+function zoomAtMark(factor) {
+  const { left, right, from, to } = page.view;
+  const middle = { place: (left + right) / 2, t: (from + to) / 2 };
+  const { place, t } = page.mark || middle;
+  zoom(factor, place, t);
 }
 
 function zoomAll() {
-  shown.zoomed = false;
-  shown.view = wholeView(shown.scene);
+  page.isZoomed = false;
+  page.view = wholeView(page.scene);
   redraw();
 }
 
+/** Move the view by fractions of its width and height. */
 function pan(across, up) {
-  const { view } = shown;
-  const [dx, dt] = [
-    across * (view.right - view.left),
-    up * (view.to - view.from),
-  ];
-  shown.view = {
-    left: view.left + dx,
-    right: view.right + dx,
-    from: view.from + dt,
-    to: view.to + dt,
+  const { left, right, from, to } = page.view;
+  const shift = across * (right - left);
+  const delay = up * (to - from);
+  page.view = {
+    left: left + shift,
+    right: right + shift,
+    from: from + delay,
+    to: to + delay,
   };
-  keepInside(wholeView(shown.scene));
+  keepInside(wholeView(page.scene));
   redraw();
 }
 
-function moveMark(across, up) {
-  const { view } = shown;
-  const mark = shown.mark || { place: (view.left + view.right) / 2, t: now() };
-  const within = (value, low, high) => Math.max(low, Math.min(high, value));
-  shown.mark = {
-    place: within(
-      mark.place + across * (view.right - view.left),
-      view.left,
-      view.right,
-    ),
-    t: within(mark.t + up * (view.to - view.from), view.from, view.to),
-  };
-  redraw();
-}
+// Pointer and keys ------------------------------------------------------------------------
 
-function diagramKey(event) {
-  const arrows = {
-    ArrowLeft: [-1, 0],
-    ArrowRight: [1, 0],
-    ArrowUp: [0, 1],
-    ArrowDown: [0, -1],
-  };
-  if (event.ctrlKey || event.altKey || event.metaKey || !shown.scene) return;
-  const [across, up] = arrows[event.key] || [0, 0];
-  if (across || up)
-    (event.shiftKey ? pan : moveMark)(
-      across / (event.shiftKey ? 10 : 50),
-      up / (event.shiftKey ? 10 : 50),
-    );
-  else if (event.key === "+" || event.key === "=") zoomAtMiddle(1.5);
-  else if (event.key === "-") zoomAtMiddle(1 / 1.5);
-  else if (event.key === "0") zoomAll();
-  else if (event.key === "Escape") markAt(null);
-  else return;
+const ARROWS = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1],
+};
+
+/** Whether an event has a key that belongs to the browser. */
+const isShortcut = ({ ctrlKey, altKey, metaKey }) =>
+  ctrlKey || altKey || metaKey;
+
+function useDiagramKey(event) {
+  const { key, shiftKey } = event;
+  if (isShortcut(event) || !page.scene) return;
+  if (key in ARROWS) {
+    const [across, up] = ARROWS[key];
+    if (shiftKey) pan(across / 10, up / 10);
+    else moveMark(across / 50, up / 50);
+  } else if (key === "+" || key === "=") {
+    zoomAtMark(ZOOM_STEP);
+  } else if (key === "-") {
+    zoomAtMark(1 / ZOOM_STEP);
+  } else if (key === "0") {
+    zoomAll();
+  } else if (key === "Escape") {
+    removeMark();
+  } else {
+    return;
+  }
   event.preventDefault();
 }
 
-function markAt(event) {
-  if (!shown.frame) return;
-  const { frame } = shown;
-  const [x, y] = event ? [event.offsetX, event.offsetY] : [-1, -1];
-  const inside =
-    x >= frame.x && x <= frame.right && y >= frame.y && y <= frame.bottom;
-  shown.mark = inside ? { place: frame.placeAt(x), t: frame.timeAt(y) } : null;
-  redraw();
+/** Magnify by the wheel, with a key or where the view is magnified; else the page scrolls. */
+function useWheel(event) {
+  const isMeant = event.ctrlKey || event.metaKey || page.isZoomed;
+  if (!page.frame || !isMeant) return;
+  event.preventDefault();
+  const place = page.frame.placeAt(event.offsetX);
+  const t = page.frame.timeAt(event.offsetY);
+  zoom(WHEEL_STEP ** -event.deltaY, place, t);
 }
 
-/** Go to the event whose dot on the time axis is nearest. */
+/** Whether a pointer is on the line of the time, or in the panel of the forces. */
+function isOnTime({ offsetX, offsetY }) {
+  const { frame } = page;
+  if (!frame) return false;
+  const distance = Math.abs(frame.up(currentTime()) - offsetY);
+  const isOnForces = frame.force && offsetX > frame.force.x;
+  return distance < TIME_LINE_REACH || isOnForces;
+}
+
+/** Go to the event whose dot on the axis of time is nearest. */
 function goToNearest(y) {
-  const far = ({ t }) => Math.abs(shown.frame.up(t) - y);
-  goTo(
-    shown.scene.events.reduce((best, event) =>
-      far(event) < far(best) ? event : best,
-    ).t,
-  );
+  const distanceOf = ({ t }) => Math.abs(page.frame.up(t) - y);
+  let nearest = page.scene.events[0];
+  for (const event of page.scene.events) {
+    if (distanceOf(event) < distanceOf(nearest)) nearest = event;
+  }
+  goTo(nearest.t);
 }
 
+/** Let the diagram be read, magnified, moved, and used to set the time. */
 function connectDiagram() {
   const diagram = byId("diagram");
-  let [held, timed] = [null, false];
-  const atTime = ({ offsetX, offsetY }) =>
-    shown.frame &&
-    (Math.abs(shown.frame.up(now()) - offsetY) < 8 ||
-      (shown.frame.force && offsetX > shown.frame.force.x));
-  const follow = ({ offsetY }) =>
-    setShare(shareOfTime(shown.frame.timeAt(offsetY)));
-  diagram.addEventListener(
-    "wheel",
-    (event) => {
-      if (!shown.frame || !(event.ctrlKey || event.metaKey || shown.zoomed))
-        return; // the page scrolls
-      event.preventDefault();
-      zoom(
-        1.0015 ** -event.deltaY,
-        shown.frame.placeAt(event.offsetX),
-        shown.frame.timeAt(event.offsetY),
-      );
-    },
-    { passive: false },
-  );
+  let held = null; // the last point, while the view is dragged
+  let isTimeHeld = false;
+  const followTime = ({ offsetY }) =>
+    setFraction(fractionAt(page.frame.timeAt(offsetY)));
+  const release = () => {
+    held = null;
+    isTimeHeld = false;
+  };
+  diagram.addEventListener("wheel", useWheel, { passive: false });
   diagram.addEventListener("pointerdown", (event) => {
-    if (atTime(event)) {
-      timed = true;
+    const { offsetX, offsetY, pointerId } = event;
+    if (isOnTime(event)) {
+      isTimeHeld = true;
       play(false);
-      follow(event);
-      diagram.setPointerCapture(event.pointerId);
-      return;
+      followTime(event);
+      diagram.setPointerCapture(pointerId);
+    } else if (offsetX < page.frame.x + TIME_AXIS_REACH) {
+      goToNearest(offsetY);
+    } else {
+      held = { x: offsetX, y: offsetY };
+      diagram.setPointerCapture(pointerId);
+      markAt(event);
     }
-    if (event.offsetX < shown.frame.x + 12) {
-      goToNearest(event.offsetY);
-      return;
-    }
-    held = [event.offsetX, event.offsetY];
-    diagram.setPointerCapture(event.pointerId);
-    markAt(event);
   });
   diagram.addEventListener("pointermove", (event) => {
-    diagram.style.cursor = timed || atTime(event) ? "ns-resize" : "";
-    if (timed) {
-      follow(event);
+    const { offsetX, offsetY } = event;
+    const isOnLine = isTimeHeld || isOnTime(event);
+    diagram.style.cursor = isOnLine ? "ns-resize" : "";
+    if (isTimeHeld) {
+      followTime(event);
       return;
     }
-    if (held && shown.zoomed) {
-      pan(
-        (held[0] - event.offsetX) / shown.frame.width,
-        (event.offsetY - held[1]) / shown.frame.height,
-      );
-      held = [event.offsetX, event.offsetY];
+    if (held && page.isZoomed) {
+      const { width, height } = page.frame;
+      pan((held.x - offsetX) / width, (offsetY - held.y) / height);
+      held = { x: offsetX, y: offsetY };
     }
     markAt(event);
   });
-  diagram.addEventListener("pointerup", () => {
-    [held, timed] = [null, false];
+  diagram.addEventListener("pointerup", release);
+  diagram.addEventListener("pointerleave", ({ pointerType }) => {
+    release();
+    if (pointerType === "mouse") removeMark(); // the mark of a finger stays
   });
-  diagram.addEventListener("pointerleave", (event) => {
-    [held, timed] = [null, false];
-    if (event.pointerType === "mouse") markAt(null); // what a finger has marked stays
-  });
-  diagram.addEventListener("keydown", diagramKey);
-  byId("zoom-in").addEventListener("click", () => zoomAtMiddle(1.5));
-  byId("zoom-out").addEventListener("click", () => zoomAtMiddle(1 / 1.5));
+  diagram.addEventListener("keydown", useDiagramKey);
+  byId("zoom-in").addEventListener("click", () => zoomAtMark(ZOOM_STEP));
+  byId("zoom-out").addEventListener("click", () => zoomAtMark(1 / ZOOM_STEP));
   byId("zoom-all").addEventListener("click", zoomAll);
 }

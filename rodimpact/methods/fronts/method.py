@@ -8,7 +8,7 @@ from .. import abilities as physics
 from .. import run as runs
 from ..row import Row
 from ..run import Run
-from ..status import rounding, strain_warning
+from ..status import rounding, strain_warning, with_advice
 from . import driver
 from .accuracy import (
     NO_ERRORS,
@@ -20,7 +20,7 @@ from .batch import RunRequest
 from .family_layout import lay_out_family
 from .run import FrontRun
 from .signals import signals_of
-from .status import faint_sentence, status_of
+from .status import end_of_run, faint_sentence
 from .totals import last_contact_end, tally_of, totals_of
 
 LACKS = (
@@ -81,9 +81,10 @@ def make_run(
         )
         t_proved = finished.proved_tick * clock.tick
     strain = finished.run.max_wave / min(clock.wave_speed[1:-1])
-    status = status_of(
+    why = end_of_run(
         finished.run, finished.contacts, clock.system, finished.is_proved, t_final
     )
+    status = with_advice(why)
     status += rounding(clock.transit_error, clock.worst)
     status += strain_warning(strain)
     status += accuracy_sentence(rounding_errors)

@@ -5,7 +5,7 @@ from typing import Any
 from ...model.numbering import contact_names
 from ...units import format_si
 from ..states import Status
-from ..status import ending, proof_sentence
+from ..status import RunEnd, describe_end, proof_sentence
 from .records import Node, Run
 from .run import REASONS
 
@@ -13,9 +13,9 @@ RESTING_FORCE_RTOL = 2.0**-40
 """A contact that presses with less than this part of its peak force is at rest."""
 
 
-def status_of(
+def end_of_run(
     run: Run, contacts: list[Node], system: Any, is_proved: bool, t_final: float
-) -> str:
+) -> RunEnd:
     """Why a run ended.
 
     Parameters
@@ -33,20 +33,21 @@ def status_of(
     if is_proved:
         final = final_sentence(contacts, system, t_final)
     if stopped_by == "final":
-        return final
+        return RunEnd(final, "")
     end_time = format_si(run.now * run.tick_duration, "s")
     if stopped_by == "max_events" and final == "":
-        return (
-            f"Stopped by the cap of {run.max_events} events at {end_time}; fronts multiply "
-            "where transit times have no common measure. Raise max_events, or make "
-            "lengths commensurate."
+        return RunEnd(
+            f"Stopped by the cap of {run.max_events} events at {end_time}; fronts "
+            "multiply where transit times have no common measure.",
+            "Raise max_events, or make lengths commensurate.",
         )
     if stopped_by == "clock":
-        return (
-            f"Stopped by the clock after {end_time}: the next contact may come later than "
-            "the clock can count, or never. Give until= to set another end."
+        return RunEnd(
+            f"Stopped by the clock after {end_time}: the next contact may come later "
+            "than the clock can count, or never.",
+            "Give until= to set another end.",
         )
-    return ending(stopped_by, final, end_time, f"{run.max_events} events", system)
+    return describe_end(stopped_by, final, end_time, f"{run.max_events} events", system)
 
 
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:

@@ -9,7 +9,13 @@ import numpy as np
 from ...units import format_si
 from ..run import INWARD, Coarser, ContactSignal, ContactTally, Run, Signals
 from ..signals import Floats, Pieces
-from ..status import ending, last_contact, proof_sentence, strain_warning
+from ..status import (
+    describe_end,
+    last_contact,
+    proof_sentence,
+    strain_warning,
+    with_advice,
+)
 from .forces import contact_forces, outside_of, over_steps
 from .measures import episodes_from_intervals, largest_force
 from .mesh import STEP_TICKS
@@ -77,7 +83,8 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
     """Why the run ended, its mesh, and how accurate it is."""
     cap = f"{events} steps times ends"
     end = format_si(t_end, "s")
-    status = ending(run.stopped_by, proof, end, cap, run.row.system)
+    why = describe_end(run.stopped_by, proof, end, cap, run.row.system)
+    status = with_advice(why)
     size = sum(run.mesh.counts)
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
     if t_end and not run.steps:

@@ -29,7 +29,7 @@ from ..run import ContactTally, Run
 from ..scales import beyond_scales, check_scales
 from ..signals import Pieces
 from ..states import Stop
-from ..status import rounding, strain_warning
+from ..status import rounding, strain_warning, with_advice
 from . import totals
 from .accuracy import (
     COARSER,
@@ -187,7 +187,8 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     t_proved = math.nan
     if run.proved_tick >= 0:
         t_proved = run.proved_tick * tick
-    status = totals.status_of(run, ended.link, row.system, stopped_by, t_end, t_final)
+    why = totals.end_of_run(run, ended.link, row.system, stopped_by, t_end, t_final)
+    status = with_advice(why)
     status += totals.stated(runs.largest_error(accuracy), goal)
     status += totals.simplifications_text(run)
     status += _struck_together(row)

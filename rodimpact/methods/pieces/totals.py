@@ -7,7 +7,7 @@ from ...units import format_si
 from ..link import Law
 from ..run import ContactTally
 from ..states import Status, Stop
-from ..status import ending, last_contact, proof_sentence
+from ..status import RunEnd, describe_end, last_contact, proof_sentence
 
 MISSED_GOAL_FACTOR = 10.0
 """Ratio of the stated error to rtol above which the status says that rtol was not reached."""
@@ -61,10 +61,10 @@ def why_stopped(run: Any, has_given_end: bool) -> str:
     return "clock"
 
 
-def status_of(
+def end_of_run(
     run: Any, links: Any, system: Any, stopped_by: str, end: float, t_final: float
-) -> str:
-    """Sentence of the status on the end of a run.
+) -> RunEnd:
+    """Why a run ended.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def status_of(
         has_contact = any(link.episodes > 0 for link in links)
         proof = proof_sentence(has_contact, t_final)
     work = f"{run.steps} steps of nodes"
-    return ending(stopped_by, proof, format_si(end, "s"), work, system)
+    return describe_end(stopped_by, proof, format_si(end, "s"), work, system)
 
 
 def stated(worst: float, goal: float) -> str:

@@ -1,0 +1,264 @@
+"""Facts of a row and of its collision, from which `picture` makes texts.
+
+They are the same for every method. Begin with `facts_of_outcome` and `facts_of_body`. A
+system is one of the model or of `tables`. The page has these functions as JavaScript.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from ..methods.abilities import has_external_drive
+from ..methods.groups import unilateral
+from ..methods.outcome import Motion
+from ..methods.pieces.accuracy import size_of
+from ..methods.restitution import effective_restitution, no_restitution
+from ..model.numbering import body_numbers
+from ..model.profiles import extremes
+from ..units import format_si
+from .texts import capital, format_quantity, name_of
+
+
+class RunSummary(NamedTuple):
+    """Results of a run besides the motion of its bodies."""
+
+    contacts: Any  # [contact] list of ContactTally
+    final: bool  # whether the collision is over for good
+    status: str  # why the run ended
+    errors: Any  # stated errors by kind of number, in its unit
+
+
+class GaugeLocation(NamedTuple):
+    """Place and name of a gauge."""
+
+    segment: int  # index of its segment in the rod
+    x: float  # distance from the left end of that segment, m
+    name: str  # the gauge in words
+
+
+# Outcome ------------------------------------------------------------------------------
+
+
+def facts_of_outcome(
+    system: Any, before: Motion, after: Motion, summary: RunSummary
+) -> Any:
+    """The outcome of a collision with e, or with the reason why e is None.
+
+    Returns
+    -------
+    dict
+        Velocities ``before`` and ``after`` by body, the entries of the `summary`,
+        energies, ``unilateral``: contacts that can open, ``restitution`` with its
+        ``error``, and ``why`` there is none.
+    """
+    can_open = unilateral(system)
+    why = no_restitution(
+        can_open,
+        before.velocities,
+        summary.contacts,
+        has_external_drive(system),
+        summary.final,
+        summary.status,
+    )
+    restitution = None
+    error = 0.0
+    if why == "":
+        k = can_open[0]
+        closing = before.velocities[k : k + 2]
+        parting = after.velocities[k : k + 2]
+        restitution = effective_restitution(True, 1, closing, parting) + 0.0
+        error = 2 * summary.errors["velocity"] / (closing[0] - closing[1])
+    return {
+        "before": before.velocities,
+        "after": after.velocities,
+        "contacts": summary.contacts,
+        "final": summary.final,
+        "status": summary.status,
+        "errors": summary.errors,
+        "energy_before": before.kinetic + sum(before.vibration),
+        "vibration_after": sum(after.vibration),
+        "unilateral": can_open,
+        "why": why,
+        "restitution": restitution,
+        "error": error,
+    }
+
+
+def errors_of(relative: list[float], speed: float, contacts: list[Any]) -> Any:
+    """Stated error of each kind of number, in its unit.
+
+    Parameters
+    ----------
+    relative : list of float
+        Those of velocities, impulses, peak forces and durations.
+    speed : float
+        Scale of the velocities, m/s.
+    contacts : list of ContactTally
+    """
+    impulses = []
+    peak_forces = []
+    durations = []
+    for contact in contacts:
+        impulses.append(contact.impulse)
+        peak_forces.append(contact.peak_force)
+        durations.append(contact.duration)
+    return {
+        "velocity": relative[0] * speed,
+        "impulse": relative[1] * size_of(impulses),
+        "peak_force": relative[2] * size_of(peak_forces),
+        "duration": relative[3] * size_of(durations),
+    }
+
+
+# Bodies -------------------------------------------------------------------------------
+
+
+def facts_of_body(body: Any, number: str, path: Any) -> Any:
+    """A body with its segments and what follows from them.
+
+    Its ``approach`` is the velocity with which all of it comes; None for a body that is
+    strained, or has several velocities.
+
+    Parameters
+    ----------
+    body : Body
+    number : str
+        Its number from the left, or "wall".
+    path : dict or None
+        Path of a mass or a wall.
+    """
+    name = name_of(body.kind, number)
+    title = capital(name)
+    mass = body.mass
+    if body.kind == "wall":
+        title = capital(number)
+        mass = 0.0
+    segments = []
+    derived = []
+    if body.kind == "rod":
+        for segment in body.segments:
+            segments.append(facts_of_segment(segment))
+            derived.append(derived_quantities(segment))
+    approach = None
+    is_unstrained = body.kind != "rod" or body.strain == 0.0
+    if isinstance(body.velocity, float) and is_unstrained:
+        approach = body.velocity
+    return {
+        "kind": body.kind,
+        "number": number,
+        "name": name,
+        "path": path,
+        "title": title,
+        "mass": mass,
+        "approach": approach,
+        "segments": segments,
+        "derived": derived,
+    }
+
+
+def facts_of_segment(segment: Any) -> Any:
+    """Numbers of a segment, with the largest area and impedance of a tapered one."""
+    area = extremes(segment.area)[1]
+    density = segment.material.density
+    return {
+        "length": segment.length,
+        "area": area,
+        "mass": segment.mass,
+        "wave_speed": segment.wave_speed,
+        "transit_time": segment.transit_time,
+        "impedance": density * segment.wave_speed * area,
+    }
+
+
+def derived_quantities(segment: Any) -> Any:
+    """Name and text of what follows from the numbers of a segment."""
+    factor = segment.material.density * segment.wave_speed
+    smallest, largest = extremes(segment.area)
+    impedance = f"{smallest * factor:.4g}"
+    largest_impedance = f"{largest * factor:.4g}"
+    if impedance != largest_impedance:
+        impedance = f"{impedance} to {largest_impedance}"
+    return [
+        ("bar speed c", f"{segment.wave_speed:.4g} m/s"),
+        ("impedance Z", f"{impedance} kg/s"),
+        ("transit time T", format_quantity(segment.transit_time, "s", 5)),
+        ("mass m", f"{segment.mass:.4g} kg"),
+    ]
+
+
+# Layout -------------------------------------------------------------------------------
+
+
+def initial_offsets(system: Any, tiling: Any) -> list[float]:
+    """Initial offset of the left end of each body from its material coordinate, m.
+
+    It comes from the gaps and the initial strain on its left.
+    """
+    offset = 0.0
+    offsets = []
+    for i in range(len(system.bodies)):
+        if i > 0:
+            offset += system.gaps[i - 1]
+        offsets.append(offset)
+        offset += initial_elongation(tiling, i)
+    return offsets
+
+
+def initial_elongation(tiling: Any, i: int) -> float:
+    """Displacement of the right end of a body at t = 0, m."""
+    right_end = 0.0
+    elongation = 0.0
+    for g, body in enumerate(tiling["body"]):
+        if body == i:
+            for k in range(tiling["start"][g], tiling["start"][g + 1]):
+                if tiling["t"][k] == 0 and tiling["x"][k] > right_end:
+                    right_end = tiling["x"][k]
+                    elongation = tiling["displacement"][k]
+    return elongation
+
+
+def slowest_velocity(system: Any, before: list[float]) -> float:
+    """Velocity of the slowest wall, held end or, without any, body, m/s.
+
+    Parameters
+    ----------
+    system : System
+    before : list of float
+        Velocities of the bodies before the collision, m/s.
+    """
+    velocities = []
+    for body in system.bodies:
+        if body.kind == "wall":
+            velocities.append(body.velocity)
+    for end in system.ends:
+        if end.kind in ("fixed", "velocity"):
+            velocities.append(0.0)
+    if len(velocities) == 0:
+        velocities = before
+    slowest = math.inf
+    for velocity in velocities:
+        if abs(velocity) < abs(slowest):
+            slowest = velocity
+    return slowest
+
+
+def locate_gauge(system: Any, gauge: Any) -> GaugeLocation:
+    """Find the segment of a gauge.
+
+    Parameters
+    ----------
+    system : System
+    gauge : dict
+        Its ``body``, and its place as a ``fraction`` of the length.
+    """
+    segments = system.bodies[gauge["body"]].segments
+    number = body_numbers([body.kind for body in system.bodies])[gauge["body"]]
+    length = 0.0
+    for segment in segments:
+        length += segment.length
+    x = gauge["fraction"] * length
+    name = f"rod {number} at {format_si(x, 'm', 4)}"
+    s = 0
+    while s < len(segments) - 1 and x >= segments[s].length:
+        x -= segments[s].length
+        s += 1
+    return GaugeLocation(s, x, name)
