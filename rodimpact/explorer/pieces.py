@@ -216,8 +216,7 @@ def empty_matrix(nodes: list[Any]) -> list[list[float]]:
 def run_with_errors(row: Any, request: Any, tolerance: float, deadline: float) -> Any:
     """A run of `run_of` with the stated ``errors`` of the `MEASURES` and its ``goal``.
 
-    The errors come from its difference to a coarser run. A run that takes the same
-    steps has no difference, so that the next one is coarser still.
+    The errors come from its difference to a coarser run in other pieces.
     """
     fine = run_of(row, request, tolerance, True, None, deadline)
     if "problem" in fine:
