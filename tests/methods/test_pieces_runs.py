@@ -14,16 +14,17 @@ from rodimpact.methods.pieces import driver, method
 METHOD = "characteristics"
 
 
-def everything(solution):
+def numbers_of(solution):
     """Numbers that a run comes to, and its waves at some places."""
-    t = np.linspace(0, solution.t_end, 9)
-    rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, ri.Rod)]
-    waves = [
-        solution.velocity(i, 0.3 * solution.system.bodies[i].length, t) for i in rods
-    ]
-    forces = [c.force(t) for c in solution.contacts]
-    tallies = [(c.impulse, c.peak_force, c.duration) for c in solution.contacts]
-    return np.concatenate([*waves, *forces, *map(np.array, tallies)])
+    times = np.linspace(0, solution.t_end, 9)
+    numbers = []
+    for i, body in enumerate(solution.system.bodies):
+        if isinstance(body, ri.Rod):
+            numbers.append(solution.velocity(i, 0.3 * body.length, times))
+    for contact in solution.contacts:
+        numbers.append(contact.force(times))
+        numbers.append([contact.impulse, contact.peak_force, contact.duration])
+    return np.concatenate(numbers)
 
 
 # The same however it is run -----------------------------------------------------------------------
@@ -33,68 +34,73 @@ def everything(solution):
 def test_a_run_that_finds_too_little_room_goes_on_with_more(monkeypatch, seed):
     system = random_network(seed)
     with kernels.forced(False):
-        whole = everything(ri.solve(system, 2.0, METHOD))
+        whole = numbers_of(ri.solve(system, 2.0, METHOD))
         monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 4)
         monkeypatch.setattr(driver, "INITIAL_CONTACT_ROWS", 1100)
-        assert everything(ri.solve(system, 2.0, METHOD)).tolist() == whole.tolist()
+        with_more = numbers_of(ri.solve(system, 2.0, METHOD))
+    assert with_more.tolist() == whole.tolist()
 
 
 def family():
-    return ri.System(
-        [
-            unit_rod(np.array([0.4, 0.7, 1.0, 0.9]), velocity=1.0),
-            ri.RigidMass(0.5),
-            unit_rod(1.3),
-        ],
-        [0.0, 0.01],
-        [ri.Hertz(np.array([[10.0], [1e5]])), ri.HuntCrossley(20.0, 0.2)],
-    )
+    lengths = np.array([0.4, 0.7, 1.0, 0.9])
+    stiffnesses = np.array([[10.0], [1e5]])
+    bodies = [unit_rod(lengths, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.3)]
+    laws = [ri.Hertz(stiffnesses), ri.HuntCrossley(20.0, 0.2)]
+    return ri.System(bodies, [0.0, 0.01], laws)
 
 
 def totals(result):
-    names = ("impulse", "peak_force", "duration", "episodes")
-    return [
-        *(v.tolist() for v in result.velocities_after),
-        *(getattr(c, name).tolist() for c in result.contacts for name in names),
-    ]
+    columns = [velocities.tolist() for velocities in result.velocities_after]
+    for contact in result.contacts:
+        for name in ("impulse", "peak_force", "duration", "episodes"):
+            columns.append(getattr(contact, name).tolist())
+    return columns
 
 
-@pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
-def test_members_are_single_solves_in_any_chunks(monkeypatch):
-    system = family()
-    whole = ri.sweep(system)
+needs_compiler = pytest.mark.skipif(
+    bool(kernels.why_not()), reason="there is no compiler"
+)
+
+
+@pytest.fixture(scope="module")
+def swept():
+    return ri.sweep(family())
+
+
+@needs_compiler
+def test_members_are_the_same_in_any_chunks(monkeypatch, swept):
     with ThreadPoolExecutor(2) as executor:
-        assert totals(ri.sweep(system, executor=executor)) == totals(whole)
+        in_threads = ri.sweep(family(), executor=executor)
+    assert totals(in_threads) == totals(swept)
+
     monkeypatch.setattr(method, "MAX_MEMBERS_PER_CALL", 3)
     monkeypatch.setattr(driver, "MEMBERS_PER_CHECK", 2)
     monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 8)
-    assert totals(ri.sweep(system)) == totals(whole)
-    for index in ((0, 0), (1, 2)):
-        with kernels.forced(False):
-            single = ri.solve(system[index]).outcome
-        assert (
-            tuple(v[index] for v in whole.velocities_after) == single.velocities_after
-        )
-        for many, one in zip(whole.contacts, single.contacts, strict=True):
-            assert (
-                many.impulse[index],
-                many.peak_force[index],
-                many.duration[index],
-            ) == (one.impulse, one.peak_force, one.duration)
+    assert totals(ri.sweep(family())) == totals(swept)
 
 
-@pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
+@needs_compiler
+@pytest.mark.parametrize("index", [(0, 0), (1, 2)])
+def test_members_are_single_solves(swept, index):
+    with kernels.forced(False):
+        outcome = ri.solve(family()[index]).outcome
+    velocities = [column[index] for column in swept.velocities_after]
+    assert tuple(velocities) == outcome.velocities_after
+    for columns, contact in zip(swept.contacts, outcome.contacts, strict=True):
+        assert columns.impulse[index] == contact.impulse
+        assert columns.peak_force[index] == contact.peak_force
+        assert columns.duration[index] == contact.duration
+
+
+@needs_compiler
 def test_plain_python_runs_the_same_bits():
-    found = []
-    for fast in (False, True):
-        systems = [
-            random_network(seed, bodies=4, driven=seed % 2 == 1) for seed in range(6)
-        ]
-        with kernels.forced(fast):
-            found.append(
-                [everything(ri.solve(s, 2.0, METHOD)).tolist() for s in systems]
-            )
-    assert repr(found[0]) == repr(found[1])
+    for seed in range(6):
+        system = random_network(seed, bodies=4, driven=seed % 2 == 1)
+        with kernels.forced(False):
+            plain = numbers_of(ri.solve(system, 2.0, METHOD))
+        with kernels.forced(True):
+            compiled = numbers_of(ri.solve(system, 2.0, METHOD))
+        assert repr(plain.tolist()) == repr(compiled.tolist()), seed
 
 
 # Beside another method ----------------------------------------------------------------------------
@@ -104,16 +110,21 @@ def test_plain_python_runs_the_same_bits():
 def test_random_rows_are_those_of_finite_differences(seed):
     """Two methods that share the row and nothing else, on all bodies, laws and ends."""
     system = random_network(seed, bodies=4, driven=seed % 2 == 1)
-    s = ri.solve(system, 1.0, METHOD)
     grid = ri.solve(system, 1.0, "finite-difference", cells=400, snapshots=2)
+
+    solution = ri.solve(system, 1.0, METHOD)
+
     for body in range(len(system.bodies)):
-        v = float(grid.mean_velocity(body, 1.0))
-        assert float(s.mean_velocity(body, 1.0)) == pytest.approx(v, abs=0.01)
-    for one, other in zip(s.contacts, grid.contacts, strict=True):
-        assert one.impulse == pytest.approx(other.impulse, rel=5e-3, abs=5e-3)
-    book = s.energy(np.linspace(0, 1.0, 33))
-    moved = np.abs(book.kinetic).max() + np.abs(book.vibration).max() + 1.0
-    assert np.abs(book.residual).max() <= 1e-8 * moved + np.abs(book.numerical).max()
+        expected = float(grid.mean_velocity(body, 1.0))
+        velocity = float(solution.mean_velocity(body, 1.0))
+        assert velocity == pytest.approx(expected, abs=0.01)
+    for contact, on_grid in zip(solution.contacts, grid.contacts, strict=True):
+        impulse = pytest.approx(on_grid.impulse, rel=5e-3, abs=5e-3)
+        assert contact.impulse == impulse
+    energy = solution.energy(np.linspace(0, 1.0, 33))
+    largest = np.abs(energy.kinetic).max() + np.abs(energy.vibration).max()
+    numerical = np.abs(energy.numerical).max()
+    assert np.abs(energy.residual).max() <= 1e-8 * (largest + 1.0) + numerical
 
 
 # Waves too dense to be followed -------------------------------------------------------------------
@@ -124,17 +135,17 @@ def test_waves_that_are_smoothed_keep_their_momentum():
     rng = np.random.default_rng(22)
     lengths = rng.uniform(0.11, 1.3, 4)
     areas = rng.uniform(0.3, 2.0, 4)
-    bodies = [
-        unit_rod(length, area, velocity=v)
-        for length, area, v in zip(lengths, areas, (1.0, 0.2, -0.1, -0.7), strict=True)
-    ]
-    found = ri.solve(ri.System(bodies, ends=(ri.Fixed(), ri.Fixed())), 10.0, METHOD)
-    assert "Such waves are smoothed" in found.status
-    impulses = [contact.impulse for contact in found.contacts]
-    changes = np.subtract(
-        found.outcome.velocities_after, found.outcome.velocities_before
-    )
+    bodies = []
+    for length, area, v in zip(lengths, areas, (1.0, 0.2, -0.1, -0.7), strict=True):
+        bodies.append(unit_rod(length, area, velocity=v))
+    system = ri.System(bodies, ends=(ri.Fixed(), ri.Fixed()))
+
+    solution = ri.solve(system, 10.0, METHOD)
+
+    assert "Such waves are smoothed" in solution.status
+    outcome = solution.outcome
+    impulses = [contact.impulse for contact in solution.contacts]
     for i in (1, 2):
-        assert impulses[i - 1] - impulses[i] == pytest.approx(
-            bodies[i].mass * changes[i], abs=1e-8
-        )
+        change = outcome.velocities_after[i] - outcome.velocities_before[i]
+        momentum = pytest.approx(bodies[i].mass * change, abs=1e-8)
+        assert impulses[i - 1] - impulses[i] == momentum
