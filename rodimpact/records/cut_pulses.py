@@ -76,7 +76,7 @@ class _Pulse(NamedTuple):
     """A pulse from its level at rest, and its first sample above the rest."""
 
     signal: Signal
-    rest: Floats  # samples before the pulse, without their level
+    rest_strain: Floats  # samples before the pulse, without their level
     onset: float  # s
 
 
@@ -110,9 +110,11 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
         )
     input_record = _joined(incident.signal, reflected_signal)
     return GaugePair(
-        BarGauge(_with_rest(input_record, incident.rest), pulses.incident.distance),
         BarGauge(
-            _with_rest(transmitted_signal, transmitted.rest),
+            _with_rest(input_record, incident.rest_strain), pulses.incident.distance
+        ),
+        BarGauge(
+            _with_rest(transmitted_signal, transmitted.rest_strain),
             pulses.transmitted.distance,
         ),
     )
@@ -133,16 +135,16 @@ def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
     except ValueError as error:
         raise invalid_argument(name, str(error)) from None
     is_rest = strain.times < rest_end(strain.times, strain.values, pulse)
-    rest = strain.values[is_rest]
+    rest_strain = strain.values[is_rest]
     level = 0.0
     noise = 0.0
-    if len(rest) >= MIN_LEVEL_SAMPLES:
-        level = float(rest.mean())
-        noise = float(rest.std())
+    if len(rest_strain) >= MIN_LEVEL_SAMPLES:
+        level = float(rest_strain.mean())
+        noise = float(rest_strain.std())
     else:
-        rest = np.zeros(0)
+        rest_strain = np.zeros(0)
     onset = onset_of(strain.times, strain.values - level, pulse, noise)
-    return _Pulse(strain - level, rest - level, onset)
+    return _Pulse(strain - level, rest_strain - level, onset)
 
 
 def _check_end(incident: _Pulse) -> None:
@@ -167,13 +169,13 @@ def _joined(first: Signal, second: Signal) -> Signal:
     return Signal(values, times)
 
 
-def _with_rest(signal: Signal, rest: Floats) -> Signal:
+def _with_rest(signal: Signal, rest_strain: Floats) -> Signal:
     """The record with more rest before it: its own samples at rest again and again, or zeros."""
     dt = signal.dt
     times = signal.start - dt * np.arange(ADDED_REST_SAMPLES, 0, -1)
     values = np.zeros(ADDED_REST_SAMPLES)
-    if rest.size:
-        values = np.resize(rest, ADDED_REST_SAMPLES)
+    if rest_strain.size:
+        values = np.resize(rest_strain, ADDED_REST_SAMPLES)
     return Signal(
         np.concatenate((values, signal.values)),
         np.concatenate((times, signal.times)),

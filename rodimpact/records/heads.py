@@ -8,7 +8,7 @@ from ..storage.reading import FileFormatError
 from ..units import one_line, shown
 from .number_forms import NumberForm
 
-WORDS = {
+UNIT_WORDS = {
     "second": "s",
     "seconds": "s",
     "sec": "s",
@@ -158,4 +158,4 @@ def _head_of(cell: str) -> Head:
 
 def spelt(unit: str) -> str:
     """A unit as it is known here."""
-    return WORDS.get(unit.casefold(), unit)
+    return UNIT_WORDS.get(unit.casefold(), unit)

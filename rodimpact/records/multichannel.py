@@ -146,9 +146,9 @@ def _times_of(signals: Any) -> Floats:
         raise invalid_argument("signals", f"{message}, got {shown(signals)}")
     for name, signal in signals.items():
         of_kind(f"signals.{name}", signal, Signal, "Signal([0.0, 1.0], dt=1e-6)")
-    first, *others = signals
+    first, *other_names = signals
     times: Floats = signals[first].times
-    for name in others:
+    for name in other_names:
         if not np.array_equal(signals[name].times, times):
             raise invalid_argument(
                 "signals",

@@ -24,6 +24,8 @@ MIN_BALANCED_RATIO = 0.5
 """Part of the plateau with balanced forces, at least, of a shot that reaches equilibrium."""
 SMOOTHING_RATIO = 0.25
 """Duration of the means by which forces are compared, over the rise time of the incident wave."""
+SMALLEST_SHOWN_RATIO = 1e-4
+"""Ratio below which the sentences give no digits."""
 EQUILIBRIUM_TRANSITS = 4.0
 """Transit times of the specimen until its forces are nearly equal: 3 to 5 for most rise times."""
 
@@ -219,4 +221,6 @@ def _resolution(curve: Curve, plateau: Bools, impedance: float) -> float:
 
 
 def _percent(ratio: float) -> str:
+    if abs(ratio) < SMALLEST_SHOWN_RATIO:
+        return f"less than {100 * SMALLEST_SHOWN_RATIO:g} %"
     return f"{100 * ratio:.3g} %"
