@@ -32,17 +32,17 @@ def row(length, kind):
 def test_the_looks_for_a_proof_do_not_grow_with_the_ratio(monkeypatch, kind):
     """Each of them reads all waves under way: one in each short transit made 10 s of 0.4 s."""
     looks = []
-    survey = finality.survey
+    update_groups = finality.update_groups
 
     def counted(*arguments):
         looks.append(arguments)
-        survey(*arguments)
+        update_groups(*arguments)
 
-    monkeypatch.setattr(finality, "survey", counted)
+    monkeypatch.setattr(finality, "update_groups", counted)
     with kernels.forced(False):
         solution = ri.solve(row(0.01, kind), method="characteristics")
     assert solution.final
-    runs = 4  # one at rtol, and others for the stated error
+    runs = 2  # one at rtol, and one for the stated error
     assert len(looks) <= runs * (8 * solution.t_end + 6)
 
 
