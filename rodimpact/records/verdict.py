@@ -67,7 +67,7 @@ class Verdict(NamedTuple):
     ...           for body in (1, 2)]
     >>> verdict = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=5e-5)).verdict
     >>> verdict.in_equilibrium, round(verdict.peak_stress / 1e6)
-    (True, 339)
+    (True, 400)
     """
 
     in_equilibrium: bool | None
