@@ -106,7 +106,7 @@ def reduction():
     gauges = [
         ri.BarGauge(signal, d) for signal, d in zip(signals, (0.75, 0.5), strict=True)
     ]
-    return ri.reduce(*gauges, BAR, ri.Specimen(5e-3, area=5e-5), align_within=1e-6)
+    return ri.reduce(*gauges, BAR, ri.Specimen(5e-3, area=5e-5), align_within=1e-5)
 
 
 @cache
