@@ -40,15 +40,16 @@ class Alignment(NamedTuple):
     imbalance_before: float
     imbalance_after: float
 
-    def sentence(self, shifts: Shifts) -> str:
-        """The shifts, their limit, and the balance over all loading before and after."""
-        return (
-            f"aligned by the elastic start alone, within {format_si(self.limit, 's', 3)}: "
-            f"reflected wave {format_si(shifts.reflected, 's', 3)} earlier, transmitted wave "
-            f"{format_si(shifts.transmitted, 's', 3)}; |F1 - F2| over all loading is "
-            f"{100 * self.imbalance_after:.1f} % of the mean force, "
-            f"{100 * self.imbalance_before:.1f} % without alignment"
-        )
+
+def alignment_sentence(alignment: Alignment, shifts: Shifts) -> str:
+    """The shifts, their limit, and the balance over all loading before and after."""
+    return (
+        f"aligned by the elastic start alone, within {format_si(alignment.limit, 's', 3)}: "
+        f"reflected wave {format_si(shifts.reflected, 's', 3)} earlier, transmitted wave "
+        f"{format_si(shifts.transmitted, 's', 3)}; |F1 - F2| over all loading is "
+        f"{100 * alignment.imbalance_after:.1f} % of the mean force, "
+        f"{100 * alignment.imbalance_before:.1f} % without alignment"
+    )
 
 
 def loading_imbalance(curve: Curve) -> float:

@@ -11,7 +11,7 @@ from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..storage.tables import align
 from ..units import format_si
-from .alignment import Alignment
+from .alignment import Alignment, alignment_sentence
 from .curve import Curve
 from .multichannel import signals_to_xarray, write_signals
 from .signal import Signal
@@ -177,7 +177,7 @@ class Reduction(Curve):
         lines = list(self.verdict.sentences)
         lines += [f"doubtful: {doubt}" for doubt in self.doubts]
         if self.alignment is not None:
-            lines.append(self.alignment.sentence(self.shifts))
+            lines.append(alignment_sentence(self.alignment, self.shifts))
         lines += [align(self._rows()), self._method()]
         return "\n".join(lines)
 
