@@ -72,11 +72,11 @@ def lean(text: str) -> str:
 
 
 def compact(text: str) -> str:
-    """A style or translated script without ends of lines behind punctuation.
+    """A style or translated script without ends of lines and the last semicolons.
 
     Scripts that people write may have comments there, which would hide the next line.
     """
-    return re.sub(r"(?<=[;{},])\n", "", lean(text))
+    return re.sub(r"(?<=[;{},])\n", "", lean(text)).replace(";}", "}")
 
 
 def standalone(embedded: Mapping[str, Any], title: str) -> str:
@@ -95,6 +95,7 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
         HTML.
     """
     style = compact(read("page.css"))
+    style = style.replace(": ", ":").replace(" {", "{")
     loader = lean(read(LOADER))
     script = lean("\n".join(map(read, SCRIPTS)))
     policy = "; ".join(

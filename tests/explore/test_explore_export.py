@@ -102,7 +102,7 @@ def test_scripts_lose_their_comments_and_no_text(text, short):
 
 
 def test_a_style_keeps_the_spaces_that_separate():
-    assert compact("a,\nb c {\n  d: e f;\n}\n") == "a,b c {d: e f;}"
+    assert compact("a,\nb c {\n  d: e f;\n}\n") == "a,b c {d: e f}"
 
 
 def unpacked(text):
