@@ -38,12 +38,14 @@ from .model.ends import Moved as Moved
 from .model.ends import Pushed as Pushed
 from .model.frozen import InvalidModel as InvalidModel
 from .model.laws import Bonded as Bonded
+from .model.laws import Cushion as Cushion
 from .model.laws import Hertz as Hertz
 from .model.laws import HuntCrossley as HuntCrossley
 from .model.laws import Joint as Joint
 from .model.laws import Law as Law
 from .model.laws import PowerLaw as PowerLaw
 from .model.laws import Rigid as Rigid
+from .model.laws import SmithToe as SmithToe
 from .model.laws import Spring as Spring
 from .model.laws import SpringDashpot as SpringDashpot
 from .model.laws import Tabulated as Tabulated
@@ -51,6 +53,7 @@ from .model.laws import Yielding as Yielding
 from .model.profiles import Polynomials as Polynomials
 from .model.profiles import Samples as Samples
 from .model.profiles import Steps as Steps
+from .model.soil import Soil as Soil
 from .model.system import System as System
 from .records.alignment import Alignment as Alignment
 from .records.bar_gauge import BarGauge as BarGauge

@@ -459,6 +459,7 @@ class PageSystem(NamedTuple):
     contacts: list[PageContact]
     gravity: float  # m/s^2
     ends: list[PageEnd]  # left, right
+    has_soil: bool  # as that of `System`
 
 
 class RunRequest(NamedTuple):
@@ -481,7 +482,8 @@ def system_of(case: Any, library: Any) -> PageSystem:
     left = end_of(ends.get("left", {"kind": "free"}))
     right = end_of(ends.get("right", {"kind": "free"}))
     gravity = 0.0  # the page solves no row in gravity
-    return PageSystem(bodies, gaps, laws, gravity, [left, right])
+    has_soil = False  # nor one in soil
+    return PageSystem(bodies, gaps, laws, gravity, [left, right], has_soil)
 
 
 def request_of(case: Any) -> RunRequest:

@@ -19,6 +19,7 @@ SMOOTH_DRIVES = "drives other than steps"
 DAMPING = "damping"
 LATERAL = "lateral inertia"
 TAPER = "tapered rods"
+SOIL = "soil along a shaft"
 RODLESS = "rows without a rod"
 
 PHYSICS_OF_LAWS = {"joint": JOINTS, "own": OWN_LAWS}
@@ -56,6 +57,8 @@ def needs(system: model.System) -> Needs:
 def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
     """Path and name of the physics of a rod that not every method has."""
     physics: Needs = []
+    if rod.shaft is not None:
+        physics.append((f"{path}.shaft", SOIL))
     for name, profile in (("velocity", rod.velocity), ("strain", rod.strain)):
         if isinstance(profile, model.Samples | model.Polynomials):
             physics.append((f"{path}.{name}", SMOOTH_STATES))
@@ -84,4 +87,5 @@ def has_external_drive(system: Any) -> bool:
             is_held = True
         elif each.kind in ("force", "velocity", "incoming"):
             is_pushed = True
-    return is_pushed or (is_held and not vanishes(system.gravity))
+    is_pulled = is_held and not vanishes(system.gravity)
+    return is_pushed or is_pulled or system.has_soil

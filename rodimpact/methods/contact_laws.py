@@ -44,9 +44,10 @@ def force_jumps(link: Any) -> bool:
 def is_nonlinear(link: Any) -> bool:
     """Whether a Newton iteration for the force of a link needs more than one step.
 
-    All laws do but springs, and what yields along straight lines.
+    All laws do but springs, and what yields along straight lines without damping.
     """
-    return bool(link.law > Law.SPRING and link.law != Law.YIELD)
+    is_straight = link.law == Law.YIELD and link.damping == 0
+    return bool(link.law > Law.SPRING and not is_straight)
 
 
 def lets_go(link: Any) -> bool:
@@ -75,7 +76,7 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
         return closing / link.mobility, 0.0, 1 / link.mobility
     if link.law == Law.OWN:
         return own_force(link, d, closing)
-    if link.law == Law.POWER:
+    if link.law == Law.POWER or (link.law == Law.YIELD and link.damping > 0):
         return power_force(link, d, closing)
     return spring_force(link, d, closing)
 
@@ -88,7 +89,10 @@ def spring_force(link: Any, d: float, closing: float) -> tuple[float, float, flo
 
 
 def power_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = g (1 + chi d') with g = k d^p (Hunt and Crossley 1975), and its derivatives."""
+    """F = g (1 + chi d') with g = k d^p (Hunt and Crossley 1975), and its derivatives.
+
+    Soil at a toe is the same with p = 1 and its J for chi (Smith 1960).
+    """
     x = abs(d)
     if link.exponent == 1.5:
         root = math.sqrt(x)
@@ -147,8 +151,10 @@ def guards(link: Any) -> int:
         return 2
     if link.status == Status.GRAZE:
         return 2
-    may_leave = link.law == Law.YIELD or lets_go(link)
-    if link.status == Status.PRESS and may_leave:
+    yields = link.law == Law.YIELD
+    if link.status == Status.PRESS and yields and lets_go(link):
+        return 3
+    if link.status == Status.PRESS and (yields or lets_go(link)):
         return 2
     return 1
 
@@ -187,7 +193,7 @@ def guard(
     ----------
     link : LINK
     which : int
-        Guard 0 or 1.
+        Guard 0, 1 or 2.
     d, closing, F : float
         Overlap, m, closing without the own force, m/s, and force, N.
     scale, length : float
@@ -207,8 +213,11 @@ def guard(
     if link.status == Status.GRAZE and which == 1:
         return -pressing, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
-        return 1 - F / link.yield_force, Status.PLASTIC.value
-    if link.status == Status.PRESS and (which == 1 or has_dashpot(link)):
+        static_force = F
+        if link.damping > 0:
+            static_force = link.stiffness * d
+        return 1 - static_force / link.yield_force, Status.PLASTIC.value
+    if link.status == Status.PRESS and (which > 0 or has_dashpot(link)):
         return pressing, Status.GRAZE.value
     return d / length, Status.OPEN.value
 
@@ -217,7 +226,7 @@ def follows_overlap(link: Any, which: int) -> bool:
     """Whether a guard is the overlap or the gap; others jump where an incoming wave does."""
     if link.status == Status.OPEN:
         return True
-    if which == 1 or link.status > Status.PRESS:
+    if which > 0 or link.status > Status.PRESS:
         return False
     if link.status == Status.PRESS:
         return not force_jumps(link)
@@ -255,8 +264,14 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
         end, work, _ = load_plastically(link, x0, x1)
         F = work / w
         dF = max((end - F) / w, 0.0)
+    elif link.law == Law.YIELD:
+        F, dF = mean_spring(k, 0.0, x0, x1)
     else:
         F, dF = mean_spring(k, link.damping, x0, x1)
+    if link.law == Law.YIELD and link.damping > 0:
+        factor = 1 + link.damping * w
+        dF = dF * factor + F * link.damping
+        F = F * factor
     if F <= 0:
         return 0.0, 0.0
     return F, dF

@@ -33,6 +33,7 @@ class Works(NamedTuple):
     drive_work: float = 0.0
     gravity_work: float = 0.0
     radiated: float = 0.0
+    soil_work: float = 0.0
     dissipated: float = 0.0
     damped: float = 0.0
     numerical: float = 0.0

@@ -176,6 +176,21 @@ INWARD = (1, -1)
 """Direction in which a positive push acts on the left and on the right end of the row."""
 
 
+class SoilAction(NamedTuple):
+    """What soil does to a rod along its shaft.
+
+    Attributes
+    ----------
+    push : Pieces
+        Force on the rod, N, to the right.
+    power : Pieces
+        W; negative where the soil takes energy.
+    """
+
+    push: Pieces
+    power: Pieces
+
+
 class Waves(NamedTuple):
     """End signals by line: what left the left (2s) and the right end (2s + 1) of segment s, m/s.
 
@@ -198,6 +213,8 @@ class Signals(NamedTuple):
         Ticks from 0 on between which the signals of a grid are means.
     masses : dict of int to Pieces
         Velocities of rigid masses, by body, m/s, in the frame of the clock.
+    soil : dict of int to SoilAction
+        By rod that soil holds.
     """
 
     motion: Any
@@ -205,6 +222,7 @@ class Signals(NamedTuple):
     boundary_actions: tuple[BoundaryAction | None, BoundaryAction | None]
     edges: Ints | None = None
     masses: Mapping[int, Pieces] = {}
+    soil: Mapping[int, SoilAction] = {}
 
 
 class Stopped(Exception):

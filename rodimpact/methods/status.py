@@ -56,6 +56,8 @@ def describe_end(
         asked = f"Stopped at the time asked for, {end}, before the collision was final"
         if has_external_drive(system):
             acting = "an end is driven"
+            if system.has_soil:
+                acting = "soil holds a rod"
             if system.gravity != 0:
                 acting = "gravity acts"
             reason = f"while {acting}, no contact is known to be the last"

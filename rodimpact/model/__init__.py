@@ -5,6 +5,7 @@ from .ends import Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import InvalidModel
 from .laws import Bonded, ContactLaw, Joint, Law, Plastic, Rigid, Tabulated, Yielding
 from .profiles import Polynomials, Samples, Steps
+from .soil import Soil
 from .system import GAP, SIDES, System
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "Rod",
     "Samples",
     "Segment",
+    "Soil",
     "Steps",
     "System",
     "Tabulated",

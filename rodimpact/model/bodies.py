@@ -29,6 +29,7 @@ from .frozen import (
 )
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
+from .soil import Soil
 
 LEFT_OUT: Any = None
 """Default of an argument that may be left out, or that the check of a class demands."""
@@ -521,6 +522,8 @@ class Rod(Frozen, kind="rod"):
     strain : float, array, Steps, Samples or function
         Initial strain, positive in tension; a function is sampled like that of the
         velocity.
+    shaft : Soil, optional
+        Soil that resists the motion along the rod, for the method "finite-difference".
 
     Raises
     ------
@@ -547,6 +550,7 @@ class Rod(Frozen, kind="rod"):
     segments: tuple[Segment, ...]
     velocity: Profile = quantity("m/s", default=0.0, along="length")
     strain: Profile = quantity(default=0.0, along="length")
+    shaft: Soil | None
 
     def __init__(
         self,
@@ -560,6 +564,7 @@ class Rod(Frozen, kind="rod"):
         segments: Sequence[Segment] | None = None,
         velocity: ProfileLike = 0.0,
         strain: ProfileLike = 0.0,
+        shaft: Soil | None = None,
     ) -> None:
         problems: Problems = []
         shape = {
@@ -587,8 +592,9 @@ class Rod(Frozen, kind="rod"):
         strain_field = self.fields["strain"]
         v = profiles.along_rod(problems, "velocity", velocity, velocity_field, total)
         e = profiles.along_rod(problems, "strain", strain, strain_field, total)
+        soil = _checked_shaft(problems, shaft, total)
         frozen.raise_if_problems(problems)
-        self._set(segments=pieces, velocity=v, strain=e)
+        self._set(segments=pieces, velocity=v, strain=e, shaft=soil)
 
     def _parameters(self) -> dict[str, Any]:
         if len(self.segments) > 1:
@@ -596,6 +602,7 @@ class Rod(Frozen, kind="rod"):
         parameters = self.segments[0]._parameters()
         parameters["velocity"] = self.velocity
         parameters["strain"] = self.strain
+        parameters["shaft"] = self.shaft
         return parameters
 
     @property
@@ -651,6 +658,23 @@ class Rod(Frozen, kind="rod"):
         for segment in self.segments:
             pieces.extend(segment.in_steps(count))
         return self.replace(segments=pieces)
+
+
+def _checked_shaft(
+    problems: Problems, shaft: Any, length: Number | None
+) -> Soil | None:
+    """Soil along a rod of this length, m; mistakes are added to `problems`."""
+    if shaft is None:
+        return None
+    if not isinstance(shaft, Soil):
+        frozen.add_problem(problems, "shaft", "must be a Soil or None", shaft)
+        return None
+    try:
+        return shaft.along(length)
+    except frozen.InvalidModel as error:
+        for path, message in error.problems:
+            problems.append((f"shaft.{path}", message))
+        return None
 
 
 def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:

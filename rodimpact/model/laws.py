@@ -39,6 +39,8 @@ UNREACHED = 2.0**1000
 """Force in places of a link that are not used, N."""
 SLOPE_RTOL = 1e-12
 """Slopes of a table that differ by less than this fraction count as equal."""
+LEAST_YIELD_FORCE = 2.0**-100
+"""Force from which on a law follows its loading line that yields from the start, N."""
 FIRST_YIELD_FRACTION = 1e-6
 """Force at which a table is first followed, as a fraction of its first force."""
 TRIAL_STATES = ((0.0, 0.0), (1e-6, 0.0), (1e-6, 1e-3))
@@ -108,7 +110,13 @@ class Plastic(_Linear):
     """A spring that yields: its faces move for good, d counts from their new place."""
 
     acts_as = "yield"
-    fills_link = ("stiffness", "yield_force", "hardening_share", "knots", "shares")
+    fills_link: ClassVar[tuple[str, ...]] = (
+        "stiffness",
+        "yield_force",
+        "hardening_share",
+        "knots",
+        "shares",
+    )
 
     @property
     def hardening_share(self) -> Number:
@@ -711,6 +719,145 @@ class Tabulated(Plastic, law="tabulated"):
         return Tabulated(new_compressions, new_forces, k)
 
 
+class SmithToe(Plastic, law="smith-toe"):
+    """Soil below the toe of a pile: F = max(0, S (1 + J d')).
+
+    The static resistance S is k d, k = R_u/q, up to the ultimate resistance R_u, where the soil
+    yields. It unloads along the stiffness k, and the toe has moved for good, as with `Yielding`.
+    The damping makes the force larger while the toe goes down, and smaller on its way back. E. A.
+    L. Smith, Pile-driving analysis by the wave equation, J. Soil Mech. Found. Div. ASCE 86 (1960)
+    35-61. `Soil` is the same along the shaft.
+
+    Parameters
+    ----------
+    resistance : float or array
+        Ultimate static resistance R_u, N.
+    quake : float or array
+        Displacement q at which the soil yields, m.
+    damping : float or array, optional
+        J, s/m.
+
+    Raises
+    ------
+    InvalidModel
+        If a number is not positive, or the damping negative.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> toe = ri.SmithToe(resistance=400e3, quake=2.5e-3, damping=0.5)
+    >>> ram = ri.RigidMass(4500.0, velocity=3.5)
+    >>> pile = ri.Rod(15.0, area=0.0094, material=ri.materials.steel)
+    >>> row = ri.System([ram, pile, ri.Wall()], contacts=[ri.Spring(5e8), toe])
+    >>> blow = ri.solve(row, until=0.1)
+    >>> 0.02 < blow.contacts[1].permanent_set() < 0.066
+    True
+    """
+
+    fills_link = (*Plastic.fills_link, "damping")
+    resistance: Numeric = quantity("N", "positive")
+    quake: Numeric = quantity("m", "positive")
+    damping: Numeric = quantity("s/m", "non-negative", default=0.0)
+    hardening: ClassVar[float] = 0.0
+
+    @property
+    def stiffness(self) -> Number:
+        """Elastic stiffness R_u/q, N/m."""
+        return self.resistance / self.quake
+
+    @property
+    def yield_force(self) -> Number:
+        """Static force at which the soil yields, N: its resistance."""
+        return self.resistance
+
+    def hardened(self, force: Any) -> SmithToe:  # noqa: ARG002
+        """Law after a peak force: the same, as soil does not harden.
+
+        Parameters
+        ----------
+        force : float
+            Peak force so far, N.
+
+        Returns
+        -------
+        SmithToe
+
+        Examples
+        --------
+        >>> toe = SmithToe(resistance=400e3, quake=2.5e-3)
+        >>> toe.hardened(300e3) == toe
+        True
+        """
+        return self
+
+
+class Cushion(Plastic, law="cushion"):
+    """A cushion that gives back a part of its energy: a coefficient of restitution.
+
+    F grows along the stiffness k on loading, and falls along k/e^2 on unloading, so that a body
+    that falls on a cushion on a wall rebounds with the fraction e of its velocity. Loading again
+    follows k/e^2 up to the peak force so far.
+
+    Parameters
+    ----------
+    loading : float or array
+        k, N/m.
+    restitution : float or array
+        e, above 0 and at most 1.
+
+    Raises
+    ------
+    InvalidModel
+        If the stiffness is not positive, or the restitution no number above 0 up to 1.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> cushion = ri.Cushion(5e8, restitution=0.8)
+    >>> ram = ri.RigidMass(4500.0, velocity=1.0)
+    >>> outcome = ri.solve(ri.System([ram, ri.Wall()], contacts=[cushion])).outcome
+    >>> round(outcome.restitution, 6)
+    0.8
+    """
+
+    loading: Numeric = quantity("N/m", "positive")
+    restitution: Numeric = quantity("", "(0, 1]", "coefficient of restitution")
+    yield_force: ClassVar[float] = LEAST_YIELD_FORCE
+
+    @property
+    def stiffness(self) -> Number:
+        """Stiffness on unloading, k/e^2, N/m."""
+        return self.loading / (self.restitution * self.restitution)
+
+    @property
+    def hardening(self) -> Number:
+        """Stiffness on loading, N/m."""
+        return self.loading
+
+    def hardened(self, force: Any) -> Yielding | Cushion:
+        """Law of the cushion after a peak force.
+
+        Parameters
+        ----------
+        force : float
+            Peak force so far, N.
+
+        Returns
+        -------
+        Yielding or Cushion
+            It is elastic up to the peak force; untouched it stays as it is.
+
+        Examples
+        --------
+        >>> Cushion(1e8, restitution=0.5).hardened(2e3).stiffness
+        400000000.0
+        """
+        force = scalar("force", force, "N")
+        if force <= 0 or np.all(np.equal(self.restitution, 1)):
+            return self
+        return Yielding(self.stiffness, force, self.hardening)
+
+
 class Law(_Law, law="own"):
     """A law of the user's own: a Python function gives the force.
 
@@ -832,6 +979,8 @@ ContactLaw: TypeAlias = (
     | HuntCrossley
     | PowerLaw
     | Yielding
+    | SmithToe
+    | Cushion
     | Tabulated
     | Law
 )

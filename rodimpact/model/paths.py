@@ -15,6 +15,7 @@ import numpy as np
 from ..units import MOST_SHOWN
 from .bodies import Material, RigidMass, Rod, Segment
 from .frozen import MOST_CHOICES, Number, QuantityField, listed, nearest
+from .soil import Soil
 from .system import GAP, System
 
 SPEED = "wave_speed"
@@ -26,6 +27,7 @@ FIELDS = {
     **Segment.fields,
     **Rod.fields,
     **RigidMass.fields,
+    **Soil.fields,
     SPEED: QuantityField("m/s"),
     "gravity": System.fields["gravity"],
     "gap": GAP,

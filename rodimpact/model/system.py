@@ -36,6 +36,7 @@ from .frozen import (
 )
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Joint, Law, Plastic, Rigid
 from .profiles import Floats, flipped, negative, profile_from
+from .soil import Soil
 
 SIDES = ("left", "right")
 """Names of the ends of a row in paths."""
@@ -134,6 +135,12 @@ class System(FrozenDataclass):
     def shape(self) -> tuple[int, ...]:
         """Shape of the family; () for a single collision."""
         return self._shape
+
+    @property
+    def has_soil(self) -> bool:
+        """Whether soil holds a rod along its shaft."""
+        rods = [body for body in self.bodies if isinstance(body, Rod)]
+        return any(rod.shaft is not None for rod in rods)
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -295,6 +302,9 @@ class System(FrozenDataclass):
             _, _, name = path.rpartition(".")
             if name in LOSSLESS and np.any(value != LOSSLESS[name]):
                 problems.append((path, f"must be {LOSSLESS[name]}; {reason}"))
+        for i, body in enumerate(self.bodies):
+            if isinstance(body, Rod) and body.shaft is not None:
+                problems.append((f"bodies.{i}.shaft", f"must be None; {reason}"))
         for i, law in enumerate(self.contacts):
             if isinstance(law, Plastic):
                 problems.append((f"contacts.{i}", f"must not yield; {reason}"))
@@ -341,6 +351,18 @@ def _mirrored_body(body: Body) -> Body:
         segments=[segment.mirrored() for segment in reversed(body.segments)],
         velocity=negative(flipped(body.velocity, body.length)),
         strain=flipped(body.strain, body.length),
+        shaft=_mirrored_shaft(body),
+    )
+
+
+def _mirrored_shaft(rod: Rod) -> Soil | None:
+    """Soil along a rod with left and right exchanged."""
+    soil = rod.shaft
+    if soil is None:
+        return None
+    return soil.replace(
+        resistance=flipped(soil.resistance, rod.length),
+        mobilised=negative(flipped(soil.mobilised, rod.length)),
     )
 
 
@@ -370,6 +392,8 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
         for segment in description["segments"]:
             segments.append(Segment(**_parameters_from(segment)))
         parameters["segments"] = segments
+    if "shaft" in description:
+        parameters["shaft"] = Soil(**_parameters_from(description["shaft"]))
     return parameters
 
 

@@ -358,4 +358,5 @@ class ContactCurves:
 
 def _has_impacts(history: ContactHistory) -> bool:
     """Whether a contact is one of rigid masses, whose impacts take no time."""
-    return getattr(history.law, "restitution", None) is not None
+    law = history.law
+    return isinstance(law, Rigid) and law.restitution is not None

@@ -36,6 +36,7 @@ BANDS = {
     "dissipated": "#d9b3a6",
     "radiated": "#e3e3e3",
     "damped": "#e0c39a",
+    "soil_work": "#a9977f",
     "numerical": "#c7a3c4",
 }
 """Entries of the ledger that are stacked, and their colours."""

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.run import Run
 from ..methods.signals import Floats, Pieces, Side, each_once
-from ..model import ContactLaw, Joint, Rigid, Tabulated, Yielding
+from ..model import ContactLaw, Joint, Plastic, Rigid
 from ..model.arguments import scalar
 from .fields import Fields
 
@@ -95,7 +95,7 @@ class ContactHistory:
         if isinstance(self.law, Joint):
             stretch = float(self.gap(t))
             return self.law.replace(stretch=stretch)
-        if isinstance(self.law, Yielding | Tabulated):
+        if isinstance(self.law, Plastic):
             earlier_gaps = self._gap.values[self._gap.ticks <= ticks]
             smallest_earlier = float(np.min(earlier_gaps, initial=0.0))
             largest_overlap = -min(smallest_earlier, float(self.gap(t)))

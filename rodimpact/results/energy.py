@@ -11,7 +11,7 @@ from ..methods.groups import groups, movable, velocities_in_group
 from ..methods.outcome import Motion, Totals, Works, relative_residual
 from ..methods.run import INWARD, Run
 from ..methods.signals import Floats, Ints
-from ..model import System
+from ..model import Rigid, System
 from .contacts import ContactHistory
 from .fields import Fields
 
@@ -40,6 +40,9 @@ class EnergyLedger:
         inelastically.
     radiated : array
         Gone since t = 0 through absorbing ends, less what came in there.
+    soil_work : array
+        Work done since t = 0 on soil along the shafts of rods: what the soil has taken as it
+        yields and damps, and what it stores.
     wall_work, drive_work, gravity_work : array
         Work done since t = 0 by moving walls, driven ends and gravity.
     residual : array
@@ -64,6 +67,7 @@ class EnergyLedger:
     damped: Floats
     numerical: Floats
     radiated: Floats
+    soil_work: Floats
     wall_work: Floats
     drive_work: Floats
     gravity_work: Floats
@@ -210,7 +214,7 @@ def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactE
         all_stored += energy
         loss = history.work_until(t) - (energy - energy[0])
         # Without a restitution, rigid contact loses energy to cells of a grid alone.
-        if getattr(history.law, "restitution", 0.0) is None:
+        if isinstance(history.law, Rigid) and history.law.restitution is None:
             numerical += loss
         else:
             dissipated += loss
@@ -227,6 +231,7 @@ def ledger(
     at_contacts = _contact_energies(contacts, ticks * fields.clock.tick)
     contact = at_contacts.stored
     damped = fields.viscous_loss(ticks)
+    soil_work = _work_on_soil(fields, ticks)
     vibrational_kinetic = states.vibrational_kinetic.sum(axis=0)
     strain = states.strain.sum(axis=0)
     gained = states.kinetic - states.kinetic[0]
@@ -234,7 +239,7 @@ def ledger(
     gained = gained + (strain - strain[0])
     lost = at_contacts.dissipated + damped + at_contacts.numerical
     residual = gained + contact - contact[0]
-    residual += lost
+    residual += lost + soil_work
     for work in (*works, gravity_work):
         residual = residual - work
     return EnergyLedger(
@@ -246,6 +251,7 @@ def ledger(
         damped=damped,
         numerical=at_contacts.numerical,
         radiated=-works.absorbing,
+        soil_work=soil_work,
         wall_work=works.wall,
         drive_work=works.drive,
         gravity_work=gravity_work,
@@ -266,6 +272,14 @@ def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
     return BoundaryWorks(**works)
 
 
+def _work_on_soil(fields: Fields, ticks: Ints) -> Floats:
+    """Work done on soil along the shafts of rods since t = 0, J."""
+    work = np.zeros(ticks.shape)
+    for soil in fields.signals.soil.values():
+        work -= soil.power.integral(0, ticks) * fields.clock.tick
+    return work
+
+
 def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
     """g times the integral of the momentum over time: work of gravity since t = 0, J [time].
 
@@ -284,6 +298,9 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
             push_integral = side.push.integrated_twice(ticks)
             by_push = sign * push_integral * clock.tick * clock.tick
             momentum_integral = momentum_integral + by_push
+    for soil in fields.signals.soil.values():
+        by_soil = soil.push.integrated_twice(ticks) * clock.tick * clock.tick
+        momentum_integral = momentum_integral + by_soil
     return np.asarray(clock.gravity * momentum_integral)
 
 
@@ -305,6 +322,7 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
         drive_work=float(book.drive_work[-1]),
         gravity_work=float(book.gravity_work[-1]),
         radiated=float(book.radiated[-1]),
+        soil_work=float(book.soil_work[-1]),
         dissipated=float(book.dissipated[-1]),
         damped=float(book.damped[-1]),
         numerical=float(book.numerical[-1]),
@@ -338,6 +356,7 @@ def _energy_scale(
     scale += abs(works.wall_work)
     scale += abs(works.drive_work)
     scale += abs(works.radiated)
+    scale += abs(works.soil_work)
     return scale
 
 
@@ -385,4 +404,6 @@ def _impulse_from_outside(fields: Fields, tick: int) -> float:
         if side is not None:
             push_integral = float(side.push.integral(0, tick))
             impulse += sign * push_integral * fields.clock.tick
+    for soil in fields.signals.soil.values():
+        impulse += float(soil.push.integral(0, tick)) * fields.clock.tick
     return impulse

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model import Rod
+from ..model import Rod, Steps
 from ..model.arguments import Array, array, demand, one_of
 from ..model.frozen import invalid_argument
 from .extreme_stress import ExtremeStress
@@ -170,6 +170,10 @@ class Fields(Protocol):
     def nearest_energy_ticks(self, ticks: Ints) -> Ints:
         """The nearest ticks at which energies are known: on a grid those of its states."""
         return ticks
+
+    def mobilised(self, body: int, tick: int) -> Steps | float:  # noqa: ARG002
+        """Share of the resistance of the soil along a rod that is mobilised; only grids have soil."""
+        return 0.0
 
     def viscous_loss(self, ticks: Ints) -> Floats:
         """Energy lost in damped material from t = 0 to each tick, J."""

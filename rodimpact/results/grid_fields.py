@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 
 from ..methods.grid.measures import largest_force
 from ..methods.grid.mesh import STEP_TICKS, GridMotion
+from ..methods.grid.soil import shaft_bodies
 from ..methods.run import BoundaryAction
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model import Segment
+from ..model import Segment, Steps
 from .extreme_stress import ExtremeStress, StressPeak, strongest
 from .fields import Fields, PassingWaves, Profile, RodEnergy
 from .grid_strains import (
@@ -290,6 +291,27 @@ class GridFields(Fields):
         """Energy lost in damped material from t = 0 to the states at some ticks, J."""
         states = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
         return np.asarray(self.motion.lost[states] * self.step)
+
+    def mobilised(self, body: int, tick: int) -> Steps | float:
+        """Share of the resistance that is mobilised about each node of a rod, at `tick`."""
+        soil = self.motion.soil
+        nodes = self._span(body).nodes
+        shaft = shaft_bodies(self.clock.row).index(body)
+        columns = np.flatnonzero(soil["shaft"] == shaft)
+        if not columns.size:  # nothing resists
+            return 0.0
+        resistance = self._between_states(
+            self.motion.resistance, columns, np.asarray(tick)
+        )
+        shares = np.zeros(nodes.stop - nodes.start)
+        places = soil["node"][columns] - nodes.start
+        shares[places] = resistance / soil["ultimate"][columns]
+        middles = []
+        for x in self._segment_places(body):
+            middles.append((x[1:] + x[:-1]) / 2)
+        return Steps(
+            np.clip(shares, -1.0, 1.0).tolist(), np.concatenate(middles).tolist()
+        )
 
     def profile(self, body: int, tick: int) -> Profile:
         """State of a rod at `tick`, between states: velocity and strain of each cell."""

@@ -147,9 +147,37 @@ def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
     """
     node = end.node
     pull = tension[:, node + 1] - tension[:, node] + _push_on(motion, node)
+    soil = _soil_on(motion, end)
+    pull = pull + soil.on_node
     half_cell_force = pull * motion.cells.cell_mass[end.cell] / 2 / motion.mass[node]
+    half_cell_force = half_cell_force - soil.on_half_cell
     end_tension = tension[:, end.cell] - end.inward * half_cell_force
     return np.asarray(end_tension / end.area)
+
+
+class SoilForces(NamedTuple):
+    """Forces of soil at the end of a segment, N, to the right [state]; 0 where there is none."""
+
+    on_node: Floats | float
+    on_half_cell: Floats | float  # the part on the half cell of the segment
+
+
+def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
+    """Forces of the soil at an end of a segment.
+
+    At the end of its rod the half cell has all of the soil of the rod there, inside half of it.
+    """
+    soil = motion.soil
+    on_node: Floats | float = 0.0
+    on_half_cell: Floats | float = 0.0
+    for i in np.flatnonzero(soil["node"] == end.node):
+        force = motion.soil_force[:, i]
+        on_node = on_node + force
+        if soil["end_of_rod"][i] == 0:
+            on_half_cell = force / 2
+        elif soil["end_of_rod"][i] == -end.inward:
+            on_half_cell = force
+    return SoilForces(on_node, on_half_cell)
 
 
 def _push_on(motion: GridMotion, node: int) -> Floats:

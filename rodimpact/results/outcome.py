@@ -105,6 +105,8 @@ class Outcome(OnlyContact[float]):
         Lost in contacts, to a grid (see `EnergyLedger`), and through absorbing ends, J.
     damped : float
         Lost in damped material, J.
+    soil_work : float
+        Work done on soil along the shafts of rods, J: most of it is lost.
     drive_work, gravity_work : float
         Work of driven ends and of gravity, J.
     driven : bool
@@ -143,6 +145,7 @@ class Outcome(OnlyContact[float]):
     dissipated: float = 0.0
     numerical: float = 0.0
     radiated: float = 0.0
+    soil_work: float = 0.0
     damped: float = 0.0
     drive_work: float = 0.0
     gravity_work: float = 0.0

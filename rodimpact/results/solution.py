@@ -526,7 +526,12 @@ class Solution(Shown):
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, Rod):
                 state = state_profiles(self.fields, i, tick, error)
-                body = body.replace(velocity=state.velocity, strain=state.strain)
+                shaft = body.shaft
+                if shaft is not None:
+                    shaft = shaft.replace(mobilised=self.fields.mobilised(i, tick))
+                body = body.replace(
+                    velocity=state.velocity, strain=state.strain, shaft=shaft
+                )
             else:
                 velocity = float(self.velocity(i, 0.0, t))
                 body = body.replace(velocity=velocity)

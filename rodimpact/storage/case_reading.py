@@ -21,6 +21,7 @@ from ..model.frozen import InvalidModel, QuantityField, defaults_of, invalid_arg
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
+from ..model.soil import DAMPING_LAWS, RESISTANCE_PER_LENGTH, Soil
 from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
 from .case_tables import Reading, Table
@@ -202,6 +203,8 @@ def read_body(table: Table, library: Materials) -> Body | None:
     entries: dict[str, Any] = {}
     if kind == Rod.kind:
         entries = read_rod_shape(table, library)
+        if table.has("shaft"):
+            entries["shaft"] = read_soil(table.table("shaft"))
     entries |= table.entries(BODIES[kind])
     body: Body | None = None
     if None not in entries.get("segments", ()):
@@ -226,6 +229,21 @@ def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
         segments.append(piece.make(Segment, **entries))
         piece.close()
     return {"segments": segments}
+
+
+def read_soil(table: Table) -> Soil | None:
+    """The soil along a rod; None if it has mistakes."""
+    entries = table.entries(Soil)
+    if isinstance(table.get("resistance"), dict):
+        entries["resistance"] = table.number("resistance", RESISTANCE_PER_LENGTH)
+    if table.has("law"):
+        word = table.word("law", DAMPING_LAWS)
+        if word is None:
+            return None
+        entries["law"] = word
+    soil: Soil | None = table.make(Soil, **entries)
+    table.close()
+    return soil
 
 
 def read_segment(table: Table, library: Materials) -> dict[str, Any]:

@@ -21,6 +21,7 @@ ENERGIES = {
     "contact": "in compliant contacts",
     "dissipated": "lost in contacts",
     "damped": "lost in material",
+    "soil_work": "taken by soil",
     "numerical": "lost to the grid",
     "radiated": "gone through absorbing ends",
 }
@@ -232,7 +233,7 @@ def _energy_table(outcome: Any) -> str:
         "work of driven ends": outcome.drive_work,
         "work of gravity": outcome.gravity_work,
     }
-    for name in ("dissipated", "damped", "numerical", "radiated"):
+    for name in ("dissipated", "damped", "soil_work", "numerical", "radiated"):
         exchanged[ENERGIES[name]] = getattr(outcome, name)
     scale = max(total_scale, *map(abs, exchanged.values()))
     for name, energy in exchanged.items():

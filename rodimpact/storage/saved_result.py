@@ -35,6 +35,7 @@ ENERGIES = (
     "damped",
     "numerical",
     "radiated",
+    "soil_work",
     "wall_work",
     "drive_work",
     "gravity_work",

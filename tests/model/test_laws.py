@@ -27,6 +27,8 @@ LAWS = [
     ri.HuntCrossley(stiffness=1e9, damping=0.1),
     ri.PowerLaw(stiffness=1e9, exponent=2.0),
     ri.Yielding(stiffness=1e9, yield_force=1e3, hardening=1e7),
+    ri.SmithToe(resistance=400e3, quake=2.5e-3, damping=0.5),
+    ri.Cushion(loading=5e8, restitution=0.8),
     ri.Tabulated([1e-4, 1e-3, 1.2e-3], [1e3, 1.2e3, 6e3], unloading=5e7),
 ]
 
@@ -42,7 +44,7 @@ def test_a_law_survives_its_description(law):
 def test_names():
     names = (
         "rigid bonded joint spring spring-dashpot hertz hunt-crossley power yielding "
-        "tabulated"
+        "smith-toe cushion tabulated"
     )
     assert list(CONTACT_LAWS) == names.split()
     assert len(set(LAWS)) == len(LAWS)

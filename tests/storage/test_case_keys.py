@@ -29,6 +29,7 @@ SIGNS = {
     "positive or infinite": '> 0, or "inf"',
 }
 KINDS = {"[materials.NAME]": ri.Material, "[[bodies.segments]]": ri.Segment}
+KINDS |= {"[bodies.shaft]": ri.Soil}
 KINDS |= {f'[[bodies]] kind = "{kind}"': body for kind, body in BODIES.items()}
 KINDS |= {f'[[contacts]] law = "{law}"': kind for law, kind in CONTACT_LAWS.items()}
 KINDS |= {f'[ends.SIDE] kind = "{kind}"': end for kind, end in ENDS.items()}

@@ -160,6 +160,8 @@ LAWS = {
         sizes(),
         shares(0, 0.9),
     ),
+    "smith-toe": st.builds(ri.SmithToe, sizes(), sizes(), sizes()),
+    "cushion": st.builds(ri.Cushion, sizes(), shares(0.1, 1)),
     "tabulated": st.builds(
         lambda places, forces: ri.Tabulated(
             np.cumsum(places), np.cumsum(forces), unloading=1e30
@@ -228,7 +230,7 @@ ERRORS = st.dictionaries(st.sampled_from(MEASURES), st.floats(0, np.inf))
 TEXTS = st.text(st.characters(exclude_categories=["Cs"]))
 
 
-@given(st.lists(FLOATS, min_size=19, max_size=19), ERRORS, st.booleans(), TEXTS)
+@given(st.lists(FLOATS, min_size=20, max_size=20), ERRORS, st.booleans(), TEXTS)
 def test_an_outcome_comes_back_equal(numbers, errors, final, text):
     numbers = dict(zip(names_of_numbers(2), numbers, strict=True))
     result = SavedResult(text, text, text, text, final, numbers, errors)

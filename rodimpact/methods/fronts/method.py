@@ -33,6 +33,7 @@ LACKS = (
     physics.DAMPING,
     physics.LATERAL,
     physics.TAPER,
+    physics.SOIL,
     physics.OWN_LAWS,
 )
 

@@ -13,39 +13,57 @@ from typing import Any
 
 
 def factor(
-    off_diagonal: Any, diagonal: Any, prescribed: Any
-) -> tuple[list[float], ...]:
-    """LU factors of the equations: `lower`, `inverse_diagonal` and `upper`, each [node].
+    off_diagonal: Any,
+    diagonal: Any,
+    prescribed: Any,
+    lower: Any,
+    inverse_diagonal: Any,
+    upper: Any,
+) -> None:
+    """Store the LU factors of the equations in `lower`, `inverse_diagonal` and `upper` [node].
 
     `prescribed` is 1 at nodes whose values are prescribed. The factors of the middle node are those
     of its neighbours: `lower` of the left one, `upper` of the right one.
     """
     n = len(diagonal)
     m = (n - 1) // 2
-    # The last entry is beside both ends.
-    lower = [0.0] * (n + 1)
-    inverse_diagonal = [0.0] * (n + 1)
-    upper = [0.0] * (n + 1)
-    for i in (*range(m), *range(n - 1, m, -1), m):
-        inverse_diagonal[i] = 1.0
-        if prescribed[i]:
-            continue
-        before = i - 1
-        near = i
-        far = i + 1
-        if i > m:
-            before = i + 1
-            near = i + 1
-            far = i
-        lower[i] = off_diagonal[near] * inverse_diagonal[before]
-        pivot = diagonal[i] - off_diagonal[near] * upper[before]
-        if i == m:
-            upper[i] = off_diagonal[far] * inverse_diagonal[far]
-            pivot -= off_diagonal[far] * upper[far]
-        inverse_diagonal[i] = 1 / pivot
-        if i != m:
-            upper[i] = off_diagonal[far] * inverse_diagonal[i]
-    return lower[:n], inverse_diagonal[:n], upper[:n]
+    left_inverse = 0.0  # of the node on the left, which is eliminated
+    left_share = 0.0
+    for i in range(m):
+        lower[i] = 0.0
+        inverse = 1.0
+        share = 0.0
+        if prescribed[i] == 0:
+            lower[i] = off_diagonal[i] * left_inverse
+            inverse = 1 / (diagonal[i] - off_diagonal[i] * left_share)
+            share = off_diagonal[i + 1] * inverse
+        inverse_diagonal[i] = inverse
+        upper[i] = share
+        left_inverse = inverse
+        left_share = share
+    right_inverse = 0.0
+    right_share = 0.0
+    for i in range(n - 1, m, -1):
+        lower[i] = 0.0
+        inverse = 1.0
+        share = 0.0
+        if prescribed[i] == 0:
+            lower[i] = off_diagonal[i + 1] * right_inverse
+            inverse = 1 / (diagonal[i] - off_diagonal[i + 1] * right_share)
+            share = off_diagonal[i] * inverse
+        inverse_diagonal[i] = inverse
+        upper[i] = share
+        right_inverse = inverse
+        right_share = share
+    lower[m] = 0.0
+    upper[m] = 0.0
+    inverse_diagonal[m] = 1.0
+    if prescribed[m] == 0:
+        lower[m] = off_diagonal[m] * left_inverse
+        upper[m] = off_diagonal[m + 1] * right_inverse
+        pivot = diagonal[m] - off_diagonal[m] * left_share
+        pivot -= off_diagonal[m + 1] * right_share
+        inverse_diagonal[m] = 1 / pivot
 
 
 def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:

@@ -35,6 +35,7 @@ from ..link import Law
 from ..states import BoundaryKind
 from . import contact_kernel as contacts
 from . import elimination_kernel as elimination
+from . import soil_kernel
 from .records import INDEX_MASK, NONE, Run
 
 
@@ -78,17 +79,14 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
     ends = grid.ends
     watched = grid.watched
     pulled = grid.pulled
+    soil = grid.soil
     signals = history.signals
     prescribed = history.prescribed
     velocities = history.velocities
     tensions = history.tensions
+    shafts = history.shafts
     while True:
-        if (
-            run.kept_states < len(history.when)
-            and history.when[run.kept_states] == run.step
-        ):
-            keep_state(grid, history)
-            run.kept_states += 1
+        keep_wanted_state(grid, history)
         if run.step >= until:
             return True
         store_step_inputs(run, v, links, ends, prescribed)
@@ -106,19 +104,20 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
                 force,
             )
         push_ends(v, force, ends)
+        soil_kernel.move_soil(run, soil, v)
+        if run.soil_changes_equations > 0:
+            soil_kernel.renew_equations(grid)
         if run.is_implicit > 0:
-            find_implicit_forces(v, force, viscous, old_velocity, change, ends)
+            find_implicit_forces(v, force, viscous, old_velocity, change)
+            soil_kernel.pull_back(run, soil, v, change)
+            prescribe_changes(v, change, ends)
             elimination.substitute(lower, inverse_diagonal, upper, change)
-            for i in range(len(v)):
-                v[i] += change[i]
+            apply_changes(v, change)
         else:
             kick(v, force, inverse_diagonal)
-        for side in range(2):
-            if ends[side].kind == BoundaryKind.MOVED:
-                v[ends[side].node] = ends[side].prescribed
-        for i in range(len(links)):
-            if links[i].chain_end != NONE and not solve_contact_chain(run, v, links, i):
-                return False
+        set_prescribed_velocities(v, ends)
+        if not solve_contacts(run, v, links):
+            return False
         push_pieces(
             v,
             grid.velocity_by_first,
@@ -130,9 +129,19 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         drift_pieces(pieces, v)
         if run.is_implicit > 0:
             dissipate(v, old_velocity, viscous, lost)
-        store_selected(run.step - run.first_step, v, watched, velocities)
-        store_selected(run.step - run.first_step, force, pulled, tensions)
+        soil_kernel.record_soil(run, soil, v, old_velocity, shafts)
+        store_selected(run, v, watched, velocities)
+        store_selected(run, force, pulled, tensions)
         run.step += 1
+
+
+def keep_wanted_state(grid: Any, history: Any) -> None:
+    """Store the present state if it is the next of those that are wanted."""
+    run = grid.run[0]
+    when = history.when
+    if run.kept_states < len(when) and when[run.kept_states] == run.step:
+        keep_state(grid, history)
+        run.kept_states += 1
 
 
 def keep_state(grid: Any, history: Any) -> None:
@@ -164,6 +173,7 @@ def keep_state(grid: Any, history: Any) -> None:
             radial[cells + i] = radial_strain[i] + radial_rate[i] / 2
     for i in range(len(grid.pieces)):
         history.displacement[pieces + i] = grid.pieces[i].displacement
+    soil_kernel.keep_soil(run, grid.soil, v, history.resistance)
     total = 0.0
     for lost in grid.lost:
         total += lost
@@ -179,8 +189,9 @@ def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) 
         ends[side].prescribed = prescribed[2 * (run.step - run.first_step) + side]
 
 
-def store_selected(row: int, values: Any, selected: Any, table: Any) -> None:
-    """Store selected values in a row of a table."""
+def store_selected(run: Run, values: Any, selected: Any, table: Any) -> None:
+    """Store selected values in the row of a table that belongs to this step."""
+    row = run.step - run.first_step
     for k in range(len(selected)):
         table[row * len(selected) + k] = values[selected[k]]
 
@@ -248,12 +259,9 @@ def kick(v: Any, force: Any, inverse_mass: Any) -> None:
 
 
 def find_implicit_forces(
-    v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any, ends: Any
+    v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any
 ) -> None:
-    """Right side x of the equations of a step: elastic and viscous forces on the nodes.
-
-    Where a velocity is prescribed it is its change.
-    """
+    """Right side x of the equations of a step: elastic and viscous forces on the nodes."""
     before = force[0]
     for i in range(len(v) - 1):
         old_velocity[i] = v[i]
@@ -263,9 +271,34 @@ def find_implicit_forces(
     n = len(v) - 1
     old_velocity[n] = v[n]
     x[n] = force[n + 1] - before
+
+
+def prescribe_changes(v: Any, x: Any, ends: Any) -> None:
+    """Where a velocity is prescribed, its change is the right side x of its equation."""
     for side in range(2):
         if ends[side].kind == BoundaryKind.MOVED:
             x[ends[side].node] = ends[side].prescribed - v[ends[side].node]
+
+
+def apply_changes(v: Any, change: Any) -> None:
+    """Velocities at the end of the step, where something is implicit."""
+    for i in range(len(v)):
+        v[i] += change[i]
+
+
+def set_prescribed_velocities(v: Any, ends: Any) -> None:
+    """Set the velocities of ends that are moved, free of round-off."""
+    for side in range(2):
+        if ends[side].kind == BoundaryKind.MOVED:
+            v[ends[side].node] = ends[side].prescribed
+
+
+def solve_contacts(run: Run, v: Any, links: Any) -> bool:
+    """Solve all links, chain by chain; False where bodies of a chain cannot move."""
+    for i in range(len(links)):
+        if links[i].chain_end != NONE and not solve_contact_chain(run, v, links, i):
+            return False
+    return True
 
 
 def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:

@@ -91,6 +91,12 @@ class GridMotion(NamedTuple):
     """Radial strain, 1/s times steps [state, cell]; [state, 0] where no cell has its own."""
     radial_rate: Array
     """Rate of the radial strain, 1/s [state, cell]."""
+    resistance: Array
+    """Static resistance of the soil, N [state, node that soil holds]."""
+    soil: Array
+    """`records.SOIL` [node that soil holds]."""
+    soil_force: Array
+    """Force of the soil, N, to the right [state, node that soil holds]."""
     pushes: Mapping[int, Array]
     """Mean force to the right from outside its piece in each step, N [steps], by node."""
 
@@ -360,10 +366,11 @@ def crossing_time(segment: Any) -> float:
     return math.sqrt(float(whole.cell_mass[0] / whole.stiffness[0]))
 
 
-def stable_step(segment: Any, count: int) -> float:
+def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
     """Longest stable step of a segment in so many cells, s.
 
-    Leapfrog is stable up to 2/omega of the fastest motion. By Mindlin and Herrmann this is the
+    Leapfrog is stable up to 2/omega of the fastest motion. Soil of a stiffness per length, N/m^2,
+    adds soil_stiffness/(rho A) to the square of omega. By Mindlin and Herrmann this is the
     motion in which all nodes and all radial strains swing against their neighbours. Its equation
     is a bound where cells differ, too::
 
@@ -371,8 +378,13 @@ def stable_step(segment: Any, count: int) -> float:
 
     with the mass m, stiffness k, coupling b, radial G, shear s and radial inertia J of a cell.
     """
+    by_soil = 0.0
+    if soil_stiffness > 0:
+        least_area = float(min(extremes(segment.area)))
+        by_soil = soil_stiffness / (float(segment.material.density) * least_area)
     if segment.lateral_inertia != MINDLIN_HERRMANN:
-        return float(segment.transit_time) / count
+        cell_transit = float(segment.transit_time) / count
+        return cell_transit / math.sqrt(1 + by_soil * (cell_transit / 2) ** 2)
     cells = _cells(segment, count)
     m = cells.cell_mass
     J = cells.swelling
@@ -380,7 +392,7 @@ def stable_step(segment: Any, count: int) -> float:
     radial = (cells.radial + 4 * cells.shear) / J
     mixed = np.hypot(axial - radial, 4 * cells.coupling / np.sqrt(m * J))
     square = (axial + radial + mixed) / 2
-    return 2 / math.sqrt(float(square.max()))
+    return 2 / math.sqrt(float(square.max()) + by_soil)
 
 
 def most_cells(segment: Any, count: int, step: float) -> int:

@@ -28,6 +28,7 @@ from .proof import finality_time
 from .run import GridRun
 from .signals import make_run
 from .smoothness import order_of
+from .soil import soil_stiffnesses
 
 RTOL = 1e-3
 """Relative accuracy to which the mesh is refined where nothing else is given."""
@@ -207,7 +208,7 @@ def _mesh_size(
     if cells is None and dt is None:
         cells = _least_wasteful(transits, until)
     counts = _stable_counts(row, transits, cells, dt, name)
-    stable_steps = list(map(stable_step, row.segments, counts))
+    stable_steps = list(map(stable_step, row.segments, counts, soil_stiffnesses(row)))
     step = min(stable_steps) * COURANT
     if dt is not None:
         step = dt

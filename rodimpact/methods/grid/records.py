@@ -30,7 +30,11 @@ class Run:
     first_step: int  # steps taken when the present window of `StepHistory` began
     kept_states: int  # states stored in this window
     has_radial_strain: int  # 1: cells have radial strains
-    is_implicit: int  # 1: there is damping or lateral inertia
+    is_implicit: int  # 1: there is damping, lateral inertia or soil
+    shafts: int  # number of rods that soil holds
+    soil_changes_equations: int  # 1: the damping of soil depends on its resistance
+    ground_velocity: float  # velocity of the ground at t = 0
+    ground_acceleration: float  # change of this velocity in a step
     velocity_tolerance: float  # contacts graze, and impacts rest, below this velocity
 
 
@@ -74,6 +78,29 @@ class Link(link.Link):
     initial_loss: float
 
 
+class Soil:
+    """The soil at one node of a rod."""
+
+    node: int
+    shaft: int  # number of the rod among those that soil holds
+    end_of_rod: int  # -1 and 1 at the left and right end of the rod, else 0
+    is_smith: int  # 1: the damping is in proportion to the static resistance
+    stiffness: float  # R_u/q
+    ultimate: float  # R_u
+    resistance: float  # static resistance R in the middle of the last step
+    damping_factor: float  # J
+    damping: float  # c, force per velocity in the present step
+
+
+class ShaftForce:
+    """The mean force of the soil on a rod in a step, to the right, and its power."""
+
+    force: float
+    power: float
+    first_node_force: float  # part of the force on the first node of the rod
+    last_node_force: float
+
+
 class End:
     """The outside that acts on the left or right end of the row."""
 
@@ -95,6 +122,8 @@ class Signal:
 RUN = dtype_of(Run)
 PIECE = dtype_of(Piece)
 LINK = dtype_of(Link)
+SOIL = dtype_of(Soil)
+SHAFT_FORCE = dtype_of(ShaftForce)
 END = dtype_of(End)
 SIGNAL = dtype_of(Signal)
 
@@ -134,6 +163,12 @@ class Grid(NamedTuple):
     shear: Any  # [cell] s between it and the next cell
     links: Any  # [link] LINK, from left to right
     ends: Any  # two END
+    soil: Any  # [node that soil holds] SOIL
+    # The equations of a step without soil, for soil that changes them
+    off_diagonal: Any  # [cell] entries with opposite sign
+    diagonal: Any  # [node]
+    loaded_diagonal: Any  # [node] the same with soil
+    held: Any  # [node] 1 where the velocity is prescribed
     watched: Any  # nodes whose velocities are recorded after each step
     pulled: Any  # cells whose tensions are recorded in each step
 
@@ -147,6 +182,7 @@ class StepHistory(NamedTuple):
     )
     velocities: Any  # [step, watched node] velocity at the end of the step
     tensions: Any  # [step, pulled cell] elastic tension in the middle of the step
+    shafts: Any  # [step, rod that soil holds] SHAFT_FORCE
     when: Any  # [state] steps taken when it is stored
     lost: Any  # [state] energy turned to heat
     velocity: Any  # [state, node]
@@ -154,9 +190,10 @@ class StepHistory(NamedTuple):
     displacement: Any  # [state, piece] displacement of its first node
     radial: Any  # [state, cell] radial strains; [state, 0] where no cell has its own
     radial_rate: Any  # [state, cell]
+    resistance: Any  # [state, node that soil holds] static resistance of the soil
 
 
-STATE_FIELDS = StepHistory._fields[4:]
+STATE_FIELDS = StepHistory._fields[5:]
 """Fields of `StepHistory` that have an entry for each state."""
 
 

@@ -15,7 +15,8 @@ from ..row import Array, squeezed
 from . import grid_kernel, scheme, start
 from .measures import contact_intervals, largest_force
 from .mesh import STEP_TICKS, GridMotion, Mesh
-from .records import SIGNAL, STATE_FIELDS, StepHistory
+from .records import SHAFT_FORCE, SIGNAL, STATE_FIELDS, StepHistory
+from .soil import shaft_bodies
 
 GAP_RESOLUTION = 1.0
 """Gap that counts as open, over the distance that bodies cover in a step.
@@ -188,6 +189,7 @@ class GridRun:
             prescribed=np.empty((steps, 2)),
             velocities=np.empty((steps, len(grid.watched))),
             tensions=np.empty((steps, len(grid.pulled))),
+            shafts=np.empty((steps, grid.run["shafts"][0]), SHAFT_FORCE),
             when=np.empty(states, np.int64),
             lost=np.empty(states),
             velocity=np.empty((states, n)),
@@ -195,6 +197,7 @@ class GridRun:
             displacement=np.empty((states, len(grid.pieces))),
             radial=np.empty(radial_shape),
             radial_rate=np.empty(radial_shape),
+            resistance=np.empty((states, len(grid.soil))),
         )
 
     def advance(self, end: int, report: Callable[[int], None] | None = None) -> None:
@@ -280,6 +283,8 @@ class GridRun:
             shear=mesh.shear,
             cells=mesh.cells,
             **fields,
+            soil=self.grid.soil,
+            soil_force=self._soil_forces(fields),
             pushes={},
         )
 
@@ -337,7 +342,32 @@ class GridRun:
         tension = self.history.tensions[:, mesh.pulled.index(cell)]
         pulled = tension + mesh.viscous[cell] * stretch[:-1] + implicit
         gained = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
-        return np.asarray(-pulled - sign * gained)
+        soil = self._soil_at_end(node, sign)
+        return np.asarray(-pulled - sign * (gained - soil))
+
+    def recorded_soil(self, shaft: int, field: str) -> Array:
+        """A field of `SHAFT_FORCE` of a rod that soil holds, in each step."""
+        return np.ascontiguousarray(self.history.shafts[:, shaft][field])
+
+    def _soil_forces(self, fields: dict[str, Array]) -> Array:
+        """Force of the soil, N, to the right [state, node that soil holds]."""
+        soil = self.grid.soil
+        t = fields["when"][:, None] * self.step
+        velocity = fields["velocity"][:, soil["node"]] + self.row.frame
+        velocity = velocity + self.row.system.gravity * t
+        resistance = fields["resistance"]
+        damped = np.where(soil["is_smith"], np.abs(resistance), soil["ultimate"])
+        return np.asarray(-resistance - soil["damping_factor"] * damped * velocity)
+
+    def _soil_at_end(self, node: int, sign: int) -> Array:
+        """Force of the soil on the half cell at the right (1) or left (-1) end of a rod, N."""
+        for shaft, body in enumerate(shaft_bodies(self.row)):
+            first, last = self.row.spans[body]
+            if sign > 0 and self.mesh.last[last] == node:
+                return self.recorded_soil(shaft, "last_node_force")
+            if sign < 0 and self.mesh.first[first] == node:
+                return self.recorded_soil(shaft, "first_node_force")
+        return np.zeros(self.steps)
 
     @property
     def states_bytes(self) -> int:

@@ -15,6 +15,7 @@ from . import elimination_kernel as elimination
 from . import records
 from .mesh import Mesh, quotient
 from .records import NONE, Grid, filled
+from .soil import ground_velocities, shaft_bodies, soil_of
 
 SMALLEST_STIFFNESS = 2.0**-800
 """Smallest stiffness of a contact with time in steps: below it forces vanish."""
@@ -37,6 +38,13 @@ class Factors(NamedTuple):
     upper: Array
 
 
+class Responses(NamedTuple):
+    """Velocities in a step by unit forces on all ends of pieces, m/s per N [node]."""
+
+    by_first: Array  # on the first nodes
+    by_last: Array  # on the last nodes
+
+
 def grid_of(mesh: Mesh, step: float) -> Grid:
     """Make a grid at rest and without force, with the gaps of the row."""
     row = mesh.row
@@ -45,10 +53,12 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     mass = mesh.mass / step
     impedance = _end_impedances(mesh)
     mass[mesh.ends] += impedance / 2
-    factors = factorise(mesh, mass, off_diagonal_of(mesh, step))
-    free = mesh.held == 0
-    by_first = velocity_changes(factors, np.bincount(mesh.starts, free[mesh.starts], n))
-    by_last = velocity_changes(factors, np.bincount(mesh.stops, free[mesh.stops], n))
+    off_diagonal = off_diagonal_of(mesh, step)
+    diagonal = mass + off_diagonal[:-1] + off_diagonal[1:]
+    soil = soil_of(mesh, step)
+    loaded_diagonal = diagonal + np.bincount(soil["node"], soil["damping"] / 2, n)
+    factors = factorise(mesh, loaded_diagonal, off_diagonal)
+    responses = responses_to_pushes(mesh, factors)
     coupling_share = quotient(cells.coupling**2, cells.stiffness)
     return Grid(
         run=filled(
@@ -56,15 +66,20 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
             1,
             velocity_tolerance=VELOCITY_RTOL * row.scale,
             has_radial_strain=mesh.has_radial_strain,
-            is_implicit=mesh.implicit,
+            is_implicit=mesh.implicit or len(soil) > 0,
+            shafts=len(shaft_bodies(row)),
+            soil_changes_equations=bool(
+                np.any(soil["is_smith"] * soil["damping_factor"])
+            ),
+            **ground_velocities(mesh, step),
         ),
         velocity=np.zeros(n),
         force=np.zeros(n + 1),
         lower=factors.lower,
         inverse_diagonal=factors.inverse_diagonal,
         upper=factors.upper,
-        velocity_by_first=by_first,
-        velocity_by_last=by_last,
+        velocity_by_first=responses.by_first,
+        velocity_by_last=responses.by_last,
         stiffness=mesh.stiffness * step,
         pieces=filled(records.PIECE, len(mesh.starts), first_node=mesh.starts),
         viscous=mesh.viscous,
@@ -78,7 +93,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         radial_stiffness=(cells.radial - coupling_share) * step,
         tension_share=quotient(cells.coupling, cells.stiffness),
         shear=np.append(mesh.shear * step, 0.0),
-        links=_links(mesh, step, by_first, by_last),
+        links=_links(mesh, step, responses),
         ends=filled(
             records.END,
             2,
@@ -86,6 +101,11 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
             node=mesh.ends,
             impedance=impedance,
         ),
+        soil=soil,
+        off_diagonal=off_diagonal,
+        diagonal=diagonal,
+        loaded_diagonal=loaded_diagonal,
+        held=mesh.held,
         watched=np.array(mesh.watched, np.int64),
         pulled=np.array(mesh.pulled, np.int64),
     )
@@ -107,13 +127,14 @@ def _end_impedances(mesh: Mesh) -> Array:
     return np.where(endless, impedances, 0.0)
 
 
-def factorise(mesh: Mesh, mass: Array, off_diagonal: Array) -> Factors:
-    """LU factors for nodes of these masses and cells that couple them."""
-    diagonal = mass + off_diagonal[:-1] + off_diagonal[1:]
-    lists = elimination.factor(
-        off_diagonal.tolist(), diagonal.tolist(), mesh.held.tolist()
+def factorise(mesh: Mesh, diagonal: Array, off_diagonal: Array) -> Factors:
+    """LU factors of the equations with these entries, see `elimination_kernel`."""
+    n = len(diagonal)
+    factors = ([0.0] * n, [0.0] * n, [0.0] * n)
+    elimination.factor(
+        off_diagonal.tolist(), diagonal.tolist(), mesh.held.tolist(), *factors
     )
-    return Factors(*map(np.array, lists))
+    return Factors(*map(np.array, factors))
 
 
 def velocity_changes(factors: Factors, forces: Any) -> Array:
@@ -123,10 +144,21 @@ def velocity_changes(factors: Factors, forces: Any) -> Array:
     return x
 
 
+def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
+    """Velocities by unit forces on the ends of the pieces, by the equations with these factors."""
+    n = len(mesh.mass)
+    free = mesh.held == 0
+    on_first = np.bincount(mesh.starts, free[mesh.starts], n)
+    on_last = np.bincount(mesh.stops, free[mesh.stops], n)
+    return Responses(
+        velocity_changes(factors, on_first), velocity_changes(factors, on_last)
+    )
+
+
 # Links -------------------------------------------------------------------------------------------
 
 
-def _links(mesh: Mesh, step: float, by_first: Array, by_last: Array) -> Array:
+def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     """Links, each between two neighbouring pieces."""
     laws = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
     count = len(laws)
@@ -149,7 +181,7 @@ def _links(mesh: Mesh, step: float, by_first: Array, by_last: Array) -> Array:
         rightmost = mesh.stops[1:]
     # Two links are coupled by a piece of one node, or by one that moves as a whole.
     coupling = np.zeros(count)
-    coupling[1:] = by_first[left[1:]] / 2
+    coupling[1:] = responses.by_first[left[1:]] / 2
     begins = np.flatnonzero(coupling == 0)
     chain_end = np.full(count, NONE)
     chain_end[begins] = np.append(begins[1:], count) - 1
@@ -161,7 +193,7 @@ def _links(mesh: Mesh, step: float, by_first: Array, by_last: Array) -> Array:
         right_node=right,
         leftmost_node=leftmost,
         rightmost_node=rightmost,
-        self_mobility=by_last[left] / 2 + by_first[right] / 2,
+        self_mobility=responses.by_last[left] / 2 + responses.by_first[right] / 2,
         coupling_mobility=coupling,
         is_closed=in_time_steps["gap"] == 0,
     )

@@ -7,7 +7,15 @@ from typing import Any
 import numpy as np
 
 from ...units import format_si
-from ..run import INWARD, Coarser, ContactSignal, ContactTally, Run, Signals
+from ..run import (
+    INWARD,
+    Coarser,
+    ContactSignal,
+    ContactTally,
+    Run,
+    Signals,
+    SoilAction,
+)
 from ..signals import Floats, Pieces
 from ..status import (
     describe_end,
@@ -22,6 +30,7 @@ from .mesh import STEP_TICKS
 from .refinement import UNREFINED
 from .run import OVERSHOOT_STEPS, GridRun
 from .smoothness import order_of
+from .soil import shaft_bodies
 
 OVERSHOOT_TO_TELL = 1e-2
 """Relative overshoot of the peak force from which the status tells it."""
@@ -139,7 +148,7 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
         peak = largest_force(force)
     else:
         peak = float(np.max(force, initial=0.0))
-    if getattr(law, "restitution", None) is not None:
+    if law.law == "rigid" and law.restitution is not None:
         # An impact takes no time, though it takes a step here.
         peak = math.nan
         is_instant = ends - begins <= run.step * (1 + STEP_RTOL)
@@ -195,4 +204,10 @@ def _signals(
         if mass >= 0:
             masses[body] = Pieces.through(edges, run.mass_velocity(mass))
     motion = run.motion()._replace(pushes=pushes)
-    return Signals(motion, tuple(contacts), outside, edges, masses)
+    soil = {}
+    for shaft, body in enumerate(shaft_bodies(row)):
+        push = over_steps(run, run.recorded_soil(shaft, "force"))
+        soil[body] = SoilAction(
+            push, over_steps(run, run.recorded_soil(shaft, "power"))
+        )
+    return Signals(motion, tuple(contacts), outside, edges, masses, soil)

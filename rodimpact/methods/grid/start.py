@@ -1,14 +1,18 @@
 """The state of motion at t = 0 on a grid."""
 
+from typing import Any
+
 import numpy as np
 
 from ...model.profiles import averages
+from ..contact_laws import mean_force
 from ..link import Law
+from ..record_lists import as_objects
 from ..row import Array
 from ..run import INWARD
 from . import scheme
 from .mesh import Mesh, quotient
-from .records import Grid
+from .records import LINK, Grid
 
 LITTLE_RETARDATION = 1 / 64
 """Retardation time eta/E, in steps, with which ends that touch are slowed down by half as much."""
@@ -33,6 +37,7 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     kick = _first_kick(mesh, step, grid, tension)
     stretching = np.diff(kick - v, prepend=0.0, append=0.0)
     grid.force[:] = tension + grid.stiffness * stretching / 2
+    _begin_soil(grid, kick)
     grid.pieces["displacement"] = kick[mesh.starts] / 2
     grid.ends["background_wave"] = _background_waves(mesh, grid, tension)
     # Contacts whose gaps vanish before the first kick are closed.
@@ -40,6 +45,14 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     closing = v[links["left_node"]] - v[links["right_node"]]
     links["is_closed"][links["gap"] <= closing / 2] = 1
     return kick
+
+
+def _begin_soil(grid: Grid, kick: Array) -> None:
+    """Set the static resistance of soil half a step before t = 0, as the tension of cells is."""
+    soil = grid.soil
+    v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
+    change = kick[soil["node"]] - grid.run["ground_acceleration"] / 2
+    soil["resistance"] += soil["stiffness"] * (change - v) / 2
 
 
 def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
@@ -93,9 +106,9 @@ def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
         if kind == "velocity":
             start = scheme.boundary_velocity(mesh.row, step, value, np.zeros(1))[0]
             jump[node] = start - grid.velocity[node]
-    return scheme.velocity_changes(
-        scheme.factorise(mesh, mesh.mass / step, off_diagonal), jump
-    )
+    diagonal = mesh.mass / step + off_diagonal[:-1] + off_diagonal[1:]
+    factors = scheme.factorise(mesh, diagonal, off_diagonal)
+    return scheme.velocity_changes(factors, jump)
 
 
 def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
@@ -107,6 +120,9 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     """
     row = mesh.row
     force = np.diff(tension)
+    soil = grid.soil
+    v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
+    np.subtract.at(force, soil["node"], soil["resistance"] + soil["damping"] * v)
     for side, (kind, _) in enumerate(row.boundaries):
         node = mesh.ends[side]
         if kind == "force":
@@ -124,8 +140,22 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         elif link["law"] == Law.JOINT:
             force[left] += link["stiffness"] * link["gap"]
             force[right] -= link["stiffness"] * link["gap"]
+        elif link["gap"] < 0:
+            push = _initial_push(grid, link)
+            force[left] -= push
+            force[right] += push
     factors = scheme.Factors(grid.lower, grid.inverse_diagonal, grid.upper)
     return scheme.velocity_changes(factors, np.where(mesh.held == 1, 0.0, force / 2))
+
+
+def _initial_push(grid: Grid, link: Any) -> float:
+    """Force of a compliant contact that begins pressed, N."""
+    v = grid.velocity
+    closing = v[link["left_node"]] - v[link["right_node"]]
+    (as_object,) = as_objects(np.array([link], LINK))
+    overlap = -as_object.gap
+    push, _ = mean_force(as_object, overlap, overlap + float(closing))
+    return float(push)
 
 
 def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
@@ -154,14 +184,20 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     retardation = retardation[[left, right + 1]].max(axis=0)
     share = retardation / (retardation + LITTLE_RETARDATION * step)
     is_late &= share > 0
+    if not is_late.any():
+        return
+    # The pushes are blows at t = 0, in which damping of soil takes no part.
+    factors = scheme.factorise(mesh, grid.diagonal, grid.off_diagonal)
+    responses = scheme.responses_to_pushes(mesh, factors)
+    mobility = responses.by_last[left] / 2 + responses.by_first[right] / 2
     for i in np.flatnonzero(is_late):
         link = links[i]
         before = v.copy()
-        push = share[i] * overlap[i] / (2 * link["self_mobility"])
+        push = share[i] * overlap[i] / (2 * mobility[i])
         nodes = slice(link["leftmost_node"], link["left_node"] + 1)
-        v[nodes] -= grid.velocity_by_last[nodes] * push
+        v[nodes] -= responses.by_last[nodes] * push
         nodes = slice(link["right_node"], link["rightmost_node"] + 1)
-        v[nodes] += grid.velocity_by_first[nodes] * push
+        v[nodes] += responses.by_first[nodes] * push
         gained = v - before
         grid.pieces["displacement"] += gained[mesh.starts] / 2
         # The kinetic energy, and the strain energy of forces that are there, lose this.

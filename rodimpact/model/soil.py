@@ -1,0 +1,149 @@
+"""Soil along the shaft of a rod: a pile, a mandrel, an anchor.
+
+The soil resists by its static resistance R and a damping. R is elastic up to the quake, then the
+soil yields, and it unloads as stiffly as it was loaded (E. A. L. Smith, Pile-driving analysis by
+the wave equation, J. Soil Mech. Found. Div. ASCE 86 (1960) 35-61).
+"""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import frozen, profiles
+from .frozen import (
+    FrozenDataclass,
+    Number,
+    Numeric,
+    Problems,
+    QuantityField,
+    add_problem,
+    quantity,
+)
+from .profiles import Floats, Polynomials, Profile, ProfileLike, Samples, Steps
+
+SMITH = "smith"
+VISCOUS = "viscous"
+DAMPING_LAWS = (SMITH, VISCOUS)
+"""Words for what the damping of soil is proportional to."""
+PROFILES = (Steps, Samples, Polynomials)
+RESISTANCE_PER_LENGTH = QuantityField("N/m", "non-negative", along="length")
+"""Resistance that varies along the rod."""
+
+
+class Soil(FrozenDataclass):
+    """Soil that resists the motion of a rod along its shaft.
+
+    The force on the rod is -(R + J |R| v) by the law ``"smith"`` and -(R + J R_u v) by
+    ``"viscous"``, with the velocity v of the rod, positive to the right. Both dampings oppose
+    the motion. R = k u while the soil is elastic, k = R_u/q, u the displacement of the rod; it
+    stays between -R_u and R_u, where the soil yields, and returns along the slope k. The soil
+    at rest does not follow the rod.
+
+    Parameters
+    ----------
+    resistance : float, array, Steps, Samples or function
+        Ultimate resistance R_u: of the whole length of the rod, N, if it is a number, which is
+        spread evenly; or per length, N/m, at the distance from the left end, m.
+    quake : float or array
+        Displacement q at which the soil yields, m.
+    damping : float or array, optional
+        J, s/m.
+    law : "smith" or "viscous", optional
+        Whether the damping is in proportion to the static resistance at the moment, or to the
+        ultimate one.
+    mobilised : float, array, Steps, Samples or function, optional
+        Share R/R_u of the resistance that is mobilised at t = 0, from -1 to 1: positive if the
+        soil pushes the rod to the left.
+
+    Raises
+    ------
+    InvalidModel
+        Naming every field that is not what it should be.
+
+    Examples
+    --------
+    A pile that is pushed into soil of 400 kN comes to rest:
+
+    >>> import rodimpact as ri
+    >>> soil = ri.Soil(resistance=400e3, quake=2.5e-3, damping=0.16)
+    >>> pile = ri.Rod(15.0, area=0.0094, material=ri.materials.steel, velocity=2.0, shaft=soil)
+    >>> run = ri.solve(ri.System([pile]), until=30e-3)
+    >>> run.mean_velocity(0, 0.0) > 1.9, abs(run.mean_velocity(0, 30e-3)) < 0.3
+    (True, True)
+    """
+
+    resistance: Profile = quantity("N", "non-negative", along="length")
+    quake: Numeric = quantity("m", "positive")
+    damping: Numeric = quantity("s/m", "non-negative", default=0.0)
+    law: str = SMITH
+    mobilised: Profile = quantity("", "[-1, 1]", along="length", default=0.0)
+
+    def _check(self, problems: Problems) -> None:
+        if self.law not in DAMPING_LAWS:
+            add_problem(problems, "law", 'must be "smith" or "viscous"', self.law)
+        for name in ("resistance", "mobilised"):
+            value = getattr(self, name)
+            if not _is_profile(value):
+                self.__dict__[name] = self.fields[name].checked(problems, name, value)
+
+    def along(self, length: Number | None) -> Self:
+        """The soil with profiles that are checked for a rod of this length, m; None if unknown.
+
+        Raises
+        ------
+        InvalidModel
+            If a profile goes beyond the rod, or has values that it cannot have.
+        """
+        problems: Problems = []
+        changed = {}
+        for name, field in (
+            ("resistance", RESISTANCE_PER_LENGTH),
+            ("mobilised", self.fields["mobilised"]),
+        ):
+            value = getattr(self, name)
+            if _is_profile(value):
+                profile = profiles.along_rod(problems, name, value, field, length)
+                changed[name] = profile
+                if isinstance(profile, Steps):
+                    for i, step in enumerate(profile.values):
+                        field.checked(problems, f"{name}.values.{i}", step)
+        frozen.raise_if_problems(problems)
+        return self.replace(**changed)
+
+    def resistances(self, edges: Any, length: float) -> Floats:
+        """Ultimate resistance between neighbouring places of a rod, N [n].
+
+        Parameters
+        ----------
+        edges : [n + 1] array
+            Increasing distances from the left end, m.
+        length : float
+            Length of the rod, m.
+        """
+        per_length: Any
+        if isinstance(self.resistance, PROFILES):
+            per_length = profiles.averages(self.resistance, edges, length)
+        else:
+            per_length = np.full(len(edges) - 1, self.resistance / length)
+        return np.asarray(per_length * np.diff(edges))
+
+    def mobilised_shares(self, edges: Any, length: float) -> Floats:
+        """Share of the resistance that is mobilised at t = 0 between neighbouring places [n]."""
+        return profiles.averages(self.mobilised, edges, length)
+
+    def largest_stiffness(self, length: float) -> float:
+        """Largest stiffness R_u/q per length along a rod of this length, N/m^2."""
+        largest: Any
+        if isinstance(self.resistance, PROFILES):
+            largest = max(np.max(value) for value in profiles.extremes(self.resistance))
+        else:
+            largest = self.resistance / length
+        return float(largest / self.quake)
+
+
+def _is_profile(value: ProfileLike | ArrayLike) -> bool:
+    """Whether a value is a profile along a rod, or a function that becomes one."""
+    return isinstance(value, PROFILES) or callable(value)

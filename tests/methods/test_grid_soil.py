@@ -1,0 +1,268 @@
+"""Soil along the shaft of a rod: against a chain of lumped masses, and what it must keep."""
+
+import math
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from lumped_pile import LumpedPile, strike
+
+import rodimpact as ri
+from rodimpact.methods import kernels
+
+STEEL = ri.Material("pile steel", youngs_modulus=200e9, density=78.5e3 / 9.81)
+SOFT = ri.Material("soft", youngs_modulus=1.0, density=1.0)
+AREA = math.pi * 0.009525 * (0.3239 - 0.009525)  # of a pipe, m^2
+RAM_MASS = 4536.19
+RAM_VELOCITY = 3.466251
+CUSHION = 5e8
+QUAKE = 2.5e-3
+LENGTH = 15.0
+
+
+def pile_in_soil(soil, toe, cushion=None):
+    """A ram that strikes a pile through a cushion."""
+    ram = ri.RigidMass(RAM_MASS, velocity=RAM_VELOCITY)
+    pile = ri.Rod(LENGTH, area=AREA, material=STEEL, shaft=soil)
+    return ri.System(
+        [ram, pile, ri.Wall()], contacts=[cushion or ri.Spring(CUSHION), toe]
+    )
+
+
+def random_pile(seed):
+    """Two rods in different soils that move, and a mass or a wall beside them."""
+    rng = np.random.default_rng(seed)
+
+    def resistance(length):
+        if rng.random() < 0.5:
+            return float(rng.uniform(0, 3))
+        return ri.Steps(rng.uniform(0, 3, 2).tolist(), [length * rng.uniform(0.1, 0.9)])
+
+    bodies = []
+    for _ in range(2):
+        length = float(rng.uniform(0.5, 2))
+        soil = ri.Soil(
+            resistance(length),
+            quake=float(10 ** rng.uniform(-2, 0)),
+            damping=float(rng.choice([0.0, 10 ** rng.uniform(-2, 1)])),
+            law=str(rng.choice(["smith", "viscous"])),
+            mobilised=float(rng.uniform(-1, 1)),
+        )
+        material = ri.Material(
+            "soft", youngs_modulus=1.0, density=1.0, viscosity=rng.choice([0.0, 0.05])
+        )
+        bodies.append(
+            ri.Rod(
+                length,
+                area=float(rng.uniform(0.5, 2)),
+                material=material,
+                velocity=float(rng.uniform(-1, 1)),
+                shaft=soil,
+            )
+        )
+    contacts = [[ri.Bonded(), ri.Rigid(), ri.Spring(5.0)][rng.integers(3)]]
+    if rng.random() < 0.5:
+        bodies.append(ri.Wall())
+        contacts.append(ri.SmithToe(1.0, quake=0.1, damping=0.5))
+    return ri.System(bodies, contacts=contacts, gravity=float(rng.choice([0.0, 0.3])))
+
+
+@pytest.mark.parametrize("resistance", [400e3, 800e3])
+def test_a_pile_with_a_toe_alone_is_set_by_the_limit_of_lumped_masses(resistance):
+    system = pile_in_soil(None, ri.SmithToe(resistance, QUAKE))
+    limit = {400e3: 65.726e-3, 800e3: 31.708e-3}[resistance]
+
+    exact = ri.solve(system, until=0.25)
+
+    assert exact.contacts[1].permanent_set() == pytest.approx(limit, rel=2e-5)
+
+
+@pytest.mark.parametrize("law", ["smith", "viscous"])
+@pytest.mark.parametrize("resistance", few_of([200e3, 600e3, 1000e3], [600e3]))
+def test_a_blow_is_that_of_a_chain_of_lumped_masses(law, resistance):
+    half = resistance / 2
+    soil = ri.Soil(half, QUAKE, damping=0.16, law=law)
+    system = pile_in_soil(soil, ri.SmithToe(half, QUAKE, damping=0.5))
+    chain = LumpedPile(
+        ram_mass=RAM_MASS,
+        ram_velocity=RAM_VELOCITY,
+        cushion=CUSHION,
+        length=LENGTH,
+        area=AREA,
+        modulus=STEEL.youngs_modulus,
+        density=STEEL.density,
+        shaft_resistance=half,
+        toe_resistance=half,
+        quake=QUAKE,
+        shaft_damping=0.16,
+        toe_damping=0.5,
+        is_viscous=law == "viscous",
+    )
+
+    blow = ri.solve(system, until=0.1, cells=200)
+    lumped = strike(chain, segments=150, duration=0.1, step=4e-6)
+
+    toe_set = blow.contacts[1].permanent_set()
+    compression = -blow.extreme_stress(1).compression.stress * AREA
+    assert toe_set == pytest.approx(lumped.toe_set, rel=1e-3)
+    assert blow.outcome.soil_work == pytest.approx(lumped.soil_work, rel=1e-3)
+    assert compression == pytest.approx(lumped.largest_compression, rel=1e-2)
+
+
+@pytest.mark.parametrize("seed", few_of(range(200), range(12)))
+def test_balances_of_random_soils_close(seed):
+    solution = ri.solve(random_pile(seed), until=4.0, cells=24)
+
+    assert abs(solution.outcome.momentum_residual) < 1e-13
+    assert abs(solution.outcome.energy_residual) < 1e-12
+
+
+@pytest.mark.parametrize("seed", few_of(range(40), range(4)))
+def test_soil_is_the_same_in_machine_code(seed):
+    system = random_pile(seed)
+    results = []
+    for is_compiled in (False, True):
+        with kernels.forced(is_compiled):
+            results.append(ri.solve(system, until=2.0, cells=16).outcome.to_dict())
+
+    assert results[0] == results[1]
+
+
+@pytest.mark.parametrize("law", ["smith", "viscous"])
+def test_damping_takes_energy_from_a_rod_and_gives_none(law):
+    swing = ri.Rod(1.0, area=1.0, material=SOFT, velocity=1.0)
+    soil = ri.Soil(50.0, quake=10.0, damping=1.0, law=law, mobilised=0.3)
+    held = swing.replace(shaft=soil)  # it swings both ways and never yields
+
+    ledger = ri.solve(ri.System([held]), until=4.0, cells=40).energy(
+        np.linspace(0.0, 4.0, 200)
+    )
+    undamped = held.replace(shaft=soil.replace(damping=0.0))
+    kept = ri.solve(ri.System([undamped]), until=4.0, cells=40).energy([0.0, 4.0])
+
+    stiffness = 5.0
+    largest_stored = stiffness * (15.0 / stiffness + 1.0) ** 2
+    assert ledger.soil_work.min() > -largest_stored
+    assert ledger.total[-1] < kept.total[-1]
+
+
+def test_errors_fall_with_the_square_of_the_cells():
+    soil = ri.Soil(3.0, quake=0.5, damping=0.4)
+    rod = ri.Rod(
+        1.0,
+        area=1.0,
+        material=SOFT,
+        velocity=ri.Samples(np.cos(np.linspace(0, np.pi, 65))),
+        shaft=soil,
+    )
+
+    velocities = []
+    for cells in (25, 50, 100, 400):
+        solution = ri.solve(
+            ri.System([rod]), until=0.8, cells=cells, dt=0.8 / cells / 2
+        )
+        velocities.append(float(solution.velocity(0, 1.0, 0.8)))
+    errors = np.abs(np.array(velocities[:3]) - velocities[3])
+
+    assert errors[0] / errors[1] > 3
+    assert errors[1] / errors[2] > 3
+
+
+def test_a_pile_that_soil_carries_stays_at_rest():
+    weight = STEEL.density * AREA * LENGTH * 9.81
+    soil = ri.Soil(400e3, QUAKE, damping=0.16, mobilised=weight / 400e3)
+    pile = ri.Rod(LENGTH, area=AREA, material=STEEL, shaft=soil)
+
+    rest = ri.solve(ri.System([pile], gravity=9.81), until=0.05, cells=50)
+
+    x = np.linspace(0.0, LENGTH, 7)[:, None]
+    assert np.abs(rest.velocity(0, x, np.linspace(0.0, 0.05, 40))).max() < 1e-9
+    assert rest.outcome.soil_work == pytest.approx(0.0, abs=1e-6)
+
+
+def test_two_bonded_halves_in_soil_are_one_pile():
+    soil = ri.Soil(400e3, QUAKE, damping=0.16)
+    toe = ri.SmithToe(400e3, QUAKE, damping=0.5)
+    whole = pile_in_soil(soil, toe)
+    ram, pile, wall = whole.bodies
+    half = pile.replace(length=LENGTH / 2, shaft=soil.replace(resistance=200e3))
+    halves = ri.System(
+        [ram, half, half, wall], contacts=[whole.contacts[0], ri.Bonded(), toe]
+    )
+
+    one = ri.solve(whole, until=0.02, cells=80)
+    two = ri.solve(halves, until=0.02, cells=40)
+
+    t = np.linspace(0.0, 0.02, 50)
+    middle = -one.axial_force(1, LENGTH / 2, t)
+    assert two.velocity(2, LENGTH / 2, t) == pytest.approx(
+        one.velocity(1, LENGTH, t), abs=1e-2
+    )
+    assert two.contacts[1].force(t)[5:] == pytest.approx(
+        middle[5:], abs=0.02 * np.abs(middle).max()
+    )
+
+
+@pytest.mark.parametrize("law", ["smith", "viscous"])
+def test_a_continued_blow_is_one_that_did_not_stop(law):
+    soil = ri.Soil(400e3, QUAKE, damping=0.16, law=law)
+    system = pile_in_soil(soil, ri.SmithToe(400e3, QUAKE, damping=0.5))
+
+    through = ri.solve(system, until=0.05, cells=300)
+    rest = ri.solve(through.system_at(0.02), until=0.03, cells=300)
+
+    set_of = [solution.contacts[1].permanent_set() for solution in (through, rest)]
+    before = ri.solve(system, until=0.02, cells=300).contacts[1].permanent_set()
+    assert before + set_of[1] == pytest.approx(set_of[0], rel=1e-3)
+    t = np.linspace(0.0, 0.03, 30)
+    assert rest.velocity(1, LENGTH, t) == pytest.approx(
+        through.velocity(1, LENGTH, t + 0.02), abs=0.03
+    )
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_contacts_that_begin_pressed_push_from_the_start_on(side):
+    rod = ri.Rod(1.0, area=1.0, material=SOFT)
+    bodies = [rod, ri.RigidMass(1.0)]
+    system = ri.System(bodies, gaps=[-0.1], contacts=[ri.Spring(2.0)])
+    at = 1.0
+    body = 0
+    if side == "right":
+        system = system.mirrored()
+        at = 0.0
+        body = 1
+    t = np.linspace(0.1, 0.9, 9)
+
+    exact = ri.solve(system, until=1.0, method="characteristics")
+    errors = []
+    for cells in (50, 200):
+        grid = ri.solve(system, until=1.0, method="finite-difference", cells=cells)
+        difference = grid.velocity(body, at, t) - exact.velocity(body, at, t)
+        errors.append(float(np.abs(difference).max()))
+
+    assert errors[1] < errors[0] / 3
+    assert errors[0] < 5e-3
+
+
+def test_other_methods_say_that_they_have_no_soil():
+    system = pile_in_soil(ri.Soil(1e5, QUAKE), ri.SmithToe(1e5, QUAKE))
+    with pytest.raises(ri.InvalidModel, match=r"bodies.1.shaft.*soil along a shaft"):
+        ri.solve(system, until=0.01, method="characteristics")
+
+
+def test_a_run_in_soil_needs_an_end():
+    rod = ri.Rod(1.0, area=1.0, material=STEEL, velocity=1.0, shaft=ri.Soil(1.0, QUAKE))
+    with pytest.raises(ri.InvalidModel, match=r"until.*soil"):
+        ri.solve(ri.System([rod]))
+
+
+def test_members_of_a_family_have_soils_of_their_own():
+    soil = ri.Soil([200e3, 400e3], QUAKE, damping=0.16)
+    system = pile_in_soil(soil, ri.SmithToe(400e3, QUAKE))
+    options = {"until": 0.02, "cells": 30}
+
+    family = ri.sweep(system, **options, workers=1, also=["set"])
+
+    for i in range(2):
+        alone = ri.solve(system[i], **options)
+        assert family.sets[1][i] == alone.contacts[1].permanent_set()
