@@ -172,7 +172,7 @@ class Fields(Protocol):
         return ticks
 
     def mobilised(self, body: int, tick: int) -> Steps | float:  # noqa: ARG002
-        """Share of the resistance of the soil along a rod that is mobilised; only grids have soil."""
+        """Share of the resistance of soil that is mobilised along a rod; grids have soil."""
         return 0.0
 
     def viscous_loss(self, ticks: Ints) -> Floats:
