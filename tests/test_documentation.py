@@ -133,6 +133,7 @@ def test_the_manual_is_no_longer_than_it_may_be():
         "start",
         "student",
         "experimenter",
+        "reductions",
         "engineer",
         "researcher",
         "teacher",

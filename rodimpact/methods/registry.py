@@ -229,9 +229,9 @@ class Options(FrozenDataclass):
         for path, lacking in METHODS[method].lacking(abilities.needs(system)):
             problems.append((path, f'method "{method}" has no {lacking}'))
         raise_if_problems(problems)
-        return self.run_checked(method, system, report)
+        return self._run_checked(method, system, report)
 
-    def run_checked(self, method: str, system: System, report: Report) -> Run:
+    def _run_checked(self, method: str, system: System, report: Report) -> Run:
         """Run a single collision, as `run`, by a method that is known to have its physics."""
         own_options = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(

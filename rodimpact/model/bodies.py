@@ -29,7 +29,7 @@ from .frozen import (
 )
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
-from .soil import Soil
+from .soil import Soil, along_rod
 
 LEFT_OUT: Any = None
 """Default of an argument that may be left out, or that the check of a class demands."""
@@ -670,7 +670,7 @@ def _checked_shaft(
         frozen.add_problem(problems, "shaft", "must be a Soil or None", shaft)
         return None
     try:
-        return shaft.along(length)
+        return along_rod(shaft, length)
     except frozen.InvalidModel as error:
         for path, message in error.problems:
             problems.append((f"shaft.{path}", message))

@@ -770,7 +770,7 @@ class SmithToe(Plastic, law="smith-toe"):
         """Static force at which the soil yields, N: its resistance."""
         return self.resistance
 
-    def hardened(self, force: Any) -> SmithToe:  # noqa: ARG002
+    def hardened(self, force: Any) -> SmithToe:
         """Law after a peak force: the same, as soil does not harden.
 
         Parameters
@@ -788,6 +788,7 @@ class SmithToe(Plastic, law="smith-toe"):
         >>> toe.hardened(300e3) == toe
         True
         """
+        scalar("force", force, "N")
         return self
 
 

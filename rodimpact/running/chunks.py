@@ -152,7 +152,7 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     for i, index in enumerate(np.ndindex(system.shape)):
         raise_if_stopped()
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
-            run = options.run_checked(options.method, system[index], raise_if_stopped)
+            run = options._run_checked(options.method, system[index], raise_if_stopped)
             solution = Solution(run, options)
             for name, entry in row_of(solution, readings).items():
                 columns[name][i] = entry

@@ -101,7 +101,7 @@ def solve(
         problems.append(("system", message))
     raise_if_problems(problems)
     with Progress(progress, "solve", WORK_UNITS[chosen]) as report:
-        run = options.run_checked(chosen, system, report)
+        run = options._run_checked(chosen, system, report)
     return Solution(run, options)
 
 
@@ -145,7 +145,7 @@ def collide(
         return solve(system).outcome
     method = DEFAULT_OPTIONS.method_for(system)
     with Progress(True, "collide", WORK_UNITS[method]) as report:
-        run = DEFAULT_OPTIONS.run_checked(method, system, report)
+        run = DEFAULT_OPTIONS._run_checked(method, system, report)
     if run.totals:
         return outcome_of(run, run.totals)
     return Solution(run, DEFAULT_OPTIONS).outcome

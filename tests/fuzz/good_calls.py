@@ -227,6 +227,9 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Signal": [lambda: VOLTS],
     "Solution": [exact_solution, piecewise_solution, grid_solution, refined_solution],
     "Specimen": [lambda: ri.Specimen(5e-3, area=5e-5)],
+    "SmithToe": [lambda: ri.SmithToe(1e5, 2e-3, 0.5)],
+    "Soil": [lambda: ri.Soil(1e5, 2e-3, 0.1)],
+    "Cushion": [lambda: ri.Cushion(1e8, 0.5)],
     "Spring": [lambda: ri.Spring(1e8)],
     "SpringDashpot": [lambda: ri.SpringDashpot(1e8, 10.0)],
     "Steps": [lambda: ri.Steps([1.0, 0.0], [0.1])],
@@ -316,6 +319,9 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "Segment": lambda: {"length": 0.1, "area": 1e-4, "material": METAL},
     "Signal": lambda: {"values": [0.0, 1.0, 2.0], "dt": 1e-6},
     "Specimen": lambda: {"length": 5e-3, "area": 5e-5},
+    "SmithToe": lambda: {"resistance": 1e5, "quake": 2e-3},
+    "Soil": lambda: {"resistance": 1e5, "quake": 2e-3},
+    "Cushion": lambda: {"loading": 1e8, "restitution": 0.5},
     "Spring": lambda: {"stiffness": 1e8},
     "SpringDashpot": lambda: {"stiffness": 1e8, "damping": 10.0},
     "Steps": lambda: {"values": [1.0, 0.0], "at": [0.1]},
@@ -341,11 +347,13 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
         f"{law}.stored": lambda: {"indentation": 1e-5}
         for law in (
             "Hertz", "HuntCrossley", "Joint", "Law", "PowerLaw", "Spring", "SpringDashpot",
-            "Tabulated", "Yielding",
+            "Tabulated", "Yielding", "SmithToe", "Cushion",
         )
     },
     "Tabulated.hardened": lambda: {"force": 300.0},
     "Yielding.hardened": lambda: {"force": 2e4},
+    "SmithToe.hardened": lambda: {"force": 2e4},
+    "Cushion.hardened": lambda: {"force": 2e4},
     # solving
     "collide": lambda: {"left": ROD, "right": LONGER},
     "exact": lambda: {"system": PAIR},

@@ -13,7 +13,7 @@ from systems import MATERIALS, with_ends
 
 import rodimpact as ri
 from rodimpact import theory
-from rodimpact.methods import kernels
+from rodimpact.methods import compiling, kernels
 from rodimpact.methods.run import ALSO
 from rodimpact.running.jobs import SerialExecutor
 
@@ -242,18 +242,18 @@ def test_a_long_member_goes_on_in_machine_code(monkeypatch):
         plain = ri.sweep(system, until=0.02, workers=1)
     seconds_spent = []
     compiled = []
-    compile_kernel = kernels.compiled
+    compile_kernel = compiling.compiled
 
     def pays_at_the_fourth_question(seconds, kernel, ahead=0.0):
         seconds_spent.append(seconds)
         return len(seconds_spent) > 3
 
-    def note_and_compile(kernel):
+    def note_and_compile(kernel, user_laws=()):
         compiled.append(kernel)
-        return compile_kernel(kernel)
+        return compile_kernel(kernel, user_laws)
 
     monkeypatch.setattr(kernels, "worth_compiling", pays_at_the_fourth_question)
-    monkeypatch.setattr(kernels, "compiled", note_and_compile)
+    monkeypatch.setattr(compiling, "compiled", note_and_compile)
 
     result = ri.sweep(system, until=0.02, workers=1)
 
@@ -272,8 +272,8 @@ def test_a_single_collision_is_a_family_too():
     assert result.explain(()).startswith("The collision is final")
 
 
-@pytest.mark.parametrize("compiling", [False, True])
-def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch, compiling):
+@pytest.mark.parametrize("is_compiled", [False, True])
+def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch, is_compiled):
     lengths = 0.1 * np.sqrt([2, 3, 5, 7])
     striker = ri.Rod(lengths, area=1e-4, material=MATERIALS[0], velocity=1.0)
     middle = ri.Rod(0.13, area=3e-4, material=MATERIALS[1])
@@ -282,7 +282,7 @@ def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch, compiling
     roomy = ri.sweep(system)
     monkeypatch.setattr("rodimpact.methods.fronts.batch.INITIAL_LOG_ROWS", 1)
 
-    with kernels.forced(compiling):
+    with kernels.forced(is_compiled):
         result = ri.sweep(system)
 
     assert have_same_bits(result, roomy)

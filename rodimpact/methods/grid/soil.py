@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ...model import Rod
+from ...model.soil import largest_stiffness, mobilised_shares, resistances
 from ..row import Array, Row
 from . import records
 from .mesh import Mesh
@@ -38,8 +39,8 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
     edges = half_cell_edges(mesh, body)
     length = float(rod.length)
     nodes = nodes_of_half_cells(mesh, body)
-    of_half_cells = soil.resistances(edges, length)
-    shares = soil.mobilised_shares(edges, length)
+    of_half_cells = resistances(soil, edges, length)
+    shares = mobilised_shares(soil, edges, length)
     ultimate = np.bincount(nodes, of_half_cells)
     resistance = np.bincount(nodes, of_half_cells * shares)
     held = np.flatnonzero(ultimate)
@@ -92,7 +93,7 @@ def soil_stiffnesses(row: Row) -> list[float]:
     stiffnesses = [0.0] * len(row.segments)
     for body in shaft_bodies(row):
         rod = row.system.bodies[body]
-        largest = rod.shaft.largest_stiffness(float(rod.length))
+        largest = largest_stiffness(rod.shaft, float(rod.length))
         start, stop = row.spans[body]
         for s in range(start, stop + 1):
             stiffnesses[s - 1] = largest
