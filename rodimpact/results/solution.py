@@ -193,8 +193,8 @@ class Solution(Shown):
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
-        youngs_modulus = self._along(body, x, "youngs_modulus")
-        stress = self.strain(body, x, t, side) * youngs_modulus
+        strain = self.strain(body, x, t, side)
+        stress = strain * self._along(body, x, "youngs_modulus")
         viscosity = self._along(body, x, "viscosity")
         if viscosity.any():
             stress = stress + self.fields.strain_rate(body, x, t) * viscosity
@@ -205,8 +205,8 @@ class Solution(Shown):
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
-        area = self._along(body, x, "area")
-        return self.stress(body, x, t, side) * area
+        stress = self.stress(body, x, t, side)
+        return stress * self._along(body, x, "area")
 
     @_ALLOW_UNDERFLOW
     def extreme_stress(self, body: int) -> ExtremeStress:
