@@ -113,7 +113,11 @@ class Row:
         return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 
     def boundary_name(self, side: int) -> str:
-        """What acts on the left or right end, as a `BoundaryAction` names it."""
+        """What acts on the left (0) or right (1) end: ``"wall"``, ``"absorbing"`` or ``"drive"``.
+
+        So a `BoundaryAction` names it.
+        """
+        # The index -side is 0 for the first body and -1 for the last.
         if isinstance(self.system.bodies[-side], Wall):
             return "wall"
         if self.boundaries[side][0] == "absorbing":

@@ -140,7 +140,10 @@ def scale_without_rods(row: Any, time: Any) -> Any:
 
 
 def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
-    """Where steps overflow, vanish, or lose an indentation in round-off.
+    """Where energies or forces overflow or vanish, or a contact is as good as rigid.
+
+    A contact that is too stiff for its law to matter beside these rods loses its indentation in
+    round-off. What is nan, as it comes of an overflow, counts as beyond.
 
     Returns
     -------
@@ -183,13 +186,14 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
                 f"is as good as rigid beside these rods, got {link.stiffness!r}; use "
                 f"{rigid}()"
             )
+            # Not `greater`, which would let nan pass.
             is_rigid = ~np.less_equal(stiffness, LARGEST_STIFFNESS)
             beyond.append((is_rigid, f"contacts.{k}.stiffness", message))
     return beyond
 
 
 def check_scales(row: Any) -> None:
-    """Raise InvalidModel where steps overflow, vanish, or lose an indentation in round-off."""
+    """Raise InvalidModel where numbers overflow or vanish, or a contact is as good as rigid."""
     problems = []
     for is_beyond, path, message in beyond_scales(row):
         if is_beyond:

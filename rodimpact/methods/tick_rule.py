@@ -120,16 +120,19 @@ def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int
 
 
 def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
-    """Sort by decreasing time, the last `drive_count` durations by themselves."""
+    """Set `sorted_index`, the order by decreasing time, and forget each class (q = 0).
+
+    No record moves. The last `drive_count` durations are ordered by themselves and come last.
+    """
     n = len(durations)
     for i in range(n):
         first = 0 if i < n - drive_count else n - drive_count
         j = i
         while j > first:
-            previous = durations[durations[j - 1].sorted_index]
-            if previous.time >= durations[i].time:
+            previous = durations[j - 1].sorted_index
+            if durations[previous].time >= durations[i].time:
                 break
-            durations[j].sorted_index = durations[j - 1].sorted_index
+            durations[j].sorted_index = previous
             j -= 1
         durations[j].sorted_index = i
         durations[i].q = 0

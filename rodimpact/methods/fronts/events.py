@@ -228,7 +228,10 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 
 
 def receive(line: Line, log: Log, transit: int) -> None:
-    """Take the front that arrives; the front behind it in the line is next."""
+    """Let the value of the front that arrives replace the incoming wave, m/s.
+
+    The front behind it in the line is next.
+    """
     front = log[line.next_row]
     line.incoming_wave = front.value
     line.next_row = front.next_row

@@ -97,7 +97,7 @@ class FrontRun:
         )
 
     def _why_no_clock(self) -> tuple[str, str]:
-        """Path and sentence for a collision that has no clock."""
+        """Path and sentence for a collision that has no clock, or whose energies overflow."""
         run = self.run
         row = self.layout.row
         if run.stop_reason == Stop.OVERFLOW:

@@ -332,13 +332,19 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
 def push_pieces(
     v: Any, by_first: Any, by_last: Any, links: Any, tolerance: float
 ) -> None:
-    """Change the velocities on both sides of the links by their forces."""
+    """Add the velocities that the solved link forces cause on both sides of the links.
+
+    The force of a rigid link is set to 0 where it is round-off: where the closing velocity that it
+    takes away is within `tolerance`, m/s. `by_first` and `by_last` are the velocities by a unit
+    force on the first and on the last node of a piece.
+    """
     for i in range(len(links)):
         link = links[i]
         is_stiff = link.law == Law.RIGID or link.law == Law.IMPACT
         if is_stiff and link.force * link.self_mobility <= tolerance:
             link.force = 0.0
         if link.force != 0:
+            # INDEX_MASK changes no index, but shows the compiler that none is negative.
             for n in range(
                 link.leftmost_node & INDEX_MASK, (link.left_node & INDEX_MASK) + 1
             ):

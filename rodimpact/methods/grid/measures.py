@@ -86,24 +86,30 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
 
 
 def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
-    """Episodes of touching, from the first force until a gap has opened."""
+    """Episodes of touching, from the first force until a gap has opened; times in steps.
+
+    A row of `intervals` holds the begin and the end of a force and the opening, in steps; what has
+    not happened yet is nan.
+    """
     changes = [Status.PRESS, Status.GRAZE, Status.OPEN]
     statuses = np.broadcast_to(changes, intervals.shape)
     happens = ~np.isnan(intervals)
-    return episodes_of(intervals[happens], statuses[happens], 1.0)
+    tick = 1.0  # times are in steps, and stay so
+    return episodes_of(intervals[happens], statuses[happens], tick)
 
 
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
-    """When the force begins that first presses in step i.
+    """When the force begins that first presses in step i, in steps.
 
     It begins where the gap closes, if the gap goes on as in the step before.
     """
+    # The force of step i is round-off: that of the next step begins the contact.
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
         return i + 1.0
     before = max(i - 1, 0)
-    fall = gap[before] - gap[before + 1]
-    if 0 < gap[i] < MAX_CLOSING_STEPS * fall:
-        return i + float(gap[i] / fall)
+    fall_per_step = gap[before] - gap[before + 1]
+    if 0 < gap[i] < MAX_CLOSING_STEPS * fall_per_step:
+        return i + float(gap[i] / fall_per_step)
     return float(i)
 
 

@@ -396,11 +396,15 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
 
 
 def most_cells(segment: Any, count: int, step: float) -> int:
-    """Largest number of cells of a segment, up to `count`, for which a step in s is stable."""
-    unstable = bisect_left(
+    """Largest number of cells of a segment, up to `count`, for which a step in s is stable.
+
+    It is at least 1, even if a step is too long for a single cell. The longest stable step falls
+    with the number of cells, so the stable numbers come first.
+    """
+    stable_count = bisect_left(
         range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step
     )
-    return max(1, unstable)
+    return max(1, stable_count)
 
 
 def _refuse_stiff(path: str, cells: Cells) -> None:

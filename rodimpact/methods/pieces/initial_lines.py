@@ -242,10 +242,14 @@ class InitialLines:
         return records_of_family([piece], PIECE, self._row)
 
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
-        """Pieces of a profile over time, [member, piece]."""
+        """Pieces of what acts on an end and varies over time, [1, piece].
+
+        Only a single collision has such an end: a family has one of constant values.
+        """
         until = self._request.until
         assert until is not None
         tick = float(self._clock.tick)
+        # A tick more than the run: the signal has a value at its last instant, too.
         stop = round(max(until, tick) / tick) + 1
 
         def ticks_of(t: Any) -> Ints:
@@ -254,10 +258,10 @@ class InitialLines:
         drive = profile_pieces.signal_of(value, until, ticks_of)
         drive = drive.times(float(signal.factor)).plus(float(signal.start))
         if signal.slope:
-            fall = np.array([0.0, signal.slope * stop * tick])
-            drive = drive + Pieces.through([0, stop], fall)
-        weight = float(signal.factor)
+            ramp = np.array([0.0, signal.slope * stop * tick])
+            drive = drive + Pieces.through([0, stop], ramp)
+        velocity_per_value = float(signal.factor)
         if kind == "force":  # F changes the velocity of a free end by 2 F/Z
             impedances = [float(segment.impedance) for segment in self._row.segments]
-            weight = 2 / min(impedances, default=math.inf)
-        return self._fit_pieces(drive, 0, stop, (value, weight))[None]
+            velocity_per_value = 2 / min(impedances, default=math.inf)
+        return self._fit_pieces(drive, 0, stop, (value, velocity_per_value))[None]

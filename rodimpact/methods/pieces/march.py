@@ -48,9 +48,10 @@ def run_nodes(state: State) -> int:
     Returns
     -------
     int
-        A `Stop`.
+        A `Stop`: CAP, FULL or STUCK are set here, DONE by `finality.check_finality`.
     """
     run = state.runs[0]
+    # Machine code would count references to these arrays in every step: borrowed ones have none.
     state = State(
         borrowed(state.runs),
         borrowed(state.nodes),
@@ -68,6 +69,8 @@ def run_nodes(state: State) -> int:
     while run.stop_reason == Stop.NONE:
         earliest = state.nodes[earliest_node(state.nodes)]
         check_tick = min(run.end_tick, run.next_proof_tick)
+        # `last_proof_tick` is the tick of the last check, whether it proved anything or not. The
+        # first one is due at once: it notes the velocities at t = 0.
         is_due = run.last_proof_tick == NONE or earliest.now >= check_tick
         is_full = run.piece_count + step_rows > len(
             state.log
@@ -178,10 +181,10 @@ def count_averaged_step(run: Run, tick: int) -> None:
 
 
 def horizon(state: State, node: Node, is_after_break: bool) -> int:
-    """Return the end of the next piece; set whether hard breaks are too dense there.
+    """Return the tick at which the next piece ends; set whether hard breaks are too dense there.
 
-    Where breaks come closer than `min_break_spacing` they are not followed one by one: cost would
-    grow without end.
+    Where they are, see `is_dense`, the piece lasts up to `min_break_spacing` and takes means of its
+    waves: cost would grow without end if breaks were followed one by one.
     """
     run = state.runs[0]
     all_lines = state.lines
@@ -223,11 +226,16 @@ def horizon(state: State, node: Node, is_after_break: bool) -> int:
 
 
 def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
-    """Return whether hard breaks in a line are closer than `min_break_spacing`, on average."""
-    unread = lines.known_until(all_lines, log, l) - tick
+    """Return whether hard breaks in a line are too dense to be followed one by one.
+
+    They are if their mean distance is below half of `min_break_spacing`. The mean is taken over
+    the part of the line that is known and not yet read, or over the shortest transit if that is
+    longer: two breaks in a short known part are no dense series.
+    """
+    known_ticks = lines.known_until(all_lines, log, l) - tick
     return bool(
         all_lines[l].unread_breaks * run.min_break_spacing
-        > 2 * max(unread, run.shortest_transit)
+        > 2 * max(known_ticks, run.shortest_transit)
     )
 
 
@@ -252,7 +260,7 @@ def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int,
     masses = state.masses
     changes = 0  # of status, at the start of the piece
     changes_of_graze = 8 + node.link_count * node.link_count
-    tried = ticks
+    ticks_before = ticks  # duration of the piece that failed before, and its error
     error_before = 0.0
     while True:
         h = ticks * run.tick_duration
@@ -278,8 +286,8 @@ def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int,
         elif ticks <= 1:
             return 0, error, 1.0, NONE, 0
         else:
-            factor = shortening(run.tolerance, error, tried, ticks, error_before)
-            tried = ticks
+            factor = shortening(run.tolerance, error, ticks_before, ticks, error_before)
+            ticks_before = ticks
             error_before = error
             ticks = max(1, int(ticks * factor))
 
@@ -298,18 +306,24 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
 
 
 def shortening(
-    tolerance: float, error: float, tried: int, ticks: int, error_before: float
+    tolerance: float, error: float, ticks_before: int, ticks: int, error_before: float
 ) -> float:
-    """Return the part of a piece that may be smooth enough.
+    """Return the part of a piece, below 1, that may be smooth enough.
 
-    It follows from the error of the piece, and from that of a longer one of `tried` ticks. After a
-    touch the force starts like a power of time, often 3/2, and the error falls as slowly.
+    It follows from the error of the piece, and from that of a longer one of `ticks_before` ticks,
+    which failed before. After a touch the force starts like a power of time, often 3/2, and the
+    error falls as slowly.
+
+    Without a solution `error` is below 0 and tells nothing: then the part is MIN_GROWTH, as small
+    as a piece may be wanted beside the one before it.
     """
     if error <= 0:
         return MIN_GROWTH
-    power = 1.0 * N
+    power = (
+        1.0 * N
+    )  # exponent of the error by the duration; that of a smooth piece is N
     if error_before > error:
-        observed = math.log(error_before / error) / math.log(tried / ticks)
+        observed = math.log(error_before / error) / math.log(ticks_before / ticks)
         power = max(1.0, min(power, observed))
     smallest = MIN_SHORTENING_OF_STARTS
     if power > SLOW_POWER:
