@@ -141,6 +141,10 @@ class Compiled:
         )  # what calls functions of the user is theirs
 
     def _make(self, keep: bool) -> None:
+        """Set the machine code, still to be compiled, and the place where it is kept.
+
+        Without `keep`, or where no directory can be written, it is compiled in each process.
+        """
         njit = compiler().njit
         options = {"no_cfunc_wrapper": True, **OPTIONS}
         self._fast: Any = njit(**options)(self._twin)

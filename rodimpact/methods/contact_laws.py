@@ -82,14 +82,22 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
 
 
 def spring_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = k d + c d', solved for F with d' = closing - Y F, and its derivatives."""
+    """F = k d + c d', N, and its derivatives by d and by `closing`.
+
+    `closing` is the rate without the own force: d' = closing - Y F, Y the mobility. Solved for F,
+    F = (k d + c closing)/(1 + c Y), whose divisor makes `share`.
+    """
     share = 1 / (1 + link.damping * link.mobility)
     F = (link.stiffness * d + link.damping * closing) * share
     return F, link.stiffness * share, link.damping * share
 
 
 def power_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = g (1 + chi d') with g = k d^p (Hunt and Crossley 1975), and its derivatives.
+    """F = g (1 + chi d'), N, with g = k d^p (Hunt and Crossley 1975), and its derivatives.
+
+    `closing` is the rate without the own force: d' = closing - Y F, Y the mobility. Solved for F,
+    F = g (1 + chi closing)/(1 + g chi Y), whose divisor makes `share`. The derivatives are those
+    by d and by `closing`.
 
     Soil at a toe is the same with p = 1 and its J for chi (Smith 1960).
     """
@@ -120,7 +128,12 @@ def odd_user_force(link: Any, d: float, rate: float) -> float:
 
 
 def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """Force F = f(d, closing - Y F) of a law of the user, and its derivatives by differences."""
+    """Force F = f(d, d'), N, of a law of the user, and its derivatives by d and by `closing`.
+
+    `closing` is the rate without the own force: d' = closing - Y F, Y the mobility. F is found by
+    Newton's method, derivatives of f are differences. Those of F are smaller by the factor `share`,
+    as the force slows down the closing that makes it.
+    """
     F = odd_user_force(link, d, closing)
     slope = 0.0  # derivative by the rate
     for _ in range(MAX_ITERATIONS):
@@ -193,7 +206,11 @@ def guard(
     ----------
     link : LINK
     which : int
-        Guard 0, 1 or 2.
+        Which guard, from 0 to `guards` - 1. Guard 0 is the gap (OPEN), the force (REST, and PRESS
+        of a rigid link), the rate of closing (PLASTIC), `drive` (PRESS of a spring with a
+        dashpot), and else the overlap. Guard 1 is what a force lacks to the next knot (PLASTIC)
+        or to the yield force (PRESS of what yields), -`drive` (GRAZE), and else `drive` (PRESS).
+        Guard 2 is `drive`, of a contact that yields with damping (PRESS).
     d, closing, F : float
         Overlap, m, closing without the own force, m/s, and force, N.
     scale, length : float
@@ -219,6 +236,7 @@ def guard(
         return 1 - static_force / link.yield_force, Status.PLASTIC.value
     if link.status == Status.PRESS and (which > 0 or has_dashpot(link)):
         return pressing, Status.GRAZE.value
+    # Guard 0 of GRAZE, and of PRESS without a dashpot: the overlap
     return d / length, Status.OPEN.value
 
 

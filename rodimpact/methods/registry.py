@@ -84,7 +84,7 @@ METHODS = {
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve
     ),
 }
-"""In the order in which ``"auto"`` tries them; the last can do anything."""
+"""In the order in which ``"auto"`` tries them: the fastest first; the last can do anything."""
 
 LARGEST_COUNT = 10**15
 METHOD_NAMES = ("auto", *METHODS)
@@ -232,7 +232,10 @@ class Options(FrozenDataclass):
         return self._run_checked(method, system, report)
 
     def _run_checked(self, method: str, system: System, report: Report) -> Run:
-        """Run a single collision, as `run`, by a method that is known to have its physics."""
+        """Run a single collision, as `run`, by a method that is known to have its physics.
+
+        If single entries kept ``"auto"`` from a faster method, the status also says which.
+        """
         own_options = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
             build_row(system),

@@ -102,6 +102,9 @@ def choose_clock(state: State, values: Values) -> None:
 def split_at_jumps(state: State, values: Values) -> int:
     """Split the segments where a profile jumps; return the number of durations so far.
 
+    This is the number of pieces: a piece begins with its segment, whose transit time is
+    a duration, or at a jump, whose time is one.
+
     Sets the transit times, the times to the jumps, velocity and strain of each piece,
     and the first piece of each segment. The duration up to the jump that begins piece i
     of segment s has the index n + i - s.
@@ -126,7 +129,8 @@ def split_at_jumps(state: State, values: Values) -> int:
         strains = velocity_jumps + body.velocity_count - 1
         strain_jumps = strains + body.strain_count
         wave_speed = values[s - 1]
-        length = values[2 * n + s - 1]
+        length_index = 2 * n + s - 1  # behind n wave speeds and n impedances
+        length = values[length_index]
         transit_time = length / wave_speed
         durations[s - 1].time = transit_time
         segments[s].first_piece = piece_count
@@ -142,7 +146,10 @@ def split_at_jumps(state: State, values: Values) -> int:
             pieces[piece_count].strain = values[strains + j]
             if x > left:
                 time_to_jump = (x - left) / length * transit_time
-                durations[n + piece_count - s].time = time_to_jump
+                # Behind n transit times. The first pieces of the s segments so far begin
+                # at no jump.
+                jump_index = n + piece_count - s
+                durations[jump_index].time = time_to_jump
             piece_count += 1
             x = right
             if i < body.velocity_count - 1:
@@ -167,7 +174,8 @@ def default_horizon(state: State, values: Values) -> float:
         if node.contact != NONE and run.velocity_scale > 0:
             flight_time += values[gap_index(n, node.contact)] / run.velocity_scale
     longest = run.longest_transit_time
-    return rule.default_horizon(longest, crossing_time, flight_time, -run.until)
+    share = -run.until  # where no end is given, `until` holds this share, negative
+    return rule.default_horizon(longest, crossing_time, flight_time, share)
 
 
 def drive_jumps(outside: Segment) -> int:

@@ -56,6 +56,13 @@ def run_to_end(state: State) -> int:
         `states.Stop`: DONE (reached `end_tick`), FINAL (proved, and run on), FULL (grow
         the log and call again), CAP (more events than the limit) or CLOCK (its ticks
         are over). At the end `Run.now` is the tick reached.
+
+    Notes
+    -----
+    CHECK never comes back: `events.advance` stops with it where a proof is due, which is
+    tried here, and the run goes on. A proof is due after the tick `next_proof_tick`,
+    the earliest that the last attempt left possible, and not before the number of events
+    is `next_proof_event`, so that proofs cost no more than the run.
     """
     run = state.runs[0]
     runs_to_proof = run.end_tick == NONE

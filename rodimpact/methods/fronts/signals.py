@@ -122,7 +122,11 @@ def gaps_at_starts(
 
 
 def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
-    """Wave that arrives at node k from the left (0) or the right (1)."""
+    """Wave that arrives at node k from the left (0) or the right (1), m/s.
+
+    `lines` are the signals of the whole run; `finished.lines` are the records of the kernel, of
+    which those from outside, the first and the last, hold the constant wave of a wall.
+    """
     segment = k + side
     wave = None
     if finished.clock.impedance[segment] > 0:

@@ -159,7 +159,16 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
 
 
 def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
-    """Links, each between two neighbouring pieces."""
+    """Links, each between two neighbouring pieces, [link] `records.LINK`.
+
+    Links that are coupled make a chain, whose forces are solved together: `chain_end` is the last
+    link of a chain at its first link, and NONE at the others.
+
+    Raises
+    ------
+    InvalidModel
+        If a contact is so soft in steps that its forces vanish.
+    """
     laws = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
     count = len(laws)
     k = laws["stiffness"]
@@ -179,7 +188,9 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     if mesh.implicit:
         leftmost = mesh.starts[:-1]
         rightmost = mesh.stops[1:]
-    # Two links are coupled by a piece of one node, or by one that moves as a whole.
+    # Two links are coupled by a piece of one node, or by one that moves as a whole. `left` of a
+    # link is the last node of the piece before it, whose first node the link before pushes. Half
+    # of a velocity counts, as a closing is the mean of those before and after the step.
     coupling = np.zeros(count)
     coupling[1:] = responses.by_first[left[1:]] / 2
     begins = np.flatnonzero(coupling == 0)

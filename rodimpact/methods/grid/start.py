@@ -149,7 +149,11 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
 
 
 def _initial_push(grid: Grid, link: Any) -> float:
-    """Force of a compliant contact that begins pressed, N."""
+    """Mean force over the first step of a compliant contact that begins pressed, N.
+
+    Lengths are in steps, as in the links of a grid: m/s, so that a closing velocity is the change
+    of the overlap in a step.
+    """
     v = grid.velocity
     closing = v[link["left_node"]] - v[link["right_node"]]
     (as_object,) = as_objects(np.array([link], LINK))

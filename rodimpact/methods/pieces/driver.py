@@ -95,6 +95,7 @@ class Members:
     """
 
     def __init__(self, row: Row, request: RunRequest) -> None:
+        """Lay out the records of all members, and put the first member on a `Batch`."""
         self.row = row
         self.request = request
         self.clock, jumps = family_clock(row, request.until)
@@ -110,6 +111,8 @@ class Members:
         self.masses = records_of_family(masses, MASS, row)
         self.lines = records_of_family(lines, LINE, row)
         self.parts = records_of_family(parts, GROUP_PART, row)
+        # Each link of a node may have an unknown force, with a value at each of N stages; the
+        # matrix of the equations has a column more, their right side.
         unknowns = N * int(self.nodes["link_count"].max())
         arrays: dict[str, Any] = {name: self.records(name)[0] for name in MEMBER_FIELDS}
         arrays["log"] = np.zeros(

@@ -219,7 +219,12 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
 
 
 def _largest_strain(row: Row, log: Any) -> float:
-    """Bound of the strain in all segments: that of one wave, v/c, with v = sum of abs(series)."""
+    """Bound of the absolute strain in all segments, without dimension.
+
+    The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c. With abs(a) and
+    abs(b) up to v it is at most v/c. A piece of a wave is at most the sum of the absolute
+    coefficients of its Chebyshev series.
+    """
     waves = log[log["line"] < 2 * len(row.segments)]
     wave_speeds = np.zeros(len(row.segments))
     for s, segment in enumerate(row.segments):

@@ -63,7 +63,7 @@ def elastic_share(link: Link) -> float:
 
 def set_forces(links: Links, node: Node) -> int:
     """Set the given forces, number the unknown ones and set them to 0; return their number."""
-    n = 0
+    unknown_count = 0
     for q in range(node.link_count):
         link = links[node.first_link + q]
         link.unknown_index = NONE
@@ -71,8 +71,8 @@ def set_forces(links: Links, node: Node) -> int:
             link.status >= Status.PRESS or link.law == Law.BOND or link.law == Law.JOINT
         )
         if acts and (node.link_count > 1 or overlap_changes(link)):
-            link.unknown_index = n
-            n += 1
+            link.unknown_index = unknown_count
+            unknown_count += 1
         for j in range(POINTS):
             link.force[j] = 0.0
             if link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT:
@@ -83,7 +83,7 @@ def set_forces(links: Links, node: Node) -> int:
                 # The waves of two rods decide, with nothing else between them.
                 closing = node.incoming[0][j] - node.incoming[1][j]
                 link.force[j] = closing / link.mobility
-    return n
+    return unknown_count
 
 
 def integrate(rate: Values, h: float, f: MutableValues) -> None:
@@ -156,9 +156,18 @@ def linearise(link: Link, h: float, first: bool) -> float:
 
 
 def set_equations(
-    links: Links, masses: Masses, node: Node, h: float, G: Matrix, n: int
+    links: Links, masses: Masses, node: Node, h: float, G: Matrix, unknown_count: int
 ) -> None:
-    """Set the equations of a Newton step: its changes of forces fulfil the tangent laws."""
+    """Set the equations of a Newton step: its changes of forces fulfil the tangent laws.
+
+    Each of the `unknown_count` forces has an equation at each of the N stages. The column of `G`
+    behind those of the unknowns is the right side, in newtons. The tangent law of a link is
+    F = base + by_overlap d + by_closing closing, with d and closing after the step. So the right
+    side is the force by the present d and closing, less the present force. A link at rest (REST)
+    has no law: its force is such that `closing` becomes 0, and the right side is the present
+    `closing`, m/s.
+    """
+    right_side = N * unknown_count
     for q in range(node.link_count):
         link = links[node.first_link + q]
         if link.unknown_index == NONE:
@@ -172,7 +181,7 @@ def set_equations(
             present = link.force[j + 1]
             if link.status == Status.REST:
                 present = 0.0
-            G[N * link.unknown_index + j][N * n] = (
+            G[N * link.unknown_index + j][right_side] = (
                 link.base[j + 1]
                 + link.by_overlap[j + 1] * link.overlaps[j + 1]
                 + link.by_closing[j + 1] * link.closing[j + 1]
@@ -231,7 +240,13 @@ def set_block(
 
 
 def take_step(
-    run: Run, links: Links, masses: Masses, node: Node, h: float, G: Matrix, n: int
+    run: Run,
+    links: Links,
+    masses: Masses,
+    node: Node,
+    h: float,
+    G: Matrix,
+    unknown_count: int,
 ) -> None:
     """Add the changes of a Newton step to the forces, and update the motion.
 
@@ -245,7 +260,7 @@ def take_step(
         if link.unknown_index == NONE:
             stages = 0
         for j in range(stages):
-            link.force[j + 1] += G[N * link.unknown_index + j][N * n]
+            link.force[j + 1] += G[N * link.unknown_index + j][N * unknown_count]
     update_motion(links, masses, node, h)
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -267,11 +282,11 @@ def collocate(
     links = borrowed(links)
     masses = borrowed(masses)
     G = borrowed(G)
-    n = set_forces(links, node)
+    unknown_count = set_forces(links, node)
     residual = 1.0
     steps = 0
     update_motion(links, masses, node, h)
-    while n > 0 and residual >= RESIDUAL_RTOL:
+    while unknown_count > 0 and residual >= RESIDUAL_RTOL:
         if steps == MAX_NEWTON_STEPS or not residual < 1e300:
             return False
         residual = 0.0
@@ -283,9 +298,9 @@ def collocate(
                     if steps == 0:
                         missed = 1.0  # the first tangent was taken at an extrapolation
                     residual = max(residual, missed)
-        set_equations(links, masses, node, h, G, n)
-        series.eliminate(G, N * n, 2 * N)
-        take_step(run, links, masses, node, h, G, n)
+        set_equations(links, masses, node, h, G, unknown_count)
+        series.eliminate(G, N * unknown_count, 2 * N)
+        take_step(run, links, masses, node, h, G, unknown_count)
         steps += 1
     for q in range(node.link_count):
         link = links[node.first_link + q]

@@ -19,7 +19,7 @@ VALUES_PER_INTERVAL = 6
 SHARES = (
     1 - np.cos(np.pi * np.arange(VALUES_PER_INTERVAL) / (VALUES_PER_INTERVAL - 1))
 ) / 2
-"""Places of these values in the interval, from 0 to 1: Chebyshev points."""
+"""Places of these values, as shares of the width of the interval from 0 to 1: Chebyshev points."""
 _SERIES = np.array(SERIES)
 _X = np.array(X)
 
@@ -65,6 +65,7 @@ def _from_samples(
 
     spline = make_interp_spline(edges, samples, 5)
     values = spline(edges[:-1, None] + step * SHARES)
+    # The spline passes through the samples but for round-off, which would be a jump of the signal.
     values[:, 0] = samples[:-1]
     values[:, -1] = samples[1:]
     degree = VALUES_PER_INTERVAL - 1
