@@ -244,7 +244,7 @@ class InitialLines:
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
         """Pieces of what acts on an end and varies over time, [1, piece].
 
-        Only a single collision has such an end: a family has one of constant values.
+        There is one member: what acts on the ends of a family is constant in time.
         """
         until = self._request.until
         assert until is not None
