@@ -538,21 +538,22 @@ class PairNumbers(NamedTuple):
 def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
     """Numbers of `saint_venant` from impedances, kg/s, and transit times, s.
 
-    The page has this function and `pair_restitution` as JavaScript.
+    Impedances that are equal but for round-off give q = 0 and p = 1. The page of the
+    explorer has this function and `pair_restitution` as JavaScript.
     """
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
     difference = high - low
     total = high + low
     is_equal = difference <= EQUAL_IMPEDANCES_RTOL * high
-    # Whether the impedance of the short rod is the higher one
-    is_short_higher = np.where(Z1 > Z2, T1 < T2, T2 < T1)
-    is_short_higher = np.where(is_equal, False, is_short_higher)
+    # Where transit times are equal, no rod is the short one, and q is not positive.
+    short_has_higher_impedance = np.where(Z1 > Z2, T1 < T2, T2 < T1)
+    short_has_higher_impedance = np.where(is_equal, False, short_has_higher_impedance)
     abs_q = np.where(is_equal, 0.0, difference / total)
-    q = np.where(is_short_higher, abs_q, -abs_q)
+    q = np.where(short_has_higher_impedance, abs_q, -abs_q)
     p = np.where(is_equal, 1.0, 2 * low / total)
     # With r = low/high, q = (1 - r)/(1 + r), and log(q) = -2 artanh(r).
-    low_over_high = np.where(is_short_higher, low / high, 0.0)
+    low_over_high = np.where(short_has_higher_impedance, low / high, 0.0)
     log_q = -2 * np.arctanh(low_over_high)
     return PairNumbers(np.minimum(T1, T2), np.maximum(T1, T2), q, p, log_q)
 

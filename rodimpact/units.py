@@ -88,10 +88,10 @@ UNITS: dict[str, dict[str, str]] = {
 }
 """Units of each dimension, each with its exact value in the SI unit."""
 
-DIMENSION: dict[str, str] = {}
+DIMENSION_OF_UNIT: dict[str, str] = {}
 """Dimension of each unit."""
 for _dimension, _units in UNITS.items():
-    DIMENSION.update(dict.fromkeys(_units, _dimension))
+    DIMENSION_OF_UNIT.update(dict.fromkeys(_units, _dimension))
 
 _QUANTITY = re.compile(
     r"(?P<number>[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE](?P<power>[+-]?[0-9]+))?)"
@@ -202,7 +202,7 @@ def _fraction(text: str, units: dict[str, str]) -> Fraction:
     if quantity["unit"] is not None:
         unit = _spelt(quantity["unit"])
     if unit and unit not in units:
-        dimension = DIMENSION.get(unit)
+        dimension = DIMENSION_OF_UNIT.get(unit)
         if dimension is not None:
             raise ValueError(f"{unit!r} is a unit of {dimension}")
         raise ValueError(f"unknown unit {shown(unit)}{_hint(unit, units)}")
@@ -230,7 +230,8 @@ def conversion(unit: str) -> Conversion | None:
     Parameters
     ----------
     unit : str
-        One of `UNITS`, or another spelling of it.
+        A unit of one of the dimensions of `UNITS`, or another spelling of it; "" and "1"
+        stand for pure numbers.
 
     Returns
     -------
@@ -251,7 +252,7 @@ def conversion(unit: str) -> Conversion | None:
     spelt = _spelt(unit)
     if not spelt:
         return Conversion("", Fraction(1))
-    dimension = DIMENSION.get(spelt)
+    dimension = DIMENSION_OF_UNIT.get(spelt)
     if dimension is None:
         return None
     return Conversion(si_unit(dimension), Fraction(UNITS[dimension][spelt]))
@@ -265,7 +266,7 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     values : float or array
         Numbers in `unit`.
     unit : str
-        One of `UNITS`, or another spelling of it.
+        A unit as `conversion` takes it.
 
     Returns
     -------
@@ -285,7 +286,7 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     if isinstance(unit, str):
         to_si = conversion(unit)
     if to_si is None:
-        hint = _hint(shown(unit)[1:-1], DIMENSION)
+        hint = _hint(shown(unit)[1:-1], DIMENSION_OF_UNIT)
         if not hint:
             hint = "; use one such as 'V', 'mV' or 'N'"
         raise ValueError(f"unknown unit {shown(unit)}{hint}")

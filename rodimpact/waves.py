@@ -292,14 +292,14 @@ class Bar(FrozenDataclass):
         return float_or_array(relative_delay / self.wave_speed)
 
     def _speed_ratio(self, frequency: ArrayLike) -> Array:
-        """c/c0 at frequencies in Hz."""
+        """c/c0 of the first mode at frequencies in Hz."""
         f = array("frequency", frequency, "Hz", "non-negative")
-        W = 2 * math.pi * f * self.radius / self.wave_speed
+        W = 2 * math.pi * f * self.radius / self.wave_speed  # omega a/c0
         poisson_ratios = np.full(f.shape, self.poisson_ratio)
         return _lowest_roots(_wavenumber_of_frequency, W, poisson_ratios)
 
     def _scaled_frequency(self, G: Array) -> Any:
-        """omega a/c0 at dimensionless wave numbers G."""
+        """omega a/c0 of the first mode at dimensionless wave numbers G = k a = 2 pi a/l."""
         radius_over_wavelength = G / (2 * math.pi)
         return G * first_mode(radius_over_wavelength, self.poisson_ratio)
 
@@ -480,7 +480,7 @@ def _same_wavenumber(G: Any, x: Any) -> Any:  # noqa: ARG001
 
 
 def _wavenumber_of_frequency(W: Any, x: Any) -> Any:
-    """G of a wave that is given by W = omega a/c0."""
+    """G = k a of a wave that is given by W = omega a/c0, x = c/c0."""
     return W / x
 
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from .. import Case, InvalidModel, Misfit, Pulse, Signal, Solution, solve
 from ..records.comparison import gain_unit
 from ..results.regions import nothing_to_draw
-from ..storage.tables import align, as_json
+from ..storage.tables import align, versioned_json
 from ..units import format_si
 from . import record_options
 from .arguments import (
@@ -232,7 +232,7 @@ def _json(comparisons: dict[str, Comparison]) -> str:
             "measured": _pulse_entries(comparison.measured_pulse),
             "predicted": _pulse_entries(comparison.predicted_pulse),
         }
-    return as_json(channels=channels)
+    return versioned_json(channels=channels)
 
 
 def _pulse_entries(pulse: Pulse | None) -> dict[str, Any] | None:

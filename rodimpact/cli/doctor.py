@@ -11,7 +11,7 @@ from importlib import metadata
 from .. import __version__, warm
 from ..methods import kernels
 from ..methods.fronts.members import run_members
-from ..storage.tables import align, as_json
+from ..storage.tables import align, versioned_json
 from .exit_status import DONE, FAULT, CommandResult
 
 NO_CACHE_FOLDER = "no folder can be written; set NUMBA_CACHE_DIR to one"
@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> CommandResult:
         if args.warm:
             seconds = warm()
     if args.json:
-        text = as_json(
+        text = versioned_json(
             versions=versions,
             cache_directory=cache,
             no_compiler=why_no_compiler,

@@ -3,7 +3,7 @@
 import argparse
 
 from ..materials import SOURCES, TABLE
-from ..storage.tables import align, as_json
+from ..storage.tables import align, versioned_json
 from ..units import format_si
 from .exit_status import DONE, CommandResult
 
@@ -27,7 +27,7 @@ def _json() -> str:
         entry["wave_speed"] = material.wave_speed
         entry["source"] = SOURCES[name]
         entries.append(entry)
-    return as_json(materials=entries)
+    return versioned_json(materials=entries)
 
 
 def _table() -> str:

@@ -35,7 +35,7 @@ from .. import (
     reduce,
 )
 from ..records.cut_pulses import CLOCKS
-from ..storage.tables import as_json
+from ..storage.tables import versioned_json
 from . import record_options
 from .arguments import Arguments, add_number, figure_writer
 from .exit_status import DONE, INCOMPLETE, CommandResult
@@ -269,7 +269,7 @@ def _json(reduction: Reduction) -> str:
     alignment = None
     if reduction.alignment is not None:
         alignment = reduction.alignment._asdict()
-    return as_json(
+    return versioned_json(
         verdict=verdict,
         shifts=reduction.shifts,
         alignment=alignment,

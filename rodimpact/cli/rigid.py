@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from .. import rigid
 from ..model.frozen import raise_if_problems
-from ..storage.tables import align, as_json, clean
+from ..storage.tables import align, clean, versioned_json
 from ..units import format_si
 from .arguments import Arguments, NumberAction, add_number
 from .exit_status import DONE, CommandResult
@@ -70,7 +70,9 @@ def run(args: Arguments) -> CommandResult:
         )
     numbers = {name: float(value) for name, value in collision._asdict().items()}
     if args.json:
-        text = as_json(m1=m1, v1=args.v1, m2=m2, v2=args.v2, restitution=e, **numbers)
+        text = versioned_json(
+            m1=m1, v1=args.v1, m2=m2, v2=args.v2, restitution=e, **numbers
+        )
         return CommandResult(text, DONE)
     bodies = [
         Body(m1, args.v1, numbers["velocity_1"]),

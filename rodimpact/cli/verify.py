@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from .. import RigidMass, Rod, System, solve, theory
 from ..materials import brass, steel
-from ..storage.tables import align, as_json
+from ..storage.tables import align, versioned_json
 from .exit_status import DONE, UNVERIFIED, CommandResult
 
 FRONTS_RTOL = 1e-12
@@ -81,7 +81,7 @@ def _json(results: list[Check]) -> str:
         row["difference"] = check.difference
         row["passed"] = check.passed
         rows.append(row)
-    return as_json(passed=all(check.passed for check in results), checks=rows)
+    return versioned_json(passed=all(check.passed for check in results), checks=rows)
 
 
 def _table(results: list[Check]) -> str:

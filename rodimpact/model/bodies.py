@@ -584,7 +584,7 @@ class Rod(Frozen, kind="rod"):
             lengths = []
             for i, segment in enumerate(pieces):
                 lengths.append((f"segments.{i}.length", segment.length))
-            frozen.family_shape(lengths)  # refuses lengths that make no family
+            frozen.family_shape(lengths)  # raises if these lengths make no family
         total: Number | None = None  # faulty segments leave the length unknown
         if not problems:
             total = sum(segment.length for segment in pieces)
@@ -680,6 +680,7 @@ def _checked_shaft(
 def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments of a rod as given, or else of its shape, the arguments of `Segment`.
 
+    A shape makes one segment, or one for each value of an area that is `Steps`.
     InvalidModel if the arguments of `Rod` make none.
     """
     if segments is not None:

@@ -139,6 +139,7 @@ class Samples(FrozenDataclass):
         self._set(error=ERROR.checked(problems, "error", self.error))
 
     def _parameters(self) -> dict[str, Any]:
+        """Parameters without a smoothness and an error that are the defaults."""
         parameters = super()._parameters()
         if parameters.get("smooth") is False:
             del parameters["smooth"]
@@ -235,6 +236,7 @@ class Polynomials(FrozenDataclass):
         return coefficients
 
     def _parameters(self) -> dict[str, Any]:
+        """Parameters without an error of 0, the default."""
         parameters = super()._parameters()
         if _is_zero(parameters.get("error")):
             del parameters["error"]
@@ -315,7 +317,10 @@ def along_rod(
 def _check_inside(
     problems: Problems, path: str, profile: Steps | Polynomials, length: Number
 ) -> None:
-    """Add a problem if the last jump or border of a profile lies beyond the rod."""
+    """Add a problem if the last jump or border of a profile lies beyond the rod.
+
+    InvalidModel if arrays among the numbers do not broadcast.
+    """
     if isinstance(profile, Steps):
         places = list(profile.at)
     else:
@@ -323,7 +328,8 @@ def _check_inside(
     if not places:
         return
     if isinstance(profile, Steps):
-        # The numbers of the profile may be arrays, which must go with those of the length.
+        # Numbers of steps may be arrays, and the call raises if they do not broadcast with
+        # the length. The numbers of polynomials are the same in all members.
         numbers = [("length", length), *profile._numbers(path)]
         frozen.family_shape(numbers)
     last = places[-1]

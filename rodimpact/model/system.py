@@ -107,8 +107,10 @@ class System(FrozenDataclass):
             _check_any_moves(problems, bodies, laws)
         given_gaps = _one_per_pair(problems, "gaps", self.gaps, 0.0, n_pairs)
         gaps = []
+        # Lists of the wrong length have a problem by now; the pairs they have are checked.
         for i, law, gap in zip(range(n_pairs), laws, given_gaps, strict=False):
             field = GAP
+            # What is no law has its problem in `_check_contact`.
             if type(law) in _LAWS and not isinstance(law, Rigid | Bonded | Joint):
                 field = GAP_OR_OVERLAP
             checked_gap = field.checked(problems, f"gaps.{i}", gap)
@@ -116,6 +118,7 @@ class System(FrozenDataclass):
             _check_contact(problems, i, law, checked_gap, bodies[i : i + 2])
         ends = _checked_ends(problems, self.ends, bodies)
         frozen.raise_if_problems(problems)
+        # Lists are kept as tuples, which do not change.
         self._set(
             bodies=tuple(bodies),
             gaps=tuple(gaps),
@@ -400,7 +403,11 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
 def _one_per_pair(
     problems: Problems, name: str, items: Any, default: Any, n_pairs: int
 ) -> Any:
-    """Items of the neighbouring pairs, or defaults; a problem if their number is wrong."""
+    """Items of the neighbouring pairs, or defaults; a problem if their number is wrong.
+
+    A list of the wrong length is returned as it is, so that its items are checked too;
+    what is no list becomes ().
+    """
     if items is None:
         return (default,) * n_pairs
     is_list = isinstance(items, list | tuple)
@@ -469,7 +476,8 @@ def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
     """Add a problem of a rigid contact that is undetermined, or determined twice."""
     kinds = set(map(type, pair))
     has_mass = RigidMass in kinds
-    are_rigid = kinds <= {RigidMass, Wall}
+    are_rigid = kinds <= {RigidMass, Wall}  # a wall is rigid too
+    # Two walls, and what is no body, have a problem of their own elsewhere.
     if law.restitution is None and has_mass and are_rigid:
         message = (
             "no wave decides this contact: give Rigid(restitution=...) or a compliant "

@@ -104,6 +104,7 @@ class Checkpoint:
         return spans(~self.done)
 
     def _take(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
+        """Copy the columns of some members to their places; these members are done."""
         for name, column in self.columns.items():
             column[start:stop] = part[name]
         self.done[start:stop] = True
@@ -155,7 +156,7 @@ class Checkpoint:
         return _Chunk(document["start"], columns)
 
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
-        """Take the results of some members, and save what has come for a while."""
+        """Take the results of the members from `start` to `stop`, and save now and then."""
         self._take(start, stop, part)
         self._new[start:stop] = True
         now = time.monotonic()
@@ -164,7 +165,11 @@ class Checkpoint:
             self.close()
 
     def close(self) -> None:
-        """Write the members that are not on the disk."""
+        """Save the members that are not on the disk; more may come afterwards.
+
+        `put` does so from time to time, and the sweep at its end. Without a directory nothing is
+        written.
+        """
         for start, stop in spans(self._new):
             if self.path is None:
                 break

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..model.numbering import body_names, contact_names
 from ..units import format_si
-from .tables import align, as_json, clean, joules
+from .tables import align, clean, joules, versioned_json
 
 MAX_LISTED_EPISODES = 12
 """Episodes that a table lists, at most."""
@@ -130,14 +130,16 @@ def solution_json(solution: Any) -> str:
     Returns
     -------
     str
-        With ``schema_version``, the system, the outcome, and for each contact its episodes. Numbers
-        that do not exist or are infinite are null; where there is no restitution,
-        ``restitution_undefined`` is the reason.
+        An object with ``schema_version``, ``system``, ``method``, ``outcome``, ``episodes`` of each
+        contact, and how the run went, as the attributes of `Solution` say: ``final``,
+        ``stopped_by``, ``status``, ``t_end``, ``t_final``, ``t_proved``, ``events`` and
+        ``transit_error``. Numbers that do not exist or are infinite are null. In the outcome
+        ``restitution_undefined`` is the reason why there is no restitution, else null.
     """
     episodes = []
     for contact in solution.contacts:
         episodes.append([episode._asdict() for episode in contact.episodes])
-    return as_json(
+    return versioned_json(
         system=solution.system.to_dict(),
         method=solution.method,
         outcome=_outcome_entries(solution.outcome),
@@ -268,6 +270,7 @@ def _episodes_table(solution: Any) -> str:
     rows = []
     for contact in solution.contacts:
         for episode in contact.episodes:
+            # The fields of an episode are these times, in the order of the head below.
             times = [format_si(t, "s") for t in episode]
             rows.append([names[contact.index], *times])
     if not rows:

@@ -134,8 +134,8 @@ def joules(value: float, scale: float) -> str:
     return format_si(clean(value, scale), "J")
 
 
-def as_json(**entries: Any) -> str:
-    """A JSON document for programs."""
+def versioned_json(**entries: Any) -> str:
+    """A JSON document for programs: the entries after `SCHEMA_VERSION`; null for nan and inf."""
     document = {"schema_version": SCHEMA_VERSION} | finite(entries)
     return json.dumps(document, indent=2)
 
