@@ -27,7 +27,7 @@ from ..methods.row_builder import build_row
 from ..methods.scales import smallest
 from ..methods.states import Stop
 from ..methods.status import RunEnd, rounding, strain_warning
-from ..results.front_polygons import count_of, polygons_of, wave_of
+from ..results.front_polygons import count_of_regions, polygons_of, wave_of
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
 from .facts import RunSummary, facts_of_outcome
@@ -113,7 +113,7 @@ def motion_of(run: PageRun) -> Any:
     waves = waves_of_fronts(run)
     rods = rods_of(row, transits, waves)
     now: int = record.now
-    while now > 0 and count_of(rods, 0, now, MAX_REGIONS) > MAX_REGIONS:
+    while now > 0 and count_of_regions(rods, 0, now, MAX_REGIONS) > MAX_REGIONS:
         now //= 2
     return {
         "row": row,

@@ -15,7 +15,7 @@ from ..model import Absorbing
 from ..model.arguments import flag, one_of
 from ..model.frozen import invalid_argument
 from ..results.gauges import Gauge, check_gauges
-from ..results.solution import Solution, check_waves
+from ..results.solution import Solution, check_has_rod
 from .borders import Borders, ContactLines, Cut, apart_style, open_end_style
 from .labels import legend_above
 from .layout import PictureLayout, choose_layout
@@ -139,7 +139,7 @@ def draft_spacetime(
     gauges: Mapping[str, Gauge] | None = None,
 ) -> Draft:
     """Draft of `spacetime`, with the same parameters."""
-    check_waves(solution)
+    check_has_rod(solution)
     one_of("field", field, FIELDS)
     one_of("coordinates", coordinates, ("lab", "body"))
     flag("dimensionless", dimensionless)

@@ -29,7 +29,7 @@ from ..progress import (
     check_progress,
     no_report,
 )
-from ..results.solution import Solution, check_waves
+from ..results.solution import Solution, check_has_rod
 from ..storage import writing
 from ..units import shown
 from . import films
@@ -379,7 +379,7 @@ def animation(
     >>> film.clock(len(film) - 1), film.frame(4).shape
     ('t = 317 µs', (680, 840, 3))
     """
-    check_waves(solution)
+    check_has_rod(solution)
     one_of("field", field, ("velocity", "stress", "strain"))
     check_frames(frames, fps)
     start = scalar("start", start, "s")

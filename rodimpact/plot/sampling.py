@@ -60,7 +60,7 @@ def state_at(solution: Solution, body: int, t: float) -> Profile:
 def properties(solution: Solution, body: int, x: Floats) -> Iterator[Floats]:
     """Area, m^2, Young's modulus, Pa, and density, kg/m^3, at points x of a rod, m."""
     for name in ("area", "youngs_modulus", "density"):
-        yield solution._along(body, x, name)
+        yield solution._property_along(body, x, name)
 
 
 class StepCurve(NamedTuple):

@@ -12,7 +12,7 @@ from ..model import RigidMass
 from ..model.arguments import array
 from ..model.frozen import invalid_argument
 from ..results.gauges import Gauge, check_gauges
-from ..results.solution import Solution, check_waves
+from ..results.solution import Solution, check_has_rod
 from .bars import LEGEND, Bars, merged
 from .labels import (
     DIGIT,
@@ -111,7 +111,7 @@ def snapshots(
     >>> bool(picture.ax.figure.get_figwidth() > 0)
     True
     """
-    check_waves(solution)
+    check_has_rod(solution)
     if times is None:
         when = moments(solution)
     else:

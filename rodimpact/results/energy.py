@@ -88,8 +88,8 @@ class BondedGroups(NamedTuple):
     """Groups of bonded bodies at some times; of walls there is no motion."""
 
     ticks: Ints  # [time]
-    bodies: list[list[int]]  # by group: those that can move; none of a lone wall
-    velocity: Floats  # [group, time], m/s, of the centre of mass; 0 of a lone wall
+    bodies: list[list[int]]  # by group: those that can move, see `movable_groups`
+    velocity: Floats  # [group, time], m/s, of the centre of mass; 0 where none can move
     mass: float  # of all groups together, kg
     momentum: Floats  # [time], of all groups together, kg m/s
     kinetic: Floats  # [time], of the motion of all centres of mass, J
@@ -111,28 +111,32 @@ class BoundaryWorks(NamedTuple):
 
 
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
-    """Velocities and energies of the groups at [time] ticks at which energies are known."""
+    """Velocities and energies of the groups at [time] ticks at which energies are known.
+
+    A group in which no body can move has no velocity, mass or energy: a wall alone is one.
+    """
     clock = fields.clock
     times = ticks * clock.tick
-    bodies = movable_groups(clock.system)
-    mass = np.zeros((len(bodies), 1))
-    velocities = np.zeros((len(bodies), len(ticks)))
+    movable_bodies = movable_groups(clock.system)  # by group
+    mass = np.zeros((len(movable_bodies), 1))
+    velocities = np.zeros((len(movable_bodies), len(ticks)))
     vibrational_kinetic = np.zeros((len(clock.system.bodies), len(ticks)))
     strain = np.zeros(vibrational_kinetic.shape)
-    for g, group in enumerate(bodies):
+    for g, group in enumerate(movable_bodies):
         momentum: Any = 0.0
         for i in group:
             mass[g] += clock.mass(i)
             momentum = momentum + _momentum(fields, i, times)
         if len(group) > 0:
             velocities[g] = momentum / mass[g]
+        # The velocity of the group is known now; energies of its bodies are relative to it.
         for i in group:
             energies = _energies(fields, i, ticks, velocities[g])
             vibrational_kinetic[i] = energies.kinetic
             strain[i] = energies.strain
     return BondedGroups(
         ticks=ticks,
-        bodies=bodies,
+        bodies=movable_bodies,
         velocity=velocities,
         mass=float(mass.sum()),
         momentum=np.sum(mass * velocities, axis=0),
@@ -143,7 +147,10 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
 
 
 def movable_groups(system: System) -> list[list[int]]:
-    """Groups of bonded bodies that can move: a group may have none."""
+    """For each group of bonded bodies those that can move.
+
+    Walls and the masses that are bonded to them cannot, so a group may have none.
+    """
     free = movable(system)
     movable_bodies = []
     for group in groups(system):

@@ -74,7 +74,11 @@ class ExtremeStress(NamedTuple):
 
 
 def strongest(peaks: Iterable[StressPeak]) -> StressPeak:
-    """The peak of largest absolute stress; the earliest one where several are equal."""
+    """The peak of largest absolute stress; `NO_STRESS` if there is none, or all are 0.
+
+    Of several that are equal but for round-off it is the earliest one, and of these the
+    leftmost.
+    """
     candidates = [NO_STRESS, *peaks]
     largest = max(abs(peak.stress) for peak in candidates)  # Pa
     if largest == 0:

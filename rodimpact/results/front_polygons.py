@@ -2,7 +2,7 @@
 
 For figures and, as JavaScript, for the page. A wave is a table of lists: `tick` of its fronts,
 `value` from each of them on, m/s in a frame, and `passed`, its integral from its first front to
-each of them, m/s ticks.
+each of them, m/s ticks. A piece is a segment of a rod as a table, see `polygons_of`.
 
 With p and q the ticks at which the waves seen at (x, t) left the left and the right end of a
 segment of transit time T, t = (p + q + T)/2. A region of constant state is a rectangle in (p, q),
@@ -149,7 +149,8 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
 def crossing(start: int, stop: int, here: int, there: int) -> int:
     """Tick at which a depth is 0 that is `here` at `start` and `there` at `stop`.
 
-    The quotient comes first, since products are too large.
+    Both divisions are exact, since the cut lies at a whole tick, see `clip`. The quotient comes
+    first, since products may exceed 2^53, up to which JavaScript has every whole number.
     """
     if start == stop:
         return start
@@ -157,8 +158,11 @@ def crossing(start: int, stop: int, here: int, there: int) -> int:
     return start + here // fall_per_tick
 
 
-def count_of(rods: Any, start: int, stop: int, limit: float) -> int:
-    """Number of regions of constant state; of more than `limit` not all are counted."""
+def count_of_regions(rods: Any, start: int, stop: int, limit: float) -> int:
+    """Number of regions of constant state between two ticks.
+
+    Of more than `limit` not all are counted.
+    """
     count = 0
     for rod in rods:
         for piece in rod["pieces"]:
@@ -183,6 +187,7 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
     frame : float
         Its velocity, m/s.
     start, stop : int
+        Ticks.
     """
     polygons: Any = {
         "body": [],

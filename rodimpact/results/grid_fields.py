@@ -106,8 +106,10 @@ class GridFields(Fields):
 
     def _interpolated(self, body: int, x: Floats, ticks: Ints, table: Table) -> Floats:
         """Interpolate a table at places x of a rod, m, and at ticks; the two broadcast."""
+        # Raises if a place lies outside of the rod, or places and ticks do not broadcast.
         self._broadcast_shape(self.locate(body, x)[0], ticks)
         places = table.places
+        # Of a place that is there twice, where the field jumps, the right one counts.
         left = np.searchsorted(places, x, "right") - 1
         left = np.clip(left, 0, len(places) - 2)
         distance = places[left + 1] - places[left]

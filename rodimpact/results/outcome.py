@@ -226,6 +226,7 @@ class Outcome(OnlyContact[float]):
         entries: dict[str, Any] = {}
         for name, value in vars(self).items():
             entries[name] = json_ready(value)
+        # The loop has made a contact a list of its totals; here each total has its name.
         contacts = []
         for tally in self.contacts:
             contacts.append(tally._asdict())

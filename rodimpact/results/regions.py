@@ -13,7 +13,7 @@ from ..methods.signals import Floats, Ints
 from ..model import Segment
 from ..model.arguments import demand, scalar
 from ..model.frozen import invalid_argument
-from .front_polygons import count_of, polygons_of, wave_of
+from .front_polygons import count_of_regions, polygons_of, wave_of
 from .segment_waves import SegmentWaves
 from .solution import Solution, check_solution
 from .wave_fields import WaveFields
@@ -116,7 +116,7 @@ def regions_of(
     limit = scalar("limit", limit, "", "")
     demand(limit >= 1, "limit", "must be 1 or more, got {0:g}", limit)
     rods = _rods(fields)
-    if count_of(rods, first_tick, last_tick, limit) > limit:
+    if count_of_regions(rods, first_tick, last_tick, limit) > limit:
         message = f"more than {limit:.15g} regions; choose a shorter interval"
         raise invalid_argument("limit", message)
     clock = fields.clock
@@ -147,7 +147,7 @@ def readable_until(solution: Solution, limit: int) -> float:
     stop = solution.t_end
     _, last_tick = _interval(fields, 0.0, stop)
     rods = _rods(fields)
-    while last_tick and count_of(rods, 0, last_tick, limit) > limit:
+    while last_tick and count_of_regions(rods, 0, last_tick, limit) > limit:
         stop /= 2
         last_tick = int(fields.to_ticks(stop))
     if not last_tick:

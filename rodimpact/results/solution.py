@@ -194,9 +194,10 @@ class Solution(Shown):
     ) -> Floats:
         """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
         strain = self.strain(body, x, t, side)
-        stress = strain * self._along(body, x, "youngs_modulus")
-        viscosity = self._along(body, x, "viscosity")
+        stress = strain * self._property_along(body, x, "youngs_modulus")
+        viscosity = self._property_along(body, x, "viscosity")
         if viscosity.any():
+            # Viscous rods run on a grid alone, whose rates have no jumps in time and so no side.
             stress = stress + self.fields.strain_rate(body, x, t) * viscosity
         return stress
 
@@ -206,7 +207,7 @@ class Solution(Shown):
     ) -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
         stress = self.stress(body, x, t, side)
-        return stress * self._along(body, x, "area")
+        return stress * self._property_along(body, x, "area")
 
     @_ALLOW_UNDERFLOW
     def extreme_stress(self, body: int) -> ExtremeStress:
@@ -587,10 +588,11 @@ class Solution(Shown):
         """Return the index of a body; InvalidModel unless the row has such a body."""
         return integer("body", body, 0, len(self.system.bodies) - 1)
 
-    def _along(self, body: int, x: ArrayLike, name: str) -> Floats:
-        """Values like x of ``"area"``, or of a number of the material, at points of a rod.
+    def _property_along(self, body: int, x: ArrayLike, name: str) -> Floats:
+        """Values of ``"area"``, or of a number of the material, at points x of a rod.
 
-        The points are in m from the left end of the rod. Samples are interpolated.
+        The points are in m from the left end of the rod; the values have their shape. Samples
+        are interpolated.
         """
         location = self.fields.locate(body, x)
         values = np.empty(location.segment.shape)
@@ -614,7 +616,7 @@ def check_solution(value: Any) -> None:
     of_kind("solution", value, Solution, "rodimpact.solve(system)")
 
 
-def check_waves(value: Any) -> None:
+def check_has_rod(value: Any) -> None:
     """Raise ValueError for what is no solution, or has no rod whose waves could be drawn."""
     check_solution(value)
     if "rod" not in value.system.kinds:

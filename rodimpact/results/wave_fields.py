@@ -113,13 +113,15 @@ class WaveFields(Fields):
     def _initial_displacements(self) -> list[float]:
         """Displacement of the left end of each segment at t = 0, m.
 
-        By segment with the outside on the left. The left end of each rod has none.
+        By the number of the segment in the row. Entry 0 stands for the outside on the left of
+        the row. The left end of each rod has no displacement.
         """
         displacements = [0.0]
         for body in range(len(self.clock.spans)):
             displacement = 0.0
             for waves in self.waves_along(body):
                 displacements.append(displacement)
+                # m/s ticks times s for each tick: m
                 displacement += waves.initial_elongation() * self.clock.tick
         return displacements
 
@@ -252,7 +254,12 @@ class WaveFields(Fields):
         return StressPeak(stress, x, tick * self.clock.tick)
 
     def profile(self, body: int, tick: int) -> Profile:
-        """State of a rod just after `tick`: means of velocity and strain over its pieces."""
+        """State of a rod just after `tick`: means of velocity and strain over its pieces.
+
+        v = (A + B)/2 and strain = (B - A)/(2 c), with the wave A that left the left end of a
+        segment and B that left its right end. A front that leaves an end at `tick` has left
+        it, see `SegmentWaves.piece_bounds`.
+        """
         frame = self.frame_velocity(tick)
         edges = [np.zeros(1)]
         velocities = []
@@ -261,11 +268,11 @@ class WaveFields(Fields):
         for i, waves in enumerate(self.waves_along(body)):
             T = waves.transit
             bounds = waves.piece_bounds(tick)
-            near = bounds[:-1]
-            far = bounds[1:]
+            near_time = bounds[:-1]  # of travel from the left end, ticks
+            far_time = bounds[1:]
             # The part of a wave that has travelled for n ticks left its end at tick - n.
-            A = waves.rightward.means(tick - far, tick - near)
-            B = waves.leftward.means(tick - T + near, tick - T + far)
+            A = waves.rightward.means(tick - far_time, tick - near_time)
+            B = waves.leftward.means(tick - T + near_time, tick - T + far_time)
             velocities.append((A + B) / 2 + frame)
             strains.append((B - A) * waves.strain_per_difference)
             inner = ends[i] + waves.length * (bounds[1:-1] / T)
