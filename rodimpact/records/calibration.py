@@ -26,7 +26,7 @@ from .signal import Signal
 
 TRAVEL_RANGE_RTOL = 0.1
 """Bounds the error of the travel times of the given bars, over these times."""
-PULSE_RTOL = 0.15
+PULSE_THRESHOLD = 0.15
 """Smallest strain that counts to a pulse, over its largest."""
 SPEED_ITERATIONS = 3
 """Steps to a wave speed: dispersion, which predicts the pulse, depends on the wave speed."""
@@ -297,7 +297,7 @@ def _fit_wave_speed(
         travel = path / bar.speed
         predicted = predict(bar)
         size = np.abs(predicted)
-        pulse = np.flatnonzero(size > PULSE_RTOL * size.max())
+        pulse = np.flatnonzero(size > PULSE_THRESHOLD * size.max())
         first = pulse[0]
         last = pulse[-1]
         slack = TRAVEL_RANGE_RTOL * travel
@@ -341,14 +341,14 @@ def _reflected_ratio(input_bar: InstrumentedBar) -> float:
     incident = _passing(input_bar)
     returned = input_bar.propagated(incident, 2 * float(input_bar.distances[0]))
     size = np.abs(returned)
-    pulse = size > PULSE_RTOL * size.max()
+    pulse = size > PULSE_THRESHOLD * size.max()
     expected = returned[pulse]
     recorded = (input_bar.strains[0] - incident)[pulse]
     return float(expected @ recorded / (expected @ expected))
 
 
 def _noise(bar: InstrumentedBar) -> float:
-    """Standard deviation before the pulse."""
+    """Standard deviation of the strain at the first gauge before the pulse."""
     return float(bar.strains[0, : bar.rest_samples].std())
 
 
@@ -371,15 +371,16 @@ class _Ratio(NamedTuple):
 def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
     """Predicted pulse over the recorded one, by least squares.
 
-    Residuals are alike for a rise time, so the standard error is that of blocks of this length.
+    Residuals are correlated over a rise time, so the standard error is that of blocks of this
+    length.
     """
-    pulse = np.abs(predicted) > PULSE_RTOL * np.abs(predicted).max()
+    pulse = np.abs(predicted) > PULSE_THRESHOLD * np.abs(predicted).max()
     recorded = bar.strains[0][pulse]
-    power = float(recorded @ recorded)
-    ratio = float(predicted[pulse] @ recorded) / power
+    sum_of_squares = float(recorded @ recorded)
+    ratio = float(predicted[pulse] @ recorded) / sum_of_squares
     products = recorded * (predicted[pulse] - ratio * recorded)
     sums = _block_sums(products, bar)
-    return _Ratio(ratio, math.sqrt(float(sums @ sums)) / power)
+    return _Ratio(ratio, math.sqrt(float(sums @ sums)) / sum_of_squares)
 
 
 def _plateau_error(bar: InstrumentedBar) -> float:
@@ -414,7 +415,10 @@ def _passing(bar: InstrumentedBar) -> Floats:
 
 
 def _bending(gauge: BarGauge, bar: InstrumentedBar) -> float | None:
-    """Largest bending strain while the pulse passes, over its plateau."""
+    """Largest bending strain while the pulse passes, over the plateau of the mean strain.
+
+    The pulse, its plateau and the time in which it passes are those of the first gauge of the bar.
+    """
     bending = gauge.bending
     if bending is None:
         return None

@@ -64,14 +64,19 @@ class DirectImpactShot:
         return float(np.asarray(self.striker.velocity))
 
     def _lost_velocity(self, force: Floats) -> Floats:
-        """Velocity that the striker's face has lost to a force, m/s."""
+        """Velocity that the striker's face has lost to a force, m/s.
+
+        It is int F dt/m of a rigid striker, and c (g + T(2 L) g) of a rod with a free far end.
+        """
         striker = self.striker
         if isinstance(striker, RigidMass):
             return integral(force, self.output.times) / float(striker.mass)
         guide = Waveguide(striker, self.output.dt)
         round_trip = 2 * float(striker.length)
-        leaving = sum_of_passages(guide, force / guide.stiffness, round_trip)
-        return guide.speed * (leaving + guide.propagated(leaving, round_trip))
+        # The strain g in Z c g = F + Z c T(2 L) g, with Z c the stiffness
+        leaving_strain = sum_of_passages(guide, force / guide.stiffness, round_trip)
+        returned_strain = guide.propagated(leaving_strain, round_trip)
+        return guide.speed * (leaving_strain + returned_strain)
 
     def with_noise_alone(self, rng: np.random.Generator) -> DirectImpactShot:
         """The shot with a gauge that records nothing but noise, and a striker at rest."""

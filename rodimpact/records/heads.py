@@ -127,7 +127,12 @@ def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
 
 
 def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
-    """Heads in a line; between blanks, a unit in brackets belongs to what is before it."""
+    """Heads in a line; the caller checks their number.
+
+    Without a delimiter heads end at blanks. If that does not give `count` heads, a unit in
+    brackets is joined to what is before it; if that does not either, heads end at two blanks or
+    a tab.
+    """
     cells = form.cells(text)
     if not form.delimiter and len(cells) != count:
         cells = re.sub(r"\s+([\[(])", r"\1", text).split()

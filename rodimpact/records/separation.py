@@ -43,22 +43,29 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
 
 
 def _from_two_gauges(bar: InstrumentedBar) -> Waves:
-    """The two waves from the records of two gauges, by damped least squares."""
+    """The two waves from the records of two gauges, by damped least squares.
+
+    LSQR finds the waves at the face, as samples in time, by iterations. Each one propagates them
+    to the gauges by their spectra.
+    """
     from scipy import fft
     from scipy.sparse.linalg import LinearOperator, lsqr
 
     count = len(bar.times)
+    # The wave towards the face passes the gauges before it, the other one after it.
     signed_distances = bar.distances[:, None, None] * [[-1.0], [1.0]]  # [gauge, wave]
     size, factors = bar.guide.transfer_functions(count, signed_distances)
     travel = bar.distances[0] / bar.speed
-    arrival = bar.pulse_start + travel
+    # Time from which the face moves, s
+    face_start = bar.pulse_start + travel
     if bar.is_output:
-        arrival = bar.pulse_start - travel
-    moves = np.arange(count) >= int((arrival - bar.times[0]) / bar.dt)
+        face_start = bar.pulse_start - travel
+    face_moves = np.arange(count) >= int((face_start - bar.times[0]) / bar.dt)
+    # The last samples of a record do not count, see `known_until` [gauge, sample].
     is_known = bar.times < bar.known_until[:, None]
 
     def at_gauges(waves: Floats) -> Any:
-        spectra = fft.rfft(moves * waves.reshape(2, count), size)
+        spectra = fft.rfft(face_moves * waves.reshape(2, count), size)
         strains = fft.irfft((factors * spectra).sum(axis=1), size)
         return (is_known * strains[:, :count]).ravel()
 
@@ -66,7 +73,7 @@ def _from_two_gauges(bar: InstrumentedBar) -> Waves:
         # The adjoint of propagation is propagation back.
         spectra = fft.rfft(is_known * strains.reshape(2, count), size)
         waves = fft.irfft((factors.conj() * spectra[:, None]).sum(axis=0), size)
-        return (moves * waves[:, :count]).ravel()
+        return (face_moves * waves[:, :count]).ravel()
 
     shape = (2 * count, 2 * count)
     gauges: Any = LinearOperator(shape, at_gauges, adjoint, dtype=float)

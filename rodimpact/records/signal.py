@@ -177,7 +177,10 @@ class Signal(Frozen):
         return len(self.values)
 
     def at(self, t: ArrayLike) -> Number:
-        """Values at times in s; ValueError outside of the record."""
+        """Values at times in s, linear between samples; ValueError outside of the record.
+
+        A time beyond an end by no more than round-off, `RECORD_END_RTOL`, has the value there.
+        """
         t = array("t", t, "s")
         slack = RECORD_END_RTOL * (self.end - self.start)
         inside = (t >= self.start - slack) & (t <= self.end + slack)

@@ -51,7 +51,7 @@ class Specimen(FrozenDataclass):
 
     @property
     def section(self) -> float:
-        """A0, m^2."""
+        """Cross-section A0 before the test, m^2."""
         if self.area is not None:
             return self.area
         assert self.diameter is not None

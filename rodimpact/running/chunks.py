@@ -57,9 +57,13 @@ class Chunk(NamedTuple):
 
 
 def run_jobs(
-    system: System, options: Options, readings: Readings, keep: Checkpoint, pool: Pool
+    system: System, options: Options, readings: Readings, store: Checkpoint, pool: Pool
 ) -> Generator[list[JobResult]]:
-    """Run the members that are not done; see `jobs.results_of`."""
+    """Run the members that are not done, in jobs; see `jobs.results_of`.
+
+    There are about eight jobs a worker, or a hundred if the store is on disk. Without that, a
+    single worker whose method runs many members in one call gets as few jobs as possible.
+    """
     size = math.prod(system.shape)
     row_size = math.prod(system.shape[1:])
     members_per_call = METHODS[options.method].members_per_call(build_row(system))
@@ -67,7 +71,7 @@ def run_jobs(
     largest_job = size
     if in_one_call and not needs_solutions(options, readings):
         largest_job = members_per_call
-    missing = keep.missing()
+    missing = store.missing()
     to_do = 0
     for start, stop in missing:
         to_do += stop - start
@@ -84,7 +88,7 @@ def run_jobs(
     jobs_a_worker = JOBS_A_WORKER
     if pool.workers == 1 and in_one_call:
         jobs_a_worker = 1  # no other worker has to end at the same time
-    if keep.path is not None:
+    if store.path is not None:
         jobs_a_worker = JOBS_A_WORKER_TO_KEEP
     job_count = jobs_a_worker * pool.workers
     jobs = cut(missing, job_size(to_do, row_size, job_count, largest_job))

@@ -116,14 +116,14 @@ class Column(NamedTuple):
 
     Attributes
     ----------
-    owner : str
+    owner_kind : str
         What has one each: "row", "body", "contact", "rod", or "yielding" for contacts that yield.
     read : function
         Reads it of a finished member; the second argument is the index of the owner.
     dtype : type
     """
 
-    owner: str
+    owner_kind: str
     read: Callable[[Solution, int], Any]
     dtype: Any = np.float64
 
@@ -151,8 +151,8 @@ ALWAYS = [name for name in COLUMNS if name not in ALSO]
 class Source(NamedTuple):
     """What a column holds."""
 
-    name: str  # in `COLUMNS`
-    owner: int  # index of the body or contact; 0 of a whole row
+    name: str  # in `COLUMNS`: "impulse" of the column "impulse.1"
+    owner_index: int  # index of the body or contact; 0 of a whole row
 
 
 class Layout(NamedTuple):
@@ -170,7 +170,7 @@ def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
     owners = _owners(system)
     sources = {}
     for name in names:
-        kind = COLUMNS[name].owner
+        kind = COLUMNS[name].owner_kind
         if kind == "row":
             sources[name] = Source(name, 0)
         else:
@@ -213,7 +213,7 @@ def row_of(solution: Solution, readings: Readings) -> Columns:
     row: Columns = {}
     sources = columns_of(solution.system, (*ALWAYS, *readings.also))
     for column, source in sources.items():
-        row[column] = COLUMNS[source.name].read(solution, source.owner)
+        row[column] = COLUMNS[source.name].read(solution, source.owner_index)
     if readings.gauges:
         row["strain"] = _strain(solution, readings)
     return row

@@ -106,7 +106,11 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
 
 
 def _members(result: SweepResult, varied: Varied, more: str) -> str:
-    """Table of all collisions of a small family, of some of a large one."""
+    """Table of all collisions of a small family, of evenly spread ones of a large one.
+
+    Its columns: what varies, then totals of the only contact that can open or else velocities of
+    the bodies, energy of vibration, and what was asked for besides.
+    """
     system = result.system
     count = result.restitution.size
     listed = count
@@ -117,16 +121,16 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     for name, column in result.columns.items():
         numbers[name] = np.ravel(column)[members]
     columns = _varied_columns(result, varied, members)
-    opening = result.unilateral
-    if len(opening) == 1:
-        columns |= _of_contact(opening[0], numbers)
+    unilateral_contacts = result.unilateral
+    if len(unilateral_contacts) == 1:
+        columns |= _of_contact(unilateral_contacts[0], numbers)
     else:
         columns |= _of_bodies(len(system.bodies), numbers)
     scale = _energy_scale(result, members, numbers)
     columns["vibration energy"] = list(map(joules, numbers["vibration"], scale))
     for name in columns_of(system, result.readings.also):
-        quantity = outcome(system, name)
-        columns[quantity.name] = _written(numbers[name], quantity.unit)
+        label = outcome(system, name)
+        columns[label.name] = _written(numbers[name], label.unit)
     rows = zip(*columns.values(), strict=True)
     table = align([list(columns), *rows], left=())
     if listed < count:

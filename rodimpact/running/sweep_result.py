@@ -228,7 +228,7 @@ class SweepResult(Shown, OnlyContact[Any]):
             )
         by_owner = {}
         for column, source in columns_of(self.system, [name]).items():
-            by_owner[source.owner] = self.columns[column]
+            by_owner[source.owner_index] = self.columns[column]
         return by_owner
 
     def explain(self, index: Any) -> str:

@@ -162,20 +162,21 @@ def sweep(
     description: dict[str, Any] = {}
     if checkpoint is not None:
         description = describe_sweep(system, options, readings)
-    keep = Checkpoint(layout_of(system, readings), size, checkpoint, description)
+    store = Checkpoint(layout_of(system, readings), size, checkpoint, description)
     with (
-        contextlib.closing(keep),
+        contextlib.closing(store),
         Progress(progress, "sweep", "collisions") as report,
         pool_of(executor, workers) as pool,
-        contextlib.closing(run_jobs(system, options, readings, keep, pool)) as ended,
+        contextlib.closing(run_jobs(system, options, readings, store, pool)) as ended,
     ):
+        # Each turn brings the jobs that have ended since the last one, or none.
         for jobs in ended:
             for start, stop, part in jobs:
-                keep.put(start, stop, part)
-            done = int(np.count_nonzero(keep.done))
+                store.put(start, stop, part)
+            done = int(np.count_nonzero(store.done))
             report(done, size)
     columns = {}
-    for name, column in keep.columns.items():
+    for name, column in store.columns.items():
         member_shape = column.shape[1:]
         columns[name] = column.reshape((*system.shape, *member_shape))
     strain = columns.pop("strain", None)
