@@ -200,7 +200,11 @@ def preset_tables() -> list[dict[str, Any]]:
 
 
 def check_solvable(case: Case, tables: dict[str, Any]) -> None:
-    """Raise InvalidModel with the path of an option or physics that the page lacks."""
+    """Raise InvalidModel with the path of what the page cannot show.
+
+    This is an option or physics that it lacks, or a collision without a solution there,
+    or one whose run would hit a limit of the page.
+    """
     check_options(case)
     path, physics = lacking(tables)
     if physics:
@@ -213,7 +217,8 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     if "problem" in solution:
         path, message = solution["problem"]
         raise invalid_argument(path, f"{message} {solution['advice']}".strip())
-    run = run_to_end(request, True, new_run(lay_out_family(build_row(system)))).record
+    collision = new_run(lay_out_family(build_row(system)))
+    run = run_to_end(request, run_past_proof=True, run=collision).record
     is_cap_of_page = request.max_events < case.solve.get("max_events", MAX_EVENTS)
     limit = ""
     if run.stop_reason == Stop.CLOCK:

@@ -154,6 +154,7 @@ def rods_of(row: Any, transits: list[Any], waves: list[Any]) -> list[Any]:
     rods = []
     for i in range(len(row.spans)):
         pieces = []
+        # Spans count the segments from 1; a wall or a mass has the empty span (1, 0).
         for s in range(row.spans[i][0] - 1, row.spans[i][1]):
             segment = row.segments[s]
             pieces.append(
@@ -319,7 +320,9 @@ def solve_by_fronts(system: Any, request: Any) -> Any:
         The solution, in the form that `solved.scene_of_solution` takes; or a
         ``problem``, path and sentence, with ``advice`` to users of Python.
     """
-    run = run_to_end(request, True, new_run(lay_out_family(build_row(system))))
+    past_proof = True
+    collision = new_run(lay_out_family(build_row(system)))
+    run = run_to_end(request, past_proof, collision)
     record = run.record
     if record.stop_reason >= Stop.OVERFLOW:
         return {"problem": ("bodies", TOO_FAR_APART), "advice": ""}

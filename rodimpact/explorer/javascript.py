@@ -318,7 +318,8 @@ class _Translator(ast.NodeVisitor):
     def truth(self, value: ast.expr) -> str:
         """Text of a condition: true or false; a number is true unless it is 0."""
         text = self.visit(value)
-        if isinstance(value, ast.Compare | ast.BoolOp | ast.UnaryOp):
+        is_negation = isinstance(value, ast.UnaryOp) and isinstance(value.op, ast.Not)
+        if is_negation or isinstance(value, ast.Compare | ast.BoolOp):
             return text
         return f"py.truth({text})"
 
@@ -327,7 +328,8 @@ class _Translator(ast.NodeVisitor):
     def visit_For(self, node: ast.For) -> str:
         """Text of a loop; one over `range` counts in a variable of its own.
 
-        So the variable of the loop keeps its last value, as in Python.
+        So the variable of the loop keeps its last value, as in Python. Any other loop
+        runs over the items of a list by `for ... of`, the template.
         """
         match node.iter:
             case ast.Call(ast.Name("range"), arguments):
@@ -346,7 +348,7 @@ class _Translator(ast.NodeVisitor):
         if len(bounds) == 3:
             step = bounds[2]
         sign = "<"
-        if "-" in step:
+        if "-" in step:  # steps are constants, so the text shows their sign
             sign = ">"
         first = f"let _{target}={start},_end={stop}"
         head = f"{first};_{target}{sign}_end;_{target}+={step}"

@@ -128,8 +128,8 @@ def curve_of(run: Any, terms: Any) -> Any:
     Parameters
     ----------
     run : dict
-    terms : list
-        Each a wave, its delay, ticks, and its factor.
+    terms : list of (wave, delay, factor)
+        Waves with their delays, ticks, and factors.
 
     Returns
     -------
@@ -145,7 +145,8 @@ def curve_of(run: Any, terms: Any) -> Any:
     breaks = breaks_of(terms, now)
     times: list[float] = []
     values: list[float] = []
-    last = -now  # last tick that has a point
+    # The last tick that has a point: at first so early that the first interval has one.
+    last = -now
     for i in range(len(breaks) - 1):
         start = breaks[i]
         end = breaks[i + 1]
@@ -155,6 +156,7 @@ def curve_of(run: Any, terms: Any) -> Any:
                 is_end = k in (0, n_intervals)
                 if is_end or tick - last > least_step:
                     times.append(tick * run["tick"])
+                    # At its end the pieces that hold from its start on still count.
                     values.append(sum_of_waves(terms, start, tick))
                     last = tick
     return {"t": times, "y": values}

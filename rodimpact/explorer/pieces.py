@@ -106,6 +106,7 @@ def initial_lines(row: Any, clock: Clock) -> Any:
     pieces: list[Any] = []
     for i, body in enumerate(row.system.bodies):
         velocity = body.velocity - clock.frame
+        # Spans count the segments from 1; a wall or a mass has the empty span (1, 0).
         for s in range(row.spans[i][0] - 1, row.spans[i][1]):
             stretch = body.strain * row.segments[s].wave_speed
             pieces.extend(layout.initial_waves(velocity, stretch, clock.transits[s]))
@@ -288,19 +289,24 @@ def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
 
 
 def status_of(run: Any) -> str:
-    """Why the run ended: `Solution.status` without its advice to users of Python."""
+    """Why the run ended: `Solution.status` without its advice to users of Python.
+
+    Sentences follow on the largest stated error, on simplifications and on strains that
+    are not small; the last two are empty if there are none.
+    """
     row = run["row"]
-    ended = run["ended"]
-    record = ended.run
+    record = run["ended"].run
+    links = run["ended"].link
     tick = run["clock"].tick
     end = run["now"] * tick
-    round_trip = 2 * layout.longest_of(row, run["clock"], 0) * tick
-    last = last_of(record, ended.link, end, round_trip)
+    without_rods = 0  # ticks; a row on the page has rods
+    round_trip = 2 * layout.longest_of(row, run["clock"], without_rods) * tick
+    last = last_of(record, links, end, round_trip)
     stopped_by = why_stopped(record, run["until"] >= 0)
-    why = end_of_run(record, ended.link, row.system, stopped_by, end, last)
-    error = stated(size_of(run["errors"][:3]), run["goal"])
-    strain = strain_warning(largest_strain(row, run["log"]))
-    return why.statement + error + simplifications_text(record) + strain
+    why = end_of_run(record, links, row.system, stopped_by, end, last)
+    error_sentence = stated(size_of(run["errors"][:3]), run["goal"])
+    warning = strain_warning(largest_strain(row, run["log"]))
+    return why.statement + error_sentence + simplifications_text(record) + warning
 
 
 def largest_strain(row: Any, log: list[Any]) -> float:

@@ -338,15 +338,16 @@ def kinetic_energy(facts: Any) -> float:
 
 
 def ratio_named(facts: Any) -> str:
-    """The ratio of lengths or transit times that equals e, or "".
+    """The ratio of lengths or transit times that equals e, such as " = l₁/l₂", or "".
 
     It does so for two uniform rods of one impedance, in rigid contact and without
-    vibration before.
+    vibration before. The letter is l for lengths and T for transit times.
     """
     bodies = facts["bodies"]
     if len(bodies) != 2 or facts["contacts"][0]["compliant"]:
         return ""
     for body in bodies:
+        # a body that is strained or has several velocities has no approach velocity
         if len(body["segments"]) != 1 or body["approach"] is None:
             return ""
     left = bodies[0]["segments"][0]

@@ -74,7 +74,7 @@ def solved_twice(request):
     case = tables_of(system, **options)
     page_system = system_of(case, LIBRARY)
     collision = fronts.new_run(lay_out_family(build_row(page_system)))
-    run = fronts.run_to_end(request_of(case), True, collision)
+    run = fronts.run_to_end(request_of(case), run_past_proof=True, run=collision)
     solution = ri.solve(system, **options, max_events=20_000)
     return SolvedTwice(system, page_system, run, solution)
 

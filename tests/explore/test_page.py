@@ -230,10 +230,14 @@ def test_a_mistake_is_told_beside_its_field_in_its_unit_and_mended(visit):
     field(page, LENGTH).fill("500")
     wait_for_e(page, "0.5")
     sync_api.expect(problem).to_be_empty()
+
+
+def test_negative_numbers_have_one_minus_sign(visit):
+    page = visit()
     field(page, "bodies.0.velocity").fill("-1")
     field(page, "bodies.1.velocity").fill("-3")
     sync_api.expect(page.locator("#results")).to_contain_text("\u22123 m/s")
-    assert re.findall(r"[\s(]-\d", page.inner_text("main")) == []  # one sign for all
+    assert re.findall(r"[\s(]-\d", page.inner_text("main")) == []  # no hyphens
 
 
 def test_a_view_can_be_shared(visit):
