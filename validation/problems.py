@@ -25,7 +25,7 @@ BALL_MASS = 0.3  # kg; beside the infinite mass of the ground any value will do
 
 
 def run() -> Rows:
-    """Problems 10.5.1 to 10.5.12."""
+    """Problems 10.5.1 to 10.5.12; two parts belong to 10.5.9, numbers and formulas."""
     yield from eleven_questions()
     yield from two_heights()
     yield from embedded_bullet()

@@ -98,7 +98,10 @@ def pressure_bar(model: BarModel, specimen: ri.Yielding | ri.Spring) -> ri.Syste
 def measured(
     signal: ri.Signal, gauge: tuple[int, float], model: BarModel, level: float
 ) -> ri.Measured:
-    """The reflected or the transmitted pulse, for a fit."""
+    """The reflected or the transmitted pulse, for a fit.
+
+    A positive voltage means compression, a negative strain; so the gain is negative.
+    """
     radius = None
     if model.distance:
         radius = BAR.radius

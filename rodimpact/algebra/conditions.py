@@ -84,7 +84,7 @@ def _last_change(simulation: Simulation, end: TracedFraction) -> TracedFraction:
     """Time of the last change of a contact up to `end`; 0 without a change."""
     last_change = ZERO
     for change in simulation.changes:
-        tick = change.tick + ZERO
+        tick = change.tick + ZERO  # an integer becomes traced
         if tick <= end and tick > last_change:
             last_change = tick
     return last_change

@@ -100,17 +100,21 @@ def phases_of_contact(
 def _events_at(run: ExactRun, node: int) -> list[ContactEvent]:
     """Arrivals of fronts at a node and changes of its contact, in order of time."""
     simulation = run.simulation
-    incoming_lines = (2 * node, 2 * node + 3)
+    left_line = 2 * node  # of the wave that arrives from the left
+    right_line = 2 * node + 3  # of the wave that arrives from the right
+    incoming_lines = (left_line, right_line)
     events: dict[Any, ContactEvent] = {}  # by the value of the tick
     for row in simulation.log[: simulation.run.log_rows]:
-        if row.line == CHANGE and row.next_row == node:
+        is_change = row.line == CHANGE
+        changed_node = row.next_row  # the node only in a row of a change
+        if is_change and changed_node == node:
             tick = row.tick + ZERO
         elif row.line in incoming_lines:
             tick = row.tick + simulation.segments[row.line // 2].transit
         else:
             continue
         event = events.setdefault(tick.value, ContactEvent(tick))
-        if row.line == CHANGE:
+        if is_change:
             event.status = row.value
         else:
             event.waves[row.line] = row.value

@@ -22,6 +22,8 @@ HEAVISIDE = "H"
 """The operation H(x) y with the unit step H: 0 if x is negative, else y."""
 NEUTRAL = {"+": 0, "-": 0, "*": 1, "/": 1}
 """Right operand of each operation that changes nothing."""
+COMMUTATIVE = "+*"
+"""Operations that the same left operand leaves without change, too."""
 
 
 def _heaviside(x: Any, y: Any) -> Any:
@@ -92,7 +94,9 @@ class TracedFraction:
     def combine(operation: str, x: Any, y: Any) -> TracedFraction:
         """Apply an operation; return an operand itself if the other changes nothing.
 
-        Only constants are simplified: a named number may be 0 or 1 by chance.
+        Only constants are simplified: a named number may be 0 or 1 by chance. The constant 0
+        divided by anything is 0, whatever value the divisor has, even 0.
+        Any other division by 0 raises ZeroDivisionError.
         """
         left = x if isinstance(x, TracedFraction) else TracedFraction(x)
         right = y if isinstance(y, TracedFraction) else TracedFraction(y)
@@ -102,7 +106,7 @@ class TracedFraction:
             if right.value == 0 and operation == "*":
                 return ZERO
         if left.expression is None:
-            if operation in "+*" and left.value == NEUTRAL[operation]:
+            if operation in COMMUTATIVE and left.value == NEUTRAL[operation]:
                 return right
             if left.value == 0 and operation in "*/":
                 return ZERO

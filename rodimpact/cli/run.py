@@ -76,7 +76,8 @@ def run(args: Arguments) -> CommandResult:
 
 def _check_gauges(args: Arguments, positions: GaugePositions) -> None:
     """Add problems of the names of gauges, and of a table without any."""
-    if args.gauge or args.gauges:
+    gauges_table = args.gauges  # path of the table of strains, or None
+    if args.gauge or gauges_table:
         path = "gauges"
         if args.gauge:
             path = "--gauge"
@@ -84,7 +85,7 @@ def _check_gauges(args: Arguments, positions: GaugePositions) -> None:
             sentence = misnamed(name)
             if sentence:
                 args.problems.append((path, sentence))
-    if args.gauges is not None and not positions:
+    if gauges_table is not None and not positions:
         message = (
             f"goes with --gauge {GAUGE_FORM}, one for each column, or [[gauges]] of "
             "the case"

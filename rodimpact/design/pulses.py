@@ -115,7 +115,12 @@ class PulseDesign(Shown):
 
 
 def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
-    """Forces, N, each from its time, s, to the next, and the last one to the end."""
+    """Forces, N, each from its time, s, to the next, and the last one to the end.
+
+    Parts that begin after the end, or are so short that they come from round-off, are
+    left out. Each other part has two samples: one at its start, and one just before the
+    next start, so that the force jumps there.
+    """
     starts = np.asarray(times, float)
     forces = np.asarray(values, float)
     edges = np.minimum(np.append(starts, end), end)

@@ -118,21 +118,27 @@ class StrikerSearch(NamedTuple):
     # Starts
 
     def matched(self, force: Floats) -> Floats:
-        """Striker in which each area alone would give its step of the force, N."""
+        """Logarithms of areas, each of which alone would give its step of the force, N.
+
+        A uniform striker of impedance Z1 presses with F = V Z Z1/(Z + Z1) on a bar of
+        impedance Z, whose end moves at F/Z. The logarithms stay within the bounds.
+        """
         bar = self.bar.segments[0]
-        velocity = force / (bar.impedance * self.velocity)
-        highest = 1 - REFLECTION_MARGIN
-        velocity = np.clip(velocity, REFLECTION_MARGIN, highest)
-        impedance = velocity / (1 - velocity) * bar.impedance
+        velocity_ratio = force / (bar.impedance * self.velocity)
+        highest_ratio = 1 - REFLECTION_MARGIN
+        velocity_ratio = np.clip(velocity_ratio, REFLECTION_MARGIN, highest_ratio)
+        impedance = velocity_ratio / (1 - velocity_ratio) * bar.impedance
         material = self.material
         areas = impedance / (material.density * material.wave_speed)
         logarithms = np.log(areas / self.bar_area)
         return np.clip(logarithms, *self.bounds)
 
     def peeled(self, force: Floats) -> Floats:
-        """Striker that gives the first steps of the force, N, one after the other.
+        """Logarithms of areas that give the first steps of the force, N, in turn.
 
-        Areas stay within the bounds.
+        They stay within the bounds. The far end of the segments so far absorbs, then is
+        free: the wanted change of force over that by a free end is the reflection at
+        the next step of area.
         """
         first_force = force[:1]
         logarithms = self.matched(first_force)

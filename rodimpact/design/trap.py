@@ -231,8 +231,9 @@ def _pressed_interval(
     InvalidModel
         If nothing pushes on it between `passed` and `end`.
     """
-    longest = float(row.material.wave_speed) * end
-    trapped = row.with_length(longest)
+    # no wave comes back from the far end of such a trap before `end`
+    endless_length = float(row.material.wave_speed) * end
+    trapped = row.with_length(endless_length)
     solution = solve(trapped, until=end)
     times, force, _ = solution.contacts[-1].breakpoints()
     has_passed = times >= passed * (1 - TIME_RTOL)

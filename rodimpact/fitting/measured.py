@@ -83,7 +83,10 @@ class Measured(FrozenDataclass):
 
     @property
     def limits(self) -> dict[str, tuple[float, float] | None]:
-        """Bounds of shift, s, gain, and blur, s; None where the number is free."""
+        """Bounds of shift, s, gain, and blur, s.
+
+        They are None where shift or gain is free; a blur is always bounded.
+        """
         blur = bounds_of("blur", self.blur, "s")
         if blur is None or blur[0] < 0:
             raise invalid_argument(

@@ -37,7 +37,8 @@ def coarse_shares(initial: Sequence[float]) -> list[Floats]:
 def sizes_of_numbers(objective: Objective, point: Floats) -> Floats:
     """Typical size of each number of a point.
 
-    Shares have the size 1, gains their own, shifts and blurs the longest record, s.
+    Numbers of the system are shares of the way between their bounds, of size 1. Gains
+    have their own size; shifts and blurs have the duration of the longest record, s.
     """
     longest = 0.0
     for record in objective.measured:

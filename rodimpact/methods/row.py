@@ -36,7 +36,8 @@ class Row:
     paths : list of str
         By segment, what the user calls it; "" for 0.
     spans : list of (int, int)
-        First and last segment of each body; (1, 0) for a wall or a rigid mass.
+        First and last segment of each body, counted from 1; (1, 0), without segments, for a wall or
+        a rigid mass.
     first : list of int
         Masses left of each node; the links of node k begin at k + first[k].
     masses, mass_velocity : list of float

@@ -134,15 +134,15 @@ def sweep(
     """
     # What is measured.
     column = _column(result, quantity)
-    wide = [i for i, count in enumerate(result.shape) if count > 1]
-    if not 1 <= len(wide) <= 2:
+    varied_axes = [i for i, count in enumerate(result.shape) if count > 1]
+    if not 1 <= len(varied_axes) <= 2:
         raise invalid_argument(
             "result",
             f"has shape {result.shape}, but a curve has one axis and a map two; give an "
             "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
             "or draw part of the family, such as sweep(system[0])",
         )
-    axes = [family_axis(result, i) for i in wide]
+    axes = [family_axis(result, i) for i in varied_axes]
     sorted_members = np.ix_(*(axis.order for axis in axes))
     shape = [axis.order.size for axis in axes]
 
@@ -156,13 +156,13 @@ def sweep(
     shown = Quantity(quantity, values * scale.factor, scale, is_count)
     theory = None
     if quantity in COLUMNS:
-        family = pair_theory(result.system)
-        if family is not None:
-            theory = family.each(arranged)
+        closed_form = pair_theory(result.system)
+        if closed_form is not None:
+            theory = closed_form.each(arranged)
 
     # What is drawn.
     if len(axes) == 2:
-        for axis, dimension in zip(axes, wide, strict=True):
+        for axis, dimension in zip(axes, varied_axes, strict=True):
             if not axis.is_ordered:
                 raise invalid_argument("result", _why_no_map(result, dimension))
         return _draw_map(axes_or_new(ax, 6.0, 4.6), axes, shown, theory)

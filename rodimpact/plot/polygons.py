@@ -58,13 +58,17 @@ class Polygons:
         self._region = np.repeat(np.arange(len(self.regions)), np.diff(starts))
         self._body = self.regions.body[self._region]
         self._first = starts[self._region]
+        # the last corner of a region is followed by its first
         self._next = np.arange(1, self._body.size + 1)
         self._next[starts[1:] - 1] = starts[:-1]
 
     # What is measured --------------------------------------------------------------------
 
     def values(self, field: str, frame: float) -> Floats:
-        """Values of a field in each region; displacements, in a frame, at its corners; SI."""
+        """Values of a field in each region; displacements at its corners instead; SI.
+
+        Displacements and energies are those seen from a frame that moves at `frame`, m/s.
+        """
         regions = self.regions
         if field == "displacement":
             return regions.displacement - frame * regions.t
@@ -73,7 +77,7 @@ class Polygons:
         return np.asarray(getattr(regions, field))
 
     def _energy_per_length(self, frame: float) -> Floats:
-        """Kinetic and strain energy per length in each region, J/m, in a frame."""
+        """Kinetic and strain energy per length in each region, J/m, in a frame at a velocity."""
         bodies: Any = self.system.bodies
         mass_per_length = np.empty(len(self.regions))
         wave_speed = np.empty(len(self.regions))

@@ -251,13 +251,13 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
     room = EVENT_WIDTH * 72 * figure_of(ax).get_figwidth()
-    for row, t in enumerate(when.tolist()):
+    for stage, t in enumerate(when.tolist()):
         events = []
         for line in events_at(solution, t).splitlines():
             events.append(break_label(line, room))
         ax.text(
             1.01,
-            -row,
+            -stage,  # height of the row in data coordinates
             "\n".join(events),
             transform=ax.get_yaxis_transform(),
             va="center",
@@ -280,8 +280,8 @@ def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
             va = "bottom"
         x = bars.layout.middle(i, bars.times) * bars.x_scale.factor
         velocities = bars.solution.velocity(i, 0.0, bars.times).tolist()
-        for row, velocity in enumerate(velocities):
-            text = _write(bars.ax, x[row], side - row, write(velocity), va=va)
+        for stage, velocity in enumerate(velocities):
+            text = _write(bars.ax, x[stage], side - stage, write(velocity), va=va)
             labels.append(text)
         is_above = not is_above
     return labels
@@ -306,22 +306,22 @@ def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[
         largest = float(norm.vmax - norm.vmin) / 2
         pieces = merged(pieces, MERGED_SPREAD * largest)
     labels: list[Text] = []
-    for row in range(bars.times.size):
+    for stage in range(bars.times.size):
         below: list[_Label] = []
-        for piece in pieces[pieces.row == row]:
+        for piece in pieces[pieces.row == stage]:
             text = write(piece.velocity)
             width = _width(bars.ax, text)
             x = (piece.left + piece.right) / 2
             if piece.right - piece.left > width:
                 ink = ink_on(norm, piece.velocity)
                 label = _write(
-                    bars.ax, x, float(-row), text, va="center_baseline", color=ink
+                    bars.ax, x, float(-stage), text, va="center_baseline", color=ink
                 )
                 labels.append(label)
             elif not bars.is_smooth:
                 below.append(_Label(x, width, text))
         for x, text in _with_room_below(below):
-            labels.append(_write(bars.ax, x, -row - BESIDE, text, va="top"))
+            labels.append(_write(bars.ax, x, -stage - BESIDE, text, va="top"))
     return labels
 
 
