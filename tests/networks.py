@@ -112,8 +112,9 @@ def random_drive(rng, scale):
 
 
 def random_end(rng, body, driven):
+    """A random end of a row beside its last body."""
     if isinstance(body, ri.Wall):
-        return ri.Free()
+        return ri.Free()  # a wall is an end itself, and takes no other
     kinds = [ri.Free, ri.Free]
     if isinstance(body, ri.Rod):
         kinds += [ri.Absorbing, ri.Fixed]

@@ -110,8 +110,9 @@ def random_drive(rng, scale, time):
 
 
 def random_end(rng, body, time, driven):
+    """A random end of a row beside its last body."""
     if isinstance(body, ri.Wall):
-        return ri.Free()
+        return ri.Free()  # a wall is an end itself, and takes no other
     kinds = [ri.Free, ri.Fixed, ri.Absorbing, ri.Absorbing]
     if driven:
         kinds += [ri.Pushed, ri.Moved, ri.Incoming] * 2

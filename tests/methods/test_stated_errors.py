@@ -111,9 +111,14 @@ def test_a_spring_whose_force_ends_before_it_opens_states_the_difference():
 @pytest.mark.parametrize("restitution", [0.3, 0.7])
 def test_bodies_that_are_set_at_rest_state_the_velocity_that_they_lose(restitution):
     """A ball on a floor bounces until it parts by less than 1e-8 of the velocity scale."""
+    # From the left: the floor, the ball 0.1 m above it, and a rod too far away to be struck.
     bodies = [ri.Wall(), ri.RigidMass(1.0, velocity=0.0), unit_rod()]
     laws = [ri.Rigid(restitution=restitution), ri.Rigid()]
     system = ri.System(bodies, [0.1, 90.0], laws, gravity=-1.0)
     solution = ri.solve(system, 4.0, METHOD, rtol=1e-12)
     assert "set at rest" in solution.status
-    assert 1e-9 < solution.accuracy["velocity"] <= 1e-7
+    lost_at_most = 1e-8  # over the velocity scale
+    factor = 10  # by which the stated error may differ from it
+    assert (
+        lost_at_most / factor < solution.accuracy["velocity"] <= factor * lost_at_most
+    )

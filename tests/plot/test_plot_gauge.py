@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 import rodimpact as ri
 from rodimpact import plot
 
-PRESSURE = -1  # sign of a window below 0
-TENSION = 1
+COMPRESSION_SIGN = -1  # sign of the strain: its window lies below 0
+TENSION_SIGN = 1
 TRANSIT = 1e6 / C  # of 1 m, us
 
 
@@ -55,8 +55,8 @@ def test_the_limits_of_a_force_begin_at_0():
 def test_incident_and_reflected_pulse_of_a_struck_bar(struck_bar):
     picture = draw(struck_bar.gauge(1, 0.4))
 
-    incident = (0.4 * TRANSIT, 0.8 * TRANSIT, PRESSURE)
-    reflected = (1.6 * TRANSIT, 2.0 * TRANSIT, TENSION)
+    incident = (0.4 * TRANSIT, 0.8 * TRANSIT, COMPRESSION_SIGN)
+    reflected = (1.6 * TRANSIT, 2.0 * TRANSIT, TENSION_SIGN)
     assert window(picture, "incident") == pytest.approx(incident)
     assert window(picture, "reflected") == pytest.approx(reflected)
     assert legend(picture) == [
@@ -75,9 +75,9 @@ def test_transmitted_pulse_beyond_a_specimen():
 
     picture = draw(solution.gauge(1, 0.5), transmitted=behind)
 
-    incident = (0.5 * TRANSIT, 0.9 * TRANSIT, PRESSURE)
-    reflected = (1.5 * TRANSIT, 1.9 * TRANSIT, TENSION)
-    transmitted = (1.32 * TRANSIT, 1.72 * TRANSIT, PRESSURE)
+    incident = (0.5 * TRANSIT, 0.9 * TRANSIT, COMPRESSION_SIGN)
+    reflected = (1.5 * TRANSIT, 1.9 * TRANSIT, TENSION_SIGN)
+    transmitted = (1.32 * TRANSIT, 1.72 * TRANSIT, COMPRESSION_SIGN)
     drawn = picture.transmitted.get_data().values
     assert window(picture, "incident") == pytest.approx(incident)
     assert window(picture, "reflected") == pytest.approx(reflected)
@@ -93,8 +93,8 @@ def test_windows_of_smooth_waves_are_the_same():
 
     picture = draw(solution.gauge(1, 0.5), transmitted=solution.gauge(2, 0.5))
 
-    incident = (0.5 * TRANSIT, 0.9 * TRANSIT, PRESSURE)
-    reflected = (1.5 * TRANSIT, 1.9 * TRANSIT, TENSION)
+    incident = (0.5 * TRANSIT, 0.9 * TRANSIT, COMPRESSION_SIGN)
+    reflected = (1.5 * TRANSIT, 1.9 * TRANSIT, TENSION_SIGN)
     transmitted = (1.5 * TRANSIT, 1.9 * TRANSIT)
     assert window(picture, "incident") == pytest.approx(incident, abs=0.3)
     assert window(picture, "reflected") == pytest.approx(reflected, abs=0.5)

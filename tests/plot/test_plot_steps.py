@@ -448,12 +448,10 @@ def driven_pile():
 
 @pytest.mark.parametrize("coordinates", ["body", "lab"])
 def test_a_mass_in_front_leaves_the_pile_at_its_place(driven_pile, coordinates):
-    picture = plot.spacetime(
-        driven_pile, coordinates=coordinates, magnification=None, start=0.0
-    )
+    picture = plot.spacetime(driven_pile, coordinates=coordinates)
 
-    starts = [path[0, 0] for path in picture.ends.get_segments()]
-    assert starts == pytest.approx([0.0, 18.0], abs=1e-9)
+    places_of_ends = [path[0, 0] for path in picture.ends.get_segments()]
+    assert places_of_ends == pytest.approx([0.0, 18.0], abs=1e-9)
 
 
 def test_ticks_beside_a_mass_are_material_coordinates(driven_pile):

@@ -233,7 +233,15 @@ TEXTS = st.text(st.characters(exclude_categories=["Cs"]))
 @given(st.lists(FLOATS, min_size=20, max_size=20), ERRORS, st.booleans(), TEXTS)
 def test_an_outcome_comes_back_equal(numbers, errors, final, text):
     numbers = dict(zip(names_of_numbers(2), numbers, strict=True))
-    result = SavedResult(text, text, text, text, final, numbers, errors)
+    result = SavedResult(
+        version=text,
+        method=text,
+        stopped_by=text,
+        status=text,
+        final=final,
+        numbers=numbers,
+        accuracy=errors,
+    )
     rod = ri.Rod(1.0, area=1.0, material=ri.materials.steel)
     case = ri.Case(ri.System([rod, ri.Wall()]), result=result)
     again = parse_case(write_case(case)).result
