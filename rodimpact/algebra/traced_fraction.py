@@ -94,9 +94,9 @@ class TracedFraction:
     def combine(operation: str, x: Any, y: Any) -> TracedFraction:
         """Apply an operation; return an operand itself if the other changes nothing.
 
-        Only constants are simplified: a named number may be 0 or 1 by chance. The constant 0
-        divided by anything is 0, whatever value the divisor has, even 0.
-        Any other division by 0 raises ZeroDivisionError.
+        Only constants are simplified: a named number may be 0 or 1 by chance. The
+        constant 0 divided by anything is 0, whatever value the divisor has, even 0. Any
+        other division by 0 raises ZeroDivisionError.
         """
         left = x if isinstance(x, TracedFraction) else TracedFraction(x)
         right = y if isinstance(y, TracedFraction) else TracedFraction(y)

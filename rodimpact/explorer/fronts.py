@@ -320,9 +320,8 @@ def solve_by_fronts(system: Any, request: Any) -> Any:
         The solution, in the form that `solved.scene_of_solution` takes; or a
         ``problem``, path and sentence, with ``advice`` to users of Python.
     """
-    past_proof = True
-    collision = new_run(lay_out_family(build_row(system)))
-    run = run_to_end(request, past_proof, collision)
+    run = new_run(lay_out_family(build_row(system)))
+    run_to_end(request, True, run)  # also past the proof
     record = run.record
     if record.stop_reason >= Stop.OVERFLOW:
         return {"problem": ("bodies", TOO_FAR_APART), "advice": ""}

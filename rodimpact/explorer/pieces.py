@@ -299,8 +299,8 @@ def status_of(run: Any) -> str:
     links = run["ended"].link
     tick = run["clock"].tick
     end = run["now"] * tick
-    without_rods = 0  # ticks; a row on the page has rods
-    round_trip = 2 * layout.longest_of(row, run["clock"], without_rods) * tick
+    # The last argument is for rows without rods, which the page does not solve.
+    round_trip = 2 * layout.longest_of(row, run["clock"], 0) * tick
     last = last_of(record, links, end, round_trip)
     stopped_by = why_stopped(record, run["until"] >= 0)
     why = end_of_run(record, links, row.system, stopped_by, end, last)

@@ -104,9 +104,8 @@ def restitution_of_case(case: Any, library: Any, seconds: float = math.inf) -> A
             return None
         no_errors = [0.0] * 5
         return pieces.outcome_of(run, no_errors, "")["restitution"]
-    past_proof = False
-    collision = fronts.new_run(lay_out_family(row))
-    run = fronts.run_to_end(request, past_proof, collision)
+    run = fronts.new_run(lay_out_family(row))
+    fronts.run_to_end(request, False, run)  # not past the proof
     if run.record.stop_reason >= Stop.OVERFLOW:
         return None
     return fronts.outcome_of(run, "")["restitution"]

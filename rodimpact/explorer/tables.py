@@ -276,14 +276,14 @@ def mistakes(case: Any, gauges: Any, library: Any) -> list[Mistake]:
     library : dict
         Materials that the case may name, by their names.
     """
-    of_tables = [  # (path, message) each
+    problems = [  # (path, message) each
         *mistakes_of_row(case),
         *mistakes_of_gauges(case, gauges),
         *mistakes_of_bodies(case, library),
         *mistakes_of_contacts(case),
     ]
     all_mistakes = []
-    for path, message in of_tables:
+    for path, message in problems:
         all_mistakes.append(Mistake(path, message, "", None))
     for ruled in ruled_tables(case, gauges):
         for key, rule in RULES[ruled.kind].items():
