@@ -36,7 +36,7 @@ RESISTANCE_PER_LENGTH = QuantityField("N/m", "non-negative", along="length")
 class Soil(FrozenDataclass):
     """Soil that resists the motion of a rod along its shaft.
 
-    The force on the rod is -(R + J |R| v) by the law ``"smith"`` and -(R + J R_u v) by
+    The force on the rod is -(R + J abs(R) v) by the law ``"smith"`` and -(R + J R_u v) by
     ``"viscous"``, with the velocity v of the rod, positive to the right. Both dampings oppose
     the motion. R = k u while the soil is elastic, k = R_u/q, u the displacement of the rod; it
     stays between -R_u and R_u, where the soil yields, and returns along the slope k. The soil
