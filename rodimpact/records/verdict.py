@@ -38,12 +38,12 @@ class Verdict(NamedTuple):
     Attributes
     ----------
     in_equilibrium : bool or None
-        Whether abs(F1 - F2) stays below 5 % of the mean force over half of the plateau or more. None
+        Whether abs(F1 - F2) stays below 5 % of the mean force over at least half of the plateau. None
         if equal forces were assumed, or if F1 is too small a difference of two waves to tell.
     equilibrium_from : float
         Strain from which the forces are balanced; nan if this is not known.
     imbalance : float
-        Median of abs(F1 - F2) on the plateau, over the mean force; nan if equal forces were assumed.
+        Median of abs(F1 - F2) on the plateau, over the mean force; nan if none was measured.
     peak_stress : float
         Largest nominal stress while loading, Pa.
     strain_at_peak : float
