@@ -76,7 +76,7 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
         return closing / link.mobility, 0.0, 1 / link.mobility
     if link.law == Law.OWN:
         return own_force(link, d, closing)
-    if link.law == Law.POWER or (link.law == Law.YIELD and link.damping > 0):
+    if is_nonlinear(link):  # a power, or what yields with damping
         return power_force(link, d, closing)
     return spring_force(link, d, closing)
 
@@ -164,11 +164,8 @@ def guards(link: Any) -> int:
         return 2
     if link.status == Status.GRAZE:
         return 2
-    yields = link.law == Law.YIELD
-    if link.status == Status.PRESS and yields and lets_go(link):
-        return 3
-    if link.status == Status.PRESS and (yields or lets_go(link)):
-        return 2
+    if link.status == Status.PRESS:
+        return 1 + int(link.law == Law.YIELD) + int(lets_go(link))
     return 1
 
 
@@ -230,10 +227,10 @@ def guard(
     if link.status == Status.GRAZE and which == 1:
         return -pressing, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
-        static_force = F
+        S = F  # static force
         if link.damping > 0:
-            static_force = link.stiffness * d
-        return 1 - static_force / link.yield_force, Status.PLASTIC.value
+            S = link.stiffness * d
+        return 1 - S / link.yield_force, Status.PLASTIC.value
     if link.status == Status.PRESS and (which > 0 or has_dashpot(link)):
         return pressing, Status.GRAZE.value
     # Guard 0 of GRAZE, and of PRESS without a dashpot: the overlap

@@ -38,8 +38,8 @@ class Verdict(NamedTuple):
     Attributes
     ----------
     in_equilibrium : bool or None
-        Whether abs(F1 - F2) stays below 5 % of the mean force over at least half of the plateau. None
-        if equal forces were assumed, or if F1 is too small a difference of two waves to tell.
+        Whether abs(F1 - F2) stays below 5 % of the mean force over half of the plateau or more.
+        None if equal forces were assumed, or if F1 is too small a difference of two waves to tell.
     equilibrium_from : float
         Strain from which the forces are balanced; nan if this is not known.
     imbalance : float
