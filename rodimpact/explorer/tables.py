@@ -481,9 +481,8 @@ def system_of(case: Any, library: Any) -> PageSystem:
     ends = case.get("ends", {})
     left = end_of(ends.get("left", {"kind": "free"}))
     right = end_of(ends.get("right", {"kind": "free"}))
-    gravity = 0.0  # the page solves no row in gravity
-    has_soil = False  # nor one in soil
-    return PageSystem(bodies, gaps, laws, gravity, [left, right], has_soil)
+    gravity = 0.0  # the page solves no row in gravity or in soil
+    return PageSystem(bodies, gaps, laws, gravity, [left, right], False)
 
 
 def request_of(case: Any) -> RunRequest:

@@ -46,8 +46,7 @@ def is_nonlinear(link: Any) -> bool:
 
     All laws do but springs, and what yields along straight lines without damping.
     """
-    is_straight = link.law == Law.YIELD and link.damping == 0
-    return bool(link.law > Law.SPRING and not is_straight)
+    return bool(link.law > Law.SPRING and (link.law != Law.YIELD or link.damping > 0))
 
 
 def lets_go(link: Any) -> bool:
@@ -165,7 +164,7 @@ def guards(link: Any) -> int:
     if link.status == Status.GRAZE:
         return 2
     if link.status == Status.PRESS:
-        return 1 + int(link.law == Law.YIELD) + int(lets_go(link))
+        return 1 + (link.law == Law.YIELD) + lets_go(link)
     return 1
 
 

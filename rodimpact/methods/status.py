@@ -57,7 +57,7 @@ def describe_end(
         if has_external_drive(system):
             acting = "an end is driven"
             if system.has_soil:
-                acting = "soil holds a rod"
+                acting = "soil acts"
             if system.gravity != 0:
                 acting = "gravity acts"
             reason = f"while {acting}, no contact is known to be the last"

@@ -31,6 +31,7 @@ half a step too late.
 import math
 from typing import Any
 
+from ..compiling import borrowed
 from ..link import Law
 from ..states import BoundaryKind
 from . import contact_kernel as contacts
@@ -57,36 +58,59 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
     # All arrays are unpacked before the loop: reading a field of a NamedTuple inside makes
     # machine code update the reference count of every array in each step.
     run = grid.run[0]
-    v = grid.velocity
-    force = grid.force
-    stiffness = grid.stiffness
-    pieces = grid.pieces
-    lower = grid.lower
-    inverse_diagonal = grid.inverse_diagonal
-    upper = grid.upper
-    change = grid.change
-    viscous = grid.viscous
-    lost = grid.lost
-    old_velocity = grid.old_velocity
-    radial_strain = grid.radial_strain
-    radial_rate = grid.radial_rate
-    coupling = grid.coupling
-    inverse_radial_inertia = grid.inverse_radial_inertia
-    radial_stiffness = grid.radial_stiffness
-    tension_share = grid.tension_share
-    shear = grid.shear
-    links = grid.links
-    ends = grid.ends
-    watched = grid.watched
-    pulled = grid.pulled
-    soil = grid.soil
-    signals = history.signals
-    prescribed = history.prescribed
-    velocities = history.velocities
-    tensions = history.tensions
-    shafts = history.shafts
+    v = borrowed(grid.velocity)
+    force = borrowed(grid.force)
+    stiffness = borrowed(grid.stiffness)
+    pieces = borrowed(grid.pieces)
+    lower = borrowed(grid.lower)
+    inverse_diagonal = borrowed(grid.inverse_diagonal)
+    upper = borrowed(grid.upper)
+    change = borrowed(grid.change)
+    viscous = borrowed(grid.viscous)
+    lost = borrowed(grid.lost)
+    old_velocity = borrowed(grid.old_velocity)
+    radial_strain = borrowed(grid.radial_strain)
+    radial_rate = borrowed(grid.radial_rate)
+    coupling = borrowed(grid.coupling)
+    inverse_radial_inertia = borrowed(grid.inverse_radial_inertia)
+    radial_stiffness = borrowed(grid.radial_stiffness)
+    tension_share = borrowed(grid.tension_share)
+    shear = borrowed(grid.shear)
+    links = borrowed(grid.links)
+    ends = borrowed(grid.ends)
+    watched = borrowed(grid.watched)
+    pulled = borrowed(grid.pulled)
+    soil = borrowed(grid.soil)
+    off_diagonal = borrowed(grid.off_diagonal)
+    diagonal = borrowed(grid.diagonal)
+    loaded = borrowed(grid.loaded_diagonal)
+    held = borrowed(grid.held)
+    by_first = borrowed(grid.velocity_by_first)
+    by_last = borrowed(grid.velocity_by_last)
+    signals = borrowed(history.signals)
+    prescribed = borrowed(history.prescribed)
+    velocities = borrowed(history.velocities)
+    tensions = borrowed(history.tensions)
+    shafts = borrowed(history.shafts)
+    resistance = borrowed(history.resistance)
+    when = borrowed(history.when)
+    kept_lost = borrowed(history.lost)
+    kept_velocity = borrowed(history.velocity)
+    kept_force = borrowed(history.force)
+    kept_displacement = borrowed(history.displacement)
+    kept_radial = borrowed(history.radial)
+    kept_rate = borrowed(history.radial_rate)
     while True:
-        keep_wanted_state(grid, history)
+        if run.kept_states < len(when) and when[run.kept_states] == run.step:
+            keep_nodes(run, v, force, stiffness, kept_velocity, kept_force)
+            if run.has_radial_strain > 0:
+                keep_radial_strains(
+                    run, radial_strain, radial_rate, coupling, kept_radial, kept_rate
+                )
+                add_radial_tensions(run, radial_rate, coupling, kept_force)
+            keep_pieces(run, pieces, lost, kept_displacement, kept_lost)
+            soil_kernel.keep_soil(run, soil, v, resistance)
+            run.kept_states += 1
         if run.step >= until:
             return True
         store_step_inputs(run, v, links, ends, prescribed)
@@ -105,8 +129,14 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
             )
         push_ends(v, force, ends)
         soil_kernel.move_soil(run, soil, v)
-        if run.soil_changes_equations > 0:
-            soil_kernel.renew_equations(grid)
+        soil_kernel.load_equations(run, soil, diagonal, loaded)
+        soil_kernel.factor_equations(
+            run, off_diagonal, loaded, held, lower, inverse_diagonal, upper
+        )
+        soil_kernel.push_ends_of_pieces(run, pieces, held, by_first, by_last)
+        soil_kernel.solve_equations(run, lower, inverse_diagonal, upper, by_first)
+        soil_kernel.solve_equations(run, lower, inverse_diagonal, upper, by_last)
+        soil_kernel.renew_mobilities(run, links, by_first, by_last)
         if run.is_implicit > 0:
             find_implicit_forces(v, force, viscous, old_velocity, change)
             soil_kernel.pull_back(run, soil, v, change)
@@ -120,8 +150,8 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
             return False
         push_pieces(
             v,
-            grid.velocity_by_first,
-            grid.velocity_by_last,
+            by_first,
+            by_last,
             links,
             run.velocity_tolerance,
         )
@@ -135,49 +165,57 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         run.step += 1
 
 
-def keep_wanted_state(grid: Any, history: Any) -> None:
-    """Store the present state if it is the next of those that are wanted."""
-    run = grid.run[0]
-    when = history.when
-    if run.kept_states < len(when) and when[run.kept_states] == run.step:
-        keep_state(grid, history)
-        run.kept_states += 1
-
-
-def keep_state(grid: Any, history: Any) -> None:
-    """Store the state as it is at the end of a step."""
-    run = grid.run[0]
-    v = grid.velocity
-    force = grid.force
-    stiffness = grid.stiffness
-    radial_strain = grid.radial_strain
-    radial_rate = grid.radial_rate
-    coupling = grid.coupling
-    kept_force = history.force
-    radial = history.radial
+def keep_nodes(
+    run: Run, v: Any, force: Any, stiffness: Any, kept_velocity: Any, kept_force: Any
+) -> None:
+    """Store velocities and tensions as they are at the end of a step."""
     n = len(v)
     nodes = run.kept_states * n
     cells = run.kept_states * (n + 1) & INDEX_MASK
-    pieces = run.kept_states * len(grid.pieces)
     kept_force[cells] = 0.0
     kept_force[cells + n] = 0.0
     # Numba compiles a loop in a tenth of the time of a copied slice.
     for i in range(n):
-        history.velocity[nodes + i] = v[i]
+        kept_velocity[nodes + i] = v[i]
         if i > 0:
             kept_force[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
-    if run.has_radial_strain > 0:
-        for i in range(n + 1):
-            history.radial_rate[cells + i] = radial_rate[i]
-            kept_force[cells + i] += coupling[i] * radial_rate[i] / 2
-            radial[cells + i] = radial_strain[i] + radial_rate[i] / 2
-    for i in range(len(grid.pieces)):
-        history.displacement[pieces + i] = grid.pieces[i].displacement
-    soil_kernel.keep_soil(run, grid.soil, v, history.resistance)
+
+
+def keep_radial_strains(
+    run: Run,
+    radial_strain: Any,
+    radial_rate: Any,
+    coupling: Any,
+    kept_radial: Any,
+    kept_rate: Any,
+) -> None:
+    """Store radial strains and their rates as they are at the end of a step."""
+    cells = run.kept_states * len(coupling) & INDEX_MASK
+    for i in range(len(coupling)):
+        kept_rate[cells + i] = radial_rate[i]
+        kept_radial[cells + i] = radial_strain[i] + radial_rate[i] / 2
+
+
+def add_radial_tensions(
+    run: Run, radial_rate: Any, coupling: Any, kept_force: Any
+) -> None:
+    """Add what radial strains change in the tensions in half a step."""
+    cells = run.kept_states * len(coupling) & INDEX_MASK
+    for i in range(len(coupling)):
+        kept_force[cells + i] += coupling[i] * radial_rate[i] / 2
+
+
+def keep_pieces(
+    run: Run, pieces: Any, lost: Any, kept_displacement: Any, kept_lost: Any
+) -> None:
+    """Store displacements of the pieces, and the energy that is lost in all cells."""
+    first = run.kept_states * len(pieces)
+    for i in range(len(pieces)):
+        kept_displacement[first + i] = pieces[i].displacement
     total = 0.0
-    for lost in grid.lost:
-        total += lost
-    history.lost[run.kept_states] = total
+    for energy in lost:
+        total += energy
+    kept_lost[run.kept_states] = total
 
 
 def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) -> None:

@@ -80,42 +80,64 @@ def keep_soil(run: Run, soil: Any, v: Any, kept: Any) -> None:
         kept[first + i] = min(max(R, -at_node.ultimate), at_node.ultimate)
 
 
-def renew_equations(grid: Any) -> None:
-    """Factor the equations of a step anew, with the dampings of the soil as they are now.
+def load_equations(run: Run, soil: Any, diagonal: Any, loaded: Any) -> None:
+    """Diagonal of the equations of a step with the dampings of the soil as they are now.
 
-    What a force on the end of a piece does follows from them, and what the links ask of it.
+    This and the functions that follow do nothing where soil does not change the equations.
     """
-    soil = grid.soil
-    diagonal = grid.diagonal
-    loaded = grid.loaded_diagonal
-    held = grid.held
-    by_first = grid.velocity_by_first
-    by_last = grid.velocity_by_last
-    pieces = grid.pieces
-    links = grid.links
-    n = len(diagonal)
-    for i in range(n):
+    if run.soil_changes_equations == 0:
+        return
+    for i in range(len(diagonal)):
         loaded[i] = diagonal[i]
-        by_first[i] = 0.0
-        by_last[i] = 0.0
     for i in range(len(soil)):
         loaded[soil[i].node] += soil[i].damping / 2
-    elimination.factor(
-        grid.off_diagonal,
-        loaded,
-        held,
-        grid.lower,
-        grid.inverse_diagonal,
-        grid.upper,
-    )
-    before = n - 1  # last node of the piece before
+
+
+def factor_equations(
+    run: Run,
+    off_diagonal: Any,
+    loaded: Any,
+    held: Any,
+    lower: Any,
+    inverse_diagonal: Any,
+    upper: Any,
+) -> None:
+    """Factor the equations anew."""
+    if run.soil_changes_equations == 0:
+        return
+    elimination.factor(off_diagonal, loaded, held, lower, inverse_diagonal, upper)
+
+
+def push_ends_of_pieces(
+    run: Run, pieces: Any, held: Any, by_first: Any, by_last: Any
+) -> None:
+    """Unit forces on the first and on the last node of each piece, as right sides."""
+    if run.soil_changes_equations == 0:
+        return
+    for i in range(len(by_first)):
+        by_first[i] = 0.0
+        by_last[i] = 0.0
+    before = len(by_first) - 1  # last node of the piece before
     for k in range(len(pieces) - 1, -1, -1):
         first = pieces[k].first_node
         by_first[first] = 1.0 - held[first]
         by_last[before] = 1.0 - held[before]
         before = first - 1
-    elimination.substitute(grid.lower, grid.inverse_diagonal, grid.upper, by_first)
-    elimination.substitute(grid.lower, grid.inverse_diagonal, grid.upper, by_last)
+
+
+def solve_equations(
+    run: Run, lower: Any, inverse_diagonal: Any, upper: Any, x: Any
+) -> None:
+    """Velocities x that forces x give in a step."""
+    if run.soil_changes_equations == 0:
+        return
+    elimination.substitute(lower, inverse_diagonal, upper, x)
+
+
+def renew_mobilities(run: Run, links: Any, by_first: Any, by_last: Any) -> None:
+    """What the links ask of the velocities that forces on the ends of pieces give."""
+    if run.soil_changes_equations == 0:
+        return
     for i in range(len(links)):
         link = links[i]
         link.self_mobility = by_last[link.left_node] / 2 + by_first[link.right_node] / 2
