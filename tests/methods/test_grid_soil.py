@@ -77,6 +77,7 @@ def test_a_pile_with_a_toe_alone_is_set_by_the_limit_of_lumped_masses(resistance
     assert exact.contacts[1].permanent_set() == pytest.approx(limit, rel=2e-5)
 
 
+@pytest.mark.skipif(not kernels.enabled(), reason="takes long in plain Python")
 @pytest.mark.parametrize("law", ["smith", "viscous"])
 @pytest.mark.parametrize("resistance", few_of([200e3, 600e3, 1000e3], [600e3]))
 def test_a_blow_is_that_of_a_chain_of_lumped_masses(law, resistance):
@@ -203,6 +204,7 @@ def test_two_bonded_halves_in_soil_are_one_pile():
     )
 
 
+@pytest.mark.skipif(not kernels.enabled(), reason="takes long in plain Python")
 @pytest.mark.parametrize("law", ["smith", "viscous"])
 def test_a_continued_blow_is_one_that_did_not_stop(law):
     soil = ri.Soil(400e3, QUAKE, damping=0.16, law=law)
