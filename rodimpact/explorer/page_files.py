@@ -51,6 +51,8 @@ SCRIPTS = (
 """Scripts of the page, in the order of their use."""
 LOADER = "loader.js"
 """Script that unpacks the others."""
+LETTER_IN_PLACE = str.maketrans("<", ",")
+"""Letters of base 85 that are not used: with < a text may look like the end of its element."""
 
 
 def read(name: str) -> str:
@@ -129,8 +131,9 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
 
 
 def packed(text: str) -> str:
-    """A text compressed, as letters."""
-    return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
+    """A text compressed, as letters in base 85, which are fewer than in base 64."""
+    letters = base64.b85encode(zlib.compress(text.encode(), 9)).decode()
+    return letters.translate(LETTER_IN_PLACE)
 
 
 def _digest(text: str) -> str:

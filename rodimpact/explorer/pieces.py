@@ -13,6 +13,7 @@ from ..methods.clock import (
     count_ticks,
     crossing_time_of,
     flight_time_of,
+    most_rounded,
 )
 from ..methods.groups import body_velocities
 from ..methods.link import Law
@@ -39,7 +40,7 @@ from ..methods.states import Stop
 from ..methods.status import strain_warning
 from ..methods.tick_rule import default_horizon
 from .facts import RunSummary, errors_of, facts_of_outcome
-from .fronts import TOO_FAR_APART
+from .fronts import FIRST_HORIZON_SHARE, TOO_FAR_APART
 from .motion import curve_of, grids_of
 
 INITIAL_LOG_ROWS = 512
@@ -58,8 +59,12 @@ TOO_MUCH_WORK = (
 # Runs ---------------------------------------------------------------------------------
 
 
-def clock_of(row: Any, until: Any) -> Any:
-    """The clock of a row with rods; None where times are too far apart for it."""
+def clock_of(row: Any, until: Any, share: float) -> Any:
+    """The clock of a row with rods; None where times are too far apart for it.
+
+    Without a given end, the clock can count this share of its longest horizon. A smaller
+    share has finer ticks.
+    """
     transit_times = [segment.transit_time for segment in row.segments]
     reference = largest(transit_times)
     scale = scale_of(row)
@@ -69,7 +74,7 @@ def clock_of(row: Any, until: Any) -> Any:
     if until is None:
         crossing_time = crossing_time_of(row)
         flight_time = flight_time_of(row, scale)
-        end = default_horizon(reference, crossing_time, flight_time, 1.0)
+        end = default_horizon(reference, crossing_time, flight_time, share)
     total, transits = count_ticks(transit_times, reference, end)
     if total == 0 or min(transits) <= MIN_TRANSIT:
         return None
@@ -139,7 +144,7 @@ def run_of(
     earlier: Any,
     deadline: float = math.inf,
 ) -> Any:
-    """Run a row once.
+    """Run a row once, on the finest clock that counts to its end.
 
     Parameters
     ----------
@@ -162,18 +167,59 @@ def run_of(
         ``log``, the number of ``lines``, ``until`` of the request, and the tick ``now``
         to which all is known; or a ``problem``, path and sentence.
     """
-    until = None
+    until = until_of(request)
+    run: Any = None
+    for share in horizon_shares(until):
+        clock = clock_of(row, until, share)
+        if clock is None:
+            return {"problem": ("bodies", TOO_FAR_APART)}
+        if least_steps(clock, until) > MAX_STEPS:
+            return {"problem": ("", TOO_MUCH_WORK)}
+        run = run_on_clock(clock, request, tolerance, keep, earlier, deadline)
+        if not outlasts_clock(run):
+            break
+    return run
+
+
+def until_of(request: Any) -> Any:
+    """The given end of a run, s, or None."""
     if request.until >= 0:
-        until = request.until
-    clock = clock_of(row, until)
-    if clock is None:
-        return {"problem": ("bodies", TOO_FAR_APART)}
-    if least_steps(clock, until) > MAX_STEPS:
-        return {"problem": ("", TOO_MUCH_WORK)}
+        return request.until
+    return None
+
+
+def horizon_shares(until: Any) -> list[float]:
+    """Shares of the longest horizon to be tried one after the other, up to 1."""
+    if until is not None:
+        return [1.0]
+    shares = [FIRST_HORIZON_SHARE]
+    while shares[-1] < 1:
+        shares.append(min(4 * shares[-1], 1.0))
+    return shares
+
+
+def outlasts_clock(run: Any) -> bool:
+    """Whether a run without a given end came to the end of its clock without a proof."""
+    if "problem" in run or run["until"] >= 0:
+        return False
+    record = run["ended"].run
+    return bool(record.stop_reason == Stop.DONE and record.proved_tick < 0)
+
+
+def run_on_clock(
+    clock: Clock,
+    request: Any,
+    tolerance: float,
+    keep: bool,
+    earlier: Any,
+    deadline: float,
+) -> Any:
+    """Run the row of a clock once; the arguments and the result are those of `run_of`."""
+    row = clock.row
     log, outside = initial_lines(row, clock)
     for l in range(len(log)):
         log[l].line = l
-    options = RunRequest(until, tolerance, request.max_events, keep)
+    options = RunRequest(until_of(request), tolerance, request.max_events, keep)
     one_piece_each = [InitialLine(1, 0, 1) for _ in log]
     runs, nodes, links, masses, lines, parts = layout.lay_out(
         row, clock, options, one_piece_each, outside
@@ -226,11 +272,12 @@ def run_with_errors(row: Any, request: Any, tolerance: float, deadline: float) -
     coarse = run_of(row, request, coarser, False, fine, deadline)
     if "problem" in coarse:
         return coarse
-    rounding = max([1 / transit for transit in fine["clock"].transits])
+    transit_error, _ = most_rounded(row, fine["clock"].transits, fine["clock"].tick)
+    rounding = accuracy.rounding_errors(fine["ended"], transit_error)
     unresolved = accuracy.left_open(fine["ended"], 0.0)
     errors = []
     for i, error in enumerate(accuracy.stated(fine["ended"], coarse["ended"])):
-        errors.append(error + max(unresolved[i], rounding))
+        errors.append(error + unresolved[i] + rounding[i])
     fine["errors"] = errors
     fine["goal"] = tolerance
     return fine

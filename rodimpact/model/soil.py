@@ -82,8 +82,9 @@ class Soil(FrozenDataclass):
     mobilised: Profile = quantity("", "[-1, 1]", along="length", default=0.0)
 
     def _check(self, problems: Problems) -> None:
-        if self.law not in DAMPING_LAWS:
-            add_problem(problems, "law", 'must be "smith" or "viscous"', self.law)
+        law: Any = self.law
+        if not isinstance(law, str) or law not in DAMPING_LAWS:
+            add_problem(problems, "law", 'must be "smith" or "viscous"', law)
         for name in ("resistance", "mobilised"):
             value = getattr(self, name)
             if not _is_profile(value):
@@ -151,4 +152,5 @@ def largest_stiffness(soil: Soil, length: float) -> float:
 
 def _is_profile(value: ProfileLike | ArrayLike) -> bool:
     """Whether a value is a profile along a rod, or a function that becomes one."""
-    return isinstance(value, PROFILES) or callable(value)
+    is_function = callable(value) and not isinstance(value, type)
+    return is_function or isinstance(value, PROFILES)

@@ -12,10 +12,12 @@ import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY
 from rodimpact.explorer.javascript import javascript
 from rodimpact.explorer.page_files import read
-from rodimpact.explorer.pieces import solve_by_pieces
+from rodimpact.explorer.pieces import run_with_errors, solve_by_pieces
 from rodimpact.explorer.solved import scene_of_solution
 from rodimpact.explorer.solver import CONSTANTS, PROVIDED
 from rodimpact.explorer.tables import lacking, mistakes, request_of, system_of
+from rodimpact.methods.pieces.accuracy import measures_of, rounding_errors
+from rodimpact.methods.row_builder import build_row
 
 STEEL = ri.materials.steel
 ALUMINIUM = ri.materials.aluminium
@@ -125,6 +127,34 @@ def test_random_rows_within_the_stated_error(block):
         check_velocities(scene["outcome"], solution)
         check_contacts(scene["outcome"], solution)
         check_energies(scene["outcome"], solution.outcome)
+
+
+@needs_node
+def test_times_of_the_page_are_rounded_within_their_stated_error():
+    """Contacts late in a run, where transit times of the page's clock have added up."""
+    cases = [random_row(seed) for seed in (24, 71)]
+    for case, scene in zip(cases, solved_by_the_page(cases), strict=True):
+        solution = ri.solve(case.system, method="characteristics", rtol=1e-11)
+        check_velocities(scene["outcome"], solution)
+        check_contacts(scene["outcome"], solution)
+
+
+def test_rounded_transit_times_count_in_every_stated_error():
+    """Later events and shorter contacts make it larger."""
+    rods = [
+        ri.Rod(1.0, area=1e-4, material=STEEL, velocity=1.0),
+        ri.Rod(0.7, area=1e-4, material=STEEL),
+    ]
+    system = ri.System(rods, contacts=[ri.Spring(1e9)], gaps=[1e-5])
+    tables = tables_of(ri.Case(system, {}))
+    run = run_with_errors(
+        build_row(system_of(tables, LIBRARY)), request_of(tables), 1e-8, np.inf
+    )
+    velocity, _, _, duration, time = rounding_errors(run["ended"], 1e-12)
+    _, _, _, (longest,), times = measures_of(run["ended"])
+    assert time == 1e-12
+    assert velocity == pytest.approx(1e-12 * (1 + max(times) / longest))
+    assert duration == pytest.approx(1e-12 * (1 + 2 * max(times) / longest))
 
 
 def check_velocities(page, solution):

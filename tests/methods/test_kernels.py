@@ -208,20 +208,33 @@ def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
         assert ri.warm() == 0.0
 
 
-def asked_about():
-    """Kernels that `worth_compiling` is asked about anywhere."""
+def calls_in_package():
+    """Calls in all modules of the package, each with its module."""
     root = Path(ri.__file__).parents[1]
-    kernels_asked_about = set()
     for path in root.glob("rodimpact/**/*.py"):
+        name = ".".join(path.relative_to(root).with_suffix("").parts)
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if (
-                isinstance(node, ast.Call)
-                and ast.unparse(node.func) == "kernels.worth_compiling"
-            ):
-                asking = import_module(
-                    ".".join(path.relative_to(root).with_suffix("").parts)
-                )
-                kernels_asked_about.add(eval(ast.unparse(node.args[1]), vars(asking)))
+            if isinstance(node, ast.Call):
+                yield node, name
+
+
+def asked_about():
+    """Kernels that `worth_compiling` is asked about anywhere.
+
+    A batch asks about the kernel that its class hands to `Batch`.
+    """
+    kernels_asked_about = set()
+    for call, module in calls_in_package():
+        function = ast.unparse(call.func)
+        is_of_batch = function == "super().__init__" and module.endswith(".batch")
+        kernel = None
+        if function == "kernels.worth_compiling":
+            kernel = ast.unparse(call.args[1])
+        elif is_of_batch or function == "Batch[State]":
+            kernel = ast.unparse(call.args[0])
+        if kernel is not None and kernel != "self.kernel":
+            names = vars(import_module(module))
+            kernels_asked_about.add(eval(kernel, names))
     return kernels_asked_about
 
 

@@ -51,6 +51,10 @@ VELOCITY = 0
 """Place of the velocity among the measures."""
 PEAK_FORCE = 2
 """Place of the peak force among them."""
+DURATION = 3
+"""Place of the durations of contacts among them."""
+TIME = 4
+"""Place of the times at which contacts begin and end among them."""
 
 
 class Ended(NamedTuple):
@@ -110,6 +114,32 @@ def left_open(fine: Ended, fit: float) -> list[float]:
         longest = size_of(values[i])
         if longest > 0:
             errors[i] += (event_error + cut) / longest
+    return errors
+
+
+def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
+    """Relative error of each of the `MEASURES`, because transit times are rounded to the clock.
+
+    A wave that has crossed the row several times comes too early or too late by this share of the
+    time. So does the beginning and the end of each episode of a contact. Forces and velocities
+    change within the duration of a contact.
+
+    Parameters
+    ----------
+    ended : Ended
+    transit_error : float
+        Largest relative change of a transit time.
+    """
+    values = measures_of(ended)
+    durations = size_of(values[DURATION])
+    times = size_of(values[TIME])
+    shift = transit_error * times
+    errors = [transit_error] * len(values)
+    if durations > 0:
+        episodes = max([link.episodes for link in ended.link])
+        for i in range(SHOWN):
+            errors[i] += shift / durations
+        errors[DURATION] += 2 * episodes * shift / durations
     return errors
 
 
