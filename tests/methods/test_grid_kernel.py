@@ -68,7 +68,7 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
 
 
 def tridiagonal(diagonal, coupling, is_held):
-    """The matrix of nodes a to b: identity in held rows, -beside[i] between i - 1 and i."""
+    """The matrix of nodes a to b: identity in prescribed rows, -beside[i] between i - 1 and i."""
     n = len(diagonal)
     matrix = np.diag(diagonal)
     for i in range(1, n):
@@ -161,7 +161,7 @@ def dense_run(mesh, step, v, force, radial, steps, push):
     k = mesh.stiffness[1:n]
     b = mesh.cells.coupling[1:n]
     J = mesh.cells.swelling[1:n]
-    free = np.append(mesh.held == 0, J > 0)
+    free = np.append(mesh.is_prescribed == 0, J > 0)
     outer = np.zeros(2 * n - 1)
     outer[0] = push[0]
     outer[n - 1] = -push[1]
@@ -233,8 +233,8 @@ def test_steps_against_dense_matrices(seed, kind):
 
 def moving_mass(mesh):
     """[node] mass that moves with a node, kg; half cells on a driven end move with it."""
-    mass = mesh.mass * (mesh.held == 0)
-    for node in np.flatnonzero(mesh.held):
+    mass = mesh.mass * (mesh.is_prescribed == 0)
+    for node in np.flatnonzero(mesh.is_prescribed):
         mass[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
     return mass
 

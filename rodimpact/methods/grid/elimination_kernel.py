@@ -15,15 +15,15 @@ from typing import Any
 def factor(
     off_diagonal: Any,
     diagonal: Any,
-    prescribed: Any,
+    is_prescribed: Any,
     lower: Any,
     inverse_diagonal: Any,
     upper: Any,
 ) -> None:
     """Store the LU factors of the equations in `lower`, `inverse_diagonal` and `upper` [node].
 
-    `prescribed` is 1 at nodes whose values are prescribed. The factors of the middle node are those
-    of its neighbours: `lower` of the left one, `upper` of the right one.
+    `is_prescribed` is 1 at nodes whose values are prescribed. The factors of the middle node are
+    those of its neighbours: `lower` of the left one, `upper` of the right one.
     """
     n = len(diagonal)
     m = (n - 1) // 2
@@ -33,7 +33,7 @@ def factor(
         lower[i] = 0.0
         inverse = 1.0
         share = 0.0
-        if prescribed[i] == 0:
+        if is_prescribed[i] == 0:
             lower[i] = off_diagonal[i] * left_inverse
             inverse = 1 / (diagonal[i] - off_diagonal[i] * left_share)
             share = off_diagonal[i + 1] * inverse
@@ -47,7 +47,7 @@ def factor(
         lower[i] = 0.0
         inverse = 1.0
         share = 0.0
-        if prescribed[i] == 0:
+        if is_prescribed[i] == 0:
             lower[i] = off_diagonal[i + 1] * right_inverse
             inverse = 1 / (diagonal[i] - off_diagonal[i + 1] * right_share)
             share = off_diagonal[i] * inverse
@@ -58,7 +58,7 @@ def factor(
     lower[m] = 0.0
     upper[m] = 0.0
     inverse_diagonal[m] = 1.0
-    if prescribed[m] == 0:
+    if is_prescribed[m] == 0:
         lower[m] = off_diagonal[m] * left_inverse
         upper[m] = off_diagonal[m + 1] * right_inverse
         pivot = diagonal[m] - off_diagonal[m] * left_share

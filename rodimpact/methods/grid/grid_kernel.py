@@ -84,7 +84,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
     off_diagonal = borrowed(grid.off_diagonal)
     diagonal = borrowed(grid.diagonal)
     loaded = borrowed(grid.loaded_diagonal)
-    held = borrowed(grid.held)
+    is_prescribed = borrowed(grid.is_prescribed)
     by_first = borrowed(grid.velocity_by_first)
     by_last = borrowed(grid.velocity_by_last)
     signals = borrowed(history.signals)
@@ -131,9 +131,9 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         soil_kernel.move_soil(run, soil, v)
         soil_kernel.load_equations(run, soil, diagonal, loaded)
         soil_kernel.factor_equations(
-            run, off_diagonal, loaded, held, lower, inverse_diagonal, upper
+            run, off_diagonal, loaded, is_prescribed, lower, inverse_diagonal, upper
         )
-        soil_kernel.push_ends_of_pieces(run, pieces, held, by_first, by_last)
+        soil_kernel.push_ends_of_pieces(run, pieces, is_prescribed, by_first, by_last)
         soil_kernel.solve_equations(run, lower, inverse_diagonal, upper, by_first)
         soil_kernel.solve_equations(run, lower, inverse_diagonal, upper, by_last)
         soil_kernel.renew_mobilities(run, links, by_first, by_last)

@@ -165,7 +165,7 @@ class Mesh:
         Node of each rigid mass.
     starts, stops : list of int
         First and last node of each piece.
-    mass, held : [node] array
+    mass, is_prescribed : [node] array
         kg; 1 where the velocity is prescribed, else 0.
     cells : Cells
     cell_mass, stiffness, viscous, lateral, width : [cell] array
@@ -224,8 +224,8 @@ class Mesh:
         self.shear = _in_series(self.cells.shear)
         self.mass[self.node_of_mass] += row.masses
         self.shear[self.node_of_mass] = 0.0
-        self.held = np.zeros(node + 1, np.int64)
-        self.held[[self.ends[side] for side in driven]] = 1
+        self.is_prescribed = np.zeros(node + 1, np.int64)
+        self.is_prescribed[[self.ends[side] for side in driven]] = 1
         self.pulled = [cell for _, cell in self.bonds.values()]
         watched = [*self.ends, *self.node_of_mass]
         for cell in self.pulled:
@@ -356,6 +356,19 @@ def check_polar_moments(row: Row) -> None:
                     f"{area!r}; take an area nearer to 1 in consistent units"
                 )
                 raise InvalidModel([(f"{path}.area", message)])
+
+
+def half_cell_edges(left: float, length: float, count: int) -> Array:
+    """Edges of the half cells of a segment, m [2 * count + 1].
+
+    The segment begins at `left`, m, and has `count` cells on its `length`, m.
+    """
+    return np.asarray(left + length * np.arange(2 * count + 1) / (2 * count))
+
+
+def nodes_of_half_cells(count: int) -> Array:
+    """Node beside each half cell of `count` cells in a row, [2 * count]: 0, 1, 1, 2, 2, ..."""
+    return np.asarray((np.arange(2 * count) + 1) // 2)
 
 
 def crossing_time(segment: Any) -> float:

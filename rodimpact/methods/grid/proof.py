@@ -127,7 +127,7 @@ def side_of(
     v = motion.velocity[0, nodes]
     # Relative to the first node, so that a body without vibration has no deviation.
     mean = float(v[0] + m @ (v - v[0]) / (m.sum() or 1.0))
-    if mesh.held[far]:
+    if mesh.is_prescribed[far]:
         mean = float(motion.velocity[0, far])
     Z = 0.0
     side = absorbing_side(run, far)
@@ -137,7 +137,7 @@ def side_of(
     if a == b:
         return GroupState(mean, 0.0, 0.0)
     g = np.cumsum(m[:-1]) / m.sum()
-    if mesh.held[far] or Z:
+    if mesh.is_prescribed[far] or Z:
         g = np.ones(b - a)
     elif not right_end:
         g = 1 - g

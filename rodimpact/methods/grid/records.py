@@ -168,7 +168,7 @@ class Grid(NamedTuple):
     off_diagonal: Any  # [cell] entries with opposite sign
     diagonal: Any  # [node]
     loaded_diagonal: Any  # [node] the same with soil
-    held: Any  # [node] 1 where the velocity is prescribed
+    is_prescribed: Any  # [node] 1 where the velocity is prescribed
     watched: Any  # nodes whose velocities are recorded after each step
     pulled: Any  # cells whose tensions are recorded in each step
 

@@ -199,7 +199,7 @@ def velocities_of(run: GridRun) -> Array:
     velocities = [max(float(run.row.scale), round_off_of(run))]
     for first, last in mesh.groups:
         nodes = slice(first, last + 1)
-        if not mesh.held[nodes].any():
+        if not mesh.is_prescribed[nodes].any():
             velocities.append(
                 float(mesh.mass[nodes] @ v[nodes] / mesh.mass[nodes].sum())
             )

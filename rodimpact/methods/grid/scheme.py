@@ -105,7 +105,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         off_diagonal=off_diagonal,
         diagonal=diagonal,
         loaded_diagonal=loaded_diagonal,
-        held=mesh.held,
+        is_prescribed=mesh.is_prescribed,
         watched=np.array(mesh.watched, np.int64),
         pulled=np.array(mesh.pulled, np.int64),
     )
@@ -132,7 +132,7 @@ def factorise(mesh: Mesh, diagonal: Array, off_diagonal: Array) -> Factors:
     n = len(diagonal)
     factors = ([0.0] * n, [0.0] * n, [0.0] * n)
     elimination.factor(
-        off_diagonal.tolist(), diagonal.tolist(), mesh.held.tolist(), *factors
+        off_diagonal.tolist(), diagonal.tolist(), mesh.is_prescribed.tolist(), *factors
     )
     return Factors(*map(np.array, factors))
 
@@ -147,7 +147,7 @@ def velocity_changes(factors: Factors, forces: Any) -> Array:
 def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
     """Velocities by unit forces on the ends of the pieces, by the equations with these factors."""
     n = len(mesh.mass)
-    free = mesh.held == 0
+    free = mesh.is_prescribed == 0
     on_first = np.bincount(mesh.starts, free[mesh.starts], n)
     on_last = np.bincount(mesh.stops, free[mesh.stops], n)
     return Responses(

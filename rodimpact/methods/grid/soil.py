@@ -5,15 +5,15 @@ from typing import Any
 import numpy as np
 
 from ...model import Rod
-from ...model.soil import largest_stiffness, mobilised_shares, resistances
+from ...model.soil import SMITH, largest_stiffness, mobilised_shares, resistances
 from ..row import Array, Row
 from . import records
-from .mesh import Mesh
+from .mesh import Mesh, half_cell_edges, nodes_of_half_cells
 from .records import filled
 
 
 def shaft_bodies(row: Row) -> list[int]:
-    """Rods of a row that soil holds along their shafts."""
+    """Numbers of the bodies of a row that soil holds along their shafts."""
     bodies = []
     for i, body in enumerate(row.system.bodies):
         if isinstance(body, Rod) and body.shaft is not None:
@@ -22,7 +22,7 @@ def shaft_bodies(row: Row) -> list[int]:
 
 
 def soil_of(mesh: Mesh, step: float) -> Array:
-    """Soil of all rods, a record for each node that it holds, from left to right.
+    """Soil of all rods at t = 0 as `records.SOIL`, [node in soil], from left to right.
 
     Where two rods are bonded, a node has a record for either.
     """
@@ -33,31 +33,38 @@ def soil_of(mesh: Mesh, step: float) -> Array:
 
 
 def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
-    """Soil of a rod: each node has that of the halves of the cells beside it."""
+    """Soil of one rod at t = 0 as `records.SOIL`, [node in soil].
+
+    A node has the ultimate and the mobilised resistance of the halves of the cells beside it; nodes
+    without either have no record. `shaft` is the place of the rod among the `shaft_bodies`.
+    """
     rod = mesh.row.system.bodies[body]
     soil = rod.shaft
-    edges = half_cell_edges(mesh, body)
+    edges = _edges_in_rod(mesh, body)
     length = float(rod.length)
-    nodes = nodes_of_half_cells(mesh, body)
+    first, last = mesh.row.spans[body]
+    # Node of each half cell, counted from the left end of the rod.
+    nodes = nodes_of_half_cells(sum(mesh.counts[first - 1 : last]))
     of_half_cells = resistances(soil, edges, length)
     shares = mobilised_shares(soil, edges, length)
     ultimate = np.bincount(nodes, of_half_cells)
     resistance = np.bincount(nodes, of_half_cells * shares)
-    held = np.flatnonzero(ultimate)
-    ultimate = ultimate[held]
-    resistance = np.clip(resistance[held], -ultimate, ultimate)
-    damping_factor = np.full(len(held), float(soil.damping))
-    is_smith = soil.law == "smith"
+    in_soil = np.flatnonzero(ultimate)
+    ultimate = ultimate[in_soil]
+    resistance = np.clip(resistance[in_soil], -ultimate, ultimate)
+    damping_factor = np.full(len(in_soil), float(soil.damping))
+    is_smith = soil.law == SMITH
     damping = damping_factor * ultimate
     if is_smith:
         damping = damping_factor * np.abs(resistance)
-    first, _ = mesh.row.spans[body]
+    is_first_node = np.where(in_soil == 0, 1, 0)
+    is_last_node = np.where(in_soil == nodes[-1], 1, 0)
     soil_records: Array = filled(
         records.SOIL,
-        len(held),
-        node=mesh.first[first] + held,
+        len(in_soil),
+        node=mesh.first[first] + in_soil,
         shaft=shaft,
-        end_of_rod=np.where(held == nodes[-1], 1, 0) - np.where(held == 0, 1, 0),
+        end_of_rod=is_last_node - is_first_node,
         is_smith=is_smith,
         stiffness=ultimate / float(soil.quake) * step,
         ultimate=ultimate,
@@ -68,24 +75,17 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
     return soil_records
 
 
-def half_cell_edges(mesh: Mesh, body: int) -> Array:
+def _edges_in_rod(mesh: Mesh, body: int) -> Array:
     """Edges of the half cells of a rod, m from its left end."""
     edges = [np.zeros(1)]
     left = 0.0
     start, stop = mesh.row.spans[body]
     for s in range(start, stop + 1):
         length = float(mesh.row.segments[s - 1].length)
-        halves = 2 * mesh.counts[s - 1]
-        edges.append(left + length * np.arange(1, halves + 1) / halves)
+        # The first edge of a segment is the last one of the segment before it.
+        edges.append(half_cell_edges(left, length, mesh.counts[s - 1])[1:])
         left += length
     return np.concatenate(edges)
-
-
-def nodes_of_half_cells(mesh: Mesh, body: int) -> Array:
-    """Node of each half cell of a rod, counted from its left end."""
-    start, stop = mesh.row.spans[body]
-    cells = sum(mesh.counts[start - 1 : stop])
-    return np.asarray((np.arange(2 * cells) + 1) // 2)
 
 
 def soil_stiffnesses(row: Row) -> list[float]:

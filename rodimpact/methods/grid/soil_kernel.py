@@ -2,7 +2,7 @@
 
 The static resistance R follows the displacement u of the node against the ground, elastic between
 -R_u and R_u with the stiffness k = R_u/q. It is known in the middle of a step, as the tension of a
-cell is. The damping c is J |R| by Smith's law and J R_u by the viscous one. In a step the soil
+cell is. The damping c is J abs(R) by Smith's law and J R_u by the viscous one. In a step the soil
 pulls the node back by
 
     R + c v,        v the mean velocity of the node against the ground,
@@ -21,12 +21,19 @@ from .records import INDEX_MASK, Run
 
 
 def ground_velocity(run: Run) -> float:
-    """Velocity of the ground in the frame, which falls, before the present step."""
+    """Return the velocity of the ground in the frame, m/s, at the end of the last step.
+
+    The frame falls with g, so that the ground gains -g dt in each step.
+    """
     return run.ground_velocity + run.step * run.ground_acceleration
 
 
 def move_soil(run: Run, soil: Any, v: Any) -> None:
-    """Static resistances in the middle of the step, and the dampings that they make."""
+    """Move the static resistances to the middle of the step, and set the dampings for this step.
+
+    Over a step the resistance grows by k (v - ground), within -R_u and R_u. By Smith's law the
+    damping is c = J abs(R); by the viscous law it stays as it is.
+    """
     ground = ground_velocity(run)
     for i in range(len(soil)):
         at_node = soil[i]
@@ -38,7 +45,10 @@ def move_soil(run: Run, soil: Any, v: Any) -> None:
 
 
 def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
-    """Take what the soil holds off the right sides x of the equations of the step."""
+    """Subtract R + c (v - ground) of the soil from x, the right sides of the equations of the step.
+
+    v are the velocities before the step; the ground has its mean velocity over the step.
+    """
     ground = ground_velocity(run) + run.ground_acceleration / 2
     for i in range(len(soil)):
         at_node = soil[i]
@@ -47,8 +57,12 @@ def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
 
 
 def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> None:
-    """Record the force of the soil on each rod in this step, and its power."""
-    ground = ground_velocity(run) + run.ground_acceleration / 2
+    """Set the entries of this step in `shafts`: force of the soil on each rod, and its power.
+
+    The force on a node is -(R + c u), u its mean velocity against the ground in the step, from
+    `old_velocity` before the step and `v` behind it; its power is that force times u.
+    """
+    ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
     first = (run.step - run.first_step) * run.shafts
     for i in range(run.shafts):
         shaft = shafts[first + i]
@@ -70,20 +84,25 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
             shaft.last_node_force = force
 
 
-def keep_soil(run: Run, soil: Any, v: Any, kept: Any) -> None:
-    """Store the static resistances as they are at the end of a step."""
+def keep_soil(run: Run, soil: Any, v: Any, kept_resistance: Any) -> None:
+    """Store the static resistances at the end of a step in the next state that is kept.
+
+    The soil has them in the middle of the step: half a step adds k (v - ground)/2.
+    """
     ground = ground_velocity(run)
     first = run.kept_states * len(soil) & INDEX_MASK
     for i in range(len(soil)):
         at_node = soil[i]
         R = at_node.resistance + at_node.stiffness * (v[at_node.node] - ground) / 2
-        kept[first + i] = min(max(R, -at_node.ultimate), at_node.ultimate)
+        kept_resistance[first + i] = min(max(R, -at_node.ultimate), at_node.ultimate)
 
 
 def load_equations(run: Run, soil: Any, diagonal: Any, loaded: Any) -> None:
-    """Diagonal of the equations of a step with the dampings of the soil as they are now.
+    """Set `loaded` to the diagonal of the equations of a step with the present dampings, D + c/2.
 
-    This and the functions that follow do nothing where soil does not change the equations.
+    This and the functions that follow do nothing where soil does not change the equations. Each of
+    them asks that itself: were it asked around their calls, arrays would be last used behind a
+    condition, and machine code would count references to them in every step.
     """
     if run.soil_changes_equations == 0:
         return
@@ -97,45 +116,56 @@ def factor_equations(
     run: Run,
     off_diagonal: Any,
     loaded: Any,
-    held: Any,
+    is_prescribed: Any,
     lower: Any,
     inverse_diagonal: Any,
     upper: Any,
 ) -> None:
-    """Factor the equations anew."""
+    """Set the LU factors `lower`, `inverse_diagonal` and `upper` of the loaded equations."""
     if run.soil_changes_equations == 0:
         return
-    elimination.factor(off_diagonal, loaded, held, lower, inverse_diagonal, upper)
+    elimination.factor(
+        off_diagonal, loaded, is_prescribed, lower, inverse_diagonal, upper
+    )
 
 
 def push_ends_of_pieces(
-    run: Run, pieces: Any, held: Any, by_first: Any, by_last: Any
+    run: Run, pieces: Any, is_prescribed: Any, by_first: Any, by_last: Any
 ) -> None:
-    """Unit forces on the first and on the last node of each piece, as right sides."""
+    """Set right sides: unit forces on the first node of each piece, and on the last one.
+
+    `by_first` becomes 1 at first nodes, `by_last` at last nodes, and both 0 elsewhere, as at nodes
+    whose velocity is prescribed.
+    """
     if run.soil_changes_equations == 0:
         return
     for i in range(len(by_first)):
         by_first[i] = 0.0
         by_last[i] = 0.0
-    before = len(by_first) - 1  # last node of the piece before
+    last = len(by_first) - 1  # last node of piece k, which begins behind piece k - 1
     for k in range(len(pieces) - 1, -1, -1):
         first = pieces[k].first_node
-        by_first[first] = 1.0 - held[first]
-        by_last[before] = 1.0 - held[before]
-        before = first - 1
+        by_first[first] = 1.0 - is_prescribed[first]
+        by_last[last] = 1.0 - is_prescribed[last]
+        last = first - 1
 
 
 def solve_equations(
     run: Run, lower: Any, inverse_diagonal: Any, upper: Any, x: Any
 ) -> None:
-    """Velocities x that forces x give in a step."""
+    """Replace x, forces on the nodes, by the changes of velocity that they make in a step."""
     if run.soil_changes_equations == 0:
         return
     elimination.substitute(lower, inverse_diagonal, upper, x)
 
 
 def renew_mobilities(run: Run, links: Any, by_first: Any, by_last: Any) -> None:
-    """What the links ask of the velocities that forces on the ends of pieces give."""
+    """Set the mobilities of the links from the velocities by unit forces on the ends of pieces.
+
+    `self_mobility` of a link is the closing that its own unit force takes away in a step,
+    `coupling_mobility` the closing that a unit force in the link before it adds through the piece
+    between both. Half of a change of velocity counts, as a closing is a mean over the step.
+    """
     if run.soil_changes_equations == 0:
         return
     for i in range(len(links)):

@@ -11,7 +11,7 @@ from ..record_lists import as_objects
 from ..row import Array
 from ..run import INWARD
 from . import scheme
-from .mesh import Mesh, quotient
+from .mesh import Mesh, half_cell_edges, nodes_of_half_cells, quotient
 from .records import LINK, Grid
 
 LITTLE_RETARDATION = 1 / 64
@@ -72,7 +72,11 @@ def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
 
 
 def _velocities(mesh: Mesh, strain: Array) -> Array:
-    """Velocities of nodes, m/s; store the strains of cells as elongations, m."""
+    """Velocities of all nodes at t = 0 in the frame, m/s [node]; set the elongations of cells.
+
+    The velocity of a node is the mean of those of the half cells beside it, and of its rigid mass,
+    by their masses. `strain` becomes the elongation of each cell, m [cell].
+    """
     row = mesh.row
     v = np.zeros(len(mesh.mass))
     for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
@@ -82,12 +86,10 @@ def _velocities(mesh: Mesh, strain: Array) -> Array:
             last = mesh.last[s]
             L = float(row.segments[s - 1].length)
             N = mesh.counts[s - 1]
-            # Edges of half cells
-            edges = left + L * np.arange(2 * N + 1) / (2 * N)
+            edges = half_cell_edges(left, L, N)
             halves = averages(body.velocity, edges, float(body.length))
             masses = np.repeat(mesh.cell_mass[first + 1 : last + 1] / 2, 2)
-            nodes = (np.arange(2 * N) + 1) // 2
-            v[first : last + 1] += np.bincount(nodes, masses * halves)
+            v[first : last + 1] += np.bincount(nodes_of_half_cells(N), masses * halves)
             strains = averages(body.strain, edges[::2], float(body.length))
             strain[first + 1 : last + 1] = strains * L / N
             left += L
@@ -145,7 +147,9 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
             force[left] -= push
             force[right] += push
     factors = scheme.Factors(grid.lower, grid.inverse_diagonal, grid.upper)
-    return scheme.velocity_changes(factors, np.where(mesh.held == 1, 0.0, force / 2))
+    return scheme.velocity_changes(
+        factors, np.where(mesh.is_prescribed == 1, 0.0, force / 2)
+    )
 
 
 def _initial_push(grid: Grid, link: Any) -> float:
