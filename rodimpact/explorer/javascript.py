@@ -20,6 +20,7 @@ import inspect
 import json
 import math
 import re
+import string
 import textwrap
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Mapping
@@ -241,6 +242,12 @@ def _plain_table(value: Any) -> Any:
     return record
 
 
+def _short_name(k: int) -> str:
+    """Name of the variable number k of a function: a_ to z_, then a1_ to z1_ and so on."""
+    number, letter = divmod(k, len(string.ascii_lowercase))
+    return f"{string.ascii_lowercase[letter]}{number or ''}_"
+
+
 class _Translator(ast.NodeVisitor):
     """Translation of one function of a program."""
 
@@ -252,21 +259,27 @@ class _Translator(ast.NodeVisitor):
         ast.increment_lineno(module, self.line - 1)
         self.tree = module.body[0]
         self.arguments = [argument.arg for argument in self.tree.args.args]
-        self.local = set(self.arguments)
+        # Names of variables in JavaScript, by those in Python.
+        self.local: dict[str, str] = {}
+        for name in self.arguments:
+            self.local[name] = _short_name(len(self.local))
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-                self.local.add(node.id)
+                self.local.setdefault(node.id, _short_name(len(self.local)))
 
     def text(self) -> str:
-        """Return the function in JavaScript; its variables end with an underscore."""
-        arguments = [f"{name}_" for name in self.arguments]
+        """Return the function in JavaScript.
+
+        Its variables have short names, as long ones would take a tenth of the page: a letter, a
+        number if letters do not suffice, and an underscore, so that none is a word of JavaScript.
+        """
+        arguments = [self.local[name] for name in self.arguments]
         for k, default in enumerate(reversed(self.tree.args.defaults), 1):
             arguments[-k] += f"={self.visit(default)}"
-        variables = sorted(self.local - set(self.arguments))
+        variables = list(self.local.values())[len(arguments) :]
         declaration = ""
         if variables:
-            names = ",".join(f"{name}_" for name in variables)
-            declaration = f"let {names};\n"
+            declaration = f"let {','.join(variables)};\n"
         name = self.program.name(
             self.function, self.function.__name__, self.function.__module__
         )
@@ -414,7 +427,7 @@ class _Translator(ast.NodeVisitor):
 
     def visit_Name(self, node: ast.Name) -> str:
         if node.id in self.local:
-            return f"{node.id}_"
+            return self.local[node.id]
         return self.literal(node.id, self.known(node))
 
     def visit_Attribute(self, node: ast.Attribute) -> str:
