@@ -6,8 +6,11 @@ The method "characteristics" asks for the force of a link by d and by `closing`,
 the link would close without its own force: d' = closing - Y F, Y the mobility beside the link. It
 asks as well what ends the status of a link. The grid asks for the mean force over a time step.
 
-A new law is a branch in `force` and in `mean_force`, and in `drive` if it can let go while there is
-still overlap. The page has the part for characteristics as JavaScript.
+A new law is a branch in `force` and in `mean_force`, and in `pressing_sign` if its force can end
+while there is still overlap. The page has the part for characteristics as JavaScript.
+
+Letters: k stiffness, p exponent, c damping of a dashpot, chi damping of Hunt and Crossley, Y
+mobility, F force.
 """
 
 import math
@@ -46,13 +49,16 @@ def is_nonlinear(link: Any) -> bool:
 
     All laws do but springs, and what yields along straight lines without damping.
     """
-    return bool(link.law > Law.SPRING and (link.law != Law.YIELD or link.damping > 0))
+    law = link.law
+    is_straight = law == Law.YIELD and link.damping == 0
+    return bool(law > Law.SPRING and not is_straight)
 
 
 def lets_go(link: Any) -> bool:
-    """Whether a link has `drive` as its second guard: a loss can end its force before its overlap.
+    """Whether losses can end the force of a link, which is no dashpot, before its overlap ends.
 
-    So can a dashpot beside a spring, which presses without overlap too: `drive` is its one guard.
+    A dashpot beside a spring can, too, but it presses without overlap as well: `pressing_sign` is
+    its first guard then, not an additional one.
     """
     return bool(link.law > Law.SPRING and link.damping > 0)
 
@@ -61,19 +67,21 @@ def lets_go(link: Any) -> bool:
 
 
 def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """Force of a link that is not open, and its derivatives by overlap d and by `closing`.
+    """Force F of a link that is not open, N, with dF/dd, N/m, and dF/dclosing, N s/m.
 
-    A dashpot feels the rate d' = closing - Y F, which holds the force itself; the laws are solved
-    for it. Beyond d = 0 a power goes on as an odd function: Newton's method and the search for
-    d = 0 pass.
+    A law that feels d' = closing - Y F is solved for F. Below d = 0 a power goes on as an odd
+    function, so that Newton's method and the search for d = 0 pass.
+
+    A link at rest (REST) has no law: its force is such that `closing` is 0. In place of F stands
+    what must become 0, `closing`.
     """
-    if (
-        link.status == Status.REST
-    ):  # the force is the unknown itself, which `closing` holds
+    law = link.law
+    if link.status == Status.REST:
         return closing, 0.0, 1.0
-    if link.law == Law.BOND or link.law == Law.RIGID:
-        return closing / link.mobility, 0.0, 1 / link.mobility
-    if link.law == Law.OWN:
+    if law == Law.BOND or law == Law.RIGID:
+        Y = link.mobility
+        return closing / Y, 0.0, 1 / Y
+    if law == Law.OWN:
         return own_force(link, d, closing)
     if is_nonlinear(link):  # a power, or what yields with damping
         return power_force(link, d, closing)
@@ -81,106 +89,133 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
 
 
 def spring_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = k d + c d', N, and its derivatives by d and by `closing`.
+    """F = k d + c d', N, with dF/dd and dF/dclosing.
 
-    `closing` is the rate without the own force: d' = closing - Y F, Y the mobility. Solved for F,
-    F = (k d + c closing)/(1 + c Y), whose divisor makes `share`.
+    d' = closing - Y F. Solved for F, with share = 1/(1 + c Y):
+    F = (k d + c closing) share,  dF/dd = k share,  dF/dclosing = c share.
     """
-    share = 1 / (1 + link.damping * link.mobility)
-    F = (link.stiffness * d + link.damping * closing) * share
-    return F, link.stiffness * share, link.damping * share
+    k = link.stiffness
+    c = link.damping
+    Y = link.mobility
+    share = 1 / (1 + c * Y)
+    F = (k * d + c * closing) * share
+    return F, k * share, c * share
 
 
 def power_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = g (1 + chi d'), N, with g = k d^p (Hunt and Crossley 1975), and its derivatives.
+    """F = g (1 + chi d'), N, with g = k d^p (Hunt and Crossley 1975); dF/dd and dF/dclosing.
 
-    `closing` is the rate without the own force: d' = closing - Y F, Y the mobility. Solved for F,
-    F = g (1 + chi closing)/(1 + g chi Y), whose divisor makes `share`. The derivatives are those
-    by d and by `closing`.
+    d' = closing - Y F. Solved for F, with share = 1/(1 + g chi Y):
+    F = g (1 + chi closing) share,  dF/dg = (1 + chi closing) share^2,  dF/dclosing = g chi share.
 
     Soil at a toe is the same with p = 1 and its J for chi (Smith 1960).
     """
+    k = link.stiffness
+    p = link.exponent
+    chi = link.damping
     x = abs(d)
-    if link.exponent == 1.5:
+    if p == 1.5:
         root = math.sqrt(x)
     else:
-        root = x ** (link.exponent - 1)
-    g = link.stiffness * d * root
-    slope = link.exponent * link.stiffness * root
-    if link.damping == 0 or d < 0:
+        root = x ** (p - 1)
+    g = k * d * root
+    slope = p * k * root  # dg/dd
+    if chi == 0 or d < 0:
         return g, slope, 0.0
-    share = 1 / (1 + g * link.damping * link.mobility)
-    pressed = (1 + link.damping * closing) * share
-    return g * pressed, slope * pressed * share, g * link.damping * share
+    Y = link.mobility
+    share = 1 / (1 + g * chi * Y)
+    ratio = (1 + chi * closing) * share  # F/g
+    return g * ratio, slope * ratio * share, g * chi * share
 
 
 def user_force(function: int, d: float, rate: float) -> float:  # noqa: ARG001
-    """Force of a law of the user: where there is one, its function stands in place of this."""
+    """Force f(d, d') of the law of the user with this number, N.
+
+    This text stands for laws of the user, and is never run: `compiling` puts theirs in its place.
+    """
     return 0.0
 
 
 def odd_user_force(link: Any, d: float, rate: float) -> float:
-    """Force of a law of the user, which goes on below d = 0, where nobody has defined it."""
+    """Force of the law of the user, N: f(d, d') for d >= 0, and f(0, d') - f(-d, 0) below.
+
+    Nobody has defined f for d < 0. It goes on falling there, so that Newton's method and the search
+    for d = 0 pass.
+    """
+    number = link.function
     if d < 0:
-        return user_force(link.function, 0.0, rate) - user_force(link.function, -d, 0.0)
-    return user_force(link.function, d, rate)
+        return user_force(number, 0.0, rate) - user_force(number, -d, 0.0)
+    return user_force(number, d, rate)
 
 
 def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """Force F = f(d, d'), N, of a law of the user, and its derivatives by d and by `closing`.
+    """F = f(d, d'), N, of a law of the user, with dF/dd and dF/dclosing.
 
-    `closing` is the rate without the own force: d' = closing - Y F, Y the mobility. F is found by
-    Newton's method, derivatives of f are differences. Those of F are smaller by the factor `share`,
-    as the force slows down the closing that makes it.
+    d' = closing - Y F. F is found by Newton's method for f(d, closing - Y F) - F = 0, with
+    differences for the derivatives of f. Those of F are smaller by share = 1/(1 + Y df/dd'), as the
+    force slows down the closing that makes it.
     """
+    Y = link.mobility
     F = odd_user_force(link, d, closing)
-    slope = 0.0  # derivative by the rate
+    rate_step = link.rate_step
+    slope = 0.0  # df/dd'
     for _ in range(MAX_ITERATIONS):
-        rate = closing - link.mobility * F
+        rate = closing - Y * F
         f = odd_user_force(link, d, rate)
-        f_faster = odd_user_force(link, d, rate + link.rate_step)
-        slope = (f_faster - f) / link.rate_step
-        change = (f - F) / (1 + link.mobility * slope)
+        f_faster = odd_user_force(link, d, rate + rate_step)
+        slope = (f_faster - f) / rate_step
+        change = (f - F) / (1 + Y * slope)
         F += change
         if abs(change) <= FORCE_RTOL * abs(F):
             break
-    rate = closing - link.mobility * F
+    rate = closing - Y * F
     f = odd_user_force(link, d, rate)
-    f_deeper = odd_user_force(link, d + link.overlap_step, rate)
-    by_overlap = (f_deeper - f) / link.overlap_step
-    share = 1 / (1 + link.mobility * slope)
+    overlap_step = link.overlap_step
+    f_deeper = odd_user_force(link, d + overlap_step, rate)
+    by_overlap = (f_deeper - f) / overlap_step  # df/dd
+    share = 1 / (1 + Y * slope)
     return F, by_overlap * share, slope * share
 
 
 # What ends a status -------------------------------------------------------------------
 
 
-def guards(link: Any) -> int:
-    """How many guards keep the status of a link, see `guard`."""
-    if link.status == Status.BOND:
-        return 0
-    if link.status == Status.PLASTIC and link.knots[link.next_knot] < UNREACHED:
-        return 2
-    if link.status == Status.GRAZE:
-        return 2
-    if link.status == Status.PRESS:
-        return 1 + (link.law == Law.YIELD) + lets_go(link)  # type: ignore[no-any-return]
-    return 1
+def guard_count(link: Any) -> int:
+    """Number of guards that keep the status of a link, see `guard`."""
+    status = link.status
+    count = 1
+    if status == Status.BOND:
+        count = 0
+    elif status == Status.GRAZE:
+        count = 2
+    elif status == Status.PLASTIC:
+        if link.knots[link.next_knot] < UNREACHED:
+            count = 2
+    elif status == Status.PRESS:
+        if link.law == Law.YIELD:
+            count += 1
+        if lets_go(link):
+            count += 1
+    return count
 
 
-def drive(link: Any, d: float, closing: float, F: float, scale: float) -> float:
-    """What has the sign of the force of a law with losses, without dimension; see `guard`.
+def pressing_sign(link: Any, d: float, closing: float, F: float, scale: float) -> float:
+    """A number without dimension that has the sign of the force of a law with losses.
 
-    Where it is 0, `closing` is the rate of the overlap.
+    That is f Y/scale for a law of the user, (k d/c + closing)/scale for a dashpot beside a spring,
+    and 1 + chi closing else: there `closing` stands for d', which is the same where F is 0.
+    `effective_mobility` is taken for Y, as Y is 0 between masses.
     """
+    damping = link.damping
     if link.law == Law.OWN:
-        user_force_now = odd_user_force(link, d, closing - link.mobility * F)
-        pressing = user_force_now * link.effective_mobility / scale
+        rate = closing - link.mobility * F
+        f = odd_user_force(link, d, rate)
+        sign = f * link.effective_mobility / scale
     elif has_dashpot(link):
-        pressing = (link.stiffness * d / link.damping + closing) / scale
+        sign = (link.stiffness * d / damping + closing) / scale
     else:
-        pressing = 1 + link.damping * closing
-    return pressing  # type: ignore[no-any-return]
+        sign = 1 + damping * closing
+    return sign  # type: ignore[no-any-return]
 
 
 def guard(
@@ -192,124 +227,154 @@ def guard(
     scale: float,
     length: float,
 ) -> tuple[float, int]:
-    """What must not fall below 0 for the status to last, without dimension, and the next status.
+    """Value of guard number `which` of a link, without dimension, and the status that follows it.
 
-    A dashpot lets go while there is still overlap: GRAZE, until that is gone or it presses again.
-    What yields goes on as elastic, with a new yield force, once it no longer closes; at a knot of
-    its table it goes on with another hardening.
+    The status of the link lasts until one of its guards falls below 0; that guard tells the next
+    status. A dashpot lets go while there is still overlap: GRAZE, until that is gone or it presses
+    again. What yields goes on as elastic, with a new yield force, once it no longer closes; at a
+    knot of its table it goes on with another hardening.
 
     Parameters
     ----------
     link : LINK
     which : int
-        Which guard, from 0 to `guards` - 1. Guard 0 is the gap (OPEN), the force (REST, and PRESS
-        of a rigid link), the rate of closing (PLASTIC), `drive` (PRESS of a spring with a
-        dashpot), and else the overlap. Guard 1 is what a force lacks to the next knot (PLASTIC)
-        or to the yield force (PRESS of what yields), -`drive` (GRAZE), and else `drive` (PRESS).
-        Guard 2 is `drive`, of a contact that yields with damping (PRESS).
+        Which guard, from 0 to `guard_count` - 1. Guard 0 is the gap (OPEN), the force (REST, and
+        PRESS of a rigid link), the rate of closing (PLASTIC), `pressing_sign` (PRESS of a spring
+        with a dashpot), and else the overlap. Guard 1 is what a force lacks to the next knot
+        (PLASTIC) or to the yield force (PRESS of what yields), -`pressing_sign` (GRAZE), and else
+        `pressing_sign` (PRESS). Guard 2 is `pressing_sign`, of a contact that yields with damping
+        (PRESS).
     d, closing, F : float
         Overlap, m, closing without the own force, m/s, and force, N.
     scale, length : float
         Scales of velocities, m/s, and of overlaps, m.
     """
-    if link.status == Status.OPEN:
-        return -d / length, Status.PRESS.value
-    if link.status == Status.REST:
+    status = link.status
+    if status == Status.OPEN:
+        gap = -d
+        return gap / length, Status.PRESS.value
+    if status == Status.REST:
         return F / link.resting_force, Status.OPEN.value
-    if link.status == Status.PLASTIC and which == 1:
-        return 1 - F / link.knots[link.next_knot], Status.PLASTIC.value
-    if link.status == Status.PLASTIC:
-        return (closing - link.mobility * F) / scale, Status.PRESS.value
-    if link.status == Status.PRESS and link.law == Law.RIGID:
+    if status == Status.PLASTIC and which == 1:
+        knot = link.next_knot
+        return 1 - F / link.knots[knot], Status.PLASTIC.value
+    if status == Status.PLASTIC:
+        rate = closing - link.mobility * F
+        return rate / scale, Status.PRESS.value
+    if status == Status.PRESS and link.law == Law.RIGID:
         return F * link.mobility / scale, Status.OPEN.value
-    pressing = drive(link, d, closing, F, scale)
-    if link.status == Status.GRAZE and which == 1:
-        return -pressing, Status.PRESS.value
+    sign = pressing_sign(link, d, closing, F, scale)
+    if status == Status.GRAZE and which == 1:
+        return -sign, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
-        S = F  # static force
+        static_force = F
         if link.damping > 0:
-            S = link.stiffness * d
-        return 1 - S / link.yield_force, Status.PLASTIC.value
-    if link.status == Status.PRESS and (which > 0 or has_dashpot(link)):
-        return pressing, Status.GRAZE.value
+            static_force = link.stiffness * d
+        return 1 - static_force / link.yield_force, Status.PLASTIC.value
+    if status == Status.PRESS and (which > 0 or has_dashpot(link)):
+        return sign, Status.GRAZE.value
     # Guard 0 of GRAZE, and of PRESS without a dashpot: the overlap
     return d / length, Status.OPEN.value
 
 
 def follows_overlap(link: Any, which: int) -> bool:
-    """Whether a guard is the overlap or the gap; others jump where an incoming wave does."""
-    if link.status == Status.OPEN:
+    """Whether guard number `which` is the overlap or the gap, and so has no jumps.
+
+    Other guards jump where an incoming wave does.
+    """
+    status = link.status
+    if status == Status.OPEN:
         return True
-    if which > 0 or link.status > Status.PRESS:
+    if which > 0 or status > Status.PRESS:
         return False
-    if link.status == Status.PRESS:
+    if status == Status.PRESS:
         return not force_jumps(link)
     return True
 
 
 def break_order(link: Any, order: int) -> Any:
-    """Order of the break in a force that a break in the velocity beside the link makes."""
-    if link.status == Status.OPEN or link.status == Status.GRAZE:
-        return int(link.break_order)
-    if link.law <= Law.PUSH_RIGHT or link.law == Law.RIGID or link.damping > 0:
-        return min(link.break_order, order)
-    return min(link.break_order, order + 1)
+    """Order of the break in the force of a link where the velocity beside it has one of `order`.
+
+    The force of a rigid link, a bond or a damped one follows velocities: the order is the same.
+    That of a spring follows their integral: it is one order smoother. A link that is open or lets
+    go has no force that follows. A break of the link itself, at its last event, counts if it is
+    rougher.
+    """
+    status = link.status
+    law = link.law
+    own_order = link.break_order
+    if status == Status.OPEN or status == Status.GRAZE:
+        return int(own_order)
+    if law <= Law.PUSH_RIGHT or law == Law.RIGID or link.damping > 0:
+        return min(own_order, order)
+    return min(own_order, order + 1)
 
 
 # Mean force over a time step ----------------------------------------------------------
 
 
 def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
-    """Mean force of a compliant contact while its overlap goes from x0 to x1, and dF/dx1.
+    """Mean force F of a compliant contact while its overlap goes from x0 to x1, N, and dF/dx1.
 
-    SPRING: k q + d dq/dt with q = max(x, 0), as long as that presses; POWER: k q^p (1 + d dx/dt);
-    averaged along the straight path, cut at 0. Time is counted in steps: dx/dt = x1 - x0.
+    x is the overlap, at a constant rate. Time is counted in steps, so that dx/dt = x1 - x0 = w.
+
+    SPRING: mean of k x + c w where x > 0 and this presses.
+    POWER: mean of k x^p where x > 0, times 1 + chi w.
+    YIELD: work along the lines of its table over w, times 1 + chi w.
+    A mean below 0 is cut to 0.
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
     k = link.stiffness
+    law = link.law
+    damping = link.damping
     w = x1 - x0
-    if link.law == Law.POWER:
-        elastic, by_overlap = mean_power(k, link.exponent, x0, x1)
-        factor = 1 + link.damping * w
-        F = elastic * factor
-        dF = by_overlap * factor + elastic * link.damping
-    elif link.law == Law.YIELD and x1 > link.yield_force / k:
-        end, work, _ = load_plastically(link, x0, x1)
+    if law == Law.POWER:
+        F, dF = mean_power(k, link.exponent, x0, x1)
+    elif law == Law.YIELD and x1 > link.yield_force / k:
+        end_force, work, _ = load_plastically(link, x0, x1)
         F = work / w
-        dF = max((end - F) / w, 0.0)
-    elif link.law == Law.YIELD:
+        # The derivative of work/w is this, as that of the work is the force at its end.
+        dF = max((end_force - F) / w, 0.0)
+    elif law == Law.YIELD:
         F, dF = mean_spring(k, 0.0, x0, x1)
     else:
-        F, dF = mean_spring(k, link.damping, x0, x1)
-    if link.law == Law.YIELD and link.damping > 0:
-        factor = 1 + link.damping * w
-        dF = dF * factor + F * link.damping
+        F, dF = mean_spring(k, damping, x0, x1)
+    if law == Law.POWER or (law == Law.YIELD and damping > 0):
+        factor = 1 + damping * w
+        dF = dF * factor + F * damping
         F = F * factor
     if F <= 0:
         return 0.0, 0.0
     return F, dF
 
 
-def mean_spring(k: float, d: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean of k x + d dx/dt from x0 to x1 as long as x > 0 and this presses; derivative by x1."""
+def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]:
+    """Mean F of k x + c w from x0 to x1 where x > 0 and this presses, N, and dF/dx1.
+
+    w = x1 - x0. With a and b the ends of the part of the way on which it presses,
+    F = (b - a)/w (k (a + b)/2 + c w).
+    """
     w = x1 - x0
-    last = k * x1 + d * w
+    last = k * x1 + c * w
     if x0 >= 0 and last >= 0:
-        return k * (x0 + x1) / 2 + d * w, k / 2 + d
-    least = max(-d * w / k, 0.0)  # overlap at which it lets go, or begins
+        return k * (x0 + x1) / 2 + c * w, k / 2 + c
+    least = max(-c * w / k, 0.0)  # overlap at which it lets go, or begins
     a = max(x0, least)
     b = max(x1, least)
-    share = (b - a) / w
-    F = share * (k * (a + b) / 2 + d * w)
-    return F, (max(last, 0.0) - F) / w + share * d
+    share = (b - a) / w  # part of the way on which it presses
+    F = share * (k * (a + b) / 2 + c * w)
+    return F, (max(last, 0.0) - F) / w + share * c
 
 
 def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean of k x^p, 0 for x < 0, from x0 to x1, and its derivative by x1.
+    """Mean F of k x^p, 0 for x < 0, from x0 to x1, N, and dF/dx1.
 
-    It is the difference quotient of k x^(p + 1)/(p + 1). Where x1 is near x0, so that this loses
-    digits, with h = x1/x0 - 1 it is k x0^p ((1 + h)^(p+1) - 1)/((p + 1) h), or its series in h.
+    F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0, and dF/dx1 = (k x1^p - F)/w.
+
+    Where x1 is near x0 these lose digits. With h = w/x0 and q = p + 1 they are
+    F = k x0^p ((1 + h)^q - 1)/(q h), and a series for the derivative,
+    dF/dx1 = k x0^(p - 1) p (1/2 + (p - 1) h/3 + (p - 1)(p - 2) h^2/8 + ...).
     """
     q = p + 1
     w = x1 - x0
@@ -331,27 +396,31 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 
 
 def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int]:
-    """What yields, pressed from x0 to x1 past its yield force, along the lines of its table.
+    """Load a yielding contact from overlap x0 to x1, past its yield force, along its table.
+
+    The force rises with the stiffness k to the yield force, and then with the slope shares[i] k up
+    to each force knots[i]. The link is not changed.
 
     Returns
     -------
     float
-        Force at x1, which is its yield force from then on.
+        Force at x1, which is its yield force from then on, N.
     float
-        Work on the way.
+        Work on the way, J: the area below the lines.
     int
-        The next knot.
+        Number of the next knot, the first that is not reached.
     """
     k = link.stiffness
-    force = link.yield_force
     knot = link.next_knot
+    force = link.yield_force
     x = force / k
     start = max(x0, 0.0)
     slope = link.hardening_share * k
     work = (x - start) * (force + k * start) / 2
-    while force + slope * (x1 - x) > link.knots[knot]:
-        knot_force = link.knots[knot]
-        part = (knot_force - force) / slope
+    knots = link.knots
+    while force + slope * (x1 - x) > knots[knot]:
+        knot_force = knots[knot]
+        part = (knot_force - force) / slope  # of the overlap, up to the knot
         work += part * (force + knot_force) / 2
         x = x + part
         force = knot_force

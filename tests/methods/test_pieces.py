@@ -461,7 +461,7 @@ def test_what_ends_a_status(law, status, overlap, closing, next_status):
         F, _, _ = contact_laws.force(link, overlap, closing)
 
     reached = []
-    for i in range(contact_laws.guards(link)):
+    for i in range(contact_laws.guard_count(link)):
         guard, after = contact_laws.guard(link, i, overlap, closing, F, 1.0, 1.0)
         assert math.isfinite(guard)
         if guard < 0:

@@ -1,62 +1,52 @@
 """How wrong the time of an event may be: contacts close and open where a guard falls to 0.
 
-A guard g that is wrong by e falls to 0 earlier or later by e/|dg/dt|.
+A guard g that is wrong by e falls to 0 earlier or later by e/abs(dg/dt).
 """
 
 from .. import contact_laws
-from . import series
-from .records import Link, Node, Run
-from .series import POINTS
-
-GUARD_LENGTH = 0.01
-"""Length in which guards measure overlaps, over velocity scale times duration of the piece."""
+from . import event_location, series
+from .event_location import Event
+from .records import Link, Links, Node, Run
 
 
-def record_event(
-    run: Run, link: Link, node: Node, position: float, status: int, h: float
-) -> None:
-    """Record the error of an event of a link at a position in a piece of duration h.
+def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> None:
+    """Raise `event_error` and `event_lag` of a link, s, by what an event of it may be wrong.
 
-    The piece of the event is wrong by what its polynomial leaves out, which makes `event_error`.
+    The event is in a piece of duration h, s. Its guard is wrong by the remainder of its
+    polynomial, which makes `event_error`.
+
     All that went before is wrong, too: where velocities are wrong by v, a force is wrong by v/Y,
     and an overlap by v times its memory. For a v of the velocity scale that makes `event_lag`.
     """
-    length = GUARD_LENGTH * run.velocity_scale * h
-    for i in range(contact_laws.guards(link)):
-        next_status = 0
-        for j in range(POINTS):
-            value, next_status = contact_laws.guard(
-                link,
-                i,
-                link.overlaps[j],
-                link.closing[j],
-                link.force[j],
-                run.velocity_scale,
-                length,
-            )
-            node.scratch_values[j] = value
-        if next_status == status:
+    link = links[event.link]
+    for which in range(contact_laws.guard_count(link)):
+        status = event_location.evaluate_guard(run, link, node, which, h)
+        if status == event.status:
             series.coefficients(node.scratch_values, node.scratch_series)
             error = series.remainder(node.scratch_values, False)
-            slope = abs(series.slope(node.scratch_series, position)) * 2 / h
-            if error < slope * h:
-                lag = 1 / slope
-                if contact_laws.follows_overlap(link, i):
-                    lag *= run.velocity_scale * memory_of_overlap(run, link) / length
-                link.event_error = max(link.event_error, error / slope)
+            # dg/dt, as y goes from -1 to 1 in the time h
+            rate = abs(series.slope(node.scratch_series, event.place)) * 2 / h
+            if error < rate * h:
+                lag = 1 / rate
+                if contact_laws.follows_overlap(link, which):
+                    length = event_location.guard_length(run, h)
+                    lag *= run.velocity_scale * overlap_memory(run, link) / length
+                link.event_error = max(link.event_error, error / rate)
                 link.event_lag = max(link.event_lag, lag)
-            else:  # the guard barely changes
+            else:  # the guard barely changes: the event may be anywhere in the piece
                 link.event_error = max(link.event_error, h)
 
 
-def memory_of_overlap(run: Run, link: Link) -> float:
+def overlap_memory(run: Run, link: Link) -> float:
     """Return the time for which an overlap keeps an error of the closing velocity, s.
 
-    It is the shortest transit, or d/(Y F) where the force F of an overlap d soon undoes it.
+    It is the shortest transit, or d/(Y F) where the force F of an overlap d soon undoes it; both
+    are those at the start of the piece.
     """
     transit = run.shortest_transit * run.tick_duration
-    undone = link.mobility * link.force[0]
+    overlap = link.overlaps[0]
+    undone_rate = link.mobility * link.force[0]
     memory = transit
-    if link.overlaps[0] > 0 and undone * transit > link.overlaps[0]:
-        memory = link.overlaps[0] / undone
+    if overlap > 0 and undone_rate * transit > overlap:
+        memory = overlap / undone_rate
     return float(memory)

@@ -6,18 +6,23 @@ limit of what is known, inputs at the points of a piece, collocation, first even
 """
 
 import math
+from typing import NamedTuple
 
 from .. import contact_laws
 from ..compiling import borrowed
 from ..states import Status, Stop
-from . import event_errors, events, finality, lines, nodes, series
+from . import event_errors, event_location, events, finality, lines, nodes, series
+from .event_location import Event
 from .records import HARD, NEVER, NONE, Lines, Log, Node, Nodes, Run, State
 from .series import N
 
 MAX_STATUS_CHANGES = 1000
 """Changes of status at one instant; more are chattering, and the piece goes on without an event."""
+MIN_CHATTER_CHANGES = 8
+"""Changes of status at the start of a piece, besides one for each pair of links of the node, after
+which it is shortened."""
 CUT_OF_CHATTER = 10
-"""Factor by which a piece is shortened that has as many events at its start as a graze has."""
+"""Factor by which such a piece is shortened."""
 MIN_PIECE_TICKS = 16
 """Ticks of a piece that is accepted whatever its truncation error: its points are whole ticks."""
 ROWS_PER_LINK = 4
@@ -40,8 +45,16 @@ SHORTENING_SAFETY = 0.8
 """Factor on the part that would just meet the tolerance."""
 
 
+class PieceResult(NamedTuple):
+    """The solution of a node on a piece."""
+
+    ticks: int  # duration of the piece, 0 without a solution
+    error: float  # truncation error, m/s
+    event: Event  # first event in the piece
+
+
 def run_nodes(state: State) -> int:
-    """Run to `end_tick`, or to the proof that nothing meets any more and `ticks_after_proof` more.
+    """Run all nodes to `end_tick`, or to the proof of finality and `ticks_after_proof` more.
 
     All is in the state: a run whose log is full goes on with a longer one.
 
@@ -100,91 +113,145 @@ def earliest_node(nodes: Nodes) -> int:
 
 
 def advance(state: State, node: Node) -> bool:
-    """Take one step of a node; return whether there was a solution."""
+    """Take one step of a node; return whether there was a solution.
+
+    The step is a piece, up to its first event. It moves the node on: states and totals of its
+    links and masses, leaving waves, `now`, and `next_ticks`, the wanted duration of the next piece.
+    """
     run = state.runs[0]
-    links = state.links
-    masses = state.masses
     all_lines = state.lines
     log = state.log
     tick = node.now
     for side in range(2):
         lines.advance_to(all_lines, log, node.incoming_lines[side], tick)
-    left = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
-    right = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
-    end = horizon(state, node, left <= HARD or right <= HARD)
-    full, error, event_position, event_link, status = solve(state, node, end - tick)
-    if full == 0:
+    left_order = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
+    right_order = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
+    is_after_break = left_order <= HARD or right_order <= HARD
+    limit = piece_end(state, node, is_after_break) - tick
+    result = solve(state, node, limit)
+    if result.ticks == 0:
         return False
-    ticks = full
-    if event_link != NONE:
-        h = full * run.tick_duration
-        link = links[event_link]
-        event_errors.record_event(run, link, node, event_position, status, h)
-        rounding = 0.5
-        if status == Status.PLASTIC:
-            rounding = 0.0  # the force stays below that at which the contact yields
-        ticks = max(1, int(0.5 * (event_position + 1) * full + rounding))
-        is_at_end = full - ticks <= run.event_window
-        if is_at_end and links[event_link].status == Status.OPEN:
-            ticks = full  # it closes together with the waves that arrive at the end
-        if ticks < full and node.is_averaging:
-            # Means over the shorter time are needed, or momentum would be lost.
-            take_inputs(all_lines, log, node, ticks)
-            nodes.collocate(
-                run, links, masses, node, ticks * run.tick_duration, state.matrix
-            )
-        elif ticks < full:
-            nodes.restrict_piece(links, masses, node, 2 * ticks / full - 1)
+    event = result.event
+    ticks = result.ticks
+    if event.link != NONE:
+        h = result.ticks * run.tick_duration
+        event_errors.record_event(run, state.links, node, event, h)
+        ticks = event_ticks(run, state.links[event.link].status, result)
+        cut_piece(state, node, result.ticks, ticks)
     # A piece is limited if something else than its truncation error sets its duration.
-    is_limited = node.is_averaging == 1
-    if full == end - tick and full < node.next_ticks:
-        is_limited = True
-    if node.is_averaging == 0 and full > MIN_PIECE_TICKS:
-        run.max_truncation_error = max(run.max_truncation_error, error)
-    if node.is_averaging == 0 and is_limited:
-        # A run at another tolerance takes the same step, and does not show its error.
-        # Values decide when an event is, integrals all else.
-        remainder = nodes.remainder(links, node, event_link == NONE)
-        share = ticks / run.shortest_transit
-        run.shared_error = max(run.shared_error, share * remainder)
-    nodes.forbid_pulling(links, node)
-    send_outgoing(state, node, ticks, left, right)
+    is_at_limit = result.ticks == limit and limit < node.next_ticks
+    is_limited = node.is_averaging == 1 or is_at_limit
+    record_error(state, node, result, ticks, is_limited)
+    nodes.forbid_pulling(state.links, node)
+    send_outgoing(state, node, ticks, left_order, right_order)
     events.record_piece(state, node, ticks)
     if node.is_averaging:
         count_averaged_step(run, tick)
-    if event_link != NONE:
-        node.halved_until = 0
-        for side in range(2):
-            node.incoming[side][0] = node.incoming[side][N]
-        events.apply_transition(state, node, tick + ticks, event_link, status)
-        if status == Status.OPEN and run.next_proof_tick < NEVER:
-            # The next proof is tried at a tick that no node has passed.
-            run.next_proof_tick = tick + ticks
-            for i in range(len(state.nodes)):
-                run.next_proof_tick = max(run.next_proof_tick, state.nodes[i].now)
     node.now = tick + ticks
-    growth = MAX_GROWTH
-    if error > 0:
-        growth = min(MAX_GROWTH, GROWTH_SAFETY * (run.tolerance / error) ** (1 / N))
-    wanted = int(full * max(MIN_GROWTH, growth)) + 1
-    if is_limited:
-        wanted = max(node.next_ticks, wanted)
-    node.next_ticks = wanted
+    if event.link != NONE:
+        begin_after_event(state, node, event)
+    set_next_ticks(run, node, result, is_limited)
     return True
 
 
+def event_ticks(run: Run, status: int, result: PieceResult) -> int:
+    """Return the ticks from the start of a piece to its event, 1 or more.
+
+    `status` is that of the link before the event. The place of the event is rounded, but down where
+    a contact yields: the force stays below that at which it does.
+    """
+    full = result.ticks
+    rounding = 0.5
+    if result.event.status == Status.PLASTIC:
+        rounding = 0.0
+    ticks = max(1, int(0.5 * (result.event.place + 1) * full + rounding))
+    is_at_end = full - ticks <= run.event_window
+    if is_at_end and status == Status.OPEN:
+        ticks = (
+            full  # the contact closes together with the waves that arrive at the end
+        )
+    return ticks
+
+
+def cut_piece(state: State, node: Node, full: int, ticks: int) -> None:
+    """Cut the solution of a node on a piece of `full` ticks after `ticks`."""
+    run = state.runs[0]
+    if ticks < full and node.is_averaging:
+        # Means over the shorter time are needed, or momentum would be lost.
+        take_inputs(state.lines, state.log, node, ticks)
+        h = ticks * run.tick_duration
+        nodes.collocate(run, state.links, state.masses, node, h, state.matrix)
+    elif ticks < full:
+        nodes.restrict_piece(state.links, state.masses, node, 2 * ticks / full - 1)
+
+
+def record_error(
+    state: State, node: Node, result: PieceResult, ticks: int, is_limited: bool
+) -> None:
+    """Raise the largest errors of a run by those of a piece, of which `ticks` are kept.
+
+    `is_limited` says that something else than the truncation error set the duration of the piece. A
+    run at another tolerance takes the same step then, and does not show its error. Values decide
+    when an event is, integrals all else.
+    """
+    run = state.runs[0]
+    if node.is_averaging == 0 and result.ticks > MIN_PIECE_TICKS:
+        run.max_truncation_error = max(run.max_truncation_error, result.error)
+    if node.is_averaging == 0 and is_limited:
+        has_no_event = result.event.link == NONE
+        remainder = nodes.wave_remainder(state.links, node, has_no_event)
+        share = ticks / run.shortest_transit
+        run.shared_error = max(run.shared_error, share * remainder)
+
+
+def begin_after_event(state: State, node: Node, event: Event) -> None:
+    """Begin a piece of a node at an event at its end: change the status of the link.
+
+    The waves at the start of the piece are those at the end of the last one.
+    """
+    run = state.runs[0]
+    node.halved_until = 0
+    for side in range(2):
+        node.incoming[side][0] = node.incoming[side][N]
+    events.apply_transition(state, node, node.now, event.link, event.status)
+    if event.status == Status.OPEN and run.next_proof_tick < NEVER:
+        # The next proof is tried at a tick that no node has passed.
+        run.next_proof_tick = node.now
+        for i in range(len(state.nodes)):
+            run.next_proof_tick = max(run.next_proof_tick, state.nodes[i].now)
+
+
+def set_next_ticks(run: Run, node: Node, result: PieceResult, is_limited: bool) -> None:
+    """Set `next_ticks`, the wanted duration of the next piece, from the error of this one.
+
+    The error is about proportional to the N-th power of the duration. A piece whose duration
+    something else has limited does not make the next one shorter.
+    """
+    growth = MAX_GROWTH
+    if result.error > 0:
+        ratio = run.tolerance / result.error
+        growth = min(MAX_GROWTH, GROWTH_SAFETY * ratio ** (1 / N))
+    wanted = int(result.ticks * max(MIN_GROWTH, growth)) + 1
+    if is_limited:
+        wanted = max(node.next_ticks, wanted)
+    node.next_ticks = wanted
+
+
 def count_averaged_step(run: Run, tick: int) -> None:
-    """Count a step that took means of its waves, and note when the first was."""
+    """Count a step from `tick` on that took means of its waves, and note when the first was."""
     run.averaged_steps += 1
     if run.first_averaged_tick == NONE:
         run.first_averaged_tick = tick
 
 
-def horizon(state: State, node: Node, is_after_break: bool) -> int:
-    """Return the tick at which the next piece ends; set whether hard breaks are too dense there.
+def piece_end(state: State, node: Node, is_after_break: bool) -> int:
+    """Return the last tick to which the next piece of a node may go; set its `is_averaging`.
 
-    Where they are, see `is_dense`, the piece lasts up to `min_break_spacing` and takes means of its
-    waves: cost would grow without end if breaks were followed one by one.
+    That is the first of: the wanted duration, what is known of the waves, their next hard break,
+    and the end or the next proof of the run. `is_after_break` says that a hard break arrives now.
+
+    Where breaks are too dense to be followed one by one, see `is_dense`, the piece is averaging: it
+    lasts up to `min_break_spacing` and takes means of its waves.
     """
     run = state.runs[0]
     all_lines = state.lines
@@ -226,42 +293,31 @@ def horizon(state: State, node: Node, is_after_break: bool) -> int:
 
 
 def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
-    """Return whether hard breaks in a line are too dense to be followed one by one.
+    """Return whether hard breaks in line l are too dense to be followed one by one.
 
     They are if their mean distance is below half of `min_break_spacing`. The mean is taken over
-    the part of the line that is known and not yet read, or over the shortest transit if that is
-    longer: two breaks in a short known part are no dense series.
+    the part of the line that is known and not yet read at `tick`, or over the shortest transit if
+    that is longer: two breaks in a short known part are no dense series.
     """
     known_ticks = lines.known_until(all_lines, log, l) - tick
-    return bool(
-        all_lines[l].unread_breaks * run.min_break_spacing
-        > 2 * max(known_ticks, run.shortest_transit)
-    )
+    stretch = max(known_ticks, run.shortest_transit)
+    return bool(all_lines[l].unread_breaks * run.min_break_spacing > 2 * stretch)
 
 
-def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int, int]:
-    """Solve a node on a piece as long as it turns out smooth; events at its start come first.
+def solve(state: State, node: Node, ticks: int) -> PieceResult:
+    """Solve a node on a piece of up to `ticks`, shortened until it is smooth.
 
-    Returns
-    -------
-    int
-        Ticks of the piece, 0 without a solution.
-    float
-        Its truncation error, m/s.
-    float
-        Position of its first event, from -1 to 1.
-    int
-        The link of this event, or NONE.
-    int
-        The new status of the link.
+    An event at the start of the piece happens before the piece begins: the status of its link is
+    changed, and the piece is solved anew. So the event of the result is behind the start.
     """
     run = state.runs[0]
     links = state.links
     masses = state.masses
     changes = 0  # of status, at the start of the piece
-    changes_of_graze = 8 + node.link_count * node.link_count
+    changes_of_graze = MIN_CHATTER_CHANGES + node.link_count * node.link_count
     ticks_before = ticks  # duration of the piece that failed before, and its error
     error_before = 0.0
+    no_event = Event(1.0, NONE, 0)
     while True:
         h = ticks * run.tick_duration
         take_inputs(state.lines, state.log, node, ticks)
@@ -269,22 +325,25 @@ def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int,
         if nodes.collocate(run, links, masses, node, h, state.matrix):
             error = nodes.truncation_error(links, masses, node)
         is_smooth = error <= run.tolerance
-        if error >= 0 and (is_smooth or node.is_averaging or ticks <= MIN_PIECE_TICKS):
-            event_position, event_link, status = nodes.next_event(run, links, node, h)
-            start = 0.5
-            if event_link != NONE and links[event_link].status == Status.OPEN:
-                start = run.event_window  # it closes with what arrives at the start
-            if event_link == NONE or 0.5 * (event_position + 1) * ticks >= start:
-                return ticks, error, event_position, event_link, status
+        is_accepted = is_smooth or node.is_averaging or ticks <= MIN_PIECE_TICKS
+        if error >= 0 and is_accepted:
+            event = event_location.next_event(run, links, node, h)
+            start_ticks = 0.5  # an event before is at the start
+            if event.link != NONE and links[event.link].status == Status.OPEN:
+                start_ticks = (
+                    run.event_window
+                )  # it closes with what arrives at the start
+            if event.link == NONE or 0.5 * (event.place + 1) * ticks >= start_ticks:
+                return PieceResult(ticks, error, event)
             changes += 1
             if changes > MAX_STATUS_CHANGES:
-                return ticks, error, 1.0, NONE, 0
+                return PieceResult(ticks, error, no_event)
             if changes % changes_of_graze == 0 and ticks > MIN_PIECE_TICKS:
                 # No status lasts as long as the piece: contacts graze.
                 ticks = max(MIN_PIECE_TICKS, ticks // CUT_OF_CHATTER)
-            events.apply_transition(state, node, node.now, event_link, status)
+            events.apply_transition(state, node, node.now, event.link, event.status)
         elif ticks <= 1:
-            return 0, error, 1.0, NONE, 0
+            return PieceResult(0, error, no_event)
         else:
             factor = shortening(run.tolerance, error, ticks_before, ticks, error_before)
             ticks_before = ticks
@@ -293,7 +352,10 @@ def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int,
 
 
 def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
-    """Set the waves that come in from both sides over a piece."""
+    """Set `node.incoming` to the waves that arrive from both sides in a piece of `ticks` from now.
+
+    They are values at the points of the piece, or those of the nearest parabola (averaging).
+    """
     all_lines = borrowed(all_lines)
     log = borrowed(log)
     now = node.now
@@ -308,20 +370,19 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
 def shortening(
     tolerance: float, error: float, ticks_before: int, ticks: int, error_before: float
 ) -> float:
-    """Return the part of a piece, below 1, that may be smooth enough.
+    """Return the part of a piece of `ticks`, below 1, whose error may be within the tolerance.
 
-    It follows from the error of the piece, and from that of a longer one of `ticks_before` ticks,
-    which failed before. After a touch the force starts like a power of time, often 3/2, and the
-    error falls as slowly.
+    The error falls like a power of the duration, `(tolerance/error)^(1/power)`. The power follows
+    from the error of the piece, and from that of a longer one of `ticks_before` ticks, which failed
+    before; a smooth piece has N. After a touch the force starts like a power of time, often 3/2,
+    and the error falls as slowly.
 
     Without a solution `error` is below 0 and tells nothing: then the part is MIN_GROWTH, as small
     as a piece may be wanted beside the one before it.
     """
     if error <= 0:
         return MIN_GROWTH
-    power = (
-        1.0 * N
-    )  # exponent of the error by the duration; that of a smooth piece is N
+    power = 1.0 * N
     if error_before > error:
         observed = math.log(error_before / error) / math.log(ticks_before / ticks)
         power = max(1.0, min(power, observed))
@@ -332,28 +393,36 @@ def shortening(
     return max(smallest, min(MAX_SHORTENING, part))
 
 
-def send_outgoing(state: State, node: Node, ticks: int, left: int, right: int) -> None:
-    """Send the waves that leave a node, with the orders of their breaks.
+def send_outgoing(
+    state: State, node: Node, ticks: int, left_order: int, right_order: int
+) -> None:
+    """Append the waves that leave a node in a piece of `ticks` from now to their lines.
 
-    Each spring and mass of a chain makes breaks one order smoother. `left` and `right` are the
-    orders of the breaks that arrive from both sides.
+    `left_order` and `right_order` are the orders of the breaks that arrive from both sides. A wave
+    that leaves breaks with the one that arrives on its side, or with the force of the first link
+    there. Each link, and each mass between links, makes breaks smoother on their way.
     """
     run = state.runs[0]
     links = state.links
-    over = left  # order of the break from the left, behind the links that it has passed
-    back = right
+    from_left = (
+        left_order  # order of the break in velocity behind the links that it has passed
+    )
+    from_right = right_order
     for q in range(node.link_count):
-        over = contact_laws.break_order(links[node.first_link + q], over) + 1
+        link = links[node.first_link + q]
         opposite = links[node.first_link + node.link_count - 1 - q]
-        back = contact_laws.break_order(opposite, back) + 1
+        # A mass integrates the force: the velocity behind it is one order smoother.
+        from_left = contact_laws.break_order(link, from_left) + 1
+        from_right = contact_laws.break_order(opposite, from_right) + 1
     for side in range(2):
         if node.outgoing_lines[side] == NONE:
             continue
         nodes.set_outgoing(links, node, side)
+        # Behind the last link is no mass, but the end of a rod: that 1 is taken back.
         if side == 0:
-            order = min(left, back - 1)
+            order = min(left_order, from_right - 1)
         else:
-            order = min(right, over - 1)
+            order = min(right_order, from_left - 1)
         if node.is_averaging:
             series.flatten(node.outgoing)
             order = 0

@@ -2,9 +2,16 @@
 
 In every link acts a force F. All else follows from the forces: velocities of the masses, then the
 closing rates without own force, then the overlaps,
-m v' = F before - F behind,  closing = velocity on the left - on the right,  d' = closing - Y F,
+
+    m v' = F before - F behind,    closing = velocity on the left - on the right,
+    d' = closing - Y F,            Y the mobility of the link,
+
 where a rod's end counts with the wave that comes in. Forces that depend on this are found by
 collocation (Radau IIA) and Newton's method.
+
+Indices: link q of a node lies between its masses q - 1 and q. In front of link 0 and behind the
+last link are the ends of rods, with `incoming[0]` on the left and `incoming[1]` on the right. j is
+a point of the piece: 0 its start, 1 to N the stages.
 """
 
 from .. import contact_laws
@@ -17,6 +24,8 @@ from .series import POINTS, STAGES, START, TWICE, Matrix, MutableValues, N, Valu
 
 MAX_NEWTON_STEPS = 30
 """Newton steps on one piece; a piece that needs more is shortened."""
+DIVERGED = 1e300
+"""Relative residual from which a Newton iteration has no solution."""
 PIECE_PER_TRANSIT = 0.1
 """Duration of a typical piece over the shortest transit.
 
@@ -32,64 +41,81 @@ CANCELLATION_RTOL = 1e-6
 
 A residual of RESIDUAL_RTOL times the force would then be below 1e-13 of the terms: round-off.
 """
-ROUND_OFF = 1e-13
-"""Value below 0, without dimension, down to which an event function counts as 0."""
-POSITIVE_RTOL = 0.1
-"""Smallest over largest value at the points, above which a polynomial has no zero between them."""
 SWING_FACTOR = 1.1
 """Factor on the deepest swing below 0 that samples show: the true one is little deeper."""
 SWING_ROUND_OFF = 8e-15
 """Round-off of evaluating the polynomial of a force, over the largest force."""
-FIRST_RISE = 1e-3
-"""Part of the way to the next point at which an event function that starts at 0 shows its sign."""
+
+
+# What the links are -------------------------------------------------------------------------------
 
 
 def overlap_changes(link: Link) -> bool:
-    """Return whether the overlap of a link changes."""
+    """Return whether the overlap of a link changes over a piece.
+
+    That of a bond, of bodies at rest and of a rigid contact that presses is constant.
+    """
     if link.status == Status.BOND:
         return bool(link.law == Law.JOINT)
-    return bool(
-        link.status != Status.REST
-        and not (link.law == Law.RIGID and link.status == Status.PRESS)
-    )
+    is_stiff = link.law == Law.RIGID and link.status == Status.PRESS
+    return bool(link.status != Status.REST and not is_stiff)
 
 
 def elastic_share(link: Link) -> float:
-    """Return the elastic part of the closing rate; a link that yields takes up the rest."""
+    """Return the elastic part of the overlap rate, over the whole: d'/(closing - Y F).
+
+    It is 1, but for a link that yields: there it is the hardening share, and the rest is plastic.
+    """
     if link.status == Status.PLASTIC:
         return link.hardening_share
     return 1.0
 
 
+def outer_link(node: Node, side: int) -> int:
+    """Return the number of the first link of a node (side 0) or of the last one (side 1)."""
+    return int(node.first_link + side * (node.link_count - 1))
+
+
+# Forces and motion --------------------------------------------------------------------------------
+
+
 def set_forces(links: Links, node: Node) -> int:
-    """Set the given forces, number the unknown ones and set them to 0; return their number."""
+    """Start a piece: set the forces of links that are given, and number the unknown ones.
+
+    Given are pushes on the ends, 0 in open contacts, and the force between two rods alone, which
+    follows from the waves. An unknown force is 0 until it is found; its number is `unknown_index`.
+    Return the number of unknown forces.
+    """
     unknown_count = 0
     for q in range(node.link_count):
         link = links[node.first_link + q]
+        is_push = link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT
+        is_bond = link.law == Law.BOND
+        acts = link.status >= Status.PRESS or is_bond or link.law == Law.JOINT
         link.unknown_index = NONE
-        acts = (
-            link.status >= Status.PRESS or link.law == Law.BOND or link.law == Law.JOINT
-        )
         if acts and (node.link_count > 1 or overlap_changes(link)):
             link.unknown_index = unknown_count
             unknown_count += 1
         for j in range(POINTS):
             link.force[j] = 0.0
-            if link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT:
+            if is_push:
                 link.force[j] = node.incoming[link.law - Law.PUSH_LEFT][j]
             elif link.unknown_index == NONE and (
-                link.law == Law.BOND or link.status == Status.PRESS
+                is_bond or link.status == Status.PRESS
             ):
-                # The waves of two rods decide, with nothing else between them.
+                # The faces of two rods keep one velocity: closing - Y F = 0.
                 closing = node.incoming[0][j] - node.incoming[1][j]
                 link.force[j] = closing / link.mobility
     return unknown_count
 
 
 def integrate(rate: Values, h: float, f: MutableValues) -> None:
-    """Set f to f[0] plus the integral of a rate, at the points of a piece of duration h."""
+    """Set f, behind f[0], to f[0] plus the integral of a rate over a piece of duration h, s.
+
+    Both are values at the points; that of the rate at the start is not used.
+    """
     for j in range(N):
-        s = 0.0
+        s = 0.0  # integral over y, from -1 at the start of the piece to 1 at its end
         stages = STAGES[j]
         for m in range(N):
             s += stages[m] * rate[m + 1]
@@ -97,7 +123,11 @@ def integrate(rate: Values, h: float, f: MutableValues) -> None:
 
 
 def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
-    """Set velocities, closing rates and overlaps, which follow from the forces."""
+    """Set the velocities of masses, and closing and overlaps of links, from the present forces.
+
+    m v' = F before - F behind,  closing = velocity on the left - on the right,
+    d' = share (closing - Y F) with the elastic share; a link that cannot deform has share 0.
+    """
     for i in range(node.link_count - 1):
         before = links[node.first_link + i]
         behind = links[node.first_link + i + 1]
@@ -112,60 +142,84 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
             share = elastic_share(link)
         for j in range(POINTS):
             if q == 0:
-                v = node.incoming[0][j]
+                left = node.incoming[0][j]
             else:
-                v = masses[node.first_mass + q - 1].velocity[j]
+                left = masses[node.first_mass + q - 1].velocity[j]
             if q == node.link_count - 1:
-                w = node.incoming[1][j]
+                right = node.incoming[1][j]
             else:
-                w = masses[node.first_mass + q].velocity[j]
-            link.closing[j] = v - w
+                right = masses[node.first_mass + q].velocity[j]
+            closing = left - right
+            link.closing[j] = closing
             link.overlaps[j] = link.overlap
-            node.scratch_values[j] = share * (v - w - link.mobility * link.force[j])
+            node.scratch_values[j] = share * (closing - link.mobility * link.force[j])
         if share != 0:
             integrate(node.scratch_values, h, link.overlaps)
 
 
-def linearise(link: Link, h: float, first: bool) -> float:
-    """Set the tangent F = base + by_overlap d + by_closing closing; return the relative residual.
+# Newton's method ----------------------------------------------------------------------------------
+
+
+def linearise(link: Link, h: float, is_first: bool) -> float:
+    """Set the tangent F = base + by_overlap d + by_closing closing of a link at each stage.
 
     In the first Newton step the tangent is taken at the extrapolated overlap d + d' u + d'' u^2/2,
-    u the time since the start of the piece. The residual is relative to the largest force, or to
-    the round-off of the terms that cancel in it: a law with damping has almost no force where
-    bodies part almost as fast as it lets go.
+    u the time since the start of the piece.
+
+    Return the residual, the largest difference of the law from the present force, relative to the
+    largest force, or to the round-off of the terms that cancel in it: a law with damping has almost
+    no force where bodies part almost as fast as it lets go.
     """
     residual = 0.0
     largest = 0.0
     for j in range(1, POINTS):
         d = link.overlaps[j]
         closing = link.closing[j]
-        if first:
+        if is_first:
             u = 0.5 * h * (X[j] + 1)
-            d = link.overlap + u * (
-                link.overlap_rate + 0.5 * u * link.overlap_acceleration
-            )
+            mean_rate = link.overlap_rate + 0.5 * u * link.overlap_acceleration
+            d = link.overlap + u * mean_rate
         F, by_overlap, by_closing = contact_laws.force(link, d, closing)
+        base = F - by_overlap * d - by_closing * closing
         link.by_overlap[j] = by_overlap
         link.by_closing[j] = by_closing
-        link.base[j] = F - by_overlap * d - by_closing * closing
+        link.base[j] = base
         residual = max(residual, abs(F - link.force[j]))
-        largest = max(largest, abs(F), CANCELLATION_RTOL * abs(link.base[j]))
+        largest = max(largest, abs(F), CANCELLATION_RTOL * abs(base))
     if largest > 0:
         return residual / largest
     return 0.0
 
 
+def linearise_links(links: Links, node: Node, h: float, is_first: bool) -> float:
+    """Linearise all links of a node whose forces are unknown; return the largest residual.
+
+    A linear law needs one Newton step, whatever its residual, and counts as 0. The residual of a
+    nonlinear law is 1 in the first step, whose tangents are taken at an extrapolation.
+    """
+    residual = 0.0
+    for q in range(node.link_count):
+        link = links[node.first_link + q]
+        if link.unknown_index != NONE:
+            link_residual = linearise(link, h, is_first)
+            if contact_laws.is_nonlinear(link):
+                if is_first:
+                    link_residual = 1.0
+                residual = max(residual, link_residual)
+    return residual
+
+
 def set_equations(
     links: Links, masses: Masses, node: Node, h: float, G: Matrix, unknown_count: int
 ) -> None:
-    """Set the equations of a Newton step: its changes of forces fulfil the tangent laws.
+    """Set the equations G of a Newton step: its changes of forces fulfil the tangent laws.
 
-    Each of the `unknown_count` forces has an equation at each of the N stages. The column of `G`
-    behind those of the unknowns is the right side, in newtons. The tangent law of a link is
-    F = base + by_overlap d + by_closing closing, with d and closing after the step. So the right
-    side is the force by the present d and closing, less the present force. A link at rest (REST)
-    has no law: its force is such that `closing` becomes 0, and the right side is the present
-    `closing`, m/s.
+    Each of the `unknown_count` forces has an equation at each of the N stages: that of force u at
+    stage j is row N u + j of `G`, and its change is column N u + j. The column behind these is the
+    right side, in newtons. The tangent law of a link is F = base + by_overlap d +
+    by_closing closing, with d and closing after the step. So the right side is the force by the
+    present d and closing, less the present force. A link at rest (REST) has no law: its force is
+    such that `closing` becomes 0, and the right side is the present `closing`, m/s.
     """
     right_side = N * unknown_count
     for q in range(node.link_count):
@@ -190,8 +244,12 @@ def set_equations(
 
 
 def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
-    """Return the change of the closing rate of link q by a unit impulse in link p, 1/kg."""
-    left = 0.0
+    """Return the change of the closing rate of link q by a unit impulse in link p, 1/kg.
+
+    An impulse in the link itself drives the masses on both sides apart: -1/m_left - 1/m_right. One
+    in a neighbour pushes the mass between them towards link q: 1/m. Others change nothing.
+    """
+    left = 0.0  # 1/m of the mass on the left of link q; 0 for the end of a rod
     right = 0.0
     if q > 0:
         left = 1 / masses[node.first_mass + q - 1].mass
@@ -209,10 +267,15 @@ def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
 def set_block(
     link: Link, by_impulse: float, is_same: bool, h: float, G: Matrix, column: int
 ) -> None:
-    """Set the N by N equations that couple the forces of two links, or one with itself.
+    """Set the N by N block of G in the rows of a link, from `column` on: the forces of one link.
 
-    `by_impulse` is the change of the closing rate of the link by a unit impulse of the other;
-    `is_same` says that both are one.
+    `by_impulse` is the change of the closing rate of the link by a unit impulse of the other one,
+    1/kg; `is_same` says that both are one. Changes x of that force, at the stages, change
+
+        closing by (h/2) by_impulse S x,  d by share (h/2) S (change of closing - Y x if same),
+
+    with S = STAGES, S S = TWICE and the elastic share. The block is 1 (if same, and not at rest)
+    less by_closing times the first and by_overlap times the second.
     """
     half = 0.5 * h
     by_closing = half * by_impulse
@@ -248,11 +311,12 @@ def take_step(
     G: Matrix,
     unknown_count: int,
 ) -> None:
-    """Add the changes of a Newton step to the forces, and update the motion.
+    """Add the changes of forces in the last column of G to the forces, and update the motion.
 
     Where dF/dd times scale times h is above the force, the link is stiff: its overlap is a small
-    difference of large numbers. It is then computed from the force, as integrating the closing
-    rate would lose digits.
+    difference of large numbers. It is then computed from the force by the tangent law,
+    d = (F - base - by_closing closing)/by_overlap, as integrating the closing rate would lose
+    digits.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -275,7 +339,9 @@ def take_step(
 def collocate(
     run: Run, links: Links, masses: Masses, node: Node, h: float, G: Matrix
 ) -> bool:
-    """Solve a node over a piece of duration h; return whether Newton's method converged.
+    """Solve a node over a piece of duration h, s; return whether Newton's method converged.
+
+    Forces, velocities, closing rates and overlaps at the points of the piece are set. G is scratch.
 
     Radau IIA is stiffly accurate: contacts far stiffer than the piece is long do no harm.
     """
@@ -287,25 +353,26 @@ def collocate(
     steps = 0
     update_motion(links, masses, node, h)
     while unknown_count > 0 and residual >= RESIDUAL_RTOL:
-        if steps == MAX_NEWTON_STEPS or not residual < 1e300:
+        if steps == MAX_NEWTON_STEPS or not residual < DIVERGED:  # NaN is not below it
             return False
-        residual = 0.0
-        for q in range(node.link_count):
-            link = links[node.first_link + q]
-            if link.unknown_index != NONE:
-                missed = linearise(link, h, steps == 0)
-                if contact_laws.is_nonlinear(link):
-                    if steps == 0:
-                        missed = 1.0  # the first tangent was taken at an extrapolation
-                    residual = max(residual, missed)
+        residual = linearise_links(links, node, h, steps == 0)
         set_equations(links, masses, node, h, G, unknown_count)
+        # The forces of neighbours are coupled, whose columns are less than 2 N apart.
         series.eliminate(G, N * unknown_count, 2 * N)
         take_step(run, links, masses, node, h, G, unknown_count)
         steps += 1
+    set_initial_forces(links, node)
+    return True
+
+
+def set_initial_forces(links: Links, node: Node) -> None:
+    """Set the unknown forces at the start of a piece, and their derivatives, by the contact laws.
+
+    The force between bodies at rest follows no law: it is extrapolated from the stages.
+    """
     for q in range(node.link_count):
         link = links[node.first_link + q]
         if link.status == Status.REST:
-            # Its force is known at the stages alone, and extrapolated to the start.
             for j in range(N):
                 link.force[0] += START[j] * link.force[j + 1]
         elif link.unknown_index != NONE:
@@ -315,7 +382,9 @@ def collocate(
             link.force[0] = force
             link.by_overlap[0] = by_overlap
             link.by_closing[0] = by_closing
-    return True
+
+
+# After the solution -------------------------------------------------------------------------------
 
 
 def forbid_pulling(links: Links, node: Node) -> None:
@@ -323,13 +392,15 @@ def forbid_pulling(links: Links, node: Node) -> None:
 
     Where a force falls to 0 its polynomial may swing below 0 by about the tolerance. With m > 0 at
     least as large as the swing, and J the integral of F over the piece of duration h,
-    F := (F + m) J/(J + m h) is never negative and has the integral J.
+    F := (F + m) J/(J + m h) is never negative and has the integral J. Here J is taken over y, and
+    the duration in y is 2.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
         largest = series.largest(link.force)
         smallest = series.smallest(link.force)
-        if link.status >= Status.PRESS and smallest < POSITIVE_RTOL * largest:
+        may_swing = smallest < series.POSITIVE_RTOL * largest
+        if link.status >= Status.PRESS and may_swing:
             series.coefficients(link.force, node.scratch_series)
             deepest = -series.minimum(node.scratch_series)
             swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
@@ -343,13 +414,15 @@ def forbid_pulling(links: Links, node: Node) -> None:
 
 
 def set_outgoing(links: Links, node: Node, side: int) -> None:
-    """Set the wave that leaves a node.
+    """Set `node.outgoing` to the wave that leaves a node on a side, at the points of the piece.
 
-    To the left goes a - 2 F/Z with the force of the first link, to the right b + 2 F/Z with that
-    of the last.
+    On the left (side 0) the wave a comes in and a - 2 F/Z leaves, F the force of the first link. On
+    the right (side 1) b comes in and b + 2 F/Z leaves, F the force of the last link.
     """
-    link = links[node.first_link + side * (node.link_count - 1)]
-    velocity_by_force = (4 * side - 2) * node.mobility[side]
+    link = links[outer_link(node, side)]
+    velocity_by_force = (4 * side - 2) * node.mobility[
+        side
+    ]  # -2/Z, or 2/Z on the right
     incoming = node.incoming[side]
     for j in range(POINTS):
         node.outgoing[j] = incoming[j] + velocity_by_force * link.force[j]
@@ -359,39 +432,39 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     """Return the truncation error of a piece, m/s: the largest tail of its series.
 
     The series are those of incoming and leaving waves, of velocities of masses, and of forces.
-    Incoming waves count too, as they may cancel in leaving ones.
+    Incoming waves count too, as they may cancel in leaving ones. Forces count as velocities: a push
+    as 2 Y F, the force of a link as the velocity that it makes in a typical piece.
     """
     worst = 0.0
     for side in range(2):
-        link = links[node.first_link + side * (node.link_count - 1)]
+        link = links[outer_link(node, side)]
         velocity = 1.0
         if link.law == Law.PUSH_LEFT + side:
             velocity = 2 * link.effective_mobility  # the input is a force, not a wave
-        worst = max(worst, series.truncation_estimate(node.incoming[side]) * velocity)
+        error = series.truncation_estimate(node.incoming[side]) * velocity
+        worst = max(worst, error)
         if node.mobility[side] > 0:
             set_outgoing(links, node, side)
             worst = max(worst, series.truncation_estimate(node.outgoing))
     for i in range(node.link_count - 1):
-        worst = max(
-            worst, series.truncation_estimate(masses[node.first_mass + i].velocity)
-        )
+        body = masses[node.first_mass + i]
+        worst = max(worst, series.truncation_estimate(body.velocity))
     count = node.link_count
     if count == 1:
         count = 0  # the force between two rods is seen in the leaving waves
     for q in range(count):
         link = links[node.first_link + q]
         if overlap_changes(link):
-            worst = max(
-                worst,
-                PIECE_PER_TRANSIT
-                * link.effective_mobility
-                * series.truncation_estimate(link.force),
-            )
+            velocity = PIECE_PER_TRANSIT * link.effective_mobility
+            worst = max(worst, velocity * series.truncation_estimate(link.force))
     return worst
 
 
-def remainder(links: Links, node: Node, integrated: bool) -> float:
-    """Return an estimate of the error of the waves of a piece, or of their integrals, m/s."""
+def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
+    """Return the largest `series.remainder` of the waves that arrive and leave in a piece, m/s.
+
+    That is an estimate of their error, or of the error of their integrals if `integrated`.
+    """
     largest = 0.0
     for side in range(2):
         largest = max(largest, series.remainder(node.incoming[side], integrated))
@@ -401,114 +474,12 @@ def remainder(links: Links, node: Node, integrated: bool) -> float:
     return largest
 
 
-def find_crossing(node: Node, j: int) -> float:
-    """Return the place at which an event function falls below 0, or -1 if it does so at once.
-
-    `node.scratch_values` has its values at the points; the first negative one is that at point j.
-    """
-    series.coefficients(node.scratch_values, node.scratch_series)
-    low = X[j - 1]
-    zero = -1.0
-    if node.scratch_values[j - 1] <= 0:
-        low += FIRST_RISE * (X[j] - X[j - 1])
-    if series.value(node.scratch_series, low) > 0:
-        zero = series.first_zero(node.scratch_series, low, X[j])
-    elif j > 1:
-        zero = X[j - 1]
-    return zero
-
-
-def find_dip(node: Node, depth: float) -> float:
-    """Return the place at which an event function falls below 0 between two points.
-
-    It is 2 if the function does not, or by less than `depth`. A contact may close or let go for a
-    shorter time than points are apart.
-    """
-    zero = 2.0
-    least = series.smallest(node.scratch_values)
-    if least < POSITIVE_RTOL * series.largest(node.scratch_values):
-        j = 0
-        while node.scratch_values[j] > least:
-            j += 1
-        low = X[max(j - 1, 0)]
-        series.coefficients(node.scratch_values, node.scratch_series)
-        monotonic = (
-            False  # whether it rises from the end of the piece at which it is lowest
-        )
-        if j == 0:
-            monotonic = series.slope_at_end(node.scratch_series, -1.0) >= 0
-        elif j == N:
-            monotonic = series.slope_at_end(node.scratch_series, 1.0) <= 0
-        if not monotonic:
-            bottom = series.lowest(node.scratch_series, low, X[min(j + 1, N)])
-            if bottom > low and series.value(node.scratch_series, bottom) < -depth:
-                zero = series.first_zero(node.scratch_series, low, bottom)
-    return zero
-
-
-def next_event(run: Run, links: Links, node: Node, h: float) -> tuple[float, int, int]:
-    """Return the first event of a piece: its place, its link, and the new status of the link.
-
-    The place is -1 if the event is at the start, and 1 if there is none. An event function that is
-    about 0 at the first point is not trusted there: if it is negative at a later point and does
-    not become positive in between, the event is at the start.
-    """
-    where = 1.0
-    which = NONE
-    status = 0
-    length = 0.01 * run.velocity_scale * h
-    for q in range(node.link_count):
-        link = links[node.first_link + q]
-        for i in range(contact_laws.guards(link)):
-            next_status = 0
-            for j in range(POINTS):
-                value, next_status = contact_laws.guard(
-                    link,
-                    i,
-                    link.overlaps[j],
-                    link.closing[j],
-                    link.force[j],
-                    run.velocity_scale,
-                    length,
-                )
-                node.scratch_values[j] = value
-            overlap = contact_laws.follows_overlap(link, i)
-            ignored = ROUND_OFF
-            if overlap and node.scratch_values[N] > 0:
-                # A force that starts softly is a polynomial that swings a little below 0.
-                ignored = max(
-                    ignored,
-                    run.graze_velocity
-                    * run.shortest_transit
-                    * run.tick_duration
-                    / length,
-                )
-            j = 1
-            while j < POINTS and node.scratch_values[j] >= -ignored:
-                j += 1
-            depth = max(ignored, run.tolerance / run.velocity_scale)
-            zero = 2.0
-            if (
-                node.scratch_values[0] < -depth
-                and not overlap
-                and link.status != Status.REST
-            ):
-                zero = -1.0  # it may rise again before the first point
-            elif j == POINTS:
-                zero = find_dip(node, depth)
-            else:
-                zero = find_crossing(node, j)
-            if zero > 1:
-                continue
-            if which == NONE or zero < where:
-                where = zero
-                which = node.first_link + q
-                status = next_status
-    return where, which, status
-
-
 def restrict_piece(links: Links, masses: Masses, node: Node, y: float) -> None:
-    """Restrict all series of a piece to the part up to y."""
+    """Cut a piece of a node at y, from -1 at its start to 1 at its end, and keep the part before.
+
+    The values of its incoming waves, forces, overlaps, closing rates and velocities become those of
+    the same polynomials at the points of that part.
+    """
     for side in range(2):
         series.restrict(node.incoming[side], y, node.scratch_series)
     for q in range(node.link_count):
@@ -516,7 +487,6 @@ def restrict_piece(links: Links, masses: Masses, node: Node, y: float) -> None:
         series.restrict(link.force, y, node.scratch_series)
         series.restrict(link.overlaps, y, node.scratch_series)
         series.restrict(link.closing, y, node.scratch_series)
-        if q > 0:
-            series.restrict(
-                masses[node.first_mass + q - 1].velocity, y, node.scratch_series
-            )
+    for i in range(node.link_count - 1):
+        body = masses[node.first_mass + i]
+        series.restrict(body.velocity, y, node.scratch_series)

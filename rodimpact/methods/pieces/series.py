@@ -18,6 +18,8 @@ POINTS = N + 1
 """Points of a piece: its start and the stages."""
 SAMPLES = 32
 """Intervals of a piece in which its smallest value is looked for."""
+POSITIVE_RTOL = 0.1
+"""Smallest over largest value at the points, above which a polynomial has no zero between them."""
 NEXT_INTEGRAL = 0.01
 """Integral of the Chebyshev polynomial of the next degree, about."""
 THIRDS = 36

@@ -1,0 +1,147 @@
+"""Where the next event of a piece is: a guard of a link falls below 0, and its status ends.
+
+A guard is known at the points of the piece; the event function is the polynomial through these
+values. Places in a piece are y, from -1 at its start to 1 at its end.
+"""
+
+from typing import NamedTuple
+
+from .. import contact_laws
+from ..states import Status
+from . import series
+from .records import NONE, Link, Links, Node, Run
+from .series import POINTS, N, X
+
+GUARD_LENGTH = 0.01
+"""Length in which guards measure overlaps, over velocity scale times duration of the piece."""
+ROUND_OFF = 1e-13
+"""Value below 0, without dimension, down to which an event function counts as 0."""
+FIRST_RISE = 1e-3
+"""Part of the way to the next point at which an event function that starts at 0 shows its sign."""
+NOWHERE = 2.0
+"""Place behind the end of a piece: there is no event."""
+
+
+class Event(NamedTuple):
+    """The first event of a piece."""
+
+    place: float  # y; -1 if it is at the start, 1 if there is none
+    link: int  # number of the link, NONE if there is no event
+    status: int  # `Status` of the link from then on
+
+
+def guard_length(run: Run, h: float) -> float:
+    """Return the length in which guards measure overlaps in a piece of duration h, s; m."""
+    return GUARD_LENGTH * run.velocity_scale * h
+
+
+def evaluate_guard(run: Run, link: Link, node: Node, which: int, h: float) -> int:
+    """Set `node.scratch_values` to a guard of a link at the points of a piece of duration h.
+
+    Return the status that follows if this guard falls below 0.
+    """
+    length = guard_length(run, h)
+    status = 0
+    for j in range(POINTS):
+        value, status = contact_laws.guard(
+            link,
+            which,
+            link.overlaps[j],
+            link.closing[j],
+            link.force[j],
+            run.velocity_scale,
+            length,
+        )
+        node.scratch_values[j] = value
+    return status
+
+
+def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
+    """Return the first event in a piece of duration h, s, of any guard of any link of a node."""
+    place = 1.0
+    first = NONE
+    first_status = 0
+    for q in range(node.link_count):
+        i = node.first_link + q
+        for which in range(contact_laws.guard_count(links[i])):
+            status = evaluate_guard(run, links[i], node, which, h)
+            zero = find_event(run, links[i], node, which, h)
+            if zero <= 1 and (first == NONE or zero < place):
+                place = zero
+                first = i
+                first_status = status
+    return Event(place, first, first_status)
+
+
+def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
+    """Return the place at which guard number `which` of a link falls below 0, or NOWHERE.
+
+    `node.scratch_values` has its values at the points. A guard that is about 0 at the first point
+    is not trusted there: if it is negative at a later point and does not become positive in
+    between, the event is at the start, -1.
+    """
+    follows_overlap = contact_laws.follows_overlap(link, which)
+    ignored = ROUND_OFF
+    if follows_overlap and node.scratch_values[N] > 0:
+        # A force that starts softly is a polynomial that swings a little below 0.
+        graze = run.graze_velocity * run.shortest_transit * run.tick_duration
+        ignored = max(ignored, graze / guard_length(run, h))
+    depth = max(ignored, run.tolerance / run.velocity_scale)
+    j = 1  # first point at which the guard is negative
+    while j < POINTS and node.scratch_values[j] >= -ignored:
+        j += 1
+    # A guard of velocities or forces may start negative, and rise again before the first point.
+    jumps = not follows_overlap and link.status != Status.REST
+    if node.scratch_values[0] < -depth and jumps:
+        zero = -1.0
+    elif j == POINTS:
+        zero = find_dip(node, depth)
+    else:
+        zero = find_crossing(node, j)
+    return zero
+
+
+def find_crossing(node: Node, j: int) -> float:
+    """Return the place at which an event function falls below 0 before point j.
+
+    `node.scratch_values` has its values at the points; the first negative one is that at point j.
+    If the function is 0 or less at the point before, and does not rise above 0 behind it, that
+    point is returned: the start of the piece, -1, if j = 1.
+    """
+    series.coefficients(node.scratch_values, node.scratch_series)
+    low = X[j - 1]
+    zero = X[j - 1]
+    if node.scratch_values[j - 1] <= 0:
+        low += FIRST_RISE * (X[j] - X[j - 1])
+    if series.value(node.scratch_series, low) > 0:
+        zero = series.first_zero(node.scratch_series, low, X[j])
+    return zero
+
+
+def find_dip(node: Node, depth: float) -> float:
+    """Return the place at which an event function falls below 0 between two points, or NOWHERE.
+
+    `node.scratch_values` has its values at the points, of which none is negative. A contact may
+    close or let go for a shorter time than points are apart. A dip below 0 by less than `depth` is
+    none.
+    """
+    zero = NOWHERE
+    least = series.smallest(node.scratch_values)
+    if least < series.POSITIVE_RTOL * series.largest(node.scratch_values):
+        j = 0  # point of the smallest value
+        while node.scratch_values[j] > least:
+            j += 1
+        low = X[max(j - 1, 0)]
+        high = X[min(j + 1, N)]
+        series.coefficients(node.scratch_values, node.scratch_series)
+        # An end of the piece is lowest if the function rises from there.
+        is_end_lowest = False
+        if j == 0:
+            is_end_lowest = series.slope_at_end(node.scratch_series, -1.0) >= 0
+        elif j == N:
+            is_end_lowest = series.slope_at_end(node.scratch_series, 1.0) <= 0
+        if not is_end_lowest:
+            bottom = series.lowest(node.scratch_series, low, high)
+            if bottom > low and series.value(node.scratch_series, bottom) < -depth:
+                zero = series.first_zero(node.scratch_series, low, bottom)
+    return zero
