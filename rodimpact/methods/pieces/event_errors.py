@@ -22,7 +22,7 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
     for which in range(contact_laws.guard_count(link)):
         status = event_location.evaluate_guard(run, link, node, which, h)
         if status == event.status:
-            series.coefficients(node.scratch_values, node.scratch_series)
+            series.set_series(node.scratch_values, node.scratch_series)
             error = series.remainder(node.scratch_values, False)
             # dg/dt, as y goes from -1 to 1 in the time h
             rate = abs(series.slope(node.scratch_series, event.place)) * 2 / h

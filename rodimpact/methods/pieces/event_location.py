@@ -108,7 +108,7 @@ def find_crossing(node: Node, j: int) -> float:
     If the function is 0 or less at the point before, and does not rise above 0 behind it, that
     point is returned: the start of the piece, -1, if j = 1.
     """
-    series.coefficients(node.scratch_values, node.scratch_series)
+    series.set_series(node.scratch_values, node.scratch_series)
     low = X[j - 1]
     zero = X[j - 1]
     if node.scratch_values[j - 1] <= 0:
@@ -133,7 +133,7 @@ def find_dip(node: Node, depth: float) -> float:
             j += 1
         low = X[max(j - 1, 0)]
         high = X[min(j + 1, N)]
-        series.coefficients(node.scratch_values, node.scratch_series)
+        series.set_series(node.scratch_values, node.scratch_series)
         # An end of the piece is lowest if the function rises from there.
         is_end_lowest = False
         if j == 0:
@@ -141,7 +141,7 @@ def find_dip(node: Node, depth: float) -> float:
         elif j == N:
             is_end_lowest = series.slope_at_end(node.scratch_series, 1.0) <= 0
         if not is_end_lowest:
-            bottom = series.lowest(node.scratch_series, low, high)
+            bottom = series.place_of_minimum(node.scratch_series, low, high)
             if bottom > low and series.value(node.scratch_series, bottom) < -depth:
                 zero = series.first_zero(node.scratch_series, low, bottom)
     return zero

@@ -24,11 +24,15 @@ RESTING_RTOL = 1e-8
 
 
 def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -> None:
-    """Change the status of link i, and set the order of the break that this makes."""
+    """Change the status of link i of a node at a tick; set the order of the break that this makes.
+
+    A contact that closes starts with overlap 0. Rigid bodies that close strike, which decides their
+    status anew. What stops or starts to yield gets the yield force and hardening that follow.
+    """
     run = state.runs[0]
     links = borrowed(state.links)
     masses = borrowed(state.masses)
-    turns = borrowed(state.contact_log)
+    contact_log = borrowed(state.contact_log)
     link = links[i]
     old = link.status
     link.status = status
@@ -37,26 +41,30 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     if status == Status.OPEN or old == Status.OPEN:
         link.overlap = 0.0
     # The event is rounded to a tick: forces at which a law changes are exact all the same.
-    if old == Status.PLASTIC:
-        if status == Status.PLASTIC:
-            link.overlap = link.knots[link.next_knot] / link.stiffness
+    if old == Status.PLASTIC and status == Status.PLASTIC:  # a knot of the table
+        link.overlap = link.knots[link.next_knot] / link.stiffness
         link.yield_force = link.stiffness * link.overlap
-        if status == Status.PLASTIC:
-            link.hardening_share = link.shares[link.next_knot]
-            link.next_knot += 1
+        link.hardening_share = link.shares[link.next_knot]
+        link.next_knot += 1
+    elif old == Status.PLASTIC:
+        link.yield_force = link.stiffness * link.overlap
     elif status == Status.PLASTIC:
         link.overlap = link.yield_force / link.stiffness
     if old == Status.OPEN:
         if contact_laws.force_jumps(link):
             link.break_order = 0
         elif link.law == Law.IMPACT:
-            resolve_impacts(run, links, masses, turns, node, tick, i)
+            resolve_impacts(run, links, masses, contact_log, node, tick, i)
     elif old == Status.REST:
         link.break_order = 0
 
 
 def closing_of(masses: Masses, node: Node, q: int) -> float:
-    """Return the closing velocity of rigid bodies at the start of the next piece."""
+    """Return the closing velocity of link q between rigid bodies at the start of the next piece.
+
+    In front of the first link and behind the last one is a wall, whose velocity is the wave from
+    outside.
+    """
     if q == 0:
         before = node.incoming[0][0]
     else:
@@ -69,14 +77,20 @@ def closing_of(masses: Masses, node: Node, q: int) -> float:
 
 
 def inverse_mass(masses: Masses, node: Node, q: int) -> float:
-    """Return 1/m of the body behind link q; 0 for a wall."""
+    """Return 1/m of the body behind link q, 1/kg; 0 for a wall.
+
+    q = -1 is the body before the first link.
+    """
     if q < 0 or q == node.link_count - 1:
         return 0.0
     return 1 / float(masses[node.first_mass + q].mass)
 
 
 def apply_impulse(masses: Masses, node: Node, q: int, impulse: float) -> None:
-    """Change the velocities of both bodies beside link q by an impulse in it."""
+    """Change the velocities of both masses beside link q by an impulse in it, N s.
+
+    It drives them apart: -J/m on the left, J/m on the right.
+    """
     if q > 0:
         before = inverse_mass(masses, node, q - 1)
         masses[node.first_mass + q - 1].velocity[0] -= impulse * before
@@ -89,23 +103,25 @@ def resolve_impacts(
     run: Run,
     links: Links,
     masses: Masses,
-    turns: ContactLog,
+    contact_log: ContactLog,
     node: Node,
     tick: int,
     i: int,
 ) -> None:
-    """Let rigid bodies strike, all together that touch.
+    """Let link i of a node strike, together with all other impact contacts that touch.
 
-    Each contact takes the least impulse that leaves it a closing of at most -e times the one before
-    (Moreau, in CISM 302, 1988). Bodies that would part too slowly to matter come to rest.
+    Each takes the least impulse J >= 0 that leaves it a closing of at most -e times the one before
+    (Moreau, in CISM 302, 1988), by Gauss-Seidel sweeps. Bodies that would part too slowly to matter
+    come to rest. Velocities of masses, states of the links and the log of contacts are set.
+
+    Meanwhile `force[0]` of a striking link is its impulse, N s, `closing[0]` the closing velocity
+    before and `closing_after` the one that is wanted; `unknown_index` is NONE at the other links.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
-        touching = link.law == Law.IMPACT and (
-            node.first_link + q == i or link.overlap >= 0
-        )
+        is_touching = node.first_link + q == i or link.overlap >= 0
         link.unknown_index = NONE
-        if touching:
+        if link.law == Law.IMPACT and is_touching:
             link.unknown_index = q
             closing = closing_of(masses, node, q)
             link.closing_after = 0.0
@@ -121,9 +137,11 @@ def resolve_impacts(
         for q in range(node.link_count):
             link = links[node.first_link + q]
             if link.unknown_index != NONE:
+                # Closing that a unit impulse takes away
                 velocity_by_impulse = inverse_mass(masses, node, q - 1)
                 velocity_by_impulse += inverse_mass(masses, node, q)
                 excess = closing_of(masses, node, q) - link.closing_after
+                # The impulse stays at 0 or above.
                 step = max(excess / velocity_by_impulse, -link.force[0])
                 link.force[0] += step
                 apply_impulse(masses, node, q, step)
@@ -134,13 +152,16 @@ def resolve_impacts(
         link = links[node.first_link + q]
         if link.unknown_index != NONE:
             closing = closing_of(masses, node, q)
-            finish_impact(run, turns, link, node.first_link + q, tick, closing)
+            finish_impact(run, contact_log, link, node.first_link + q, tick, closing)
 
 
 def finish_impact(
-    run: Run, turns: ContactLog, link: Link, i: int, tick: int, closing: float
+    run: Run, contact_log: ContactLog, link: Link, i: int, tick: int, closing: float
 ) -> None:
-    """Log the impulse of an impact; bodies that do not part rest, as long as they are pressed."""
+    """Set the status of link i after an impact that left a closing velocity, and log its impulse.
+
+    The contact is open; or at rest, if the bodies do not part, as long as they are pressed.
+    """
     struck = link.force[0] > 0
     link.overlap = 0.0
     link.break_order = 0
@@ -151,10 +172,10 @@ def finish_impact(
         run.resting_velocity = max(run.resting_velocity, -closing)
     if struck:
         link.impulse += link.force[0]
-        log_contact_change(run, turns, link, i, tick, Status.PRESS.value)
-        turn = turns[run.contact_event_count - 1]
-        turn.impulse = link.force[0]
-        turn.mean_closing = 0.5 * (link.closing[0] + closing)
+        log_contact_change(run, contact_log, link, i, tick, Status.PRESS.value)
+        change = contact_log[run.contact_event_count - 1]
+        change.impulse = link.force[0]
+        change.mean_closing = 0.5 * (link.closing[0] + closing)
         link.last_force_tick = tick
         if link.status == Status.OPEN:
             link.starts_episode = 1
@@ -162,42 +183,37 @@ def finish_impact(
 
 
 def record_piece(state: State, node: Node, ticks: int) -> None:
-    """Enter the effects of a piece on the links and masses of a node: states, totals, logs."""
+    """Take the piece of a node that was solved, of `ticks` from now, as done.
+
+    States of the links and masses become those at its end; impulses, peaks, durations and the log
+    of contacts are continued; and what the run keeps is stored.
+    """
     run = state.runs[0]
     h = ticks * run.tick_duration
     for q in range(node.link_count):
         link = state.links[node.first_link + q]
         if run.keeps_history:
             keep_history(state, node, link, ticks)
-        link.break_order = SMOOTH
-        link.overlap = link.overlaps[N]
-        link.overlap_rate = link.closing[N] - link.mobility * link.force[N]
-        before = link.closing[N - 1] - link.mobility * link.force[N - 1]
-        link.overlap_acceleration = (
-            2 * (link.overlap_rate - before) / (h * (X[N] - X[N - 1]))
-        )
-        touch = Status.GRAZE.value
+        set_end_state(link, h)
+        touch = (
+            Status.GRAZE.value
+        )  # what the contact did in this piece, as it is logged
         if link.status == Status.OPEN:
             touch = Status.OPEN.value
-        start = node.now
+        start = node.now  # since when it did that
         if link.status != Status.OPEN and link.status != Status.GRAZE:
             link.impulse += 0.5 * h * series.integral(link.force)
             largest = series.largest(link.force)
             # A piece within the window lies where two breaks nearly meet: its peak is round-off.
             if ticks > run.event_window and largest > PEAK_RTOL * link.peak_force:
-                peak = series.maximum(link.force, node.scratch_series, link.peak_force)
-                error = series.remainder(link.force, False)
-                if peak > largest:  # it was searched for between the points
-                    rise = peak - series.smallest(link.force)
-                    error += series.EXTREMUM_RTOL * rise
-                link.peak_force = max(link.peak_force, peak)
-                link.peak_force_bound = max(link.peak_force_bound, peak + error)
+                raise_peak(link, node, largest)
             overlap = series.largest(link.overlaps)
             if link.status >= Status.PRESS and presses(run, link, largest, overlap):
                 touch = Status.PRESS.value
                 link.fading_ticks = 0
                 if not presses(run, link, link.force[N], link.overlaps[N]):
                     link.fading_ticks = ticks
+                # A force that was faint until now has begun when the contact closed.
                 start -= max(link.faint_ticks, 0)
                 link.force_ticks += node.now + ticks - start
         if link.law >= Law.RIGID and touch != link.logged_status:
@@ -221,10 +237,38 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         body.velocity[0] = body.velocity[N]
 
 
-def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
-    """Return whether a touching contact presses with a force, N, at an overlap, m.
+def set_end_state(link: Link, h: float) -> None:
+    """Set overlap, rate and acceleration of a link to those at the end of a piece of duration h.
 
-    A contact with a contact law must have an overlap too; others are decided by their force.
+    d' = closing - Y F, and d'' is the difference quotient between the last two points.
+    """
+    link.break_order = SMOOTH
+    link.overlap = link.overlaps[N]
+    link.overlap_rate = link.closing[N] - link.mobility * link.force[N]
+    rate_before = link.closing[N - 1] - link.mobility * link.force[N - 1]
+    rise = link.overlap_rate - rate_before
+    link.overlap_acceleration = 2 * rise / (h * (X[N] - X[N - 1]))
+
+
+def raise_peak(link: Link, node: Node, largest: float) -> None:
+    """Raise the peak force of a link, and its bound, by the forces of a piece.
+
+    `largest` is the largest force at the points.
+    """
+    peak = series.maximum(link.force, node.scratch_series, link.peak_force)
+    error = series.remainder(link.force, False)
+    if peak > largest:  # it was searched for between the points
+        rise = peak - series.smallest(link.force)
+        error += series.EXTREMUM_RTOL * rise
+    link.peak_force = max(link.peak_force, peak)
+    link.peak_force_bound = max(link.peak_force_bound, peak + error)
+
+
+def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
+    """Return whether a touching contact presses with a force, N, at an overlap, m, that counts.
+
+    The force of a contact with a contact law counts from an overlap on that `graze_velocity` makes
+    in the shortest transit; other forces count if they make more than that velocity.
     """
     if link.law >= Law.SPRING:
         transit = run.shortest_transit * run.tick_duration
@@ -233,15 +277,15 @@ def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
 
 
 def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
-    """Return for how many ticks a compliant contact has been closed with a faint force.
+    """Return for how many ticks a compliant contact has been closed with a faint force until now.
 
-    A force that starts smoothly is faint at first; once it presses, it has begun when the contact
-    closed. A force that stays faint for long is round-off: then NONE is returned until the contact
-    opens.
+    `touch` is what it did in the last piece, of `ticks`. A force that starts smoothly is faint at
+    first; once it presses, it has begun when the contact closed. A force that stays faint for long
+    is round-off: then NONE is returned until the contact opens.
     """
     faint = link.faint_ticks
-    closed = link.law >= Law.SPRING and link.status >= Status.PRESS
-    if touch == Status.PRESS or not closed:
+    is_closed = link.law >= Law.SPRING and link.status >= Status.PRESS
+    if touch == Status.PRESS or not is_closed:
         faint = 0
     elif faint != NONE and series.largest(link.force) > 0:
         faint += ticks
@@ -251,9 +295,12 @@ def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
 
 
 def log_contact_change(
-    run: Run, turns: ContactLog, link: Link, i: int, tick: int, touch: int
+    run: Run, contact_log: ContactLog, link: Link, i: int, tick: int, touch: int
 ) -> None:
-    """Log that a contact is touched, presses or is left."""
+    """Log that link i presses (PRESS), only touches (GRAZE) or is open (OPEN) from a tick on.
+
+    First and last force, episodes, the last opening and the time cut from forces are continued.
+    """
     if touch == Status.PRESS:
         if link.first_force_tick == NONE:
             link.first_force_tick = tick
@@ -266,24 +313,25 @@ def log_contact_change(
     if touch == Status.OPEN:
         is_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
         if is_faint and link.law >= Law.SPRING and link.damping == 0:
-            # a spring presses until it opens: by so much its last force comes too early
+            # A spring presses until it opens: its last force was logged too early by this time.
             link.cut_ticks += tick - link.last_force_tick - link.fading_ticks
         link.starts_episode = 1
         link.last_opening_tick = tick
     link.logged_status = touch
-    turn = turns[run.contact_event_count]
-    turn.tick = tick
-    turn.link = i
-    turn.status = touch
-    turn.impulse = 0.0
-    turn.mean_closing = 0.0
+    change = contact_log[run.contact_event_count]
+    change.tick = tick
+    change.link = i
+    change.status = touch
+    change.impulse = 0.0
+    change.mean_closing = 0.0
     run.contact_event_count += 1
 
 
 def keep_history(state: State, node: Node, link: Link, ticks: int) -> None:
-    """Keep the force of a link over a piece, its overlap, and the closing rate of one that yields.
+    """Append what a link did in a piece of `ticks` from now to the lines that keep its history.
 
-    The lines that keep them follow each other from `link.history_line` on.
+    These are the force; of joints and contacts the overlap d; of what yields the closing velocity
+    closing - Y F, which is more than d' then. They follow each other from `link.history_line` on.
     """
     run = state.runs[0]
     all_lines = state.lines

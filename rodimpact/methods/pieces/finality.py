@@ -1,5 +1,8 @@
 """What groups of bonded bodies do at an instant, for the proof that none of them meets again.
 
+A group is a stretch of the list of parts: its first part has their number in `part_count`, and the
+motion of the group. Sides are 0, its left end, and 1, its right end.
+
 A wall holds a group: its velocity is the mean, and the mass fraction beyond every x is 1.
 """
 
@@ -33,16 +36,14 @@ TRUNCATION_SHARE = 1e-3
 def check_finality(state: State, tick: int) -> None:
     """Decide at a tick that every node has reached whether the run is over, or when to look again.
 
-    `run.proved_tick` is set with the proof; `run.next_proof_tick` is the tick of the next look.
+    The motion of all groups is set. If a proof of finality succeeds, `proved_tick` and `end_tick`
+    of the run are set; else `next_proof_tick` is the tick of the next look. `stop_reason` becomes
+    DONE at the end of the run. The first check only notes the velocities at t = 0.
     """
     run = state.runs[0]
     parts = state.parts
     if run.proved_tick == NONE or run.has_bonds:  # joined bodies go on changing
-        for l in range(len(state.lines)):
-            if state.lines[l].read_piece != NONE:
-                if run.stop_reason == Stop.CAP:
-                    lines.rewind(state.lines, state.log, l)
-                lines.advance_to(state.lines, state.log, l, tick)
+        read_lines_at(state, tick)
         update_groups(state, tick)
         if run.last_proof_tick == NONE:
             for i in range(len(parts)):
@@ -64,14 +65,28 @@ def check_finality(state: State, tick: int) -> None:
         run.stop_reason = Stop.DONE.value
 
 
+def read_lines_at(state: State, tick: int) -> None:
+    """Move the read pieces of all lines that have pieces to a tick.
+
+    A run that the cap on steps ends has read some lines beyond that tick.
+    """
+    run = state.runs[0]
+    for l in range(len(state.lines)):
+        if state.lines[l].read_piece != NONE:
+            if run.stop_reason == Stop.CAP:
+                lines.rewind(state.lines, state.log, l)
+            lines.advance_to(state.lines, state.log, l, tick)
+
+
 def time_until_over(run: Run, links: Links, parts: Parts) -> float:
     """Return the time until it may be proved that the run is over, s, as bodies move now.
 
-    It is 0 if no contact can close again, or nothing changes any more.
+    It is 0 if no contact presses and none can close again, or if nothing changes any more.
     """
+    # Velocities below this one count as 0, m/s.
     slow = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance
-    over = True
-    quiet = True
+    is_over = True
+    is_all_quiet = True
     longest = 0.0
     for i in range(len(links)):
         link = links[i]
@@ -79,16 +94,17 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
             continue
         left = parts[link.left_group]
         right = parts[link.right_group]
-        quiet = quiet and is_quiet(link, left, slow) and is_quiet(link, right, slow)
+        is_link_quiet = is_quiet(link, left, slow) and is_quiet(link, right, slow)
+        is_all_quiet = is_all_quiet and is_link_quiet
         time = time_until_apart(link, left, right, slow)
-        pressed = link.status != Status.OPEN and (
-            link.law > Law.IMPACT
-            or link.force[N] * link.effective_mobility > run.graze_velocity
-        )
-        over = over and time == 0 and not pressed
+        # A compliant contact counts as pressed until it opens; a rigid one while it has a force.
+        has_force = link.force[N] * link.effective_mobility > run.graze_velocity
+        is_compliant = link.law > Law.IMPACT
+        is_pressed = link.status != Status.OPEN and (is_compliant or has_force)
+        is_over = is_over and time == 0 and not is_pressed
         if link.status == Status.OPEN and time < math.inf:
             longest = max(longest, time)
-    if over or quiet:
+    if is_over or is_all_quiet:
         return 0.0
     return max(longest, run.tick_duration)
 
@@ -96,100 +112,114 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
 def time_until_apart(
     link: Link, left: GroupPart, right: GroupPart, slow: float
 ) -> float:
-    """Return the time until a contact between two groups may be proved not to close again, s."""
-    least = -math.inf
+    """Return the time until a contact between two groups may be proved not to close again, s.
+
+    0 if it may be proved now, see `finality_kernel.separation_time`.
+    """
+    opening = right.reference_velocity - left.reference_velocity
+    least_opening = -math.inf  # least velocity with which the two faces can part
     if left.ends_follow_waves and right.ends_follow_waves:
-        least = right.min_wave - left.max_wave
-    apart = left.end_deviations[1] - right.end_deviations[0] - link.overlap
-    reach = max_deviation(left, left.compliance_integrals[1]) + max_deviation(
-        right, right.compliance_integrals[0]
-    )
-    return proof.separation_time(
-        right.reference_velocity - left.reference_velocity,
-        least,
-        apart,
-        reach * reach,
-        slow,
-    )
+        least_opening = right.min_wave - left.max_wave
+    # Gap between the mean motions: the faces are beside these by their deviations.
+    mean_gap = left.end_deviations[1] - right.end_deviations[0] - link.overlap
+    left_reach = max_deviation(left, left.compliance_integrals[1])
+    right_reach = max_deviation(right, right.compliance_integrals[0])
+    reach = left_reach + right_reach
+    return proof.separation_time(opening, least_opening, mean_gap, reach * reach, slow)
 
 
 def is_quiet(link: Link, group: GroupPart, slow: float) -> bool:
-    """Return whether a group moves evenly, and the overlap of a contact with it is constant."""
+    """Return whether a group moves evenly, and the overlap of a contact with it is constant.
+
+    Velocities within `slow`, m/s, are the same.
+    """
     rate = link.closing[N] - link.mobility * link.force[N]
     return bool(group.max_wave - group.min_wave <= slow and abs(rate) <= slow)
 
 
 def max_deviation(group: GroupPart, compliance: float) -> float:
-    """Return the largest deviation of an end of a group from the mean motion at any time, m."""
+    """Return the largest deviation of an end of a group from the mean motion at any time, m.
+
+    It is sqrt(2 E s), E the energy of the group about that motion and s the `compliance_integrals`
+    of the end.
+    """
     return math.sqrt(2 * group.reference_energy * compliance)
 
 
 def update_groups(state: State, tick: int) -> None:
-    """Set the motion of all groups at a tick that every node has reached."""
+    """Set the motion of all groups at a tick that every node has reached.
+
+    These are the fields of the first part of each group, but for `initial_velocity`, and mean
+    velocity, energy and moments of all parts.
+    """
     parts = state.parts
     for first in range(len(parts)):
         group = parts[first]
-        last = first + group.part_count
-        if group.part_count == 0:
+        stop = first + group.part_count
+        if group.part_count == 0:  # a part that is not the first of its group
             continue
         momentum = 0.0
-        total = 0.0
-        for k in range(first, last):
+        mass = 0.0
+        for k in range(first, stop):
             update_part(state, parts[k], 0.0, tick)
             momentum += parts[k].mass * parts[k].mean_velocity
-            total += parts[k].mass
-        if total > 0:
-            group.group_velocity = momentum / total
+            mass += parts[k].mass
+        if mass > 0:
+            group.group_velocity = momentum / mass
         group.reference_velocity = group.group_velocity
         if group.anchor_line != NONE:
             # The group comes to the velocity that the line from outside carries.
             piece = state.log[state.lines[group.anchor_line].read_piece]
             y = 2 * (tick - piece.start) / (piece.end - piece.start) - 1
             group.reference_velocity = lines.at(piece, y)
-        off = group.group_velocity - group.reference_velocity
-        group.reference_energy = total * (off * off) / 2
+        # Energy about the reference motion: m (v - v_ref)^2/2, and that of the vibration about v.
+        excess = group.group_velocity - group.reference_velocity
+        group.reference_energy = mass * (excess * excess) / 2
         group.min_wave = group.reference_velocity
         group.max_wave = group.reference_velocity
-        for k in range(first, last):
+        for k in range(first, stop):
             update_part(state, parts[k], group.group_velocity, tick)
             group.reference_energy += parts[k].vibration_energy
         for side in range(2):
-            set_end(state, first, last, total, side)
-        bound_end_velocities(state, first, last)
+            set_end(state, first, stop, mass, side)
+        bound_end_velocities(state, first, stop)
 
 
 def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
-    """Set the mean velocity of a part, its energy about a velocity, and moments of its waves."""
+    """Set the mean velocity of a part, its energy about the velocity `speed`, and its wave moments.
+
+    In a segment v = (a + b)/2 and c strain = (b - a)/2. So over y from -1 to 1 the mean velocity is
+    (integral of a + integral of b)/4, and the energy m (integral of a^2 + integral of b^2)/8, a and
+    b less the speed. A mass has m (v - speed)^2/2, the spring of a joint k d^2/2.
+    """
     part.vibration_energy = 0.0
     if part.kind == Part.MASS:
         part.mean_velocity = state.masses[part.index].velocity[0]
-        part.vibration_energy = (
-            part.mass
-            * ((part.mean_velocity - speed) * (part.mean_velocity - speed))
-            / 2
-        )
+        excess = part.mean_velocity - speed
+        part.vibration_energy = part.mass * (excess * excess) / 2
     elif part.kind == Part.SEGMENT:
         transit = state.lines[2 * part.index].delay
         squares = 0.0
-        for way in range(2):
+        for way in range(2):  # a, to the right, and b, to the left
             head = state.lines[2 * part.index + way].read_piece
-            whole, tilt, _, square = lines.moments(
-                state.log, head, tick - transit, transit, speed
-            )
-            part.wave_integrals[way] = whole
-            part.wave_moments[way] = tilt
-            squares += square
-        part.mean_velocity = (
-            speed + (part.wave_integrals[0] + part.wave_integrals[1]) / 4
-        )
+            wave = lines.moments(state.log, head, tick - transit, transit, speed)
+            part.wave_integrals[way] = wave.whole
+            part.wave_moments[way] = wave.tilt
+            squares += wave.square
+        integral = part.wave_integrals[0] + part.wave_integrals[1]
+        part.mean_velocity = speed + integral / 4
         part.vibration_energy = part.mass * squares / 8
     elif part.kind == Part.JOINT:
         joint = state.links[part.index]
         part.vibration_energy = joint.stiffness * (joint.overlap * joint.overlap) / 2
 
 
-def set_end(state: State, first: int, last: int, total: float, side: int) -> None:
-    """Set the displacement of an end of a group, and the factor that bounds it later.
+def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None:
+    """Set the deviation of an end of a group from its reference motion, and the bound of it later.
+
+    The group has the parts from `first` to before `stop`, and a `mass`, kg. The deviation is the
+    integral of g strain dx over the group, as the left end moves to the left if the group
+    stretches; `compliance_integrals` is s below.
 
     With E the energy about the reference motion, elastic parts move the end by sqrt(2 E s) at most,
     s = integral of g^2 dx/(E A), g the mass fraction beyond x as seen from the end. At the left and
@@ -201,20 +231,22 @@ def set_end(state: State, first: int, last: int, total: float, side: int) -> Non
     """
     group = state.parts[first]
     is_anchored = group.anchor_line != NONE
-    sign = 2 * side - 1
-    passed = 0.0
+    sign = (
+        2 * side - 1
+    )  # stretching moves the left end to the left, the right one to the right
+    passed = 0.0  # mass of the parts so far
     deviation = 0.0
     compliance = 0.0
-    stretch = 0.0  # of dashpots, over sqrt(2 E)
-    for k in range(first, last):
+    stretch = 0.0  # largest stretch of dashpots, over sqrt(2 E)
+    for k in range(first, stop):
         part = state.parts[k]
         before = passed
         passed += part.mass
-        g = 1.0
-        w = 1.0
-        if not is_anchored:
-            g = before / total
-            w = passed / total
+        g = 1.0  # mass fraction beyond the left end of the part
+        w = 1.0  # beyond its right end
+        if not is_anchored:  # beyond means: to the left, as seen from the right end
+            g = before / mass
+            w = passed / mass
         if not is_anchored and side == 0:
             g = 1 - g
             w = 1 - w
@@ -228,8 +260,8 @@ def set_end(state: State, first: int, last: int, total: float, side: int) -> Non
                 deviation -= sign * joint.overlap * g
                 compliance += part.compliance * (g * g)
             else:
-                mass = max(passed, total - passed)
-                stretch += 2 * g * math.sqrt(mass) / joint.damping
+                heavier_side = max(passed, mass - passed)
+                stretch += 2 * g * math.sqrt(heavier_side) / joint.damping
         elif part.kind == Part.ENDLESS:
             compliance = part.compliance
     if stretch > 0:
@@ -239,23 +271,24 @@ def set_end(state: State, first: int, last: int, total: float, side: int) -> Non
     group.compliance_integrals[side] = compliance
 
 
-def bound_end_velocities(state: State, first: int, last: int) -> None:
-    """Set the bounds of the velocities of the ends of a group that is one segment.
+def bound_end_velocities(state: State, first: int, stop: int) -> None:
+    """Set the bounds of the waves under way in a group, and whether they bound its ends too.
 
-    Its end can only take velocities of the waves in it, of their reflections, and of its anchor.
+    The ends of a group that is one segment, free or between walls, can only take velocities of the
+    waves in it, of their reflections, and of its anchor. A group of one part has no others either.
     """
     group = state.parts[first]
     segments = 0
     other_parts = 0
-    for k in range(first, last):
+    for k in range(first, stop):
         part = state.parts[k]
         if part.kind == Part.SEGMENT:
             segments += 1
-            for side in range(2):
+            for way in range(2):
                 low, high = wave_bounds(
                     state.lines,
                     state.log,
-                    2 * part.index + side,
+                    2 * part.index + way,
                     group.min_wave,
                     group.max_wave,
                 )
@@ -263,22 +296,23 @@ def bound_end_velocities(state: State, first: int, last: int) -> None:
                 group.max_wave = high
         elif part.kind < Part.WALL:
             other_parts += 1  # masses and joints
-    for k in range(first, last):
+    for k in range(first, stop):
         if state.parts[k].kind == Part.WALL:
-            # A wall reflects waves about its velocity.
+            # A wall of velocity V reflects a wave w as 2 V - w.
             reflected_min = 2 * group.reference_velocity - group.max_wave
             reflected_max = 2 * group.reference_velocity - group.min_wave
             group.min_wave = min(group.min_wave, reflected_min)
             group.max_wave = max(group.max_wave, reflected_max)
     is_segment = segments <= 1 and other_parts == 0
-    group.ends_follow_waves = is_segment or last - first == 1
+    group.ends_follow_waves = is_segment or stop - first == 1
 
 
 def strain_integral(part: GroupPart, g: float, w: float) -> float:
-    """Return the integral of strain g dx over the transit time, with g linear from g to w.
+    """Return the integral of g strain dx over a segment, over its transit time, m/s.
 
-    As dx is c dt, strain dx is (b - a)/2 dt. The wave that a sent last is at the left end now, the
-    wave that b sent last at the right end.
+    g is linear, from g at the left end to w at the right end. As dx is c dt, strain dx is
+    (b - a)/2 dt. The part of a that was sent last is at the left end now, that of b at the right
+    end: y of b runs with x, that of a against it, so that their moments add.
     """
     mean = part.wave_integrals[1] - part.wave_integrals[0]
     slope = part.wave_moments[1] + part.wave_moments[0]
@@ -288,7 +322,10 @@ def strain_integral(part: GroupPart, g: float, w: float) -> float:
 def wave_bounds(
     all_lines: Lines, log: Log, l: int, low: float, high: float
 ) -> tuple[float, float]:
-    """Return bounds of the waves under way in a line, and of two velocities."""
+    """Return the smallest and the largest of `low`, `high` and the waves under way in line l, m/s.
+
+    The values of a series are within c[0] -/+ (abs(c[1]) + abs(c[2]) + ...).
+    """
     i = all_lines[l].read_piece
     while i != NONE:
         piece = log[i]

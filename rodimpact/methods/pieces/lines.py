@@ -1,4 +1,11 @@
-"""Lines: what left one end arrives at the other a transit later, as a list of pieces in a log."""
+"""Lines: what left one end arrives at the other a transit later, as a list of pieces in a log.
+
+Line l carries the pieces of the log whose `line` is l, linked by `next`. Their times are those at
+which they were sent; they arrive later by the delay of the line. The read piece of a line is the
+one that its reader, the node at its end, reads now.
+"""
+
+from typing import NamedTuple
 
 from ..compiling import borrowed
 from . import series
@@ -9,15 +16,30 @@ CONTINUITY_RTOL = 1e-4
 """Jump of a wave over the tolerance, below which the wave counts as continuous."""
 
 
+class Moments(NamedTuple):
+    """Integrals of a wave w over y, from -1 to 1; P are the Legendre polynomials."""
+
+    whole: float  # of w P0, m/s
+    tilt: float  # of w P1
+    bend: float  # of w P2
+    square: float  # of w^2, m^2/s^2
+
+
 def at(piece: Piece, y: float) -> float:
-    """Return the value of a piece at y, from -1 to 1; y beyond these is taken for round-off."""
+    """Return the value of a piece at y, from -1 at its start to 1 at its end.
+
+    A y beyond these is round-off: the value at the end is returned.
+    """
     if piece.degree == 0:
         return piece.coefficients[0]
     return series.value(piece.coefficients, min(1.0, max(-1.0, y)))
 
 
 def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
-    """Let the read piece of a line be the one that arrives at a tick, or the last one."""
+    """Move the read piece of line l on to the one that arrives at a tick, or to the last one.
+
+    Hard breaks that it passes are no longer counted as unread.
+    """
     line = lines[l]
     while (
         log[line.read_piece].next != NONE
@@ -29,7 +51,10 @@ def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
 
 
 def rewind(lines: Lines, log: Log, l: int) -> None:
-    """Let the read piece of a line be its first one: its readers may be at different ticks."""
+    """Move the read piece of line l back to its first one, and count all its hard breaks as unread.
+
+    That is needed to read a line at an earlier tick than that of its reader.
+    """
     line = lines[l]
     line.read_piece = line.first_piece
     line.unread_breaks = 0
@@ -41,12 +66,15 @@ def rewind(lines: Lines, log: Log, l: int) -> None:
 
 
 def known_until(lines: Lines, log: Log, l: int) -> int:
-    """Return the tick until which the arriving wave is known."""
+    """Return the tick until which the wave that arrives by line l is known."""
     return int(log[lines[l].last_piece].end + lines[l].delay)
 
 
 def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
-    """Return the tick of the next hard break that arrives after a tick, or the end."""
+    """Return the tick of the first hard break that arrives by line l between `tick` and `end`.
+
+    `end` is returned if there is none.
+    """
     delay = lines[l].delay
     i = log[lines[l].read_piece].next
     while i != NONE and log[i].start + delay < end:
@@ -57,7 +85,10 @@ def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
 
 
 def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
-    """Return the order of the break that arrives at a tick; at t = 0 anything may jump."""
+    """Return the order of the break that arrives by line l at a tick; SMOOTH if there is none.
+
+    At t = 0 it is 0: anything may jump.
+    """
     if tick == 0:
         return 0
     piece = log[lines[l].read_piece]
@@ -69,8 +100,11 @@ def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
 def sample(
     lines: Lines, log: Log, l: int, tick: int, ticks: int, f: MutableValues
 ) -> None:
-    """Set f to the arriving wave at the points of a piece; at its end to the limit from before."""
-    begin = tick - lines[l].delay
+    """Set f to the wave that arrives by line l at the points of a piece of `ticks` from `tick` on.
+
+    If the wave jumps at the end of the piece, its value is the one before.
+    """
+    begin = tick - lines[l].delay  # when the wave was sent
     piece = log[lines[l].read_piece]
     if piece.degree == 0 and begin + ticks <= piece.end:
         for j in range(POINTS):
@@ -82,17 +116,16 @@ def sample(
             piece.next != NONE and begin + u > piece.end and piece.end < begin + ticks
         ):
             piece = log[piece.next]
+        # Place of this time in the piece, from -1 to 1
         y = 2 * ((begin - piece.start) + u) / (piece.end - piece.start) - 1
         f[j] = at(piece, y)
 
 
-def moments(
-    log: Log, i: int, begin: int, ticks: int, speed: float
-) -> tuple[float, float, float, float]:
+def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
     """Return the moments of the wave, less a velocity, that a line sent over `ticks` from `begin`.
 
-    These are the integrals over y from -1 to 1 of the wave times the Legendre polynomials of degree
-    0, 1 and 2, and of its square; i is the place of a piece at or before `begin`.
+    i is the row of the log of a piece of the line at or before `begin`. Each piece is integrated
+    with the weights of the stages.
     """
     whole = 0.0
     tilt = 0.0
@@ -104,27 +137,30 @@ def moments(
         high = min(begin + ticks, piece.end)
         if high > low:
             for j in range(N):
-                u = 0.5 * (X[j + 1] + 1) * (high - low)
-                y = 2 * ((low - piece.start) + u) / (piece.end - piece.start) - 1
-                v = at(piece, y) - speed
+                u = 0.5 * (X[j + 1] + 1) * (high - low)  # time since `low`
+                in_piece = 2 * ((low - piece.start) + u) / (piece.end - piece.start) - 1
                 y = 2 * ((low - begin) + u) / ticks - 1
+                v = at(piece, in_piece) - speed
                 w = (high - low) / ticks * WEIGHTS[j] * v
                 whole += w
                 tilt += w * y
                 bend += w * (1.5 * y * y - 0.5)
                 square += w * v
         i = piece.next
-    return whole, tilt, bend, square
+    return Moments(whole, tilt, bend, square)
 
 
 def project(
     lines: Lines, log: Log, l: int, tick: int, ticks: int, f: MutableValues
 ) -> None:
-    """Set f to the parabola nearest to the arriving wave: same momentum, never more energy."""
+    """Set f to the parabola nearest to the wave that arrives by line l in `ticks` from `tick` on.
+
+    It has the same momentum, and never more energy.
+    """
     line = lines[l]
-    begin = tick - line.delay
-    whole, tilt, bend, _ = moments(log, line.read_piece, begin, ticks, 0.0)
-    series.set_parabola(f, whole, tilt, bend)
+    begin = tick - line.delay  # when the wave was sent
+    wave = moments(log, line.read_piece, begin, ticks, 0.0)
+    series.set_parabola(f, wave.whole, wave.tilt, wave.bend)
 
 
 def append_piece(
@@ -137,10 +173,10 @@ def append_piece(
     degree: int,
     c: Values,
 ) -> int:
-    """Append a piece to a line; return its place in the log.
+    """Append the piece of the series c from `tick` to `stop` to line l; return its row in the log.
 
     A constant wave stays one piece as long as it is constant: a front is a piece of degree 0. If
-    the new piece only goes on with it, NONE is returned.
+    the new piece only goes on with it, the old one is made longer, and NONE is returned.
     """
     i = int(run.piece_count)
     line = lines[l]
@@ -149,7 +185,7 @@ def append_piece(
         line.first_piece = i
         line.read_piece = i
     elif degree == 0 and log[old].degree == 0 and log[old].coefficients[0] == c[0]:
-        log[old].end = stop
+        log[old].end = stop  # the same constant goes on
         return NONE
     else:
         log[old].next = i
@@ -177,7 +213,10 @@ def append_values(
     f: Values,
     c: MutableValues,
 ) -> int:
-    """Append the piece with the values f at its points; c is scratch, else as `append_piece`."""
+    """Append the piece of `ticks` from `tick` on with the values f at its points to line l.
+
+    Return its row in the log, or NONE, as `append_piece`. c is scratch.
+    """
     lines = borrowed(lines)
     log = borrowed(log)
     degree = 0
@@ -186,14 +225,14 @@ def append_values(
     c[0] = f[0]
     if not series.is_constant(f):
         degree = N
-        series.coefficients(f, c)
+        series.set_series(f, c)
     return append_piece(run, lines, log, l, tick, tick + ticks, degree, c)
 
 
 def send(
     run: Run, lines: Lines, log: Log, l: int, node: Node, ticks: int, order: int
 ) -> None:
-    """Append the wave that leaves a node, with a break of this order.
+    """Append `node.outgoing`, over `ticks` from now, to line l; it begins with a break of `order`.
 
     A constant wave that starts to change makes a hard break, however smooth the start is. So no
     piece of any node reaches across the arrival of this wave, and nothing moves before it arrives.
@@ -205,37 +244,39 @@ def send(
     if i != NONE and order <= HARD:
         log[i].break_order = order
         classify_break(run, lines, log, old, i)
-    if (
-        i != NONE
-        and log[i].break_order > HARD
-        and log[old].degree == 0
-        and log[i].degree > 0
-    ):
-        log[i].break_order = HARD
-        lines[l].unread_breaks += 1
+    if i != NONE and log[i].break_order > HARD:
+        starts_to_change = log[old].degree == 0 and log[i].degree > 0
+        if starts_to_change:
+            log[i].break_order = HARD
+            lines[l].unread_breaks += 1
 
 
 def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
-    """Classify the break between two pieces: it is hard if its jump is above tolerance.
+    """Raise the order of the break between pieces `old` and i if less jumps; count a hard one.
 
-    Its `order` is the lowest that theory allows; jumps of value, slope and curvature are measured
-    over the shortest transit, a typical length of a piece.
+    `break_order` of piece i is the lowest that theory allows. A wave whose value does not jump has
+    order 1 or more; one whose slope and curvature do not jump either is SMOOTH. Jumps of these are
+    taken as changes of values in a quarter of the shortest transit.
+
+    That is s = (shortest transit)/(2 duration) in y, in which T_m changes by s T_m' + s^2 T_m''/2.
+    T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end of a piece, with the signs (-1)^(m+1) and
+    (-1)^m at its start.
     """
     before = log[old]
     new = log[i]
-    s0 = 0.5 * run.shortest_transit / (before.end - before.start)
-    s1 = 0.5 * run.shortest_transit / (new.end - new.start)
+    s_before = 0.5 * run.shortest_transit / (before.end - before.start)
+    s_new = 0.5 * run.shortest_transit / (new.end - new.start)
     jump = 0.0
-    slope = 0.0
-    bend = 0.0
-    sign = 1.0
+    slope = 0.0  # jump of the slope times s
+    bend = 0.0  # jump of the curvature times s^2/2
+    sign = 1.0  # (-1)^m
     for m in range(POINTS):
         q = m * m
         b = before.coefficients[m]
         c = sign * new.coefficients[m]
         jump += c - b
-        slope -= q * (c * s1 + b * s0)
-        bend += q * (q - 1) / 6 * (c * s1 * s1 - b * s0 * s0)
+        slope -= q * (c * s_new + b * s_before)
+        bend += q * (q - 1) / 6 * (c * s_new * s_new - b * s_before * s_before)
         sign = -sign
     if abs(jump) <= CONTINUITY_RTOL * run.tolerance:
         new.break_order = max(new.break_order, 1)
@@ -246,8 +287,11 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
 
 
 def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
-    """Send the arriving piece back from a free end, unchanged; return the tick of its end."""
-    side = 0
+    """Send the piece that arrives at a free end back, unchanged; return the tick of its end.
+
+    v = (a + b)/2 and no force: the wave that leaves is the one that arrives.
+    """
+    side = 0  # side of the rod
     if node.mobility[1] > 0:
         side = 1
     source = node.incoming_lines[side]

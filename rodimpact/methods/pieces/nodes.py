@@ -401,7 +401,7 @@ def forbid_pulling(links: Links, node: Node) -> None:
         smallest = series.smallest(link.force)
         may_swing = smallest < series.POSITIVE_RTOL * largest
         if link.status >= Status.PRESS and may_swing:
-            series.coefficients(link.force, node.scratch_series)
+            series.set_series(link.force, node.scratch_series)
             deepest = -series.minimum(node.scratch_series)
             swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
             impulse = series.integral(link.force)

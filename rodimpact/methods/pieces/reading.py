@@ -50,9 +50,8 @@ def passed_by(wave: Any, tick: float) -> tuple[float, float]:
     passed, squares = wave["passed"][i]
     if tick > begin:
         half = (tick - begin) / 2
-        whole, _, _, square = lines.moments(
-            wave["log"], wave["place"][i], begin, 2 * half, 0.0
-        )
-        passed = passed + half * whole
-        squares = squares + half * square
+        row = wave["place"][i]
+        integrals = lines.moments(wave["log"], row, begin, 2 * half, 0.0)
+        passed = passed + half * integrals.whole
+        squares = squares + half * integrals.square
     return passed, squares

@@ -3,6 +3,8 @@
 A piece is known by its values at its start and at the N points of Radau IIA, the last of which is
 the end: collocation there damps what is stiffer than the piece is long (Hairer and Wanner, Solving
 Ordinary Differential Equations II, section IV.5).
+
+f are values at the points, c coefficients of a series: sum of c[m] T_m(y), T_m(cos x) = cos(m x).
 """
 
 import math
@@ -22,9 +24,11 @@ POSITIVE_RTOL = 0.1
 """Smallest over largest value at the points, above which a polynomial has no zero between them."""
 NEXT_INTEGRAL = 0.01
 """Integral of the Chebyshev polynomial of the next degree, about."""
-THIRDS = 36
+EXTREMUM_STEPS = 36
 """Steps to an extremum, each of which leaves two thirds of the width: 5e-7 of it at the end."""
-EXTREMUM_RTOL = 4 * (2 / 3) ** (2 * THIRDS)
+BISECTIONS = 54
+"""Steps to a zero, each of which leaves half of the width: that is below round-off at the end."""
+EXTREMUM_RTOL = 4 * (2 / 3) ** (2 * EXTREMUM_STEPS)
 """By how much the value there may miss the extremum, over the range of the values at the points.
 
 A parabola whose vertex is in the middle of a width w rises to it by r = |f''| w^2/8; at a distance
@@ -63,9 +67,12 @@ WEIGHTS: list[float] = STAGES[N - 1][:]
 
 
 def value(c: Values, y: float) -> float:
-    """Return the sum of the series c at y, by Clenshaw's recurrence."""
-    b1 = 0.0
-    b2 = 0.0
+    """Return the value of the series c at y.
+
+    By Clenshaw's recurrence b_m = 2 y b_(m+1) - b_(m+2) + c_m it is y b_1 - b_2 + c_0.
+    """
+    b1 = 0.0  # b_(m+1)
+    b2 = 0.0  # b_(m+2)
     y2 = 2 * y
     for m in range(N, 0, -1):
         b0 = y2 * b1 - b2 + c[m]
@@ -75,9 +82,12 @@ def value(c: Values, y: float) -> float:
 
 
 def slope_at_end(c: Values, end: float) -> float:
-    """Return the derivative of the series c by y at an end of the piece, -1 or 1."""
+    """Return the derivative by y of the series c at an end of the piece, -1 or 1.
+
+    That of T_m is end^(m+1) m^2 there.
+    """
     s = 0.0
-    sign = end
+    sign = end  # end^(m+1)
     for m in range(1, POINTS):
         sign *= end
         s += sign * m * m * c[m]
@@ -85,13 +95,13 @@ def slope_at_end(c: Values, end: float) -> float:
 
 
 def slope(c: Values, y: float) -> float:
-    """Return the derivative of the series c at y, by y: the sum of m c_m U_(m-1)(y).
+    """Return the derivative by y of the series c at y: the sum of m c_m U_(m-1)(y).
 
-    U are the Chebyshev polynomials of the second kind.
+    U are the Chebyshev polynomials of the second kind, U_m = 2 y U_(m-1) - U_(m-2).
     """
     s = 0.0
-    before = 0.0
-    u = 1.0
+    before = 0.0  # U_(m-2)
+    u = 1.0  # U_(m-1)
     for m in range(1, POINTS):
         s += m * c[m] * u
         after = 2 * y * u - before
@@ -100,8 +110,8 @@ def slope(c: Values, y: float) -> float:
     return s
 
 
-def coefficients(f: Values, c: MutableValues) -> None:
-    """Set c to the series with the values f at the points."""
+def set_series(f: Values, c: MutableValues) -> None:
+    """Set c to the coefficients of the series with the values f at the points."""
     for m in range(POINTS):
         row = SERIES[m]  # taken out of the inner loop: a view costs more than a product
         s = 0.0
@@ -119,12 +129,12 @@ def integral(f: Values) -> float:
 
 
 def truncation_estimate(f: Values) -> float:
-    """Return the size of the last two coefficients of the series with the values f at the points.
+    """Return abs(c[N - 1]) + abs(c[N]) of the series with the values f at the points.
 
-    It measures the truncation error.
+    This tail measures the truncation error.
     """
-    before = 0.0
-    last = 0.0
+    before = 0.0  # c[N - 1]
+    last = 0.0  # c[N]
     row_before = SERIES[N - 1]
     row_last = SERIES[N]
     for j in range(POINTS):
@@ -134,14 +144,15 @@ def truncation_estimate(f: Values) -> float:
 
 
 def remainder(f: Values, integrated: bool) -> float:
-    """Return an estimate of the error of a piece, against the function that it stands for.
+    """Return an estimate of the error of the polynomial with the values f, or of its integral.
 
     Coefficients fall by a factor r from degree to degree. The polynomial misses the next one, about
     the tail times r. Integrals of it are about a hundredth of that; and collocation integrates far
-    better than it follows values, about as the tail times r^3.
+    better than it follows values, about as the tail times r^3. So the error is tail r, or
+    tail r (r^2 + 0.01) if `integrated`.
     """
-    last = 0.0
-    before = 0.0
+    last = 0.0  # tail: abs(c[N - 1]) + abs(c[N])
+    before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])
     for m in range(N - 3, POINTS):
         row = SERIES[m]
         s = 0.0
@@ -169,10 +180,13 @@ def is_constant(f: Values) -> bool:
 
 
 def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
-    """Replace f by the values of the same polynomial at the points of the part up to y."""
+    """Replace f by the values of the same polynomial at the points of the part from -1 to y.
+
+    c is scratch.
+    """
     if is_constant(f):
         return
-    coefficients(f, c)
+    set_series(f, c)
     for j in range(POINTS):
         f[j] = value(c, 0.5 * (y + 1) * (X[j] + 1) - 1)
 
@@ -180,9 +194,9 @@ def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
 def first_zero(c: Values, low: float, high: float) -> float:
     """Return the place between `low` and `high` at which the series c falls below 0, by bisection.
 
-    It is 0 or more at `low`, and negative at `high`.
+    The series is 0 or more at `low`, and negative at `high` and at the place returned.
     """
-    for _ in range(54):
+    for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         if value(c, middle) >= 0:
             low = middle
@@ -207,9 +221,13 @@ def smallest(f: Values) -> float:
     return least
 
 
-def lowest(c: Values, low: float, high: float) -> float:
-    """Return the place between two others at which the series c is lowest, if it has one there."""
-    for _ in range(THIRDS):
+def place_of_minimum(c: Values, low: float, high: float) -> float:
+    """Return the place between `low` and `high` at which the series c has its minimum.
+
+    There is one minimum in between, which may be at an end. Of three thirds, each step leaves out
+    the outer one beside the larger of the two values in between.
+    """
+    for _ in range(EXTREMUM_STEPS):
         third = (high - low) / 3
         if value(c, low + third) > value(c, high - third):
             low += third
@@ -219,10 +237,9 @@ def lowest(c: Values, low: float, high: float) -> float:
 
 
 def minimum(c: Values) -> float:
-    """Return the smallest value of the series c, found between samples beside the smallest of them.
+    """Return the smallest value of the series c, searched for beside the smallest of samples.
 
-    A series that cannot be negative, by the sum of its coefficients, is not looked at further: its
-    smallest possible value is returned.
+    A series is c[0] - abs(c[1]) - abs(c[2]) - ... or more. If that is not negative, it is returned.
     """
     least = c[0]
     for m in range(1, POINTS):
@@ -238,17 +255,18 @@ def minimum(c: Values) -> float:
                 best = k
         low = max(-1.0, step * (best - 1) - 1.0)
         high = min(1.0, step * (best + 1) - 1.0)
-        low = lowest(c, low, high)
-        least = min(least, value(c, low))
+        place = place_of_minimum(c, low, high)
+        least = min(least, value(c, place))
     return least
 
 
 def maximum(f: Values, c: MutableValues, least: float) -> float:
-    """Return the largest value of the polynomial with the values f at the points.
+    """Return the largest value of the polynomial with the values f at the points; c is scratch.
 
     It lies beside the largest of these values. A vertex beside the outermost points counts too: a
     parabola through three points would miss it. If no value between the points can be more than
-    `least`, the largest of the values at the points is returned.
+    `least`, the largest of the values at the points is returned: a series is
+    c[0] + abs(c[1]) + abs(c[2]) + ... or less.
     """
     best = 0
     for j in range(POINTS):
@@ -256,13 +274,13 @@ def maximum(f: Values, c: MutableValues, least: float) -> float:
             best = j
     low = X[max(best - 1, 0)]
     high = X[min(best + 1, N)]
-    coefficients(f, c)
+    set_series(f, c)
     reach = c[0]
     for m in range(1, POINTS):
         reach += abs(c[m])
     if reach <= least:
         return f[best]
-    for _ in range(THIRDS):
+    for _ in range(EXTREMUM_STEPS):  # the third beside the smaller value is left out
         u = (2 * low + high) / 3
         w = (low + 2 * high) / 3
         if value(c, u) < value(c, w):
@@ -273,16 +291,23 @@ def maximum(f: Values, c: MutableValues, least: float) -> float:
 
 
 def set_parabola(f: MutableValues, whole: float, tilt: float, bend: float) -> None:
-    """Set f to the parabola with these integrals times P0, P1 and P2 (Legendre)."""
+    """Set f to the parabola p whose integrals of p P0, p P1 and p P2 are `whole`, `tilt`, `bend`.
+
+    The integrals are over y from -1 to 1. P are the Legendre polynomials, P2 = 1.5 y^2 - 0.5, so
+    p = (1/2) whole P0 + (3/2) tilt P1 + (5/2) bend P2.
+    """
     for j in range(POINTS):
         f[j] = 0.5 * whole + 1.5 * tilt * X[j] + 2.5 * bend * (1.5 * X[j] * X[j] - 0.5)
 
 
 def flatten(f: MutableValues) -> None:
-    """Replace f by the parabola that is nearest to it in mean squares."""
-    whole = 0.0
-    tilt = 0.0
-    bend = 0.0
+    """Replace f by the parabola that is nearest to its polynomial in mean squares.
+
+    That is the parabola with the same integrals times the Legendre polynomials P0, P1 and P2.
+    """
+    whole = 0.0  # integral of f P0
+    tilt = 0.0  # of f P1
+    bend = 0.0  # of f P2
     for j in range(1, POINTS):
         w = WEIGHTS[j - 1] * f[j]
         whole += w
@@ -292,36 +317,36 @@ def flatten(f: MutableValues) -> None:
 
 
 def eliminate(G: Matrix, n: int, band: int) -> None:
-    """Solve n equations by Gauss elimination in place; the right-hand side is column n of G.
+    """Solve n equations by Gauss elimination in place: column n of G, the right side, becomes x.
 
-    No coefficient is farther than `band` from the diagonal; pivoting fills as much again on the
-    right.
+    All coefficients are less than `band` from the diagonal; pivoting fills as much again on the
+    right. G is spoilt.
     """
     for i in range(n):
         below = min(n, i + band)
         right = min(n, i + 2 * band)
-        p = i
+        p = i  # row of the pivot, the largest coefficient of column i from the diagonal on
         most = abs(G[i][i])
         for j in range(i + 1, below):
             if abs(G[j][i]) > most:
                 p = j
                 most = abs(G[j][i])
         row = G[i]
-        largest = G[p]
+        pivot_row = G[p]
         swapped = right
         if p == i:
             swapped = i  # there is nothing to swap
         for q in range(i, swapped):
-            row[q], largest[q] = largest[q], row[q]
-        row[n], largest[n] = largest[n], row[n]
-        pivot = 1 / row[i]
+            row[q], pivot_row[q] = pivot_row[q], row[q]
+        row[n], pivot_row[n] = pivot_row[n], row[n]
+        inverse_pivot = 1 / row[i]
         for j in range(i + 1, below):
             lower = G[j]
-            f = lower[i] * pivot
+            factor = lower[i] * inverse_pivot
             for q in range(i + 1, right):
-                lower[q] -= f * row[q]
-            lower[n] -= f * row[n]
-    for i in range(n - 1, -1, -1):
+                lower[q] -= factor * row[q]
+            lower[n] -= factor * row[n]
+    for i in range(n - 1, -1, -1):  # back substitution
         row = G[i]
         s = row[n]
         for q in range(i + 1, min(n, i + 2 * band)):
