@@ -55,6 +55,7 @@ from .model.profiles import Samples as Samples
 from .model.profiles import Steps as Steps
 from .model.soil import Soil as Soil
 from .model.system import System as System
+from .piles.resting import at_rest as at_rest
 from .records.alignment import Alignment as Alignment
 from .records.bar_gauge import BarGauge as BarGauge
 from .records.bridge import Bridge as Bridge
@@ -89,6 +90,7 @@ from .results.regions import Regions as Regions
 from .results.regions import regions_of as regions_of
 from .results.ring_down import RingDown as RingDown
 from .results.saved import OutcomeDiffers as OutcomeDiffers
+from .results.soil_profile import SoilProfile as SoilProfile
 from .results.solution import Solution as Solution
 from .running.gradients import Gradient as Gradient
 from .running.gradients import Kink as Kink

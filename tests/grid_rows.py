@@ -6,7 +6,7 @@ from scipy.linalg import block_diag
 
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh
-from rodimpact.methods.grid.method import _mesh_size, run_grid
+from rodimpact.methods.grid.method import mesh_size, run_grid
 from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.row_builder import build_row
 
@@ -92,7 +92,7 @@ def matrices(mesh):
 def grid_run(system, room, snapshots=None, step=STEP):
     """A run that has not begun."""
     plan = build_row(system)
-    counts, step = _mesh_size(plan, None, step, None)
+    counts, step = mesh_size(plan, None, step, None)
     return GridRun(Mesh(plan, counts), step, snapshots, room)
 
 

@@ -20,6 +20,7 @@ LAYERS = [
     "records",
     "results",
     "running",
+    "piles",
     "algebra",
     "design",
     "fitting",

@@ -63,6 +63,14 @@ class LoadedEnd(NamedTuple):
     push: Floats | None  # mean force in each step, N [step]; None at a free end
 
 
+class SoilAtNodes(NamedTuple):
+    """Soil along a rod, each about a node [node of the rod]."""
+
+    places: Floats  # of the nodes, m from the left end of the rod
+    ultimate: Floats  # ultimate resistance, N
+    mobilised: Floats  # share of it, from -1 to 1
+
+
 class GridFields(Fields):
     """Fields of a row from its states on a grid.
 
@@ -296,23 +304,30 @@ class GridFields(Fields):
 
     def mobilised(self, body: int, tick: int) -> Steps | float:
         """Share of the resistance that is mobilised about each node of a rod, at `tick`."""
+        soil = self.soil_at_nodes(body, tick)
+        if not soil.ultimate.any():  # nothing resists
+            return 0.0
+        middles = []
+        for x in self._segment_places(body):
+            middles.append((x[1:] + x[:-1]) / 2)
+        return Steps(soil.mobilised.tolist(), np.concatenate(middles).tolist())
+
+    def soil_at_nodes(self, body: int, tick: int) -> SoilAtNodes:
+        """Soil about the nodes of a rod that soil holds, at `tick`."""
         soil = self.motion.soil
         nodes = self._span(body).nodes
         shaft = shaft_bodies(self.clock.row).index(body)
         columns = np.flatnonzero(soil["shaft"] == shaft)
-        if not columns.size:  # nothing resists
-            return 0.0
+        held = soil["node"][columns] - nodes.start
         resistance = self._between_states(
             self.motion.resistance, columns, np.asarray(tick)
         )
-        shares = np.zeros(nodes.stop - nodes.start)
-        places = soil["node"][columns] - nodes.start
-        shares[places] = resistance / soil["ultimate"][columns]
-        middles = []
-        for x in self._segment_places(body):
-            middles.append((x[1:] + x[:-1]) / 2)
-        return Steps(
-            np.clip(shares, -1.0, 1.0).tolist(), np.concatenate(middles).tolist()
+        ultimate = np.zeros(nodes.stop - nodes.start)
+        ultimate[held] = soil["ultimate"][columns]
+        shares = np.zeros(len(ultimate))
+        shares[held] = resistance / ultimate[held]
+        return SoilAtNodes(
+            self._node_places(body), ultimate, np.clip(shares, -1.0, 1.0)
         )
 
     def profile(self, body: int, tick: int) -> Profile:

@@ -30,6 +30,7 @@ from .notebook import Shown
 from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
 from .saved import case_of
+from .soil_profile import SoilProfile, soil_profile
 from .state_profiles import state_profiles
 from .wave_fields import WaveFields
 
@@ -313,6 +314,34 @@ class Solution(Shown):
         if isinstance(self.system.bodies[body], Rod):
             distance = array("x", x, "m")
         return left_end + distance + self.displacement(body, x, t)
+
+    @_ALLOW_UNDERFLOW
+    def soil(self, body: int, t: float) -> SoilProfile:
+        """Soil along the shaft of a rod at time t in s: what it bears, and how far it yielded.
+
+        Parameters
+        ----------
+        body : int
+            A rod with a `shaft`, counted from the left, walls included.
+        t : float
+            s.
+
+        Returns
+        -------
+        SoilProfile
+            At the nodes of the mesh: ``x``, ``resistance``, ``mobilised``, ``displacement`` and
+            ``plastic_set``.
+
+        Raises
+        ------
+        ValueError
+            If no soil holds the body along its shaft, or the time lies outside the solution.
+        """
+        index = self._index(body)
+        tick = int(self.fields.to_ticks(scalar("t", t, "s", "")))
+        shaft = getattr(self.system.bodies[index], "shaft", None)
+        demand(shaft is not None, "body", f"has no soil along its shaft, got {index}")
+        return soil_profile(self.fields, index, tick)
 
     @_ALLOW_UNDERFLOW
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:

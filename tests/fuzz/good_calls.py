@@ -28,6 +28,7 @@ HERTZIAN = ri.System([ri.RigidMass(1.0, velocity=1.0), ROD], contacts=[ri.Hertz(
 FAMILY = ri.System(
     [ri.Rod([0.1, 0.2], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()]
 )
+PILE = ri.System([ROD.replace(shaft=ri.Soil(1e5, 2e-3))])
 VOLTS = ri.Signal(np.hanning(50), dt=1e-6, unit="V", name="bridge")
 STRAIN = ri.Signal(1e-3 * np.hanning(50), dt=1e-6, name="strain")
 WAVES = ri.waves.Bar(5000.0, 0.3, 0.005)
@@ -68,6 +69,11 @@ def grid_solution():
 def refined_solution():
     """A grid that searched for its mesh, so that it states the errors of its fields."""
     return ri.solve(PAIR, UNTIL, "finite-difference", rtol=0.1)
+
+
+@cache
+def soil_solution():
+    return ri.solve(PILE, UNTIL, cells=8)
 
 
 @cache
@@ -229,6 +235,7 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Specimen": [lambda: ri.Specimen(5e-3, area=5e-5)],
     "SmithToe": [lambda: ri.SmithToe(1e5, 2e-3, 0.5)],
     "Soil": [lambda: ri.Soil(1e5, 2e-3, 0.1)],
+    "SoilProfile": [lambda: soil_solution().soil(0, 0.0)],
     "Cushion": [lambda: ri.Cushion(1e8, 0.5)],
     "Spring": [lambda: ri.Spring(1e8)],
     "SpringDashpot": [lambda: ri.SpringDashpot(1e8, 10.0)],
@@ -248,14 +255,17 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
 }
 """Instances of every public class, by name."""
 
-ABLE = {"Solution.field_error": [refined_solution]}
+ABLE = {
+    "Solution.field_error": [refined_solution],
+    "Solution.soil": [soil_solution],
+}
 """Instances of methods that not every instance of the class in `INSTANCES` has."""
 
 RETURNED = {
     "Alignment", "Atlas", "Axis", "Calibration", "ClosedForm", "ContactHistory", "ContactTally",
     "Descent", "EnergyLedger", "Episode", "Exact", "ExtremeStress", "FieldError", "Fit",
     "Fitted", "Gauge", "Gradient", "Kink", "MeanCurve", "Misfit", "Outcome", "Page", "Pulse",
-    "Reduction", "Regions", "RingDown", "Solution", "StressPeak", "SweepResult", "Verdict",
+    "Reduction", "Regions", "RingDown", "SoilProfile", "Solution", "StressPeak", "SweepResult", "Verdict",
     "design.PulseDesign", "rigid.RigidCollision", "rigid.StackDrop", "theory.PairCollision",
 }  # fmt: skip
 """Classes that the package returns. Users read their attributes and do not construct them."""
@@ -396,6 +406,7 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "Solution.mean_velocity": lambda: {"body": 0, "t": 1e-5},
     "Solution.position": field_arguments,
     "Solution.save": lambda: {"path": "file.toml", "force": True},
+    "Solution.soil": lambda: {"body": 0, "t": 1e-5},
     "Solution.strain": field_arguments,
     "Solution.stress": field_arguments,
     "Solution.system_at": lambda: {"t": 1e-5},
@@ -442,6 +453,8 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "signals_from_xarray": lambda: {"data": ri.signals_to_xarray({"a": VOLTS})},
     "signals_to_xarray": lambda: {"signals": {"a": VOLTS}},
     "write_signals": lambda: {"signals": {"a": VOLTS}, **PATH},
+    # piles
+    "at_rest": lambda: {"system": ri.System([ROD.replace(velocity=0.0)])},
     # fitting and design
     "Fit.against": lambda: {"other": fitted()},
     "Fit.to_csv": lambda: PATH,

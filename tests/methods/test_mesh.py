@@ -9,7 +9,7 @@ from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh
-from rodimpact.methods.grid.method import _mesh_size
+from rodimpact.methods.grid.method import mesh_size
 from rodimpact.methods.row_builder import build_row
 
 
@@ -45,12 +45,12 @@ def test_cells_that_hardly_move_are_refused(options, polar, field):
 def test_the_mesh_that_wastes_least():
     """Courant numbers are as near to 1 as the first hundred numbers of cells allow."""
     row = [unit_rod(1.0), unit_rod(0.75), unit_rod(math.sqrt(0.5))]
-    counts, step = _mesh_size(build_row(ri.System(row)), None, None, None)
+    counts, step = mesh_size(build_row(ri.System(row)), None, None, None)
     courant = step * np.array(counts) / [1.0, 0.75, math.sqrt(0.5)]
     assert 100 <= counts[0] < 200
     assert courant.max() == pytest.approx(0.999, rel=1e-12)
     assert courant.min() >= 0.997
-    counts, _ = _mesh_size(
+    counts, _ = mesh_size(
         build_row(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None
     )
     assert min(counts) >= 8

@@ -104,7 +104,7 @@ def run_grid(
     """
     check_scales(row)
     check_polar_moments(row)
-    counts, step = _mesh_size(row, cells, dt, until)
+    counts, step = mesh_size(row, cells, dt, until)
     takes_steps = until is None or 2 * until > step
     if until is not None and takes_steps:
         step = until / math.ceil(until / step * (1 - UNTIL_RTOL))
@@ -193,7 +193,7 @@ def _try_proofs(run: GridRun, last: int, report_of: Callable[[int], None]) -> No
 # The mesh -----------------------------------------------------------------------------------------
 
 
-def _mesh_size(
+def mesh_size(
     row: Row, cells: int | None, dt: float | None, until: float | None
 ) -> tuple[list[int], float]:
     """Find the cells of each segment, and the step, s, that is stable for them."""

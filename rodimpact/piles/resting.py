@@ -1,0 +1,125 @@
+"""A row at rest: rods, soil and contacts that carry the weights."""
+
+from typing import Any
+
+import numpy as np
+
+from ..methods.grid.method import mesh_size
+from ..methods.row_builder import build_row
+from ..model import Joint, Plastic, Rigid, Rod, Steps, System, Wall
+from ..model.arguments import demand, integer, of_kind
+from ..model.ends import FREE
+from .statics import (
+    Chain,
+    Rest,
+    cell_edges,
+    chain_of,
+    check_bears,
+    equilibrium,
+    moves,
+    nodes_of,
+    soil_of_rod,
+)
+
+CELLS = 100
+"""Cells of the segment with the longest transit, where their number is not given."""
+MAX_CELLS = 10_000
+"""Most cells that may be asked for."""
+
+
+def at_rest(system: System, cells: int = CELLS) -> System:
+    """A system whose resting bodies stay at rest: soil, rods and contacts carry their weights.
+
+    The state that is given, such as an unloaded pile under gravity, or a pile after a blow, is
+    moved to its equilibrium: rods stretch, and soil and contacts are pressed elastically. Bodies
+    that move at t = 0, such as the ram, stay as they are, and bear on nothing.
+
+    Parameters
+    ----------
+    system : System
+        A single one, with free ends or walls. Contacts that carry a weight have a constant
+        stiffness, or are `Rigid` or `Bonded`.
+    cells : int, optional
+        Cells of the segment with the longest transit time, as for `solve`. Strain and mobilised
+        resistance are constant about each: a run on as many cells stays at rest to round-off.
+
+    Returns
+    -------
+    System
+        With `strain` of rods, `mobilised` of soil, gaps, and laws that have yielded under the
+        weight, at rest.
+
+    Raises
+    ------
+    InvalidModel
+        If nothing holds a body, or soil yields under the weight.
+
+    Examples
+    --------
+    A pile of 11 kN in soil of 400 kN mobilises 2.8 % of it:
+
+    >>> import rodimpact as ri
+    >>> soil = ri.Soil(resistance=400e3, quake=2.5e-3)
+    >>> pile = ri.Rod(15.0, area=0.0094, material=ri.materials.steel, shaft=soil)
+    >>> resting = ri.at_rest(ri.System([pile], gravity=9.81))
+    >>> shares = resting.bodies[0].shaft.mobilised.values
+    >>> bool(0.027 < min(shares) < max(shares) < 0.028)
+    True
+    """
+    of_kind("system", system, System, "rodimpact.System([pile])")
+    demand(system.shape == (), "system", "is a family; put members to rest one by one")
+    demand(system.ends == (FREE, FREE), "system.ends", "must be free, or walls")
+    for i, body in enumerate(system.bodies):
+        is_moving_wall = isinstance(body, Wall) and moves(body)
+        demand(not is_moving_wall, f"bodies.{i}", "is a wall that moves; nothing rests")
+    cells = integer("cells", cells, 1, MAX_CELLS)
+    counts, _ = mesh_size(build_row(system), cells, None, None)
+    chain = chain_of(system, counts)
+    rest = equilibrium(chain)
+    check_bears(chain, rest)
+    return resting_system(chain, rest)
+
+
+def resting_system(chain: Chain, rest: Rest) -> System:
+    """The system of a chain in its equilibrium."""
+    system = chain.system
+    bodies: list[Any] = []
+    for i, body in enumerate(system.bodies):
+        if isinstance(body, Rod) and not chain.is_moving[i]:
+            bodies.append(_resting_rod(chain, rest, i, body))
+        else:
+            bodies.append(body)
+    gaps = list(system.gaps)
+    laws = list(system.contacts)
+    for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
+        k = contact.index
+        law = laws[k]
+        if isinstance(law, Joint):
+            laws[k] = law.replace(stretch=-overlap)
+        elif isinstance(law, Rigid):
+            gaps[k] = max(0.0, -overlap)
+        else:
+            gaps[k] = -overlap
+        if isinstance(law, Plastic):
+            laws[k] = law.hardened(contact.stiffness * max(0.0, overlap))
+    return system.replace(bodies=bodies, gaps=gaps, contacts=laws)
+
+
+def _resting_rod(chain: Chain, rest: Rest, index: int, rod: Rod) -> Rod:
+    """A rod with the strain and the mobilised resistance of the equilibrium."""
+    nodes = nodes_of(chain.row, chain.mesh, index)
+    cells = slice(nodes.start + 1, nodes.stop)
+    edges = cell_edges(chain.row, chain.mesh, index)
+    elongation = rest.tension[cells] / chain.stiffness[cells]
+    strain = elongation / chain.mesh.cells.width[cells]
+    resting = rod.replace(strain=Steps(strain.tolist(), edges[1:-1].tolist()))
+    if rod.shaft is None:
+        return resting
+    along_rod = soil_of_rod(chain, index)
+    held_nodes = chain.soil["node"][along_rod] - nodes.start
+    ultimate = chain.soil["ultimate"][along_rod]
+    shares = np.zeros(nodes.stop - nodes.start)
+    shares[held_nodes] = rest.resistance[along_rod] / ultimate
+    middles = (edges[1:] + edges[:-1]) / 2
+    mobilised = Steps(np.clip(shares, -1.0, 1.0).tolist(), middles.tolist())
+    return resting.replace(shaft=rod.shaft.replace(mobilised=mobilised))

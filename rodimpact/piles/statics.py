@@ -1,0 +1,437 @@
+"""Equilibrium of a row in soil: displacements from a state in which forces do not balance.
+
+The row is on the mesh of the method "finite-difference": nodes i with a weight w_i and the static
+resistance R_i of soil, and between the nodes i - 1 and i a spring, a cell of a rod or a contact.
+From the tensions T_i of the springs follow the displacements u_i that make the forces balance::
+
+    T_(i+1) + s_(i+1) (u_(i+1) - u_i) - T_i - s_i (u_i - u_(i-1)) - R_i - k_i u_i + w_i = 0
+
+with the stiffness s of springs and k of soil that does not yield. A contact is a spring that
+cannot pull: where it would, it opens.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import solveh_banded
+
+from ..methods.grid.mesh import Mesh
+from ..methods.grid.soil import shaft_bodies, soil_of
+from ..methods.row import Row
+from ..methods.row_builder import build_row
+from ..methods.signals import Floats
+from ..model import Joint, Plastic, Rigid, Rod, System, Wall
+from ..model.frozen import InvalidModel, invalid_argument
+from ..model.laws import Spring, SpringDashpot
+from ..model.profiles import averages
+
+RIGID_STIFFNESS = 1e4
+"""Stiffness of a rigid contact, over the largest of a cell or another contact."""
+MAX_ROUNDS = 50
+"""How often contacts may open and close in the search for the equilibrium."""
+BALANCE_RTOL = 1e-9
+"""Net force on bodies that nothing holds, over the largest force in the row: round-off."""
+YIELD_RTOL = 1e-9
+"""Share by which a resistance may exceed the ultimate one: round-off."""
+
+
+class Contact(NamedTuple):
+    """A contact of two bodies as a spring between neighbouring nodes."""
+
+    index: int  # of the contact in the system
+    right_node: int  # the spring lies between this node and the one before
+    stiffness: float  # N/m
+    overlap: float  # m, minus the gap
+    pulls: bool  # a joint does
+
+
+@dataclass
+class Chain:
+    """A row as a chain of nodes and springs.
+
+    Attributes
+    ----------
+    system : System
+    row : Row
+    mesh : Mesh
+    is_moving : list of bool
+        Bodies that move or are walls: they stay where they are, and bear on nothing.
+    held : array of bool
+        Nodes of these bodies [node].
+    weight : array
+        N [node].
+    stiffness, tension : array
+        Of the cells, N/m and N [cell]; 0 where there is no cell.
+    soil : array
+        Records of the nodes that soil holds, as in the method.
+    contacts : list of Contact
+        Those between bodies that are at rest, and of these with a wall.
+    """
+
+    system: System
+    row: Row
+    mesh: Mesh
+    is_moving: list[bool]
+    held: Any
+    weight: Floats
+    stiffness: Floats
+    tension: Floats
+    soil: Any
+    contacts: list[Contact]
+
+
+class Rest(NamedTuple):
+    """The equilibrium of a chain."""
+
+    displacement: Floats  # m, from the state of the chain [node]
+    tension: Floats  # of the cells, N [cell]
+    resistance: Floats  # of the soil, N [node that soil holds]
+    overlaps: list[float]  # of the contacts, m [contact of the chain]
+
+
+def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
+    """A system as a chain.
+
+    Parameters
+    ----------
+    system : System
+        A single one, with free ends or walls.
+    counts : list of int
+        Cells of each segment.
+    left_out : int
+        Bodies at the left end that bear on nothing, as those that move.
+
+    Raises
+    ------
+    InvalidModel
+        If a contact law has no stiffness.
+    """
+    row = build_row(system)
+    mesh = Mesh(row, counts)
+    is_moving = []
+    for i, body in enumerate(system.bodies):
+        is_moving.append(i < left_out or isinstance(body, Wall) or moves(body))
+    held = (mesh.mass == 0) | (mesh.held == 1)
+    for body in np.flatnonzero(is_moving):
+        held[nodes_of(row, mesh, int(body))] = True
+    stiffness = mesh.cells.relaxed
+    return Chain(
+        system=system,
+        row=row,
+        mesh=mesh,
+        is_moving=is_moving,
+        held=held,
+        weight=mesh.mass * float(system.gravity),
+        stiffness=stiffness,
+        tension=_tensions(row, mesh),
+        soil=soil_of(mesh, step=1.0),
+        contacts=_contacts(row, mesh, is_moving, float(stiffness.max(initial=0.0))),
+    )
+
+
+def moves(body: Any) -> bool:
+    """Whether a body has a velocity at t = 0."""
+    values = getattr(body.velocity, "values", body.velocity)
+    return bool(np.any(values))
+
+
+def nodes_of(row: Row, mesh: Mesh, body: int) -> slice:
+    """Nodes of a rod or of a rigid mass; none of a wall."""
+    start, stop = row.spans[body]
+    if start <= stop:
+        return slice(mesh.first[start], mesh.last[stop] + 1)
+    mass = row.mass_of[body]
+    if not 0 <= mass < len(mesh.node_of_mass):
+        return slice(0, 0)
+    node = mesh.node_of_mass[mass]
+    return slice(node, node + 1)
+
+
+def cell_edges(row: Row, mesh: Mesh, body: int) -> Floats:
+    """Ends of the cells of a rod, m from its left end."""
+    start, stop = row.spans[body]
+    nodes = nodes_of(row, mesh, body)
+    widths = mesh.cells.width[nodes.start + 1 : nodes.stop]
+    assert start <= stop
+    return np.concatenate(([0.0], np.cumsum(widths)))
+
+
+def soil_of_rod(chain: Chain, body: int) -> Any:
+    """Indices of the soil along a rod among the records of a chain."""
+    held_bodies = shaft_bodies(chain.row)
+    if body not in held_bodies:
+        return np.zeros(0, int)
+    shaft = held_bodies.index(body)
+    return np.flatnonzero(chain.soil["shaft"] == shaft)
+
+
+def _tensions(row: Row, mesh: Mesh) -> Floats:
+    """Tension of each cell by the strain of its rod, N."""
+    tension = np.zeros(len(mesh.stiffness))
+    for i, body in enumerate(row.system.bodies):
+        if not isinstance(body, Rod):
+            continue
+        nodes = nodes_of(row, mesh, i)
+        cells = slice(nodes.start + 1, nodes.stop)
+        edges = cell_edges(row, mesh, i)
+        strain = averages(body.strain, edges, float(body.length))
+        elongation = strain * mesh.cells.width[cells]
+        tension[cells] = mesh.cells.relaxed[cells] * elongation
+    return tension
+
+
+def _contacts(
+    row: Row, mesh: Mesh, is_moving: list[bool], largest_stiffness: float
+) -> list[Contact]:
+    """Contacts that can bear a weight."""
+    system = row.system
+    linear = []
+    rigid = []
+    for k, link in row.by_law.items():
+        law = system.contacts[k]
+        if is_moving[k] and is_moving[k + 1]:
+            continue
+        if not isinstance(system.bodies[k], Wall) and is_moving[k]:
+            continue
+        if not isinstance(system.bodies[k + 1], Wall) and is_moving[k + 1]:
+            continue
+        _, right_node = mesh.touching[link]
+        stiffness = 0.0
+        if isinstance(law, Joint | Spring | SpringDashpot | Plastic):
+            stiffness = float(law.stiffness)
+        elif not isinstance(law, Rigid):
+            message = (
+                "has no constant stiffness, with which rest is computed; use Spring, "
+                f"Yielding, Cushion or Rigid, got {type(law).__name__}"
+            )
+            raise invalid_argument(f"contacts.{k}", message)
+        overlap = -float(system.gaps[k])
+        if isinstance(law, Joint):
+            overlap = -float(law.stretch)
+        contact = Contact(k, right_node, stiffness, overlap, isinstance(law, Joint))
+        if isinstance(law, Rigid):
+            rigid.append(contact)
+        else:
+            linear.append(contact)
+            largest_stiffness = max(largest_stiffness, stiffness)
+    if largest_stiffness == 0:  # rigid bodies alone
+        largest_stiffness = 1.0
+    for contact in rigid:
+        stiffness = RIGID_STIFFNESS * largest_stiffness
+        linear.append(contact._replace(stiffness=stiffness))
+    return linear
+
+
+# Equilibrium --------------------------------------------------------------------------------------
+
+
+def equilibrium(chain: Chain) -> Rest:
+    """Find the equilibrium of a chain whose soil does not yield on the way there.
+
+    Raises
+    ------
+    InvalidModel
+        If nothing holds a body.
+    """
+    is_pressed = [contact.pulls or contact.overlap >= 0 for contact in chain.contacts]
+    soil = chain.soil
+    nodes = soil["node"]
+    count = len(chain.held)
+    soil_stiffness = np.bincount(nodes, soil["stiffness"], count)
+    on_nodes = chain.weight - np.bincount(nodes, soil["resistance"], count)
+    for _ in range(MAX_ROUNDS):
+        springs = chain.stiffness.copy()
+        tension = chain.tension.copy()
+        for contact, pressed in zip(chain.contacts, is_pressed, strict=True):
+            if pressed:
+                springs[contact.right_node] = contact.stiffness
+                tension[contact.right_node] = -contact.stiffness * contact.overlap
+        force = np.diff(tension) + on_nodes
+        held = _held_with_floating(chain, springs, soil_stiffness, force)
+        u = solve_chain(springs, soil_stiffness, held, force)
+        overlaps = []
+        wanted = []
+        for contact in chain.contacts:
+            node = contact.right_node
+            overlap = float(contact.overlap + u[node - 1] - u[node])
+            overlaps.append(overlap)
+            wanted.append(contact.pulls or overlap >= 0)
+        if wanted == is_pressed:
+            break
+        is_pressed = wanted
+    else:
+        message = "open and close without end in the search for rest; give stiffer laws"
+        raise invalid_argument("contacts", message)
+    stretch = np.diff(u, prepend=0.0, append=0.0)
+    return Rest(
+        displacement=u,
+        tension=chain.tension + chain.stiffness * stretch,
+        resistance=soil["resistance"] + soil["stiffness"] * u[nodes],
+        overlaps=overlaps,
+    )
+
+
+def solve_chain(springs: Any, soil: Any, held: Any, force: Any) -> Floats:
+    """Displacements by forces on the nodes of a chain, m.
+
+    Parameters
+    ----------
+    springs : array
+        Stiffness between the nodes i - 1 and i, N/m [node + 1].
+    soil : array
+        Stiffness of the soil at each node, N/m [node].
+    held : array of bool
+        Nodes that stay [node].
+    force : array
+        N [node].
+    """
+    diagonal = springs[:-1] + springs[1:] + soil
+    coupling = springs[:-1].copy()  # to the node before
+    coupling[0] = 0.0
+    coupling[held] = 0.0
+    coupling[1:][held[:-1]] = 0.0
+    diagonal[held] = 1.0
+    loads = np.where(held, 0.0, force)
+    # LAPACK asks for the matrix as rows of its bands.
+    u: Floats = solveh_banded(np.array([-coupling, diagonal]), loads)
+    return u
+
+
+def _held_with_floating(chain: Chain, springs: Any, soil: Any, force: Any) -> Any:
+    """Nodes that stay, with one node of each group of bodies that nothing holds.
+
+    Forces on such a group must balance.
+    """
+    held = chain.held.copy()
+    largest = float(np.abs(chain.weight).max() + np.abs(chain.tension).max())
+    starts = np.flatnonzero(springs[:-1] == 0)
+    stops = np.append(starts[1:], len(held))
+    for start, stop in zip(starts, stops, strict=True):
+        group = slice(start, stop)
+        if held[group].any() or soil[group].any():
+            continue
+        net = float(force[group].sum())
+        if abs(net) > BALANCE_RTOL * largest:
+            body = _body_at(chain, int(start))
+            message = (
+                f"cannot rest: nothing holds it against a force of {net:.6g} N; give it "
+                "soil along its shaft, a wall to stand on, or no gravity"
+            )
+            raise invalid_argument(f"bodies.{body}", message)
+        held[start] = True
+    return held
+
+
+def _body_at(chain: Chain, node: int) -> int:
+    """The first body to which a node belongs."""
+    for body in range(len(chain.system.bodies)):
+        nodes = nodes_of(chain.row, chain.mesh, body)
+        if nodes.start <= node < nodes.stop:
+            return body
+    return 0
+
+
+def yielding_places(chain: Chain, rest: Rest) -> list[tuple[str, str]]:
+    """Path and place of each rod or contact whose soil or spring would yield at rest."""
+    places = []
+    for i, body in enumerate(chain.system.bodies):
+        if not isinstance(body, Rod):
+            continue
+        along_rod = soil_of_rod(chain, i)
+        most = chain.soil["ultimate"][along_rod] * (1 + YIELD_RTOL)
+        beyond = np.flatnonzero(np.abs(rest.resistance[along_rod]) > most)
+        if beyond.size:
+            first_node = nodes_of(chain.row, chain.mesh, i).start
+            node = int(chain.soil["node"][along_rod[beyond[0]]])
+            x = cell_edges(chain.row, chain.mesh, i)[node - first_node]
+            places.append((f"bodies.{i}.shaft", f"the soil yields at {x:.6g} m"))
+    for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
+        law = chain.system.contacts[contact.index]
+        force = contact.stiffness * overlap
+        is_plastic = isinstance(law, Plastic) and law.hardening == 0
+        if is_plastic and force > float(law.yield_force) * (1 + YIELD_RTOL):
+            places.append((f"contacts.{contact.index}", "the contact yields"))
+    return places
+
+
+def check_bears(chain: Chain, rest: Rest) -> None:
+    """Raise InvalidModel where soil or a contact would yield under the weight."""
+    problems = []
+    for path, words in yielding_places(chain, rest):
+        message = f"cannot bear the weight at rest: {words}; raise the resistance"
+        problems.append((path, message))
+    if problems:
+        raise InvalidModel(problems)
+
+
+# What energy can do -------------------------------------------------------------------------------
+
+
+def potential_energy(chain: Chain, rest: Rest) -> float:
+    """Energy of the state of a chain above that of its equilibrium, J.
+
+    Springs and soil have k u^2/2; a contact has the difference of F d/2 less the work of the force
+    at rest, which is never negative.
+    """
+    u = rest.displacement
+    stretch = np.diff(u, prepend=0.0, append=0.0)
+    energy = float(chain.stiffness @ stretch**2 / 2)
+    of_soil = chain.soil["stiffness"] * u[chain.soil["node"]] ** 2
+    energy += float(of_soil.sum() / 2)
+    for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
+        now = contact.overlap
+        at_rest = overlap
+        if not contact.pulls:
+            now = max(0.0, now)
+            at_rest = max(0.0, at_rest)
+        force = contact.stiffness * at_rest
+        stored = contact.stiffness * (now**2 - at_rest**2) / 2
+        energy += stored - force * (contact.overlap - overlap)
+    return energy
+
+
+def can_yield(chain: Chain, rest: Rest, energy: float) -> bool:
+    """Whether motion about the equilibrium can make soil yield along a shaft or below a toe.
+
+    Motion of the energy E displaces node i by at most sqrt(2 E C), with its compliance C: the
+    displacement by a unit force. Contacts, which may open, are left out of C, so that it is no
+    smaller than it should be. A contact at the overlap d yields at d_y if E is at least
+    k (d_y - d)^2/2.
+
+    Parameters
+    ----------
+    chain : Chain
+    rest : Rest
+    energy : float
+        Kinetic and potential energy above that of the equilibrium, J.
+    """
+    soil = chain.soil
+    nodes = soil["node"]
+    if len(nodes):
+        reach = np.sqrt(2 * energy * _compliances(chain)[nodes])
+        forces = np.abs(rest.resistance) + soil["stiffness"] * reach
+        if np.any(forces >= soil["ultimate"]):
+            return True
+    for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
+        law = chain.system.contacts[contact.index]
+        if not isinstance(law, Plastic) or law.hardening > 0:
+            continue  # a cushion may yield on
+        left = float(law.yield_force) / contact.stiffness - max(0.0, overlap)
+        if left <= 0 or contact.stiffness * left**2 / 2 <= energy:
+            return True
+    return False
+
+
+def _compliances(chain: Chain) -> Floats:
+    """Displacement of each node by a unit force on it, m/N; 0 where soil holds no neighbour."""
+    count = len(chain.held)
+    soil = np.bincount(chain.soil["node"], chain.soil["stiffness"], count)
+    springs = chain.stiffness.copy()
+    for contact in chain.contacts:
+        if contact.pulls:
+            springs[contact.right_node] = contact.stiffness
+    no_force = np.zeros(count)
+    held = _held_with_floating(chain, springs, soil, no_force)
+    compliances: Floats = np.diag(solve_chain(springs, soil, held, np.eye(count)))
+    return compliances

@@ -1,0 +1,61 @@
+"""The soil along the shaft of a rod at one time of a run."""
+
+from typing import NamedTuple
+
+from ..methods.signals import Floats
+from ..model import Rod
+from .fields import Fields
+from .grid_fields import GridFields
+
+
+class SoilProfile(NamedTuple):
+    """Soil along a rod at one time, at the nodes of the mesh, [n] each.
+
+    Attributes
+    ----------
+    x : array
+        Places, m from the left end of the rod.
+    resistance : array
+        Ultimate resistance R_u of the soil about each place, N. Its sum is that of the rod.
+    mobilised : array
+        Share R/R_u of the resistance, from -1 to 1; 0 where no soil resists. It is positive where
+        the soil pushes the rod to the left.
+    displacement : array
+        Displacement of the rod since t = 0, m.
+    plastic_set : array
+        How far the soil has yielded since t = 0, m: the displacement without its elastic part,
+        the quake times the change of the share.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> soil = ri.Soil(resistance=400e3, quake=2.5e-3)
+    >>> pile = ri.Rod(15.0, area=0.0094, material=ri.materials.steel, velocity=2.0, shaft=soil)
+    >>> profile = ri.solve(ri.System([pile]), until=3e-3, cells=50).soil(0, 3e-3)
+    >>> bool(profile.mobilised.max() == 1.0 and profile.plastic_set.min() > 0)
+    True
+    """
+
+    x: Floats
+    resistance: Floats
+    mobilised: Floats
+    displacement: Floats
+    plastic_set: Floats
+
+
+def soil_profile(fields: Fields, body: int, tick: int) -> SoilProfile:
+    """Soil along a rod that soil holds, at `tick`."""
+    assert isinstance(fields, GridFields)  # no other method has soil
+    rod = fields.clock.system.bodies[body]
+    assert isinstance(rod, Rod)
+    assert rod.shaft is not None
+    at_start = fields.soil_at_nodes(body, 0)
+    now = fields.soil_at_nodes(body, tick)
+    x = now.places
+    times = [0.0, tick * fields.clock.tick]
+    displacement = fields.displacement(body, x[:, None], times)
+    moved = displacement[:, 1] - displacement[:, 0]
+    elastic = float(rod.shaft.quake) * (now.mobilised - at_start.mobilised)
+    plastic_set = moved - elastic
+    plastic_set[now.ultimate == 0] = 0.0  # no soil has yielded there
+    return SoilProfile(x, now.ultimate, now.mobilised, moved, plastic_set)

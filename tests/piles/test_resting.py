@@ -1,0 +1,150 @@
+"""A pile at rest stays at rest, and a row that cannot rest is refused in a sentence."""
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+
+STEEL = ri.materials.steel
+SOIL = ri.Soil(300e3, quake=2.5e-3, damping=0.16)
+TOE = ri.SmithToe(300e3, quake=2.5e-3, damping=0.5)
+PILE = ri.Rod(15.0, area=9.4e-3, material=STEEL, shaft=SOIL)
+HELMET = ri.RigidMass(510.0)
+GRAVITY = 9.81
+UNTIL = 0.02
+
+
+def largest_velocity(system, body, cells):
+    """Largest velocity of a rod and of the mass before it in a short run, m/s."""
+    run = ri.solve(system, until=UNTIL, cells=cells)
+    t = np.linspace(0.0, UNTIL, 50)
+    x = np.linspace(0.0, float(system.bodies[body].length), 16)[:, None]
+    of_rod = np.abs(run.velocity(body, x, t)).max()
+    of_mass = np.abs(run.velocity(body - 1, 0.0, t)).max()
+    return max(of_rod, of_mass)
+
+
+def pile_with_helmet(contact):
+    """A helmet on a pile, and a ram above it that is thrown up."""
+    ram = ri.RigidMass(4500.0, velocity=-1.0)
+    return ri.System(
+        [ram, HELMET, PILE, ri.Wall()],
+        gaps=[0.1, 0.0, 0.0],
+        contacts=[ri.Cushion(5e8, restitution=0.8), contact, TOE],
+        gravity=GRAVITY,
+    )
+
+
+@pytest.mark.parametrize(
+    ("contact", "bound"),
+    [
+        (ri.Spring(1e9), 1e-8),
+        (ri.Cushion(1e9, restitution=0.7), 1e-8),
+        # A grid finds the force of a rigid contact in the first steps only.
+        (ri.Rigid(), 2e-4),
+    ],
+)
+def test_a_pile_stays_at_rest_under_its_weight_and_that_of_a_helmet(contact, bound):
+    system = pile_with_helmet(contact)
+
+    resting = ri.at_rest(system, cells=40)
+
+    assert largest_velocity(resting, 2, cells=40) < bound
+    assert largest_velocity(system, 2, cells=40) > 1e-2
+    weight = (HELMET.mass + PILE.mass) * GRAVITY
+    profile = ri.solve(resting, until=1e-4, cells=40).soil(2, 0.0)
+    on_shaft = float(profile.resistance @ profile.mobilised)
+    below_toe = -resting.gaps[2] * TOE.stiffness
+    assert on_shaft + below_toe == pytest.approx(weight, rel=1e-6)
+
+
+def test_a_finer_grid_moves_a_resting_pile_by_little():
+    resting = ri.at_rest(pile_with_helmet(ri.Spring(1e9)), cells=50)
+
+    coarse, fine = (largest_velocity(resting, 2, cells) for cells in (50, 200))
+
+    assert coarse < 1e-9
+    assert fine < 1e-4
+
+
+def test_bonded_piles_with_a_joint_rest():
+    half = PILE.replace(length=7.5, shaft=SOIL.replace(resistance=150e3))
+    bare = ri.Rod(2.0, area=9.4e-3, material=STEEL)
+    system = ri.System(
+        [HELMET, half, half, bare, ri.Wall()],
+        contacts=[ri.Spring(1e9), ri.Bonded(), ri.Joint(1e9), TOE],
+        gravity=GRAVITY,
+    )
+
+    resting = ri.at_rest(system, cells=30)
+
+    assert largest_velocity(resting, 1, cells=30) < 1e-9
+    assert resting.contacts[2].stretch < 0
+
+
+def test_what_is_at_rest_without_weight_stays_as_it_is():
+    system = ri.System([HELMET, PILE, ri.Wall()], contacts=[ri.Spring(1e9), TOE])
+
+    resting = ri.at_rest(system, cells=10)
+
+    assert resting.gaps == (0.0, 0.0)
+    assert not np.any(resting.bodies[1].strain.values)
+
+
+def test_a_contact_that_would_pull_opens():
+    """Two piles in soil, of which the first one shrinks back from its stretch."""
+    stretched = PILE.replace(strain=1e-4)
+    system = ri.System([stretched, PILE], contacts=[ri.Spring(1e8)])
+
+    resting = ri.at_rest(system, cells=10)
+
+    assert largest_velocity(resting, 1, cells=10) < 1e-9
+    assert resting.gaps[0] > 0
+
+
+REFUSED = [
+    (ri.System([PILE.replace(shaft=None)], gravity=GRAVITY), "bodies.0: .*holds"),
+    (
+        ri.System([PILE.replace(shaft=SOIL.replace(resistance=1e3))], gravity=GRAVITY),
+        "bodies.0.shaft: .*the soil yields at 0 m; raise",
+    ),
+    (
+        ri.System(
+            [PILE.replace(shaft=None), ri.Wall()],
+            contacts=[TOE.replace(resistance=3e3)],
+            gravity=GRAVITY,
+        ),
+        "contacts.0: .*the contact yields; raise",
+    ),
+    (
+        ri.System([HELMET, PILE], contacts=[ri.Hertz(1e9)], gravity=GRAVITY),
+        "contacts.0: .*no constant stiffness.*Hertz",
+    ),
+    (ri.System([PILE], ends=(ri.Fixed(), ri.Free())), "system.ends: must be free"),
+    (ri.System([ri.Wall(velocity=1.0), PILE]), "bodies.0: is a wall that moves"),
+    (ri.System([ri.RigidMass([1.0, 2.0]), PILE]), "system: is a family"),
+]
+
+
+@pytest.mark.parametrize(("system", "message"), REFUSED)
+def test_a_row_that_cannot_rest_is_refused(system, message):
+    with pytest.raises(ri.InvalidModel, match=message):
+        ri.at_rest(system)
+
+
+def test_the_profile_of_the_soil_tells_what_yielded():
+    pile = PILE.replace(velocity=2.0)
+    run = ri.solve(ri.System([pile]), until=UNTIL, cells=50)
+
+    profile = run.soil(0, UNTIL)
+
+    assert profile.resistance.sum() == pytest.approx(300e3)
+    u = run.displacement(0, profile.x, UNTIL)
+    assert profile.displacement == pytest.approx(u, abs=1e-15)
+    assert np.all(profile.plastic_set > 0)
+    elastic = profile.displacement - profile.plastic_set
+    assert elastic == pytest.approx(profile.mobilised * SOIL.quake, abs=1e-15)
+    with pytest.raises(ValueError, match=r"body: has no soil along its shaft"):
+        ri.solve(ri.System([ri.Rod(1.0, area=1.0, material=STEEL)]), until=1e-4).soil(
+            0, 0.0
+        )
