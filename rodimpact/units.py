@@ -16,7 +16,7 @@ from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
 from numbers import Real
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 __all__ = ["conversion", "format_si", "in_si", "parse"]
 
@@ -31,7 +31,16 @@ MOST_SHOWN_OF_PATH = 240
 ROUNDING_GUARD = 1e-9
 """Error of a decimal logarithm, so that a power of ten has its own exponent."""
 
-UNITS: dict[str, dict[str, str]] = {
+# US customary units by their definitions: foot and pound of 1959, and the standard gravity
+# of 9.80665 m/s^2.
+FOOT = Fraction("0.3048")
+INCH = FOOT / 12
+POUND = Fraction("0.45359237")
+POUND_FORCE = POUND * Fraction("9.80665")
+KIP = 1000 * POUND_FORCE
+
+UnitFactors: TypeAlias = dict[str, str | Fraction]
+UNITS: dict[str, UnitFactors] = {
     "length": {
         "m": "1",
         "cm": "1e-2",
@@ -39,19 +48,40 @@ UNITS: dict[str, dict[str, str]] = {
         "um": "1e-6",
         "nm": "1e-9",
         "km": "1e3",
-        "ft": "0.3048",
-        "in": "0.0254",
+        "ft": FOOT,
+        "in": INCH,
     },
-    "area": {"m^2": "1", "cm^2": "1e-4", "mm^2": "1e-6"},
-    "polar moment": {"m^4": "1", "cm^4": "1e-8", "mm^4": "1e-12"},
-    "pressure": {"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9"},
-    "density": {"kg/m^3": "1", "g/cm^3": "1e3"},
+    "area": {
+        "m^2": "1",
+        "cm^2": "1e-4",
+        "mm^2": "1e-6",
+        "ft^2": FOOT**2,
+        "in^2": INCH**2,
+    },
+    "polar moment": {"m^4": "1", "cm^4": "1e-8", "mm^4": "1e-12", "in^4": INCH**4},
+    "pressure": {
+        "Pa": "1",
+        "kPa": "1e3",
+        "MPa": "1e6",
+        "GPa": "1e9",
+        "psi": POUND_FORCE / INCH**2,
+        "ksi": KIP / INCH**2,
+    },
+    "density": {
+        "kg/m^3": "1",
+        "g/cm^3": "1e3",
+        "lb/ft^3": POUND / FOOT**3,
+        "lb/in^3": POUND / INCH**3,
+    },
     "velocity": {
         "m/s": "1",
         "cm/s": "1e-2",
         "mm/s": "1e-3",
         "km/s": "1e3",
         "km/h": "5/18",
+        "ft/s": FOOT,
+        "in/s": INCH,
+        "mph": 5280 * FOOT / 3600,
     },
     "time": {"s": "1", "ms": "1e-3", "us": "1e-6", "ns": "1e-9"},
     "frequency": {"Hz": "1", "kHz": "1e3", "MHz": "1e6"},
@@ -61,11 +91,24 @@ UNITS: dict[str, dict[str, str]] = {
         "mN": "1e-3",
         "kN": "1e3",
         "MN": "1e6",
-        "lbf": "4.4482216152605",
+        "lbf": POUND_FORCE,
+        "kip": KIP,
     },
-    "energy": {"J": "1", "mJ": "1e-3", "kJ": "1e3"},
-    "mass": {"kg": "1", "g": "1e-3", "mg": "1e-6", "t": "1e3", "lb": "0.45359237"},
-    "acceleration": {"m/s^2": "1", "cm/s^2": "1e-2", "mm/s^2": "1e-3"},
+    "energy": {
+        "J": "1",
+        "mJ": "1e-3",
+        "kJ": "1e3",
+        "ft lbf": FOOT * POUND_FORCE,
+        "ft kip": FOOT * KIP,
+    },
+    "mass": {"kg": "1", "g": "1e-3", "mg": "1e-6", "t": "1e3", "lb": POUND},
+    "acceleration": {
+        "m/s^2": "1",
+        "cm/s^2": "1e-2",
+        "mm/s^2": "1e-3",
+        "ft/s^2": FOOT,
+        "in/s^2": INCH,
+    },
     "dimensionless": {"%": "1e-2", "microstrain": "1e-6"},
     "voltage": {"V": "1", "mV": "1e-3", "uV": "1e-6", "kV": "1e3"},
     "stiffness": {
@@ -75,18 +118,35 @@ UNITS: dict[str, dict[str, str]] = {
         "kN/mm": "1e6",
         "MN/m": "1e6",
         "GN/m": "1e9",
+        "lbf/in": POUND_FORCE / INCH,
+        "lbf/ft": POUND_FORCE / FOOT,
+        "kip/in": KIP / INCH,
+        "kip/ft": KIP / FOOT,
     },
-    "viscosity": {"Pa s": "1", "mPa s": "1e-3", "kPa s": "1e3", "MPa s": "1e6"},
-    "damping": {"N s/m": "1", "N s/mm": "1e3", "kN s/m": "1e3"},
+    "viscosity": {
+        "Pa s": "1",
+        "mPa s": "1e-3",
+        "kPa s": "1e3",
+        "MPa s": "1e6",
+        "psi s": POUND_FORCE / INCH**2,
+    },
+    "damping": {
+        "N s/m": "1",
+        "N s/mm": "1e3",
+        "kN s/m": "1e3",
+        "lbf s/in": POUND_FORCE / INCH,
+        "lbf s/ft": POUND_FORCE / FOOT,
+        "kip s/ft": KIP / FOOT,
+    },
     "Hertz stiffness": {
         "N/m^1.5": "1",
         "kN/m^1.5": "1e3",
         "MN/m^1.5": "1e6",
         "GN/m^1.5": "1e9",
     },
-    "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3"},
+    "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3", "s/ft": 1 / FOOT},
 }
-"""Units of each dimension, each with its exact value in the SI unit."""
+"""Units of each dimension, each with its exact value in the SI unit, a fraction or its text."""
 
 DIMENSION_OF_UNIT: dict[str, str] = {}
 """Dimension of each unit."""
@@ -113,6 +173,8 @@ _ALIASES = {
     "um/m": "microstrain",
     "ustrain": "microstrain",
     "u\u03b5": "microstrain",
+    "lbf ft": "ft lbf",
+    "kip ft": "ft kip",
 }
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
@@ -162,7 +224,7 @@ Use one of s, ms, us, ns, or a bare number in SI units.
         raise ValueError(
             f"unknown dimension {shown(dimension)}. Use one of {', '.join(UNITS)}."
         )
-    units = UNITS.get(dimension, {dimension: "1"})
+    units: UnitFactors = UNITS.get(dimension, {dimension: "1"})
     try:
         value = _exact_value(text, units)
     except ValueError as error:
@@ -173,7 +235,7 @@ Use one of s, ms, us, ns, or a bare number in SI units.
     return value
 
 
-def _exact_value(text: Any, units: dict[str, str]) -> float:
+def _exact_value(text: Any, units: UnitFactors) -> float:
     """Value of a number with one of these units; ValueError says why there is none."""
     exact: Any = text
     if isinstance(text, str):
@@ -191,7 +253,7 @@ def _exact_value(text: Any, units: dict[str, str]) -> float:
     return value
 
 
-def _fraction(text: str, units: dict[str, str]) -> Fraction:
+def _fraction(text: str, units: UnitFactors) -> Fraction:
     """Exact value of a text with one of these units; ValueError gives the reason."""
     if len(text) > MOST_CHARACTERS:
         raise ValueError(f"it is longer than {MOST_CHARACTERS} characters")
@@ -328,7 +390,7 @@ def dimension_of(unit: str) -> str:
 
 def si_unit(dimension: str) -> str:
     """SI unit of a dimension; "" for pure numbers."""
-    units = UNITS.get(dimension, {dimension: "1"})
+    units: UnitFactors = UNITS.get(dimension, {dimension: "1"})
     for unit, factor in units.items():
         if factor == "1":
             return unit
