@@ -39,6 +39,8 @@ MAX_STEPS_PER_TAPER = 100_000
 """Number of uniform segments that may stand for a tapered one, at most."""
 CIRCULAR = "circular"
 """Polar moment of a solid round section, in words."""
+WAVE_SPEED = frozen.QuantityField("m/s", "positive")
+"""Bar speed of a material, in place of its modulus."""
 
 
 class Material(FrozenDataclass):
@@ -52,6 +54,8 @@ class Material(FrozenDataclass):
         E, Pa.
     density : float or array
         rho, kg/m^3.
+    wave_speed : float or array
+        Bar speed c, m/s, in place of Young's modulus, which is rho c^2.
     poisson_ratio : float or array, optional
         nu, between -1 and 0.5, for rods with `lateral_inertia`, for exact waves in
         round bars (`rodimpact.waves`), and for `Hertz.from_radii`; other waves do not
@@ -71,8 +75,13 @@ class Material(FrozenDataclass):
     >>> steel = Material("steel", youngs_modulus=200e9, density=7850)
     >>> round(steel.wave_speed)
     5048
+    >>> Material("my bar", wave_speed=5100.0, density=7850).youngs_modulus
+    204178500000.0
     """
 
+    _alternatives: ClassVar[dict[str, tuple[str, ...]]] = {
+        "wave_speed": ("youngs_modulus",),
+    }
     name: str
     _: KW_ONLY
     youngs_modulus: Numeric = quantity("Pa", "positive", "Young's modulus")
@@ -81,6 +90,44 @@ class Material(FrozenDataclass):
         "", "(-1, 0.5]", "Poisson's ratio", default=None
     )
     viscosity: Numeric = quantity("Pa s", "non-negative", default=0.0)
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        youngs_modulus: ArrayLike | None = None,
+        density: ArrayLike,
+        poisson_ratio: ArrayLike | None = None,
+        viscosity: ArrayLike = 0.0,
+        wave_speed: ArrayLike | None = None,
+    ) -> None:
+        problems: Problems = []
+        modulus: Any = youngs_modulus
+        if wave_speed is None and youngs_modulus is None:
+            message = "is missing; give it, or the wave_speed"
+            problems.append(("youngs_modulus", message))
+        elif youngs_modulus is None:
+            modulus = _modulus_of(problems, density, wave_speed)
+        elif wave_speed is not None:
+            message = (
+                "give either youngs_modulus or wave_speed: with the density either "
+                "follows from the other"
+            )
+            frozen.add_problem(problems, "wave_speed", message, wave_speed)
+        if problems:
+            modulus = 1.0  # stands for the modulus of faulty numbers
+        self._set(
+            name=name,
+            youngs_modulus=modulus,
+            density=density,
+            poisson_ratio=poisson_ratio,
+            viscosity=viscosity,
+        )
+        try:
+            self.__post_init__()
+        except frozen.InvalidModel as error:
+            problems += error.problems
+        frozen.raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -145,6 +192,21 @@ class Material(FrozenDataclass):
         with np.errstate(all="ignore"):  # the material refuses what is out of range
             viscosity = E * tangent / (2 * math.pi * f)
         return self.replace(viscosity=viscosity)
+
+
+def _modulus_of(problems: Problems, density: Any, wave_speed: Any) -> Any:
+    """Young's modulus rho c^2, Pa; mistakes of the numbers are added to `problems`."""
+    rho = Material.fields["density"].checked(problems, "density", density)
+    c = WAVE_SPEED.checked(problems, "wave_speed", wave_speed)
+    if problems:
+        return None
+    frozen.family_shape([("density", rho), ("wave_speed", c)])
+    with np.errstate(all="ignore"):
+        modulus = rho * c * c
+    message = "makes no finite Young's modulus with density {1!r}, got {0!r}"
+    is_sound = frozen.in_range(modulus)
+    frozen.require(problems, is_sound, "wave_speed", message, c, rho)
+    return modulus
 
 
 class Segment(FrozenDataclass):

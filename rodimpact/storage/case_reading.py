@@ -15,12 +15,21 @@ import numpy as np
 from .. import materials
 from ..methods.registry import Options
 from ..model import GAP, SIDES, System
-from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
+from ..model.bodies import (
+    BODIES,
+    WAVE_SPEED,
+    Body,
+    Material,
+    RigidMass,
+    Rod,
+    Segment,
+    Wall,
+)
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import InvalidModel, QuantityField, defaults_of, invalid_argument
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Spring
-from ..model.paths import FIELDS, SPEED, suggestion
+from ..model.paths import FIELDS, MODULUS, SPEED, suggestion
 from ..model.soil import DAMPING_LAWS, RESISTANCE_PER_LENGTH, Soil
 from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
@@ -132,7 +141,7 @@ def read_materials(group: Table) -> Materials:
     library = dict(materials.TABLE)
     for name in group.data:
         table = group.table(name)
-        numbers = table.entries(Material)
+        numbers = read_elasticity(table)
         shown_name = table.get("name", name)
         made = table.make(Material, name=shown_name, **numbers)
         material = _material_or_steel(made)
@@ -143,6 +152,18 @@ def read_materials(group: Table) -> Materials:
         table.close()
         library[name] = material
     return library
+
+
+def read_elasticity(table: Table) -> dict[str, Any]:
+    """Numbers of a material, with its wave speed where that is given for the modulus."""
+    if not table.has(SPEED):
+        return table.entries(Material)
+    without = []
+    if not table.has(MODULUS):
+        without.append(MODULUS)
+    numbers = table.entries(Material, without)
+    numbers[SPEED] = table.number(SPEED, WAVE_SPEED)
+    return numbers
 
 
 def read_damping(table: Table) -> dict[str, Any]:

@@ -111,10 +111,15 @@ class Table:
         grid = self.grid(key)
         return self.has(key) or grid is not None
 
-    def entries(self, kind: Any) -> dict[str, Any]:
-        """Numbers of the fields of a class that are given, and of those that must be."""
+    def entries(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
+        """Numbers of the fields of a class that are given, and of those that must be.
+
+        Fields `without` which the object can be made are not among them.
+        """
         numbers = {}
         for key, field in kind.fields.items():
+            if key in without:
+                continue
             present = self.has(key)
             if not field.many:
                 present = self.gives(key)

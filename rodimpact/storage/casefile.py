@@ -44,11 +44,11 @@
 A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on, takes the
 numbers of its class, under their names; Hertz contact a stiffness, or left_radius and right_radius.
 
-A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity, or for the latter a
-loss_factor and the loss_frequency at which it is that; a stepped rod takes [[bodies.segments]] with
-length, area and material each. Rods and segments take a lateral_inertia, "rayleigh-love" or
-"mindlin-herrmann", and, where they have no diameter, a polar_moment for it, a number or "circular".
-Mistakes bear the path of the entry, such as `bodies.0.length`.
+A [materials.NAME] takes youngs_modulus or wave_speed, density, poisson_ratio and viscosity, or for
+the latter a loss_factor and the loss_frequency at which it is that; a stepped rod takes
+[[bodies.segments]] with length, area and material each. Rods and segments take a lateral_inertia,
+"rayleigh-love" or "mindlin-herrmann", and, where they have no diameter, a polar_moment for it, a
+number or "circular". Mistakes bear the path of the entry, such as `bodies.0.length`.
 
 A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samples = [...]}, at
 equal distances from end to end. In time `at` are times, and samples have a `step` between them.

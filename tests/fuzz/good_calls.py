@@ -208,7 +208,10 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Joint": [lambda: ri.Joint(1e8)],
     "Kink": [lambda: ri.Kink(0.1, 0.2, 0.0)],
     "Law": [lambda: ri.Law(linear)],
-    "Material": [lambda: METAL],
+    "Material": [
+        lambda: METAL,
+        lambda: ri.Material("bar", wave_speed=5e3, density=8000.0),
+    ],
     "MeanCurve": [lambda: ri.mean_of_shots([reduction(), reduction()], 5)],
     "Measured": [measured],
     "Misfit": [lambda: VOLTS.misfit(VOLTS)],

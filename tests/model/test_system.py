@@ -349,6 +349,53 @@ def test_mistakes_in_damping_are_refused(make, messages):
     assert_told(make, messages)
 
 
+@given(st.floats(1e-3, 1e6), st.floats(1e-3, 1e6))
+def test_a_material_has_the_wave_speed_that_it_was_given(speed, density):
+    made = ri.Material("m", wave_speed=speed, density=density)
+
+    twice_as_fast = made.replace(wave_speed=2 * speed)
+    assert made.wave_speed == pytest.approx(speed, rel=1e-15)
+    assert twice_as_fast.wave_speed == pytest.approx(2 * speed, rel=1e-15)
+    assert ri.Material(**made.to_dict()) == made
+
+
+def test_wave_speeds_make_a_family():
+    speeds = np.array([5000.0, 5100.0, 5200.0])
+    made = ri.Material("m", wave_speed=speeds, density=[[7800.0], [7900.0]])
+
+    assert made.youngs_modulus.shape == (2, 3)
+    assert np.allclose(made.wave_speed, speeds, rtol=1e-15, atol=0.0)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "messages"),
+    [
+        ({}, {"youngs_modulus": "is missing; give it, or the wave_speed"}),
+        (
+            {"youngs_modulus": 2e11, "wave_speed": 5000.0},
+            {"wave_speed": "give either youngs_modulus or wave_speed"},
+        ),
+        (
+            {"wave_speed": -5.0, "viscosity": -1.0},
+            {
+                "wave_speed": "finite positive number of m/s, got -5.0",
+                "viscosity": "non-negative",
+            },
+        ),
+        ({"wave_speed": 1e100}, {"wave_speed": "no finite Young's modulus"}),
+        (
+            {"wave_speed": [1.0, 2.0], "density": [1.0, 2.0, 3.0]},
+            {"density": "arrays do not broadcast: density has shape (3,), wave_speed"},
+        ),
+    ],
+)
+def test_mistakes_in_wave_speeds_of_materials_are_refused(numbers, messages):
+    assert_told(
+        lambda: ri.Material("m", **{"density": 8000.0, **numbers}),
+        messages,
+    )
+
+
 @pytest.mark.parametrize("n", [0, 100001, 2.0, True, "3", None])
 def test_numbers_of_steps_that_are_not_in_range_are_refused(n):
     message = f"whole number from 1 to 100000, got {n!r}"

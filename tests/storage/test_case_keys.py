@@ -12,7 +12,7 @@ import rodimpact as ri
 from rodimpact.cli import main
 from rodimpact.methods.registry import METHOD_NAMES
 from rodimpact.model import GAP
-from rodimpact.model.bodies import BODIES
+from rodimpact.model.bodies import BODIES, WAVE_SPEED
 from rodimpact.model.ends import ENDS
 from rodimpact.model.frozen import REQUIRED
 from rodimpact.model.lateral_inertia import THEORIES
@@ -153,12 +153,16 @@ def test_units_signs_and_defaults_are_those_of_the_declared_numbers(title):
         expected = field_as_written(field)
         if name == "area":
             expected = expected._replace(default="required, or diameter")
+        elif name == "youngs_modulus":
+            expected = expected._replace(default="required, or wave_speed")
         elif name == "diameter":
             expected = expected._replace(default="in place of area")
         assert row == expected
 
 
 def test_units_and_signs_of_numbers_that_belong_to_no_class():
+    speed = field_as_written(WAVE_SPEED)._replace(default="in place of youngs_modulus")
+    assert TABLES["[materials.NAME]"].keys["wave_speed"] == speed
     gravity = field_as_written(ri.System.fields["gravity"])
     assert TABLES["At the top"].keys["gravity"] == gravity
     gap = TABLES["[[contacts]]"].keys["gap"]

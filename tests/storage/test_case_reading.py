@@ -183,6 +183,31 @@ def test_ends(written, end):
     assert case.system.ends == (ri.Free(), end)
 
 
+def test_a_material_of_a_wave_speed():
+    text = """
+        [materials.bar]
+        wave_speed = "5.1 km/s"
+        density = "7850 kg/m^3"
+        """
+    a_rod = A_ROD.replace('"steel"', '"bar"')
+    bar = ri.Material("bar", wave_speed=5100.0, density=7850.0)
+
+    case = parse_case(HEAD + text + a_rod)
+    family = parse_case(
+        HEAD + text + a_rod, vary={"materials.bar.wave_speed": "5000:5200:3"}
+    )
+    moduli = parse_case(
+        HEAD + text + a_rod, vary={"materials.bar.youngs_modulus": "1 GPa, 2 GPa"}
+    )
+
+    assert case.system.bodies[0].segments[0].material == bar
+    assert parse_case(write_case(case)) == case
+    for i, speed in enumerate((5000.0, 5100.0, 5200.0)):
+        material = family.system[i].bodies[0].segments[0].material
+        assert material.wave_speed == pytest.approx(speed, rel=1e-15)
+    assert moduli.system[1].bodies[0].segments[0].material.youngs_modulus == 2e9
+
+
 def hertz(*bodies, entries):
     """Stiffness of the contact between two bodies, with these entries in the file."""
     text = HEAD + "".join(bodies) + LAW + "'hertz'\n" + "\n".join(entries)
@@ -443,6 +468,16 @@ def test_a_case_is_frozen():
             HEAD + A_ROD.replace('"steel"', "3"),
             "bodies.0.material",
             "unknown material 3",
+        ),
+        (
+            HEAD + A_ROD + A_GUM + "wave_speed = 1",
+            "materials.x.wave_speed",
+            "give either youngs_modulus or wave_speed",
+        ),
+        (
+            HEAD + A_ROD + "[materials.x]\nwave_speed = '1 m'\ndensity = 1",
+            "materials.x.wave_speed",
+            "a unit of length",
         ),
         (
             HEAD + A_ROD + "[materials.x]\nyoungs_modulus=1",
