@@ -45,7 +45,7 @@ def _refusals(system: System) -> Iterator[tuple[str, str]]:
         if not isinstance(end, Free):
             yield (
                 f"ends.{side}",
-                f"need Free(), got {type(end).__name__}(); leave it out",
+                f'need free ends, got "{end.kind}"; leave it out',
             )
     for k, law in enumerate(system.contacts):
         neighbours = system.bodies[k : k + 2]

@@ -20,7 +20,7 @@ from ..version import __version__
 from .exit_status import DONE, FAULT, MISTAKE, CommandResult
 from .exit_status import INTERRUPTED as INTERRUPTED
 from .exit_status import STATUSES as STATUSES
-from .messages import complain
+from .messages import as_options, complain
 
 COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
@@ -200,9 +200,9 @@ def _print(text: str | Iterable[str]) -> bool:
 
     It is no failure if the reader has gone.
     """
-    lines = text
+    lines = text  # rows of data, which stay as they are
     if isinstance(text, str):
-        lines = [text] if text else []
+        lines = [as_options(text)] if text else []
     encoding = sys.stdout.encoding
     if not encoding:
         encoding = "utf-8"

@@ -70,7 +70,8 @@ def run(args: Arguments) -> CommandResult:
     args.build_or_add_problems(check_frames, args.frames, args.fps)
     args.check_outputs("output")
 
-    solution = solve(case.system, **options)
+    with args.naming():
+        solution = solve(case.system, **options)
     reason = nothing_to_draw(solution)
     if reason:
         path = "--until"

@@ -149,7 +149,8 @@ class Arguments(argparse.Namespace):
     def run_options(self, case: Case | None) -> dict[str, Any]:
         """Options for `solve` and `sweep`: those of the call, then those of the case.
 
-        Mistakes bear the name of the option, or of the entry in the case.
+        Mistakes bear the name of the option, or of the entry in the case, here and in
+        `naming`.
         """
         options: dict[str, Any] = {}
         for name in ("method", *RUN_NUMBERS):
@@ -161,6 +162,7 @@ class Arguments(argparse.Namespace):
             for name in _entries_in_force(case.solve, options):
                 options[name] = case.solve[name]
                 entries[name] = f"solve.{name}"
+        self.options |= entries
         checked = self.build_or_add_problems(Options, **options, names=entries)
         if checked is not None and case is not None:
             self.build_or_add_problems(checked.method_for, case.system, names=entries)
@@ -232,7 +234,8 @@ class Arguments(argparse.Namespace):
             if path is None:
                 continue
             try:
-                write(path, force=self.force)
+                with self.naming():
+                    write(path, force=self.force)
                 print_progress(f"wrote {path}")
             except ValueError as error:
                 status = complain(f"{self.options[name]}: {error}", MISTAKE)

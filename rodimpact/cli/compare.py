@@ -86,7 +86,8 @@ def run(args: Arguments) -> CommandResult:
     args.check_outputs("save", figure="save")
     for name in positions:
         records[name] = _window(args, name, records[name])
-    solution = solve(case.system, **options)
+    with args.naming():
+        solution = solve(case.system, **options)
     comparisons = _compare(args, case, solution, positions, records)
     status = args.write(save=figure_writer(partial(_draw, comparisons)))
     if not status:

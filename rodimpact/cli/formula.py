@@ -9,7 +9,7 @@ areas and materials of rods.
 
 import argparse
 
-from .. import ClosedForm, closed_form, read_case
+from .. import Case, ClosedForm, closed_form, read_case
 from ..model.numbering import body_names, contact_names
 from .arguments import Arguments
 from .exit_status import DONE, MISTAKE, CommandResult
@@ -38,8 +38,8 @@ def run(args: Arguments) -> CommandResult:
     case = read_case(args.case)
     symbols = args.symbols.replace(" ", "").split(",")
     try:
-        with args.naming():
-            form = closed_form(case.system, symbols)
+        with args.naming(names={"max_events": "solve.max_events"}):
+            form = closed_form(case.system, symbols, **_caps(case))
     except ImportError as error:
         return CommandResult("", complain(str(error), MISTAKE))
     forms = [form, *form.sides]
@@ -53,6 +53,14 @@ def run(args: Arguments) -> CommandResult:
     for each in forms:
         blocks.append(_text_of(each, case.system.kinds, args.conditions))
     return CommandResult("\n\n".join(blocks), DONE)
+
+
+def _caps(case: Case) -> dict[str, int]:
+    """The cap on events of the case, if it has one."""
+    caps = {}
+    if "max_events" in case.solve:
+        caps["max_events"] = case.solve["max_events"]
+    return caps
 
 
 def _text_of(form: ClosedForm, kinds: list[str], all_conditions: bool) -> str:

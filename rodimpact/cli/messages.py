@@ -1,14 +1,14 @@
 """Messages to the user, on standard error.
 
-The library names arguments of Python in its messages. On the command line they become
-options.
+The library names arguments and calls of Python in its messages. On the command line
+they become options, and entries of a case file.
 """
 
 import re
 import sys
 from contextlib import suppress
 
-ONLY_ARGUMENTS = ("max_events", "rtol", "dt")
+ONLY_ARGUMENTS = ("max_events", "rtol", "dt", "align_within", "equal_forces")
 """Arguments that are no words of English, so they are replaced wherever they stand."""
 ARGUMENTS = (
     *ONLY_ARGUMENTS,
@@ -23,10 +23,48 @@ ARGUMENTS = (
     "decimal",
     "radius",
     "allow_energy_release",
+    "clock",
+    "compression",
 )
 """Arguments that are replaced if a value is given, as in ``force=True``."""
 OPTION_OF = {"units": "unit", "allow_energy_release": "energy_release"}
 """Options that do not bear the name of their argument."""
+
+PHRASES = {
+    r"read velocities_after instead": "read the velocities instead",
+    r"use (outcome|result)\.contacts": "each contact has its own",
+    r"give rod\.in_steps\(n\)": "give the area in steps, {values = [...], at = [...]}",
+    r"give Rod\(area=Steps\(\.\.\.\)\)": "give the rod this area and no segments",
+    r"give Rigid\(restitution=\.\.\.\) or a compliant law such as Hertz": (
+        'give it a restitution or a compliant law such as "hertz"'
+    ),
+    r"must be a Material with a poisson_ratio, or None for a rigid face": (
+        "must be a material with a poisson_ratio"
+    ),
+    r"or solve\(\)": "or take rodimpact run",
+    r"result\.explain\(index\) says why": "the status of each says why",
+    r", such as plot\.sweep\(.*\)\)": "",
+    r"use (\.?resampled\(\S*\))( with the times of one( of them)?)?": (
+        "record at equal steps, and all channels at the same times"
+    ),
+    r"give cut pulses, ri\.reduce\(pulses=\.\.\.\)": (
+        "give cut pulses, --incident, --reflected and --transmitted"
+    ),
+    r" alone, ri\.BarGauge\(\w+, distance\)": " alone",
+    r"which ri\.calibrate measures": "which a shot with the bars together measures",
+    r"\(ri\.calibrate finds gains from a shot with the bars together\)": (
+        "(a shot with the bars together shows gains)"
+    ),
+    r"Specimen\(wave_speed=\.\.\.\)": "--wave-speed",
+    r"Specimen\(\.\.\., incompressible=True\)": "--incompressible",
+    r"give youngs_modulus=": "give the bar youngs_modulus = ",
+    r'save\("run\.toml"\)': "rodimpact run --save run.toml",
+    r"solve its system again, and": "solve its case again by",
+    r", and write the text rodimpact\.write_case\(solution\.system\) to a file": (
+        ", and save its system as a case file"
+    ),
+}
+"""What the command line says in place of calls of Python, by a pattern of their text."""
 
 _NOT_QUOTED = r"(?<![-\w.'\"])"  # no option, key of a case file, or text of the user
 _WITH_VALUE = rf'(?P<named>{"|".join(ARGUMENTS)})=(?:True|"(?P<value>[^"]*)")?'
@@ -58,7 +96,9 @@ def option_of(argument: str) -> str:
 
 
 def as_options(text: str) -> str:
-    """The text with options of the command line in place of arguments of Python.
+    """The text with the words of the command line in place of those of Python.
+
+    They are options and entries of a case file in place of arguments and calls.
 
     Examples
     --------
@@ -68,6 +108,8 @@ def as_options(text: str) -> str:
     lines = []
     for line in text.split("\n"):
         line = _GRID.sub(r"rodimpact sweep --vary \1=\2", line)
+        for pattern, phrase in PHRASES.items():
+            line = re.sub(pattern, lambda _, words=phrase: words, line)
         if line.startswith(("solve.", "solve:")):
             line = _ARGUMENT.sub(_as_key, line)
         else:

@@ -17,7 +17,7 @@ from ..storage.report import solution_json, solution_table
 from ..storage.tables import misnamed
 from .arguments import Arguments, add_run_options, figure_writer, status_of
 from .exit_status import DONE, CommandResult
-from .messages import as_options, complain
+from .messages import complain
 from .record_options import (
     GAUGE_FORM,
     GaugePositions,
@@ -60,7 +60,8 @@ def run(args: Arguments) -> CommandResult:
         args.build_or_add_problems(check_case_name, args.save, names=names)
     args.check_outputs("save", "plot", "gauges", figure="plot")
 
-    solution = solve(case.system, **options)
+    with args.naming():
+        solution = solve(case.system, **options)
     if options == case.solve:
         _compare_with_saved(case, solution)
     writing_status = _write(args, case, solution, positions)
@@ -71,7 +72,7 @@ def run(args: Arguments) -> CommandResult:
         text = solution_json(solution)
     else:
         text = solution_table(solution)
-    return CommandResult(as_options(text), status)
+    return CommandResult(text, status)
 
 
 def _check_gauges(args: Arguments, positions: GaugePositions) -> None:

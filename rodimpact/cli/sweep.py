@@ -22,7 +22,6 @@ from ..running.sweep_report import sweep_json, sweep_table
 from ..units import shown
 from .arguments import Arguments, add_number, add_run_options, figure_writer
 from .exit_status import INCOMPLETE, CommandResult
-from .messages import as_options
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
 OUTPUT_HINT = "--csv prints all, --save keeps them"
@@ -101,7 +100,7 @@ def run(args: Arguments) -> CommandResult:
     if args.json:
         return CommandResult(sweep_json(result, case.varied), status)
     table = sweep_table(result, case.varied, OUTPUT_HINT)
-    return CommandResult(as_options(table), status)
+    return CommandResult(table, status)
 
 
 def _grids(args: Arguments) -> dict[str, str]:

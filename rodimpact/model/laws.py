@@ -420,7 +420,10 @@ def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> 
             compliance = 1 / (E / (1 - nu**2))  # 1 over the plane strain modulus
     elif material is not None:
         message = "must be a Material with a poisson_ratio, or None for a rigid face"
-        add_problem(problems, material_path, message, material)
+        given = material
+        if isinstance(material, Material):
+            given = material.name
+        add_problem(problems, material_path, message, given)
     return _Face(R, compliance, numbers)
 
 

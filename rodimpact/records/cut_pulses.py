@@ -105,8 +105,8 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
     if reflected_signal.start < incident.signal.start:
         raise invalid_argument(
             "pulses",
-            "the reflected pulse begins before the incident one; give clock='own' if each pulse "
-            "has a time of its own",
+            "the reflected pulse begins before the incident one; "
+            'give clock="own" if each pulse has a time of its own',
         )
     input_record = _joined(incident.signal, reflected_signal)
     return GaugePair(

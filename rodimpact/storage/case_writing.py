@@ -132,8 +132,8 @@ def save_case(path: PathLike, case: Case, *, force: bool = False) -> None:
     if len(data) > MAX_CASE_BYTES:
         message = (
             f"has too many numbers for a case file: {len(data)} bytes, and at most "
-            f"{MAX_CASE_BYTES} are read. Give profiles of fewer samples; instead of a state of "
-            "system_at save the solution that has it"
+            f"{MAX_CASE_BYTES} are read. Give profiles of fewer samples; instead of a later "
+            "state save the solution that has it"
         )
         raise invalid_argument("system", message)
     write_bytes(path, data, force=force)

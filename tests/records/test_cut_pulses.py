@@ -86,7 +86,7 @@ def test_cut_pulses_with_times_of_their_own(shot):
     result = ri.reduce(pulses=pulses, bars=BAR, specimen=elastic, align_within=10e-6)
     assert result.doubts == ()
     assert stress_error_at_strain(shot, result) < 0.01
-    with pytest.raises(ri.InvalidModel, match="clock='own'"):
+    with pytest.raises(ri.InvalidModel, match='clock="own"'):
         ri.reduce(pulses=ri.CutPulses(*own), bars=BAR, specimen=SPECIMEN)
 
 
