@@ -14,7 +14,7 @@ from ..methods.signals import Floats
 from ..results.energy import EnergyLedger
 from ..results.regions import regions_of
 from ..results.solution import Solution, check_solution
-from ..storage.report import ENERGIES
+from ..storage.report import ENERGY_LABELS
 from .labels import legend_above
 from .layout import choose_layout
 from .moments import contact_event_times
@@ -118,7 +118,7 @@ def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
         heights * scale.factor,
         linewidth=0.0,
         colors=[BANDS[entry] for entry in energies.bands],
-        labels=[ENERGIES[entry] for entry in energies.bands],
+        labels=[ENERGY_LABELS[entry] for entry in energies.bands],
     )
     frame = ""
     if energies.frame:

@@ -136,8 +136,8 @@ def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
     earlier = bar.times[0] - bar.dt * np.arange(count, 0, -1)
     strains = []
     for strain in bar.strains:
-        rest = np.resize(strain[: bar.rest_samples], count)
-        strains.append(np.concatenate((rest, strain)))
+        added = np.resize(strain[: bar.rest_samples], count)
+        strains.append(np.concatenate((added, strain)))
     return bar._replace(
         strains=np.array(strains),
         times=np.concatenate((earlier, bar.times)),

@@ -12,7 +12,13 @@ from ..methods.registry import Options
 from ..methods.run import DURATION, IMPULSE, MEASURES, VELOCITY
 from ..model.frozen import defaults_of
 from ..storage.case import Case
-from ..storage.saved_result import COUNT, ENERGIES, ENERGY, MEASURE_OF, SavedResult
+from ..storage.saved_result import (
+    COUNT,
+    ENERGY,
+    MEASURE_OF,
+    OUTCOME_ENERGIES,
+    SavedResult,
+)
 from ..version import __version__
 
 ROUND_OFF_PER_ARRIVAL = 2.0**-48
@@ -52,7 +58,7 @@ def result_of(solution: Any) -> SavedResult:
     """The record of a solution that its file holds."""
     outcome = solution.outcome
     numbers = {}
-    for name in ENERGIES:
+    for name in OUTCOME_ENERGIES:
         numbers[name] = float(getattr(outcome, name))
     for i, velocity in enumerate(outcome.velocities_after):
         numbers[f"velocity_after.{i}"] = velocity

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..model import Wall
 from ..results.labels import outcome
-from ..storage.tables import SCHEMA_VERSION, align, clean, finite, joules
+from ..storage.tables import JSON_SCHEMA, align, clean, finite, joules
 from ..units import format_si
 from .columns import columns_of
 from .sweep_result import SweepResult
@@ -72,7 +72,7 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
     for path, values, unit in varied:
         axes.append({"path": path, "unit": unit, "values": values.tolist()})
     head = {
-        "schema_version": SCHEMA_VERSION,
+        "schema_version": JSON_SCHEMA,
         "method": result.method,
         "shape": result.shape,
         "varied": axes,

@@ -19,7 +19,8 @@ from ..units import shown
 from .grids import Varied
 from .saved_result import SavedResult
 
-SCHEMA = 1
+CASE_SCHEMA = 1
+"""Version of the case files; readers refuse others."""
 OUTPUTS = ("plot", "save")
 MAX_CASE_BYTES = 10**7
 """Size of a case file, at most. Python takes up to a hundred bytes of memory for each."""

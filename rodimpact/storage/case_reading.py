@@ -32,7 +32,7 @@ from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Sp
 from ..model.paths import FIELDS, MODULUS, SPEED, suggestion
 from ..model.soil import DAMPING_LAWS, RESISTANCE_PER_LENGTH, Soil
 from ..units import shown
-from .case import SCHEMA, Case, GaugePlace
+from .case import CASE_SCHEMA, Case, GaugePlace
 from .case_tables import Reading, Table
 from .grids import read_grids
 from .saved_result import read_result
@@ -128,12 +128,17 @@ def _material_or_steel(material: Material | None) -> Material:
 def check_schema(top: Table) -> None:
     """Note a schema that is missing or wrong; refuse a file of a newer one."""
     schema = top.get("schema")
-    if type(schema) is int and schema > SCHEMA:
+    if type(schema) is int and schema > CASE_SCHEMA:
         # its other entries may mean other things
-        message = f"is {shown(schema)}; this rodimpact reads {SCHEMA}, get a newer one"
+        message = (
+            f"is {shown(schema)}; this rodimpact reads {CASE_SCHEMA}, get a newer one"
+        )
         raise invalid_argument("schema", message)
-    if type(schema) is not int or schema != SCHEMA:
-        top.note("schema", f"must be {SCHEMA}; begin the file with schema = {SCHEMA}")
+    if type(schema) is not int or schema != CASE_SCHEMA:
+        top.note(
+            "schema",
+            f"must be {CASE_SCHEMA}; begin the file with schema = {CASE_SCHEMA}",
+        )
 
 
 def read_materials(group: Table) -> Materials:
@@ -143,8 +148,8 @@ def read_materials(group: Table) -> Materials:
         table = group.table(name)
         numbers = read_elasticity(table)
         shown_name = table.get("name", name)
-        made = table.make(Material, name=shown_name, **numbers)
-        material = _material_or_steel(made)
+        built = table.make(Material, name=shown_name, **numbers)
+        material = _material_or_steel(built)
         damping = read_damping(table)
         if damping:
             damped = table.make(material.damped, DAMPING_KEYS, **damping)

@@ -9,7 +9,7 @@ from ..model import System
 from ..model.bodies import Material, Rod
 from ..model.frozen import invalid_argument
 from ..units import shown
-from .case import MAX_CASE_BYTES, SCHEMA, Case
+from .case import CASE_SCHEMA, MAX_CASE_BYTES, Case
 from .saved_result import SavedResult
 from .writing import PathLike, file_name, write_bytes
 
@@ -78,7 +78,9 @@ def _system_tables(system: System) -> list[str]:
     """Tables of a case file that describe a system, the schema first."""
     described = system.to_dict()
     materials = _name_materials(system, described)
-    parts = [toml_table(f"schema = {SCHEMA}", {"gravity": described.get("gravity")})]
+    parts = [
+        toml_table(f"schema = {CASE_SCHEMA}", {"gravity": described.get("gravity")})
+    ]
     for key, material in materials.items():
         entries = material.to_dict()
         entries["name"] = None

@@ -162,27 +162,29 @@ class Checkpoint:
         now = time.monotonic()
         interval = max(SAVE_INTERVAL, SAVE_TIME_RATIO * (now - self._began))
         if now - self._saved >= interval:
-            self.close()
+            self._save()
 
     def close(self) -> None:
-        """Save the members that are not on the disk; more may come afterwards.
+        """Save what `put` has not saved yet."""
+        self._save()
 
-        `put` does so from time to time, and the sweep at its end. Without a directory nothing is
-        written.
-        """
-        for start, stop in spans(self._new):
-            if self.path is None:
-                break
-            part = {name: column[start:stop] for name, column in self.columns.items()}
-            document = {"sweep": self._sweep, "start": start}
-            try:
-                file = self.path / FILE_NAME.format(f"{start:08}")
-                write_npz(file, KIND, document, part, force=True)
-            except OSError as error:
-                remedy = "what is done is kept, and the same sweep goes on from there"
-                raise type(error)(f"{error}; {remedy}") from error
+    def _save(self) -> None:
+        """Save the members that are not on the disk; without a directory nothing is written."""
+        if self.path is not None:
+            for start, stop in spans(self._new):
+                self._write(self.path / FILE_NAME.format(f"{start:08}"), start, stop)
         self._new[:] = False
         self._saved = time.monotonic()
+
+    def _write(self, file: Path, start: int, stop: int) -> None:
+        """Write the members from `start` to `stop` to a file."""
+        part = {name: column[start:stop] for name, column in self.columns.items()}
+        document = {"sweep": self._sweep, "start": start}
+        try:
+            write_npz(file, KIND, document, part, force=True)
+        except OSError as error:
+            remedy = "what is done is kept, and the same sweep goes on from there"
+            raise type(error)(f"{error}; {remedy}") from error
 
 
 class Span(NamedTuple):

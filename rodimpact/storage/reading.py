@@ -19,9 +19,9 @@ from ..model.arguments import text
 from ..units import shown_path
 from ..version import __version__
 from .writing import (
+    FILE_SCHEMA,
     FORMAT,
     MAX_DOCUMENT_BYTES,
-    SCHEMA,
     Arrays,
     PathLike,
     described,
@@ -141,7 +141,7 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         schema = document["schema"]
         kind = document["kind"]
         version = document["rodimpact"]
-        is_readable = schema == SCHEMA and kind in readers
+        is_readable = schema == FILE_SCHEMA and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
     if kind == "solution":
@@ -149,7 +149,8 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
     if not is_readable:
         raise FileFormatError(
             f"is a {kind!r} of schema {schema!r}, saved by rodimpact {version}; this is rodimpact "
-            f"{__version__}, which reads schema {SCHEMA}. Load it with the version that saved it"
+            f"{__version__}, which reads schema {FILE_SCHEMA}. Load it with the version that saved "
+            "it"
         )
     return document  # type: ignore[no-any-return]
 

@@ -13,7 +13,7 @@ from .tables import align, clean, joules, versioned_json
 
 MAX_LISTED_EPISODES = 12
 """Episodes that a table lists, at most."""
-ENERGIES = {
+ENERGY_LABELS = {
     "kinetic": "moving as a whole",
     "vibrational_kinetic": "vibration",
     "strain": "strain",
@@ -212,16 +212,19 @@ def _contacts_table(outcome: Any) -> str:
 
 def _energy_table(outcome: Any) -> str:
     """Energies before and after, and the works and losses between."""
-    vibration = ENERGIES["inner"]
+    vibration = ENERGY_LABELS["inner"]
     pairs: dict[str, tuple[float, float]] = {
-        ENERGIES["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
+        ENERGY_LABELS["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
         vibration: (sum(outcome.vibration_before), sum(outcome.vibration_after)),
-        ENERGIES["contact"]: (outcome.contact_energy_before, outcome.contact_energy),
+        ENERGY_LABELS["contact"]: (
+            outcome.contact_energy_before,
+            outcome.contact_energy,
+        ),
     }
     total_before = sum(before for before, _ in pairs.values())
     total_after = sum(after for _, after in pairs.values())
-    if not any(pairs[ENERGIES["contact"]]):
-        del pairs[ENERGIES["contact"]]
+    if not any(pairs[ENERGY_LABELS["contact"]]):
+        del pairs[ENERGY_LABELS["contact"]]
     pairs["total"] = (total_before, total_after)
     total_scale = max(total_before, total_after)
     rows = [["energy", "before", _then(outcome)]]
@@ -236,7 +239,7 @@ def _energy_table(outcome: Any) -> str:
         "work of gravity": outcome.gravity_work,
     }
     for name in ("dissipated", "damped", "soil_work", "numerical", "radiated"):
-        exchanged[ENERGIES[name]] = getattr(outcome, name)
+        exchanged[ENERGY_LABELS[name]] = getattr(outcome, name)
     scale = max(total_scale, *map(abs, exchanged.values()))
     for name, energy in exchanged.items():
         if clean(energy, scale):

@@ -28,7 +28,7 @@ BY_CONTACT = {
     "last": TIME,
     "episodes": COUNT,
 }
-ENERGIES = (
+OUTCOME_ENERGIES = (
     "kinetic_after",
     "contact_energy",
     "dissipated",
@@ -41,7 +41,7 @@ ENERGIES = (
     "gravity_work",
 )
 """Energies of the whole row, J, by their names in an `Outcome`."""
-MEASURE_OF = BY_BODY | BY_CONTACT | dict.fromkeys(ENERGIES, ENERGY)
+MEASURE_OF = BY_BODY | BY_CONTACT | dict.fromkeys(OUTCOME_ENERGIES, ENERGY)
 """Measure of each number of an outcome."""
 
 
@@ -64,7 +64,7 @@ class SavedResult(NamedTuple):
         Whether it is proved that no contact can happen again.
     numbers : dict of str to float
         Numbers of the outcome, SI: ``"velocity_after.I"`` of body I, ``"impulse.K"`` of contact K,
-        and so on, and the `ENERGIES`.
+        and so on, and the `OUTCOME_ENERGIES`.
     accuracy : dict of str to float
         Stated relative errors, as `Solution.accuracy` has them.
     """
@@ -124,7 +124,7 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
 
 def names_of_numbers(bodies: int) -> list[str]:
     """Names of all numbers of an outcome of so many bodies."""
-    names = [*ENERGIES]
+    names = [*OUTCOME_ENERGIES]
     for by_owner, count in ((BY_BODY, bodies), (BY_CONTACT, bodies - 1)):
         for name in by_owner:
             names += [f"{name}.{owner}" for owner in range(count)]

@@ -20,7 +20,7 @@ MAX_COLUMN_NAME = 60
 TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
 """Names of columns of times."""
 _NAME = re.compile(rf"(?!.*  )\w[\w .:()/-]{{0,{MAX_COLUMN_NAME - 1}}}(?<![ _/])")
-SCHEMA_VERSION = 1
+JSON_SCHEMA = 1
 """Version of the JSON for programs."""
 
 ZERO_IN_TABLE_RTOL = 2.0**-44
@@ -135,8 +135,8 @@ def joules(value: float, scale: float) -> str:
 
 
 def versioned_json(**entries: Any) -> str:
-    """A JSON document for programs: the entries after `SCHEMA_VERSION`; null for nan and inf."""
-    document = {"schema_version": SCHEMA_VERSION} | finite(entries)
+    """A JSON document for programs: the entries after `JSON_SCHEMA`; null for nan and inf."""
+    document = {"schema_version": JSON_SCHEMA} | finite(entries)
     return json.dumps(document, indent=2)
 
 

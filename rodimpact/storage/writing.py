@@ -25,7 +25,7 @@ PathLike: TypeAlias = "str | os.PathLike[str]"
 Arrays: TypeAlias = dict[str, Any]
 
 FORMAT = "rodimpact"
-SCHEMA = 6
+FILE_SCHEMA = 6
 """Version of what a saved file holds; readers refuse others."""
 MAX_DOCUMENT_BYTES = 1 << 28
 """Bytes of the document of a saved file, four to a character."""
@@ -179,7 +179,7 @@ def write_npz(
     """
     content: dict[str, Any] = {
         "format": FORMAT,
-        "schema": SCHEMA,
+        "schema": FILE_SCHEMA,
         "rodimpact": __version__,
         "kind": kind,
     }

@@ -24,6 +24,6 @@ def test_a_kept_family_opens():
 
 
 def test_an_older_version_says_that_it_cannot_read_a_newer_file(monkeypatch):
-    monkeypatch.setattr("rodimpact.storage.reading.SCHEMA", 5)
+    monkeypatch.setattr("rodimpact.storage.reading.FILE_SCHEMA", 5)
     with pytest.raises(ri.FileFormatError, match=r"of schema 6.*which reads schema 5"):
         ri.load(KEPT / "sweep.npz")

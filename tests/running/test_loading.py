@@ -23,7 +23,7 @@ from rodimpact.running.loading import load
 from rodimpact.storage import writing
 from rodimpact.storage.reading import FileFormatError
 from rodimpact.storage.saved_result import SavedResult
-from rodimpact.storage.writing import SCHEMA, check_target, write_text
+from rodimpact.storage.writing import FILE_SCHEMA, check_target, write_text
 
 STEEL = ri.materials.steel
 SHORT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
@@ -579,7 +579,7 @@ def test_foreign_archives(tmp_path, arrays):
 
 
 @pytest.mark.parametrize(
-    "change", [{"schema": SCHEMA + 1}, {"kind": "hologram"}, {"schema": None}]
+    "change", [{"schema": FILE_SCHEMA + 1}, {"kind": "hologram"}, {"schema": None}]
 )
 def test_what_a_newer_version_saved(saved, change):
     edit(saved, {**change, "rodimpact": "9.8.7"})

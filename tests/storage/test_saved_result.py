@@ -5,7 +5,7 @@ from pathlib import Path
 
 import rodimpact as ri
 from rodimpact.methods.run import MEASURES, ContactTally
-from rodimpact.storage.saved_result import BY_BODY, BY_CONTACT, ENERGIES, WORDS
+from rodimpact.storage.saved_result import BY_BODY, BY_CONTACT, OUTCOME_ENERGIES, WORDS
 
 MANUAL = Path(__file__).parents[2] / "docs" / "input.md"
 FOLLOW = {"bodies", "masses", "unilateral", "driven"}
@@ -27,7 +27,7 @@ def test_the_manual_names_every_key():
     assert keys_under("[result.numbers]") == [
         *(f"{name}.I" for name in BY_BODY),
         *(f"{name}.K" for name in BY_CONTACT),
-        *ENERGIES,
+        *OUTCOME_ENERGIES,
     ]
     assert keys_under("[result.accuracy]") == list(MEASURES)
 
@@ -36,7 +36,7 @@ def test_a_record_holds_all_that_an_outcome_finds():
     found = set(ri.Outcome.__dataclass_fields__) - FOLLOW - CHECKS
     found = {name for name in found if not name.endswith("_before")}
     held = {
-        *ENERGIES,
+        *OUTCOME_ENERGIES,
         "velocities_after",
         "vibration_after",
         "contacts",
