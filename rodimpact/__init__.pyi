@@ -74,6 +74,7 @@ from .records.reading import ClippedSignal as ClippedSignal
 from .records.reading import read_signals as read_signals
 from .records.reducing import reduce as reduce
 from .records.reduction import Reduction as Reduction
+from .records.sample_times import RoundedTimes as RoundedTimes
 from .records.signal import Signal as Signal
 from .records.specimen import Specimen as Specimen
 from .records.verdict import Verdict as Verdict

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from .. import units as known_units
 from ..storage.reading import FileFormatError
+from ..storage.tables import TIMES
 from ..units import one_line, shown
 from .number_forms import NumberForm
 
@@ -72,9 +73,9 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
         raise FileFormatError(
             f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or remove it"
         )
-    heads = _with_units_below(rows)
-    if heads is None:
-        heads = list(map(_head_of, rows[-1]))
+    heads = _last_heads(rows)
+    if not _has_times(heads):
+        heads = _heads_further_up(rows, heads)
     heads = _told_apart(heads, rows)
     names = [head.name for head in heads]
     for name in names:
@@ -109,6 +110,31 @@ def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:
                 head._replace(name=name)
                 for head, name in zip(heads, names, strict=True)
             ]
+    return heads
+
+
+def _has_times(heads: list[Head]) -> bool:
+    """Whether a column is called time or t."""
+    return any(TIMES.fullmatch(head.name) for head in heads)
+
+
+def _last_heads(rows: list[list[str]]) -> list[Head]:
+    """Heads in the last line, or in the one before a line of units."""
+    heads = _with_units_below(rows)
+    if heads is None:
+        heads = [_head_of(cell) for cell in rows[-1]]
+    return heads
+
+
+def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
+    """Heads with times and a line of units below them, above other lines; else those given.
+
+    The recorder catman writes two dozen lines about each channel: its name, its unit, and so on.
+    """
+    for count in range(len(rows) - 1, 1, -1):
+        with_units = _with_units_below(rows[:count])
+        if with_units is not None and _has_times(with_units):
+            return with_units
     return heads
 
 

@@ -2,9 +2,11 @@
 
 LabVIEW measurement files (.lvm) name units and steps of time in lines of their own, and may leave
 out the column of times. Scopes of Tektronix write such lines before the table, or in three columns
-to its left. An entry without a value is taken as missing.
+to its left; those of Rigol, LeCroy, Yokogawa and Keysight (Infiniium) before the table. An entry
+without a value is taken as missing.
 """
 
+import re
 from collections.abc import Callable
 from itertools import zip_longest
 from typing import NamedTuple
@@ -19,6 +21,11 @@ LECROY = "LECROY"
 """Begin of the first line of LeCroy scopes, whose times are in s and values in V."""
 RIGOL_HEADS = {"x", "start", "increment"}
 """Heads of Rigol scopes, in the first line."""
+YOKOGAWA = {"tracename", "hresolution", "hoffset"}
+"""Entries of Yokogawa scopes, whose rows have no times."""
+KEYSIGHT = {"revision", "xinc", "xorg"}
+"""Entries of Keysight Infiniium scopes, whose rows have a time before each value."""
+KEYSIGHT_ENTRY = re.compile(r"([A-Za-z]+)\s*:\s*,?(.*)")
 BESIDE = 3
 """Columns of entries that Tektronix writes to the left of a table."""
 MAX_ENTRY_LINES = 100
@@ -69,11 +76,16 @@ def find_layout(lines: list[str]) -> Layout:
         name = cells[0].casefold()
         entries[name] = cells[1:]
         if name == LABVIEW_HEAD and LABVIEW in entries:
-            return _labview_layout(index, cells, entries)
+            return _labview_layout(index, cells, entries, mark)
     if lines[0].startswith(LECROY):
         return Layout("Time [s],Ampl [V]", as_written)
     if len(lines) > 1 and set(_cells(lines[0])) >= RIGOL_HEADS:
         return _rigol_layout(_cells(lines[0]), _cells(lines[1]))
+    if entries.keys() >= YOKOGAWA:
+        return _yokogawa_layout(lines, entries)
+    keysight = _keysight_entries(lines)
+    if keysight.keys() >= KEYSIGHT:
+        return _keysight_layout(lines[0], keysight)
     is_tektronix = any(name in entries for name in TEKTRONIX)
     if is_tektronix and "horizontal units" in entries:
         return _tektronix_layout(lines[0].count(",") >= BESIDE, entries)
@@ -115,8 +127,88 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
     return Layout(",".join([_head("time", "s"), *channels]), table_line)
 
 
-def _labview_layout(head_index: int, names: list[str], entries: Entries) -> Layout:
-    """Layout of a file whose table stands below the line of names."""
+def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
+    """Layout of a file whose rows have no times, and may begin with a blank cell.
+
+    The time of row k is HResolution (k - 1) + HOffset, in HUnit, says the appendix on the ASCII
+    data file of the manuals.
+    """
+    if first_value(entries, "blocknumber", "1") != "1":
+        raise FileFormatError(
+            f"has {first_value(entries, 'blocknumber', '')} blocks (BlockNumber), one below the "
+            "other; save a single block"
+        )
+    try:
+        step = float(first_value(entries, "hresolution", ""))
+        start = float(first_value(entries, "hoffset", ""))
+    except ValueError:
+        raise FileFormatError(
+            "has no numbers HResolution and HOffset; save it again, or remove the lines above "
+            "the numbers and give rate"
+        ) from None
+    channels = [name for name in entries["tracename"] if name]
+    first_row = next((i for i, line in enumerate(lines) if _has_numbers_alone(line)), 0)
+
+    def table_line(index: int, line: str) -> str:
+        if index < first_row:
+            return ""
+        values = line.strip().removeprefix(",")
+        if not values.strip(", "):
+            return ""
+        time = start + (index - first_row) * step
+        return f"{time!r},{values}"
+
+    units = [spelt(unit) for unit in entries.get("vunit", [])]
+    time_unit = spelt(first_value(entries, "hunit", "s"))
+    return Layout(_head_line(channels, units, time_unit, ","), table_line)
+
+
+def _has_numbers_alone(line: str) -> bool:
+    """Whether all cells of a line are numbers, but for blank ones."""
+    cells = [cell for cell in _cells(line) if cell]
+    try:
+        for cell in cells:
+            float(cell)
+    except ValueError:
+        return False
+    return bool(cells)
+
+
+def _keysight_entries(lines: list[str]) -> Entries:
+    """Entries such as ``XInc:,1e-9``, by their names in small letters."""
+    entries: Entries = {}
+    for line in lines:
+        match = KEYSIGHT_ENTRY.match(line.strip(' "'))
+        if match:
+            entries[match[1].casefold()] = [
+                cell.strip() for cell in match[2].split(",")
+            ]
+    return entries
+
+
+def _keysight_layout(first_line: str, entries: Entries) -> Layout:
+    """Layout of a file of one channel: its name in the first line, its units among the entries.
+
+    With several channels or segments there is a pair of columns for each.
+    """
+    if len([text for text in entries["xorg"] if text]) > 1:
+        raise FileFormatError(
+            "has a column of times for each channel or segment; save each channel in a file of "
+            "its own"
+        )
+    names = [cell for cell in first_line.split(",") if cell.strip(' "')]
+    channel = "Channel 1"
+    if names and not KEYSIGHT_ENTRY.match(names[-1].strip(' "')):
+        channel = names[-1].strip(' "')
+    time_unit = spelt(first_value(entries, "xunits", "s"))
+    unit = spelt(first_value(entries, "yunits", "V"))
+    return Layout(_head_line([channel], [unit], time_unit, ","), as_written)
+
+
+def _labview_layout(
+    head_index: int, names: list[str], entries: Entries, mark: str
+) -> Layout:
+    """Layout of a file whose table stands below the line of names; `mark` ends each cell."""
     columns = first_value(entries, "x_columns", "One").casefold()
     if columns not in ("one", "no"):
         raise FileFormatError(
@@ -131,7 +223,7 @@ def _labview_layout(head_index: int, names: list[str], entries: Entries) -> Layo
     if count.isdecimal():
         channels = channels[: int(count)]  # a column of comments follows
     units = entries.get("y_unit_label", [])
-    return Layout(_head_line(channels, units, "s", "\t"), table_line)
+    return Layout(_head_line(channels, units, "s", mark), table_line)
 
 
 def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:

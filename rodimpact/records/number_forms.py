@@ -123,12 +123,17 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
     start -= 1
     form = _chosen(matching, lines, start, survey)
     # The table begins at the first row of as many numbers, two or more: below it may stand
-    # rows of other lengths, such as one without some channels.
+    # rows of other lengths, such as one without some channels. A line without any number ends
+    # the search: what is above it belongs to the head.
     count = form.count_numbers(lines[start])
-    for earlier in range(start):
+    first = start
+    for earlier in reversed(range(start)):
+        cells = form.cells(lines[earlier])
+        if any(cells) and not any(map(form.is_number, cells)):
+            break
         if form.count_numbers(lines[earlier]) == count > 1:
-            return TableStart(form, earlier)
-    return TableStart(form, start)
+            first = earlier
+    return TableStart(form, first)
 
 
 def _forms_from(

@@ -4,13 +4,16 @@ Delimiter, decimal sign, encoding and heads are taken from the file if they are 
 Otherwise an error asks for them; nothing is guessed.
 
     file -> text_file: lines -> instruments: lines of the table -> number_forms: cells
-         -> heads: names and units -> table: columns -> signals
+         -> heads: names and units -> table: columns -> sample_times -> signals
+
+A workbook is made a text first. A TDMS file has columns, names and units at once.
 """
 
 import os
 import warnings
 from collections.abc import Iterator, Mapping
-from typing import Any, TypeAlias
+from contextlib import ExitStack
+from typing import Any, BinaryIO, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,22 +23,22 @@ from ..methods import memory
 from ..model.arguments import one_of, scalar, text
 from ..model.frozen import Problems, invalid_argument, nearest, raise_if_problems
 from ..model.quantities import Floats
-from ..progress import Progress, ProgressFunction, check_progress
+from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..storage.reading import FileFormatError, open_regular
 from ..storage.tables import TIMES
 from ..storage.writing import PathLike
 from ..units import shown
-from .signal import EQUAL_STEP_RTOL, Signal, signal_of
+from .sample_times import checked_times
+from .signal import Signal, signal_of
 from .table import Table
+from .tdms import ENDING as TDMS_ENDING
+from .tdms import read_tdms
+from .workbook import is_workbook, text_of_workbook
 
-MIN_GAP_RATIO = 1.5
-"""Smallest time step between which samples are missing, over the usual step."""
 MIN_CLIPPED_SAMPLES = 8
 """Equal samples in a row at the largest value, at least, of a recorder at its limit."""
 MIN_CLIPPED_RATIO = 4
 """Equal samples in a row at the largest value, over those at any other value, at least."""
-MIN_UNEVEN_RATIO = 0.1
-"""Smallest part of the steps that differ from the usual one if times are uneven on purpose."""
 BLOCK_SAMPLES = 1 << 16
 """Samples that are searched for runs of equal ones at a time."""
 MEMORY_RATIO = 4
@@ -71,16 +74,20 @@ def read_signals(
     decimal: str | None = None,
     progress: bool | ProgressFunction = True,
 ) -> dict[str, Signal]:
-    r"""Read the channels of a table of text.
+    r"""Read the channels of a table of text, of a workbook or of a TDMS file.
 
     Columns are separated by tabs, semicolons, commas or blanks. The decimal sign is a point or a
     comma; if commas separate columns, numbers with a decimal comma must be in quotes: ``0,"1,5"``.
     The text is UTF-8, UTF-16 with a byte order mark, or Latin-1. Any lines may precede the numbers.
     A unit is part of the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident
     / mV``, or is in a separate line below; the values are converted to SI units. In files of
-    LabVIEW (.lvm), Tektronix, Rigol and LeCroy, separate lines with units and time steps are read,
-    too. If the last line of heads repeats a name, the names are those of the line above. Other
-    lines before the table are ignored: give a time step or a unit from there as an argument.
+    LabVIEW (.lvm), Tektronix, Rigol, LeCroy, Yokogawa, Keysight and catman, separate lines with
+    units and time steps are read, too. If the last line of heads repeats a name, the names are
+    those of the line above. Other lines before the table are ignored: give a time step or a unit
+    from there as an argument. A channel that ends with blank cells is shorter than the others.
+
+    A workbook (.xlsx, .xlsm, .xls; extra ``excel``) has the table in its first sheet. Channels of
+    a TDMS file (extra ``tdms``) have their times and units in properties.
 
     Parameters
     ----------
@@ -112,6 +119,9 @@ def read_signals(
     -----
     ClippedSignal
         If a channel stays for long at its largest value, and at no other value.
+    RoundedTimes
+        If the times have too few digits; then equal steps are taken, which agree with the times to
+        the last digit.
 
     Raises
     ------
@@ -119,7 +129,11 @@ def read_signals(
         If the file is not such a table. The error names line and column of a cell that is not a
         number, of a time that does not increase, or of missing samples.
     ValueError
-        If an argument is invalid. OSError If the file cannot be read at all.
+        If an argument is invalid.
+    ImportError
+        If the package that reads a workbook or a TDMS file is missing.
+    OSError
+        If the file cannot be read at all.
     MemoryError
         If four times the size of the file exceeds half of the memory of the machine.
 
@@ -155,23 +169,48 @@ def read_signals(
             "cut it into shorter records",
         )
         try:
-            with Progress(progress, "reading", "characters") as report:
-                table = Table(file, decimal, report)
-            return _signals(table, time, time_unit, rate, units)
+            with ExitStack() as opened:
+                with Progress(progress, "reading", "characters") as report:
+                    table = _table_in(file, decimal, report, opened)
+                return _signals(table, time, time_unit, rate, units)
         except FileFormatError as error:
             raise FileFormatError(str(error), os.fspath(path)) from None
 
 
+class ColumnTable(Protocol):
+    """Columns with names and units, as `Table` describes them."""
+
+    names: Any
+    units: Any
+    columns: Any
+
+    def place_of(self, row: int) -> str:
+        """Line or sample of a row, for messages."""
+
+
+def _table_in(
+    file: BinaryIO, decimal: str | None, report: Report, opened: ExitStack
+) -> ColumnTable:
+    """Columns of a text, a workbook or a TDMS file; the text of a workbook is added to `opened`."""
+    if os.fspath(file.name).casefold().endswith(TDMS_ENDING):
+        return read_tdms(file)
+    if is_workbook(file):
+        sheet = opened.enter_context(text_of_workbook(file))
+        return Table(sheet, ".", report)
+    return Table(file, decimal, report)
+
+
 def _signals(
-    table: Table,
+    table: ColumnTable,
     time: str | None,
     time_unit: str | None,
     rate: float | None,
     units: Any,
 ) -> dict[str, Signal]:
     """Signal of each channel. The columns leave the table one by one, to save memory."""
-    rows = len(table.columns[0])
-    if rows < 2:
+    lengths = [len(column) for column in table.columns]
+    rows = max(lengths)
+    if min(lengths) < 2:
         raise FileFormatError(
             "has one line of numbers; a signal needs two samples or more"
         )
@@ -186,6 +225,12 @@ def _signals(
             )
     channels = {name: j for j, name in enumerate(table.names) if j != time_column}
     if time_column is not None:
+        if lengths[time_column] < rows:
+            raise FileFormatError(
+                f"{table.place_of(lengths[time_column])}, column "
+                f"{shown(table.names[time_column])}: must be a finite number, got ''; complete "
+                "or remove the line"
+            )
         times = _times(table, time_column, time_unit)
     else:
         assert rate is not None
@@ -202,16 +247,16 @@ def _signals(
         values, si = _take_in_si(table, j, unit, "units")
         if doubt:
             warnings.warn(doubt, ClippedSignal, stacklevel=3)
-        signals[name] = signal_of(values, times, si, name)
+        signals[name] = signal_of(values, times[: len(values)], si, name)
     return signals
 
 
-def _named_times(table: Table) -> list[str]:
+def _named_times(table: ColumnTable) -> list[str]:
     """Names of columns that are called time or t."""
     return [name for name in table.names if TIMES.fullmatch(name)]
 
 
-def _time_column(table: Table, time: str | None) -> int:
+def _time_column(table: ColumnTable, time: str | None) -> int:
     """Index of the column of times; FileFormatError if that is not a single one."""
     candidates = _named_times(table)
     expected = "time"
@@ -231,7 +276,7 @@ def _time_column(table: Table, time: str | None) -> int:
     return table.names.index(candidates[0])
 
 
-def _first_increasing(table: Table) -> str:
+def _first_increasing(table: ColumnTable) -> str:
     """Name of the column of times without heads: the first one that increases throughout.
 
     Some scopes write the values before the times. Without such a column it is the first.
@@ -256,7 +301,7 @@ def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
 
 
 def _take_in_si(
-    table: Table, column: int, unit: Any, option: str
+    table: ColumnTable, column: int, unit: Any, option: str
 ) -> tuple[Floats, str]:
     """Take a column out of the table: its numbers in SI units, and their unit."""
     numbers = table.columns[column]
@@ -270,8 +315,8 @@ def _take_in_si(
     return values, si
 
 
-def _times(table: Table, column: int, unit: str | None) -> Floats:
-    """Times in s, increasing and without gaps."""
+def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
+    """Times in s, as `checked_times` has them."""
     name = shown(table.names[column])
     if not unit:
         unit = table.units[column]
@@ -282,33 +327,10 @@ def _times(table: Table, column: int, unit: str | None) -> Floats:
             "'ns', or give the head of the column of times as time="
         )
 
-    def refuse_if(wrong: Any, message: str) -> None:
-        if not wrong.any():
-            return
-        i = int(wrong.argmax())
-        raise FileFormatError(
-            f"line {table.line_of(i + 1)}, column {name}: {times[i + 1]:.9g}"
-            f" s comes after {times[i]:.9g} s; {message}"
-        )
-
-    steps = np.diff(times)
-    refuse_if(
-        steps <= 0,
-        "times must increase; if the times have too few digits, remove the column "
-        "and give rate",
-    )
-    usual = np.median(steps)
-    late = steps > MIN_GAP_RATIO * usual
-    steps -= usual
-    np.abs(steps, out=steps)
-    if np.mean(steps > EQUAL_STEP_RTOL * usual) < MIN_UNEVEN_RATIO:
-        refuse_if(
-            late, "samples are missing; cut the record there, or fill in the samples"
-        )
-    return times
+    return checked_times(times, name, table.place_of, stacklevel=5)
 
 
-def _clipping(table: Table, column: int) -> str:
+def _clipping(table: ColumnTable, column: int) -> str:
     """A sentence if a channel stays long at its largest or smallest value, and at no other."""
     values = table.columns[column]
     low = values.min()
@@ -329,7 +351,7 @@ def _clipping(table: Table, column: int) -> str:
         return ""
     return (
         f"column {shown(table.names[column])} stays at {values[longest_start]:.6g} for "
-        f"{longest} samples from line {table.line_of(longest_start)} on: the recorder may "
+        f"{longest} samples from {table.place_of(longest_start)} on: the recorder may "
         "have clipped it"
     )
 

@@ -50,7 +50,8 @@ class Table:
     names, units : list of str
         Of each column.
     columns : list of array, shape (rows,)
-        Numbers of each column; a reader that needs a column no more may take it from the list.
+        Numbers of each column; a column that ends with blank cells is shorter. A reader that
+        needs a column no more may take it from the list.
     """
 
     def __init__(self, file: BinaryIO, decimal: str | None, report: Report) -> None:
@@ -66,6 +67,7 @@ class Table:
         self._form = start.form
         self._first = start.line
         self._count = self._form.count_numbers(lines[start.line])
+        self._has_blanks = False
         above = lines[: start.line]
         if layout.head:
             above.append(layout.head)
@@ -76,9 +78,9 @@ class Table:
         if decimal is None and self._form != COMMAS:
             self._check_decimal()
 
-    def line_of(self, row: int) -> int:
-        """Number of the line in which a row stands, from 1 on."""
-        return next(islice(self._rows(), row, None))[0]
+    def place_of(self, row: int) -> str:
+        """The line in which a row stands, from 1 on."""
+        return f"line {next(islice(self._rows(), row, None))[0]}"
 
     def _rows(self) -> Iterator[tuple[int, str]]:
         """Number and text of each line of the table that is not empty."""
@@ -105,7 +107,19 @@ class Table:
             report(min(characters, survey.characters), survey.characters)
         for column in columns:
             column.resize(filled, refcheck=False)
+        if self._has_blanks:
+            self._cut_blank_ends(columns)
         return columns
+
+    def _cut_blank_ends(self, columns: list[Floats]) -> None:
+        """End each column before its blank cells; FileFormatError if numbers come after them."""
+        for name, column in zip(self.names, columns, strict=True):
+            is_blank = np.isnan(column)
+            count = len(column) - int(is_blank[::-1].argmin())
+            if is_blank[:count].any():
+                place = self.place_of(int(is_blank.argmax()))
+                raise self._invalid_cell(place, name, "")
+            column.resize(count, refcheck=False)
 
     def _numbers_in(self, block: list[tuple[int, str]]) -> Floats:
         """Numbers of some rows, [row, column]; FileFormatError where a cell is none."""
@@ -126,7 +140,7 @@ class Table:
         return numbers
 
     def _checked(self, line: int, row: str) -> list[float]:
-        """Numbers of a row; FileFormatError with the place of a cell that is no number."""
+        """Numbers of a row, NaN for a blank cell; FileFormatError for a cell that is no number."""
         cells = self._form.cells(row)
         if len(cells) > self._count:
             raise FileFormatError(
@@ -138,13 +152,20 @@ class Table:
             number = math.nan
             if self._form.is_number(cell):
                 number = float(cell.replace(",", "."))
-            if not math.isfinite(number):
-                raise FileFormatError(
-                    f"line {line}, column {shown(name)}: must be a finite number, "
-                    f"got {shown(cell)}; complete or remove the line"
-                )
+            if not cell:
+                self._has_blanks = True
+            elif not math.isfinite(number):
+                raise self._invalid_cell(f"line {line}", name, cell)
             numbers.append(number)
         return numbers
+
+    @staticmethod
+    def _invalid_cell(place: str, name: str, cell: str) -> FileFormatError:
+        """The error for a cell that is no number."""
+        return FileFormatError(
+            f"{place}, column {shown(name)}: must be a finite number, "
+            f"got {shown(cell)}; complete or remove the line"
+        )
 
     def _check_decimal(self) -> None:
         """Refuse numbers that may be thousands or parts of one: all are like 1,234."""

@@ -275,7 +275,7 @@ RETURNED = {
 
 EXCEPTIONS = {
     "ClippedSignal", "DamagedCache", "DamagedChunks", "DoubtfulReduction", "NoCompiler",
-    "OutcomeDiffers", "UndefinedRestitution",
+    "OutcomeDiffers", "RoundedTimes", "UndefinedRestitution",
 }  # fmt: skip
 """Warnings, and an error, that take any message as every exception of Python does."""
 OPERATORS = {"__add__", "__sub__", "__mul__", "__truediv__", "__getitem__", "__call__"}

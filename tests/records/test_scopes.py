@@ -82,3 +82,182 @@ def test_a_rigol_scope_tells_start_and_increment(tmp_path):
     path.write_text(text.replace("-1.2e-05,1.0e-06", "none,none"))
     with pytest.raises(FileFormatError, match="no numbers below Start and Increment"):
         ri.read_signals(path)
+
+
+def test_a_channel_may_end_with_blank_cells(tmp_path):
+    """A channel of fewer samples: spreadsheets fill its column with blanks."""
+    path = tmp_path / "shot.csv"
+    lines = rows(TIMES, WAVE, -WAVE, WAVE).splitlines()
+    for k in range(40, 60):
+        time, first, _, third = lines[k].split(",")
+        lines[k] = f"{time},{first},,{third}"
+    for k in range(50, 60):
+        lines[k] = lines[k].rpartition(",")[0] + ","
+    path.write_text("t [s],a [V],b [V],c [V]\n" + "\n".join(lines))
+    record = ri.read_signals(path)
+    assert [len(signal) for signal in record.values()] == [60, 40, 50]
+    assert record["b"].values == pytest.approx(-WAVE[:40], abs=1e-8)
+    assert record["b"].times == pytest.approx(TIMES[:40], abs=1e-12)
+    path.write_text("a [V],t [s]\n" + rows(WAVE, TIMES) + "3.0,\n")
+    with pytest.raises(FileFormatError, match="line 62, column 't': must be a finite"):
+        ri.read_signals(path)
+    lines[55] = lines[55].replace(",,", ",1.0,")
+    path.write_text("t [s],a [V],b [V],c [V]\n" + "\n".join(lines))
+    with pytest.raises(
+        FileFormatError, match=r"line 42, column 'b': .* got ''; comple"
+    ):
+        ri.read_signals(path)
+    path.write_text("t [s],a [V],b [V],c [V]\n" + "\n".join(lines[:40]))  # the remedy
+    assert len(ri.read_signals(path)["b"]) == 40
+
+
+@pytest.mark.parametrize("dt", [0.4, 2.4, 3.05])
+def test_rounded_times_are_told_once(tmp_path, dt):
+    """Times to whole microseconds, at steps of some microseconds or less."""
+    count = 200
+    times = np.arange(count) * dt
+    path = tmp_path / "shot.csv"
+    lines = [f"{time:.0f},{k % 7},{k % 5}" for k, time in enumerate(times)]
+    path.write_text("t [us],a [V],b [V]\n" + "\n".join(lines))
+    with pytest.warns(
+        ri.RoundedTimes, match="the times are rounded, their steps "
+    ) as w:
+        record = ri.read_signals(path)
+    assert len(w) == 1
+    assert w[0].filename == __file__
+    assert record["a"].dt == pytest.approx(dt * 1e-6, rel=1e-3)
+    assert record["b"].times == pytest.approx(times * 1e-6, abs=0.5e-6)
+    path.write_text(
+        "a [V],b [V]\n" + "\n".join(line.partition(",")[2] for line in lines)
+    )
+    bare = ri.read_signals(path, rate=1e6 / dt)  # the remedy
+    assert bare["a"].values.tolist() == record["a"].values.tolist()
+
+
+def test_missing_and_doubled_samples_are_not_taken_for_rounding(tmp_path):
+    path = tmp_path / "shot.csv"
+    steps = np.ones(200)
+    for step, message in [(2.0, "samples are missing"), (0.0, "times must increase")]:
+        steps[100] = step
+        lines = [f"{time:.0f},{k % 7}" for k, time in enumerate(np.cumsum(steps))]
+        path.write_text("t [us],a [V]\n" + "\n".join(lines))
+        with pytest.raises(FileFormatError, match=message):
+            ri.read_signals(path)
+
+
+YOKOGAWA = (
+    "Header Size,15\nModel Name,DLM3054\nComment,\nBlockNumber,1\nTraceName,CH1,CH2\n"
+    "BlockSize,60,60\nVUnit,V,V\nSampleRate,1.0E+06,1.0E+06\n"
+    "HResolution,1.0E-06,1.0E-06\nHOffset,-1.2E-05,-1.2E-05\nHUnit,s,s\n"
+    "DisplayBlockSize,60,60\nDisplayPointNo.,1,1\nDate,2024/05/03,2024/05/03\n"
+    "Time,10:11:12,10:11:12\n"
+)
+
+
+@pytest.mark.parametrize("before", ["", ","])
+@pytest.mark.parametrize("gap", ["", "\n"])
+def test_a_yokogawa_scope_tells_resolution_and_offset(tmp_path, before, gap):
+    """The lines are those of appendix 3, ASCII data file format, of the manual IM DLM3054-01EN.
+
+    It gives the time of row k as HResolution (k - 1) + HOffset.
+    """
+    path = tmp_path / "shot.csv"
+    data = "".join(f"{before}{line}\n" for line in rows(WAVE, -WAVE).splitlines())
+    path.write_text(YOKOGAWA + gap + data)
+    record = ri.read_signals(path)
+    assert list(record) == ["CH1", "CH2"]
+    assert record["CH2"].unit == "V"
+    assert record["CH1"].times == pytest.approx(TIMES - 1.2e-5, abs=1e-12)
+    assert record["CH2"].values == pytest.approx(-WAVE, abs=1e-8)
+    path.write_text(YOKOGAWA.replace("BlockNumber,1", "BlockNumber,3") + data)
+    with pytest.raises(FileFormatError, match=r"has 3 blocks .* save a single"):
+        ri.read_signals(path)
+    path.write_text(YOKOGAWA.replace("1.0E-06", "") + data)
+    with pytest.raises(FileFormatError, match="no numbers HResolution and HOffset"):
+        ri.read_signals(path)
+    path.write_text(data.removeprefix(",").replace("\n,", "\n"))  # the remedy
+    assert list(ri.read_signals(path, rate=1e6, units="V")) == ["1", "2"]
+
+
+KEYSIGHT = (
+    ",Channel 2\nRevision:,0\nType:,raw\nStart:,0\nPoints:,60\nCount:,1\n"
+    "XDispRange:,6e-05\nXDispOrg:,0\nXInc:,1e-06\nXOrg:,0\nXUnits:,Second\n"
+    "YDispRange:,2\nYDispOrg:,0\nYInc:,1e-05\nYOrg:,0\nYUnits:,Volt\n"
+    "Frame:,DSOS104A:MY0\nDate:,3 MAY 2024\nTime:,10:11:12\nMax Bandwidth:,1e+09\n"
+    "Min Bandwidth:,0\nData:\n"
+)
+
+
+@pytest.mark.parametrize("mark", [":,", ":"])
+def test_a_keysight_infiniium_scope_tells_its_channel(tmp_path, mark):
+    """Names of the lines: CSV and TSV header format, Infiniium Programmer's Reference.
+
+    Public converters of such files expect the name of the channel in the first line and pairs of
+    time and volts below.
+    """
+    path = tmp_path / "CH2.csv"
+    text = KEYSIGHT.replace(":,", mark)
+    path.write_text(text + rows(TIMES, WAVE))
+    (signal,) = ri.read_signals(path).values()
+    assert (signal.name, signal.unit) == ("Channel 2", "V")
+    assert signal.times == pytest.approx(TIMES, abs=1e-12)
+    assert signal.values == pytest.approx(WAVE, abs=1e-8)
+
+
+def test_several_channels_of_a_keysight_infiniium_scope_need_a_file_each(tmp_path):
+    path = tmp_path / "all.csv"
+    text = KEYSIGHT.replace("XOrg:,0", "XOrg:,0,0").replace(
+        "Channel 2", "Channel 2,Channel 3"
+    )
+    path.write_text(text + rows(TIMES, WAVE, TIMES, -WAVE))
+    with pytest.raises(FileFormatError, match="save each channel in a file of its own"):
+        ri.read_signals(path)
+
+
+def test_a_keysight_infiniivision_scope_tells_channels_and_units(tmp_path):
+    """The two lines of heads that public readers of such files expect: x-axis,1 and second,Volt."""
+    path = tmp_path / "scope_0.csv"
+    path.write_text("x-axis,1,2\nsecond,Volt,Volt\n" + rows(TIMES, WAVE, -WAVE))
+    record = ri.read_signals(path)
+    assert list(record) == ["1", "2"]
+    assert record["2"].unit == "V"
+    assert record["2"].values == pytest.approx(-WAVE, abs=1e-8)
+
+
+def test_catman_tells_names_and_units_two_dozen_lines_above_the_numbers(tmp_path):
+    """Public readers of its text skip seven lines and a blank one, and take 29 lines of heads.
+
+    The first line of heads has the names, the second the units; cells end at tabs, numbers have
+    decimal commas.
+    """
+    head = [f"line {k}\tof the file" for k in range(7)]
+    columns = [
+        ["Time  1 - default sample rate", "s"] + ["50000 Hz", "36010"] * 13 + ["-"],
+        ["Load", "kN"] + ["50000 Hz", "36011"] * 13 + ["-"],
+        ["SG_1 MX840", "\u00b5m/m"] + ["50000 Hz", "36012"] * 13 + ["-"],
+    ]
+    lines = [*head, "", *map("\t".join, zip(*columns, strict=True)), ""]
+    numbers = rows(TIMES, WAVE, 1e3 * WAVE).replace(",", "\t").replace(".", ",")
+    path = tmp_path / "shot.asc"
+    path.write_text("\n".join(lines) + "\n" + numbers, encoding="latin-1")
+    record = ri.read_signals(path)
+    assert list(record) == ["Load", "SG_1 MX840"]
+    assert record["Load"].unit == "N"
+    assert record["Load"].values == pytest.approx(1e3 * WAVE, abs=1e-5)
+    assert record["SG_1 MX840"].unit == ""
+    assert record["SG_1 MX840"].values == pytest.approx(1e-3 * WAVE, abs=1e-11)
+    assert record["Load"].times == pytest.approx(TIMES, abs=1e-12)
+
+
+def test_labview_with_commas_between_its_cells(tmp_path):
+    text = (
+        "LabVIEW Measurement,\nSeparator,Comma\nDecimal_Separator,.\nX_Columns,One\n"
+        "***End_of_Header***,\n,\nChannels,2,\nY_Unit_Label,V,V\nX_Dimension,Time,Time\n"
+        "X0,0,0\nDelta_X,1E-6,1E-6\n***End_of_Header***,,\nX_Value,a,b,Comment\n"
+    )
+    path = tmp_path / "shot.lvm"
+    path.write_text(text + rows(TIMES, WAVE, -WAVE))
+    record = ri.read_signals(path)
+    assert list(record) == ["a", "b"]
+    assert record["b"].unit == "V"
+    assert record["b"].values == pytest.approx(-WAVE, abs=1e-8)

@@ -1,0 +1,144 @@
+"""The times of the samples of a table: they increase, no sample is missing, and none is rounded."""
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..model.quantities import Floats
+from ..storage.reading import FileFormatError
+from ..units import format_si
+from .signal import EQUAL_STEP_RTOL
+
+MIN_GAP_RATIO = 1.5
+"""Smallest time step between which samples are missing, over the usual step."""
+MIN_UNEVEN_RATIO = 0.1
+"""Smallest part of the steps that differ from the usual one if times are uneven on purpose or
+rounded."""
+MIN_ROUNDED_SAMPLES = 16
+"""Samples of a record whose times can be seen to be rounded, at least."""
+MAX_ROUNDING_RATIO = 0.6
+"""Distance of rounded times from equal steps over the last digit, at most; half of it but for the
+line through the times."""
+DIGIT_RTOL = 1e-3
+"""Bounds the distance of steps from whole last digits, over the last digit."""
+
+
+class RoundedTimes(UserWarning):
+    """The times of a record have too few digits: equal steps are taken in their place.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, warnings, rodimpact as ri
+    >>> rows = [f"{0.4 * i:.0f},{i % 7}" for i in range(40)]
+    >>> with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as told:
+    ...     warnings.simplefilter("always")
+    ...     path = pathlib.Path(folder, "shot.csv")
+    ...     _ = path.write_text(chr(10).join(["t [us],bar [V]", *rows]))
+    ...     record = ri.read_signals(path)
+    >>> [each.category.__name__ for each in told], round(record["bar"].dt * 1e7, 2)
+    (['RoundedTimes'], 4.0)
+    """
+
+
+def checked_times(
+    times: Floats, name: str, place_of: Callable[[int], str], stacklevel: int
+) -> Floats:
+    """Times in s, increasing and without gaps; equal steps in place of rounded times.
+
+    Parameters
+    ----------
+    times : array, shape (n,)
+    name : str
+        Name of their column, for messages.
+    place_of : function
+        Line or sample of a row, for messages.
+    stacklevel : int
+        Calls between the warning and the code that reads the file.
+
+    Raises
+    ------
+    FileFormatError
+        If times do not increase, or samples are missing.
+    """
+    steps = np.diff(times)
+    if _are_rounded(times, steps):
+        equal = _equal_steps(times)
+        warnings.warn(_sentence(name, times, steps, equal), RoundedTimes, stacklevel)
+        return equal
+
+    def refuse_if(wrong: Any, message: str) -> None:
+        if not wrong.any():
+            return
+        i = int(wrong.argmax())
+        raise FileFormatError(
+            f"{place_of(i + 1)}, column {name}: {times[i + 1]:.9g}"
+            f" s comes after {times[i]:.9g} s; {message}"
+        )
+
+    refuse_if(
+        steps <= 0,
+        "times must increase; if the times have too few digits, remove the column "
+        "and give rate",
+    )
+    usual = np.median(steps)
+    late = steps > MIN_GAP_RATIO * usual
+    steps -= usual
+    np.abs(steps, out=steps)
+    if np.mean(steps > EQUAL_STEP_RTOL * usual) < MIN_UNEVEN_RATIO:
+        refuse_if(
+            late, "samples are missing; cut the record there, or fill in the samples"
+        )
+    return times
+
+
+def _are_rounded(times: Floats, steps: Floats) -> bool:
+    """Whether times are those of equal steps, rounded to the last digit of the file.
+
+    Then a step has one of two values, which differ by the last digit, and the times are as near to
+    equal steps as this digit. A missing sample makes another step, too: this is not taken for
+    rounding, since it is rare and its step is twice the usual one.
+    """
+    if len(times) < MIN_ROUNDED_SAMPLES:
+        return False
+    shortest = float(steps.min())
+    last_digit = float(steps.max()) - shortest
+    has_repeats = shortest == 0
+    if shortest < 0 or last_digit <= EQUAL_STEP_RTOL * shortest:
+        return False
+    usual = np.median(steps)
+    is_uneven = np.abs(steps - usual) > EQUAL_STEP_RTOL * usual
+    is_rare = is_uneven.mean() < MIN_UNEVEN_RATIO
+    if is_rare and shortest < MIN_GAP_RATIO * last_digit:
+        return False
+    if not has_repeats:
+        is_short = steps - shortest < DIGIT_RTOL * last_digit
+        is_long = shortest + last_digit - steps < DIGIT_RTOL * last_digit
+        if not np.all(is_short | is_long):
+            return False
+    distance = np.abs(times - _equal_steps(times)).max()
+    return bool(distance <= MAX_ROUNDING_RATIO * last_digit)
+
+
+def _equal_steps(times: Floats) -> Floats:
+    """Equal steps through the times, by least squares, s."""
+    count = len(times)
+    offsets = np.arange(count) - (count - 1) / 2
+    step = float(offsets @ times) / float(offsets @ offsets)
+    offsets *= step
+    offsets += times.mean()
+    return offsets
+
+
+def _sentence(name: str, times: Floats, steps: Floats, equal: Floats) -> str:
+    """What was rounded, and what is taken."""
+    distance = format_si(float(np.abs(times - equal).max()), "s", 2)
+    shortest = format_si(float(steps.min()), "s", 3)
+    longest = format_si(float(steps.max()), "s", 3)
+    step = format_si(float(equal[1] - equal[0]), "s", 4)
+    return (
+        f"column {name}: the times are rounded, their steps are {shortest} to {longest}; equal "
+        f"steps of {step} are taken, which agree with all times within {distance}; if you "
+        "know the sampling rate, remove the column and give rate"
+    )
