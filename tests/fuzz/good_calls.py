@@ -268,7 +268,8 @@ RETURNED = {
     "Alignment", "Atlas", "Axis", "Calibration", "ClosedForm", "ContactHistory", "ContactTally",
     "Descent", "EnergyLedger", "Episode", "Exact", "ExtremeStress", "FieldError", "Fit",
     "Fitted", "Gauge", "Gradient", "Kink", "MeanCurve", "Misfit", "Outcome", "Page", "Pulse",
-    "Reduction", "Regions", "RingDown", "SoilProfile", "Solution", "StressPeak", "SweepResult", "Verdict",
+    "Reduction", "Regions", "RingDown", "SoilProfile", "Solution", "StressPeak", "SweepResult",
+    "Verdict",
     "design.PulseDesign", "rigid.RigidCollision", "rigid.StackDrop", "theory.PairCollision",
 }  # fmt: skip
 """Classes that the package returns. Users read their attributes and do not construct them."""
