@@ -25,10 +25,10 @@ from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import CONTACT_EVENT, NONE, PIECE, State
 from ..methods.pieces.series import N
 from ..methods.pieces.totals import (
+    accuracy_sentence,
     end_of_run,
     last_of,
     simplifications_text,
-    stated,
     tally_of,
     why_stopped,
     why_stuck,
@@ -228,7 +228,7 @@ def run_on_clock(
     contact_events = blank(INITIAL_LOG_ROWS + march.MAX_STATUS_CHANGES, CONTACT_EVENT)
     log.extend(blank(INITIAL_LOG_ROWS, PIECE))
     if earlier is not None:
-        accuracy.compare(earlier["ended"].run, run)
+        accuracy.prepare_second_run(earlier["ended"].run, run)
     matrix = empty_matrix(nodes)
     state = State(runs, nodes, links, masses, lines, parts, log, contact_events, matrix)
     while march.run_nodes(state) == Stop.FULL:
@@ -274,10 +274,11 @@ def run_with_errors(row: Any, request: Any, tolerance: float, deadline: float) -
         return coarse
     transit_error, _ = most_rounded(row, fine["clock"].transits, fine["clock"].tick)
     rounding = accuracy.rounding_errors(fine["ended"], transit_error)
-    unresolved = accuracy.left_open(fine["ended"], 0.0)
+    hidden = accuracy.hidden_errors(fine["ended"], 0.0)
     errors = []
-    for i, error in enumerate(accuracy.stated(fine["ended"], coarse["ended"])):
-        errors.append(error + unresolved[i] + rounding[i])
+    two_runs = accuracy.errors_of_two_runs(fine["ended"], coarse["ended"])
+    for i, error in enumerate(two_runs):
+        errors.append(error + hidden[i] + rounding[i])
     fine["errors"] = errors
     fine["goal"] = tolerance
     return fine
@@ -293,7 +294,7 @@ def outcome_of(run: Any, errors: list[float], status: str) -> Any:
     ended = run["ended"]
     record = ended.run
     contacts = [
-        tally_of(ended.link[i], clock.tick, run["now"]) for i in row.contact_link
+        tally_of(ended.links[i], clock.tick, run["now"]) for i in row.contact_link
     ]
     total_mass = sum([body.mass for body in row.system.bodies])
     stated_errors = errors_of(errors, record.velocity_scale, contacts)
@@ -309,7 +310,7 @@ def outcome_of(run: Any, errors: list[float], status: str) -> Any:
 def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     """Motion of the bodies at t = 0; each has one velocity and one strain."""
     velocities = []  # one for each group of bonded bodies
-    for part in ended.part:
+    for part in ended.parts:
         if part.part_count > 0:
             velocities.append(part.initial_velocity + clock.frame)
     kinetic = 0.0
@@ -328,7 +329,7 @@ def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     """Motion of the bodies when it was measured last; vibration is that of the parts."""
     velocities = []  # one for each group of bonded bodies
     vibration = []
-    for part in ended.part:
+    for part in ended.parts:
         vibration.append(part.vibration_energy)
         if part.part_count > 0:
             velocities.append(part.group_velocity + clock.frame)
@@ -343,15 +344,15 @@ def status_of(run: Any) -> str:
     """
     row = run["row"]
     record = run["ended"].run
-    links = run["ended"].link
+    links = run["ended"].links
     tick = run["clock"].tick
     end = run["now"] * tick
     # The last argument is for rows without rods, which the page does not solve.
-    round_trip = 2 * layout.longest_of(row, run["clock"], 0) * tick
+    round_trip = 2 * layout.longest_body_time(row, run["clock"], 0) * tick
     last = last_of(record, links, end, round_trip)
     stopped_by = why_stopped(record, run["until"] >= 0)
     why = end_of_run(record, links, row.system, stopped_by, end, last)
-    error_sentence = stated(size_of(run["errors"][:3]), run["goal"])
+    error_sentence = accuracy_sentence(size_of(run["errors"][:3]), run["goal"])
     warning = strain_warning(largest_strain(row, run["log"]))
     return why.statement + error_sentence + simplifications_text(record) + warning
 
@@ -409,7 +410,7 @@ def motion_of(run: Any) -> Any:
     """The motion of a run as `motion` describes it."""
     row = run["row"]
     clock = run["clock"]
-    links = run["ended"].link
+    links = run["ended"].links
     waves = reading.waves_of(run["log"], run["lines"])
     springs = []
     for i in row.contact_link:
@@ -435,7 +436,7 @@ def contact_curves(run: Any, motion: Any) -> list[Any]:
     waves = motion["waves"]
     curves = []
     for i, contact in enumerate(row.system.contacts):
-        link = run["ended"].link[row.contact_link[i]]
+        link = run["ended"].links[row.contact_link[i]]
         gap = None
         if contact.opens:
             overlap = waves[link.history_line + 1]

@@ -19,7 +19,7 @@ Errors of both differ by some three then. A larger factor would make the differe
 error; with a smaller one both agree by chance too often.
 """
 COARSER_FLOOR = 2
-"""Floor of the second run over that of the first, where breaks come too densely."""
+"""Least duration of pieces of the second run over that of the first, where breaks are too dense."""
 RUN_ROUND_OFF = 1e-14
 """Relative error that a run has at any tolerance: some 50 round-offs of waves.
 
@@ -45,8 +45,8 @@ LOOSE_POWER = 2.5
 """Exponent of that tail."""
 FIT_FACTOR = 4.0
 """Stated error over the miss of a given function by its pieces."""
-SHOWN = 3
-"""Number of measures that are not times: their errors fall evenly."""
+UNTIMED_MEASURES = 3
+"""Number of measures that are no times: they come first, and their errors fall evenly."""
 VELOCITY = 0
 """Place of the velocity among the measures."""
 PEAK_FORCE = 2
@@ -58,20 +58,22 @@ TIME = 4
 
 
 class Ended(NamedTuple):
-    """Records of a run that has come to its end: that of the run, and lists of the others."""
+    """Records of a run that has come to its end."""
 
-    run: Any
-    link: Any
-    part: Any
+    run: Any  # RUN
+    links: Any  # list of LINK
+    parts: Any  # list of GROUP_PART
 
 
-def compare(fine: Any, coarse: Any) -> None:
-    """Let runs at a coarser tolerance end as finer ones did, and on other floors.
+def prepare_second_run(fine: Any, coarse: Any) -> None:
+    """Set what runs at a coarser tolerance need to be compared: other pieces, and the same end.
+
+    Their pieces are halved, or twice as long where breaks come too densely.
 
     Parameters
     ----------
     fine, coarse : RUN
-        Of all members.
+        Runs that have ended, and runs that have not begun; of one member, or of all.
     """
     coarse.halves_pieces = 1
     coarse.ticks_after_proof = fine.ticks_after_proof
@@ -82,35 +84,35 @@ def compare(fine: Any, coarse: Any) -> None:
     )
 
 
-def left_open(fine: Ended, fit: float) -> list[float]:
-    """Relative error of each of the `MEASURES` that a second run does not show.
+def hidden_errors(fine: Ended, fit: float) -> list[float]:
+    """Relative error of each of the `MEASURES` that a second run does not show, [measure].
 
-    With large tails, errors are not small enough to fall evenly from run to run. Bodies that part
-    very slowly rest at any tolerance. A peak force, and a time at which a contact closes or opens,
-    is decided by single values of a polynomial: two runs may miss it alike.
+    `fit` is the largest miss of given functions by their pieces, over the velocity scale. With
+    large tails, errors are not small enough to fall evenly from run to run. Bodies that part very
+    slowly rest at any tolerance. A peak force, and a time at which a contact closes or opens, is
+    decided by single values of a polynomial: two runs may miss it alike.
     """
     run = fine.run
-    loose = (
-        LOOSE_FACTOR * (run.max_truncation_error / run.velocity_scale) ** LOOSE_POWER
-    )
-    rest = run.resting_velocity / run.velocity_scale
-    made = [link.peak_force * link.effective_mobility for link in fine.link]
-    strongest = size_of(made) / run.velocity_scale
-    common = RUN_ROUND_OFF * max(1.0, strongest) + loose + rest + FIT_FACTOR * fit
+    tail = run.max_truncation_error / run.velocity_scale
+    loose = LOOSE_FACTOR * tail**LOOSE_POWER
+    resting = run.resting_velocity / run.velocity_scale
+    velocities = [link.peak_force * link.effective_mobility for link in fine.links]
+    strongest = size_of(velocities) / run.velocity_scale
+    common = RUN_ROUND_OFF * max(1.0, strongest) + loose + resting + FIT_FACTOR * fit
     errors = [common, common, common, common, common]
     values = measures_of(fine)
-    if all(part.kind != Part.SEGMENT for part in fine.part):
+    if all(part.kind != Part.SEGMENT for part in fine.parts):
         add_faint_times(fine, errors)
     peak = size_of(values[PEAK_FORCE])
     if peak > 0:
         excess = []
-        for link in fine.link:
+        for link in fine.links:
             if has_peak(link):
                 excess.append(link.peak_force_bound - link.peak_force)
         errors[PEAK_FORCE] += PEAK_FACTOR * size_of(excess) / peak
-    event_error = EVENT_FACTOR * size_of([link.event_error for link in fine.link])
-    cut = run.tick_duration * size_of([link.cut_ticks for link in fine.link])
-    for i in range(SHOWN, len(errors)):
+    event_error = EVENT_FACTOR * size_of([link.event_error for link in fine.links])
+    cut = run.tick_duration * size_of([link.cut_ticks for link in fine.links])
+    for i in range(UNTIMED_MEASURES, len(errors)):
         longest = size_of(values[i])
         if longest > 0:
             errors[i] += (event_error + cut) / longest
@@ -136,8 +138,8 @@ def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
     shift = transit_error * times
     errors = [transit_error] * len(values)
     if durations > 0:
-        episodes = max([link.episodes for link in ended.link])
-        for i in range(SHOWN):
+        episodes = max([link.episodes for link in ended.links])
+        for i in range(UNTIMED_MEASURES):
             errors[i] += shift / durations
         errors[DURATION] += 2 * episodes * shift / durations
     return errors
@@ -149,36 +151,35 @@ def has_peak(link: Any) -> bool:
 
 
 def add_faint_times(fine: Ended, errors: list[float]) -> None:
-    """Add the error of durations and times of a row without rods, where a flight may be long.
+    """Add the relative error of durations and times of a row without rods to `errors`.
 
-    A contact does not press while its overlap is less than the length that `graze` makes in the
-    reference time of the run, at its beginning and at its end.
+    A flight may be long there. A contact does not press while its overlap is less than the length
+    that `graze_velocity` makes in the reference time of the run, at its beginning and at its end.
+    Faces that close with the velocity scale take the time below for it, in each episode.
     """
     run = fine.run
-    episodes = max([1, *[link.episodes for link in fine.link]])
-    faint = (
-        2
-        * run.graze_velocity
-        / run.velocity_scale
-        * run.shortest_transit
-        * run.tick_duration
-        * episodes
-    )
+    episodes = max([1, *[link.episodes for link in fine.links]])
+    ratio = 2 * run.graze_velocity / run.velocity_scale
+    faint = ratio * run.shortest_transit * run.tick_duration * episodes
     values = measures_of(fine)
-    for i in range(SHOWN, len(errors)):
+    for i in range(UNTIMED_MEASURES, len(errors)):
         longest = size_of(values[i])
         if longest > 0:
             errors[i] += faint / longest
 
 
 def measures_of(ended: Ended) -> list[list[float]]:
-    """Values of a run that the `MEASURES` compare, measure by measure."""
+    """Values of a run that the `MEASURES` compare, [measure][value].
+
+    These are velocities of groups (of parts, where they are bonded to others), impulses, peak
+    forces, force durations and times, in SI units.
+    """
     run = ended.run
     impulses = []
     peaks = []
     durations = []
     times = []
-    for link in ended.link:
+    for link in ended.links:
         if link.law >= Law.JOINT:
             impulses.append(link.impulse)
             durations.append(link.force_ticks * run.tick_duration)
@@ -188,8 +189,8 @@ def measures_of(ended: Ended) -> list[list[float]]:
         if has_peak(link):
             peaks.append(link.peak_force)
     velocities = []
-    for part in ended.part:
-        # after the proof, whenever it came, groups go on evenly
+    for part in ended.parts:
+        # Groups go on evenly after the proof, whenever it came; parts of joined bodies vibrate.
         if run.has_bonds:
             velocities.append(part.mean_velocity)
         elif part.part_count > 0:
@@ -198,12 +199,15 @@ def measures_of(ended: Ended) -> list[list[float]]:
 
 
 def differences(fine: Ended, coarse: Ended) -> list[float]:
-    """Difference of two runs in each of the `MEASURES`, over its largest value."""
+    """Largest difference of two runs in each of the `MEASURES`, over its largest value, [measure].
+
+    Differences of velocities are over the velocity scale. It is 0 where all values are 0.
+    """
     relative = []
     coarse_values = measures_of(coarse)
     for i, values in enumerate(measures_of(fine)):
         scale = size_of(values)
-        if i == 0 and scale > 0:
+        if i == VELOCITY and scale > 0:
             scale = fine.run.velocity_scale
         pairs = zip(values, coarse_values[i], strict=True)
         largest = size_of([a - b for a, b in pairs])
@@ -217,12 +221,13 @@ def differences(fine: Ended, coarse: Ended) -> list[float]:
 def wave_difference(fine: Ended, coarse: Ended) -> float:
     """Largest difference of the waves of two runs in a segment, over the velocity scale.
 
-    It is that of their means and first moments; 0 where the runs end at different times.
+    It is that of their means and first moments; 0 where the runs end at different times. The
+    integrals are over y from -1 to 1, so that half of one is a mean.
     """
     if fine.run.last_proof_tick != coarse.run.last_proof_tick:
         return 0.0
     changes = []
-    for part, other in zip(fine.part, coarse.part, strict=True):
+    for part, other in zip(fine.parts, coarse.parts, strict=True):
         for side in range(2):
             changes.append(part.wave_integrals[side] - other.wave_integrals[side])
             changes.append(part.wave_moments[side] - other.wave_moments[side])
@@ -232,53 +237,56 @@ def wave_difference(fine: Ended, coarse: Ended) -> float:
 def momentum_error(fine: Ended) -> float:
     """Largest error of the velocity of a free group of bodies, over the velocity scale.
 
-    Its mean velocity is that at t = 0 and what the impulses of its contacts have added. The waves
-    in its rods say the same but for what their pieces have lost. This is not known where a force
-    acts on an end of the row, and while nodes have not all come to the end.
+    Its velocity by the waves in its rods, `group_velocity`, lacks what pieces have lost. By
+    Newton's law it is that at t = 0 plus (impulses from the left - impulses from the right)/m. The
+    difference is the error. It is not known, and 0 returned, where a force acts on an end of the
+    row, and while nodes have not all come to the end.
     """
     run = fine.run
-    for link in fine.link:
+    for link in fine.links:
         is_push = link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT
         if is_push and link.impulse != 0:
             return 0.0
     if run.stop_reason == Stop.CAP:
         return 0.0
     worst = 0.0
-    for first, head in enumerate(fine.part):
+    for first, head in enumerate(fine.parts):
         mass = 0.0
         is_free = True
-        for part in fine.part[first : first + head.part_count]:
+        for part in fine.parts[first : first + head.part_count]:
             mass += part.mass
             is_free = is_free and part.kind < Part.WALL
         if is_free and mass > 0:
-            gained = 0.0
-            for link in fine.link:
+            momentum = 0.0  # gained since t = 0
+            for link in fine.links:
                 if link.right_group == first:
-                    gained += link.impulse
+                    momentum += link.impulse
                 if link.left_group == first:
-                    gained -= link.impulse
-            velocity = head.initial_velocity + gained / mass
+                    momentum -= link.impulse
+            velocity = head.initial_velocity + momentum / mass
             worst = max(worst, abs(head.group_velocity - velocity))
     return worst / run.velocity_scale
 
 
-def stated(fine: Ended, coarse: Ended) -> list[float]:
-    """Error of each of the `MEASURES`, from two runs.
+def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
+    """Relative error of each of the `MEASURES` of the finer of two runs, [measure].
 
-    Where two numbers agree by chance, others do not: none is said to be much better known than the
-    worst. What velocities are wrong by moves an event by a part of its `event_lag`. No two runs are
-    needed to see what momentum is wrong by.
+    It is DIFFERENCE_FACTOR times the difference of both runs in this measure, or a share of the
+    worst difference, which may be larger: two numbers agree by chance, where others do not. A
+    relative error of velocities moves an event by this part of its `event_lag`, so that the share
+    is larger for short times. The error that both runs have in common is added.
     """
     apart = differences(fine, coarse)
     shared = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale
     apart[VELOCITY] = max(apart[VELOCITY], momentum_error(fine))
     worst = max(apart[0], apart[1], apart[2], wave_difference(fine, coarse))
-    lag = size_of([link.event_lag for link in fine.link])
+    lag = size_of([link.event_lag for link in fine.links])
     errors = []
     for i, values in enumerate(measures_of(fine)):
         largest = size_of(values)
         share = LEAST_SHARE
-        if i >= SHOWN and largest > 0:
+        is_time = i >= UNTIMED_MEASURES
+        if is_time and largest > 0:
             share *= max(1.0, lag / largest)
         error = 0.0
         if largest > 0:
@@ -288,5 +296,5 @@ def stated(fine: Ended, coarse: Ended) -> list[float]:
 
 
 def size_of(values: list[float]) -> float:
-    """Largest absolute value."""
+    """Largest absolute value; 0 of an empty list."""
     return max([0.0, *[abs(value) for value in values]])

@@ -23,7 +23,7 @@ from .initial_lines import jumps_of, segments_of, varies
 
 
 def own_laws(row: Row) -> Functions:
-    """Laws of the user, by link."""
+    """Laws of the user in a row: the number of the link, and the function of each."""
     laws = []
     for law, i in zip(row.system.contacts, row.contact_link, strict=True):
         if isinstance(law, model.Law):
@@ -31,8 +31,8 @@ def own_laws(row: Row) -> Functions:
     return tuple(laws)
 
 
-def is_even(row: Row) -> bool:
-    """Whether all that moves at t = 0, and all that acts from outside, is a number."""
+def has_no_profiles(row: Row) -> bool:
+    """Whether all initial velocities and strains, and all that acts from outside, are numbers."""
     for rod, _, _ in segments_of(row):
         if varies(rod.velocity, rod.strain):
             return False
@@ -49,16 +49,19 @@ def closing_velocity(row: Row) -> Any:
 def contact_times(row: Row) -> dict[int, Any]:
     """Estimated time that each compliant link between rigid masses is closed, s, by its number.
 
-    A mass m that closes with velocity v on F = k d^p stops where m v^2/2 = k d^(p+1)/(p+1), after
-    about d/v, and comes back. All masses count as the largest.
+    A mass m that closes with velocity v on F = k d^p stops where m v^2/2 = k d^q/q with q = p + 1,
+    so at d = (q m/(2 k))^(1/q) v^(2/q). It takes about d/v, and comes back: the time is 3 d/v. All
+    masses count as the largest.
     """
     v = closing_velocity(row)
     times = {}
     for i, link in enumerate(row.links):
         if np.any(np.asarray(link.stiffness) > 0):
-            power = link.exponent + 1
-            stop = (power / 2 * largest(row.masses) / link.stiffness) ** (1 / power)
-            times[i] = 3 * stop * v ** (2 / power - 1)
+            q = link.exponent + 1
+            depth = (q / 2 * largest(row.masses) / link.stiffness) ** (
+                1 / q
+            )  # d/v^(2/q)
+            times[i] = 3 * depth * v ** (2 / q - 1)
     return times
 
 
@@ -74,7 +77,10 @@ def reference_time(row: Row, until: float | None) -> Any:
 
 
 def refuse_short_contacts(row: Row, tick: Any) -> None:
-    """Raise InvalidModel if a contact of a row without rods lasts too few ticks to be followed."""
+    """Raise InvalidModel if a contact of a row without rods lasts too few ticks to be followed.
+
+    `tick` is its duration, s. Where nothing moves no contact closes.
+    """
     speeds = velocities_of(row)
     moving = largest(speeds) > smallest(speeds)
     times = contact_times(row)
@@ -93,7 +99,10 @@ def refuse_short_contacts(row: Row, tick: Any) -> None:
 
 
 def velocity_scale(row: Row, time: Any) -> Any:
-    """Scale of velocities, m/s; 1 where nothing moves."""
+    """Scale of velocities, m/s; 1 where nothing moves.
+
+    `time` is how long forces act in a row without rods, s.
+    """
     if row.segments:
         scale = np.asarray(row.scale)
     else:
@@ -104,7 +113,17 @@ def velocity_scale(row: Row, time: Any) -> Any:
 def family_clock(
     row: Row, until: float | None
 ) -> tuple[Clock, dict[tuple[int, float], int]]:
-    """The clock, and the times in ticks from ends of rods to jumps inside."""
+    """The clock of a family, and the places of jumps inside segments, in ticks.
+
+    The clock counts transit times, and times to jumps, in whole ticks, for each member; `until` is
+    the end of the run, s, if any. Jumps are those of `jumps_of`: by segment and share of its
+    length, the ticks of a wave from its left end.
+
+    Raises
+    ------
+    InvalidModel
+        If transit times are too far apart for one clock, or the run is too long for it.
+    """
     transits = [s.transit_time for s in row.segments]
     reference = reference_time(row, until)
     scale = velocity_scale(row, reference)
@@ -112,16 +131,22 @@ def family_clock(
     crossing_time = crossing_time_of(row)
     flight_time = flight_time_of(row, scale)
     jump_times = [share * transits[s] for s, share in jumps]
-    durations = [*transits, *jump_times, reference, crossing_time, flight_time]
-    by_member = np.array([row.of(duration) for duration in durations]).T.tolist()
+    counted_times = [row.of(time) for time in (*transits, *jump_times)]
+    times_of_members = np.array(counted_times).reshape(-1, row.members).T.tolist()
+    longest_times = row.of(reference)
+    crossing_times = row.of(crossing_time)
+    flight_times = row.of(flight_time)
     segments = len(transits)
     tick: Any = np.zeros(row.members)
     end: Any = np.zeros(row.members)
     ticks = np.zeros((segments, row.members), np.int64)
     counted: list[int] = []
-    for m, (*times, longest, crossing, flight) in enumerate(by_member):
+    for m, times in enumerate(times_of_members):
+        longest = float(longest_times[m])
         end[m] = until
         if until is None:
+            crossing = float(crossing_times[m])
+            flight = float(flight_times[m])
             end[m] = rule.default_horizon(longest, crossing, flight, 1.0)
         longest_ticks, counted = count_ticks(times, longest, float(end[m]))
         if longest_ticks == 0:

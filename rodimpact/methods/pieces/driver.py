@@ -67,14 +67,15 @@ COMPILED_STEPS = 100_000
 
 
 class Members:
-    """Every member of a family on records, [member, i]; a single collision is a family of one.
+    """Records of every member of a family, [member, i], which run one after the other.
 
-    They run one after the other on one `Batch`.
+    They run on one `Batch`, on which the records of one member are at a time. A single collision is
+    a family of one.
 
     Parameters
     ----------
     row : Row
-        Or a family of even ones.
+        A family has no profiles, see `clock_setup.has_no_profiles`.
     request : RunRequest
 
     Attributes
@@ -115,9 +116,8 @@ class Members:
         # matrix of the equations has a column more, their right side.
         unknowns = N * int(self.nodes["link_count"].max())
         arrays: dict[str, Any] = {name: self.records(name)[0] for name in MEMBER_FIELDS}
-        arrays["log"] = np.zeros(
-            INITIAL_LOG_ROWS + 2 * self.first_pieces.shape[1], PIECE
-        )
+        log_rows = INITIAL_LOG_ROWS + 2 * self.first_pieces.shape[1]
+        arrays["log"] = np.zeros(log_rows, PIECE)
         arrays["contact_log"] = np.zeros(INITIAL_CONTACT_ROWS, CONTACT_EVENT)
         arrays["matrix"] = np.zeros((unknowns, unknowns + 1))
         state = State(**arrays)
@@ -130,15 +130,15 @@ class Members:
         )
 
     def records(self, name: str) -> Any:
-        """Records of all members of one kind, [member, i]."""
+        """Records of all members of one kind, [member, i]; `name` is one of `MEMBER_FIELDS`."""
         return getattr(self, name)
 
     def state(self) -> Any:
-        """State of the member that ran last, as arrays."""
+        """The `State` of the member that ran last, as arrays."""
         return State(*[self.batch.array(name) for name in State._fields])
 
     def ended(self, member: int) -> Ended:
-        """Records of a member at the end of its run, as objects."""
+        """Records of a member that has run, as objects."""
         runs = as_objects(self.runs[member])
         links = as_objects(self.links[member])
         parts = as_objects(self.parts[member])
@@ -150,14 +150,20 @@ class Members:
         should_stop: Callable[[], bool] = lambda: False,
         report: Report = no_report,
     ) -> None:
-        """Run some members; raise Stopped if `should_stop`, asked now and then, says so."""
+        """Run members of these numbers, each to its end.
+
+        Raises
+        ------
+        Stopped
+            If `should_stop`, asked now and then, says so.
+        """
         for count, m in enumerate(members):
             if count % MEMBERS_PER_CHECK == 0 and should_stop():
                 raise Stopped
             self.run_member(m, report)
 
     def load(self, member: int = 0) -> None:
-        """Take the records of a member, and its pieces at t = 0."""
+        """Put the records of a member, and its pieces at t = 0, on the batch."""
         batch = self.batch
         records = {}
         for name in MEMBER_FIELDS:
@@ -174,12 +180,15 @@ class Members:
         return as_objects(array)
 
     def store(self, member: int) -> None:
-        """Put the records of the batch back to those of a member."""
+        """Copy the records of the batch to those of a member."""
         for name in MEMBER_FIELDS:
             self.records(name)[member] = self.batch.array(name)
 
     def run_member(self, member: int = 0, report: Report = no_report) -> None:
-        """Run a member to its end, in slices, between which it may go on in machine code."""
+        """Run a member to its end and store its records.
+
+        It runs in slices of steps. Between two it may change from plain Python to machine code.
+        """
         batch = self.batch
         batch.choose_form(MIN_RUN_TIME)
         self.load(member)
@@ -218,11 +227,20 @@ class Members:
         return min(self.request.limit, expected)
 
     def _run_slice(self) -> Stop:
-        """Run on up to the limit of the run, with longer logs as often as they are full."""
+        """Run on up to the limit of the run, with longer logs as often as they are full.
+
+        Return why it stopped, which is never FULL.
+
+        Raises
+        ------
+        TooLong
+            If the pieces of the run take too much memory.
+        """
         batch = self.batch
         stop = Stop(batch.run())
         while stop == Stop.FULL:
             pieces = len(batch.state.log)
+            # In numbers of 8 bytes; the longer log stands beside this one for a while.
             require_memory(
                 4 * pieces * PIECE.itemsize / 8,
                 "until",
@@ -234,7 +252,7 @@ class Members:
         return stop
 
     def _remedy(self) -> str:
-        """Advice for a run of too many pieces."""
+        """Advice, for an error, against too many pieces."""
         transits = [float(np.max(transit)) for transit in self.clock.transits]
         shortest = min(transits, default=0.0)
         longest = max(transits, default=0.0)

@@ -22,7 +22,7 @@ JUMP_RTOL = 1e-12
 
 
 def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
-    """Segments with their rods, and where they begin in these, m."""
+    """Yield for each segment its rod, its number from 0 on, and where it begins in the rod, m."""
     for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
         begin: Any = 0.0
         for s in range(first - 1, last):
@@ -31,7 +31,10 @@ def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
 
 
 def jumps_of(row: Row) -> list[tuple[int, float]]:
-    """Jumps of the initial state inside segments: segment, and share of its length on the left."""
+    """Jumps of the initial state inside segments: segment, and share of its length to the left.
+
+    Jumps at the ends of segments are none of these; one that velocity and strain share is twice.
+    """
     jumps = []
     for rod, s, begin in segments_of(row):
         length = row.segments[s].length
@@ -50,7 +53,10 @@ def varies(*profiles: Any) -> bool:
 
 
 def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
-    """Objects whose fields hold a number, or one for each member, as records [member, i]."""
+    """Array of records [member, i] of objects whose fields hold a number, or one for each member.
+
+    `record` is their dtype. A field may also be a list of such numbers.
+    """
     records = np.zeros((*row.system.shape, len(objects)), record)
     for i, source in enumerate(objects):
         for name in record.names:
@@ -63,7 +69,10 @@ def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
 
 
 def _copy_list(target: Any, values: list[Any]) -> None:
-    """Copy a list of numbers, or of arrays by member, to a field; lists of lists are still 0."""
+    """Copy a list of numbers, or of arrays by member, to a field of records, which are still 0.
+
+    Lists of lists are values over a piece: nothing has set them, so they stay 0.
+    """
     for j, number in enumerate(values):
         if isinstance(number, list):
             return
@@ -73,7 +82,10 @@ def _copy_list(target: Any, values: list[Any]) -> None:
 
 
 class OutsideSignal(NamedTuple):
-    """What acts on an end at time t, from its value: factor * value + start + slope * t."""
+    """The signal of a line from outside, made of the value u(t) that acts on an end.
+
+    It is factor * u(t) + start + slope * t: a velocity in the frame, a force, or a wave.
+    """
 
     factor: Any  # m/s by strain; 1 for velocities and forces
     start: Any  # m/s or N
@@ -105,6 +117,7 @@ class InitialLines:
         jumps: dict[tuple[int, float], int],
         request: RunRequest,
     ) -> None:
+        """Make the pieces; `jumps` are those of `family_clock`, in ticks."""
         self._row = row
         self._clock = clock
         self._jumps = jumps
@@ -118,22 +131,28 @@ class InitialLines:
         self.outside = [self._add_outside(side) for side in (0, 1)]
 
     def _add(self, pieces: Any) -> int:
-        """Add a line of pieces, [member, piece]; return its number."""
+        """Append a line of pieces, [member, piece], to `log` and `lines`; return its number.
+
+        The pieces get their line, and the rows of those that follow them.
+        """
         l = len(self.log)
         first = sum(line.piece_count for line in self.lines)
-        n = pieces.shape[1]
+        count = pieces.shape[1]
         pieces["line"] = l
-        pieces["next"] = [*range(first + 1, first + n), NONE]
+        pieces["next"] = [*range(first + 1, first + count), NONE]
         hard = int(np.sum(pieces["break_order"][0, 1:] <= HARD))
         duration = int(pieces["end"][0, -1] - pieces["start"][0, 0])
         self.log.append(pieces)
-        self.lines.append(InitialLine(n, hard, duration))
+        self.lines.append(InitialLine(count, hard, duration))
         return l
 
     def _fit_pieces(
         self, signal: Pieces, start: int, stop: int, *profiles: tuple[Any, float]
     ) -> Any:
-        """A signal between two ticks as pieces; it is the sum of these profiles times factors."""
+        """Pieces, [piece], that fit a signal between two ticks; raise `fit` and `carried`.
+
+        The signal is the sum of these profiles times factors, whose errors it has.
+        """
         scale = float(self._clock.scale)
         tolerance = self._request.tolerance * scale / 4
         fit = tolerance
@@ -150,7 +169,10 @@ class InitialLines:
         return pieces
 
     def _add_under_way(self, s: int, rod: Any, begin: Any) -> None:
-        """Add the waves in segment s at t = 0: a = v - c strain, and b = v + c strain."""
+        """Add the lines of both waves in segment s at t = 0, a = v - c strain and b = v + c strain.
+
+        The segment begins in its rod at `begin`, m; v is the velocity in the frame.
+        """
         frame = self._clock.frame
         transit = self._clock.transits[s]
         c = self._row.segments[s].wave_speed
@@ -175,7 +197,10 @@ class InitialLines:
         self._add(pieces[None])
 
     def _ticks_in_segment(self, s: int, begin: Any) -> Callable[[Any], Ints]:
-        """Function of places in a rod, m: the ticks of a wave from the left end of segment s."""
+        """A function of places in a rod, m: ticks of a wave from the left end of segment s there.
+
+        Segment s begins in the rod at `begin`, m. A jump is at the ticks that the clock gave it.
+        """
         segment = self._row.segments[s]
         transit = self._clock.transits[s]
         jump_ticks = []
@@ -193,7 +218,10 @@ class InitialLines:
         return ticks_of
 
     def _add_outside(self, side: int) -> int:
-        """Add what comes from outside an end; return its line, NONE for the free end of a rod."""
+        """Add the line from outside of an end; return its number, NONE for the free end of a rod.
+
+        `side` is 0 on the left, 1 on the right.
+        """
         row = self._row
         kind, value = row.boundaries[side]
         if kind == "none" and self._ends_with_rod(side):
@@ -213,7 +241,10 @@ class InitialLines:
         return bool(first[-2] == first[-1])
 
     def _outside_signal(self, side: int) -> OutsideSignal:
-        """The signal of what acts on an end, from its value."""
+        """How the signal of an end follows from the value that acts there, by the kind of the end.
+
+        `side` is 0 on the left, 1 on the right.
+        """
         row = self._row
         kind, _ = row.boundaries[side]
         if kind == "velocity":
@@ -229,7 +260,10 @@ class InitialLines:
         return OutsideSignal(1.0, 0.0, 0.0)
 
     def _steady(self, value: Any, signal: OutsideSignal) -> Any:
-        """Pieces of a constant, [member, piece]; in a frame that falls it is a straight line."""
+        """The piece, [member, 1], of a value that is constant, for ever or to the end of the run.
+
+        In a frame that falls its signal is a straight line from tick 0 to `stop`.
+        """
         tick = self._clock.tick
         start = signal.start + value * signal.factor
         if np.any(np.asarray(signal.slope) != 0):
@@ -242,7 +276,7 @@ class InitialLines:
         return records_of_family([piece], PIECE, self._row)
 
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
-        """Pieces of what acts on an end and varies over time, [1, piece].
+        """Pieces, [1, piece], of a value that varies over time and acts on an end of this `kind`.
 
         There is one member: what acts on the ends of a family is constant in time.
         """

@@ -45,6 +45,8 @@ DIFFERENCE_STEP = 1e-7
 """Step of the slopes of a law of the user, over the velocity scale."""
 PROOFS_PER_TRANSIT = 8
 """Number of proofs in the longest transit time, at most: each reads all waves under way."""
+TRANSITS_AFTER_PROOF = 2
+"""Time that a run goes on after its proof, where it must, over that through the longest body."""
 GRAZE_VELOCITY = 2.0**-40
 """Velocity, over the velocity scale: a force that makes less counts as none."""
 UNHELD_COMPLIANCE = 1e300
@@ -52,11 +54,11 @@ UNHELD_COMPLIANCE = 1e300
 
 
 class RunRequest(NamedTuple):
-    """Request of a run: its end, s, if any; tolerance; largest number of steps; what to keep."""
+    """Request of a run."""
 
-    until: Any
-    tolerance: Any  # relative to the velocity scale
-    limit: int
+    until: Any  # end of the run, s; None: it ends with its proof of finality
+    tolerance: Any  # of pieces, relative to the velocity scale
+    limit: int  # largest number of steps
     keep: bool  # whether forces, overlaps and velocities of masses are kept
 
 
@@ -72,7 +74,10 @@ class InitialLine(NamedTuple):
 
 
 def piece_of(start: Any, stop: Any, values: Any) -> Any:
-    """A piece with these coefficients."""
+    """A record of a piece from tick `start` to `stop` with these first coefficients of its series.
+
+    It is on no line yet, and no piece follows it.
+    """
     piece = blank(1, PIECE)[0]
     piece.start = start
     piece.end = stop
@@ -86,7 +91,11 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
 
 
 def initial_waves(velocity: Any, stretch: Any, T: Any) -> list[Any]:
-    """Waves in a segment of one velocity in the frame and one strain, that times the wave speed."""
+    """Pieces of both waves in a segment at t = 0, a = v - c strain and b = v + c strain, m/s.
+
+    v is its velocity in the frame, `stretch` is c strain, and T the transit time, ticks: what is
+    under way now has been sent since -T.
+    """
     return [
         piece_of(-T, 0, [velocity - stretch]),
         piece_of(-T, 0, [velocity + stretch]),
@@ -94,7 +103,7 @@ def initial_waves(velocity: Any, stretch: Any, T: Any) -> list[Any]:
 
 
 def constant_wave(value: Any) -> Any:
-    """A constant wave from outside."""
+    """The piece of a wave from outside that is constant for ever."""
     return piece_of(0, NEVER, [value])
 
 
@@ -108,7 +117,7 @@ def lay_out(
     initial_lines: list[InitialLine],
     outside: Any,
 ) -> list[list[Any]]:
-    """Put a row on records; return lists of runs, nodes, links, masses, lines and parts.
+    """Lists of the records of a row at t = 0: its run, nodes, links, masses, lines and parts.
 
     Parameters
     ----------
@@ -130,11 +139,15 @@ def lay_out(
         count = number_history_lines(links, masses, count)
     lines = make_lines(clock, initial_lines, count)
     run = make_run(row, clock, request, shortest, initial_lines)
-    if any(part.kind >= Part.WALL and part.part_count != 1 for part in parts):
-        run.has_bonds = 1
-    needs_more = run.has_bonds or request.keep  # else the run ends with its proof
-    if request.until is None and needs_more:
-        run.ticks_after_proof = 2 * longest_of(row, clock, shortest)
+    for part in parts:
+        is_anchor = part.kind >= Part.WALL
+        is_group = part.part_count != 1
+        if is_anchor and is_group:  # something is joined to a wall or an endless rod
+            run.has_bonds = 1
+    goes_on = run.has_bonds or request.keep  # else the run ends with its proof
+    if request.until is None and goes_on:
+        longest = longest_body_time(row, clock, shortest)
+        run.ticks_after_proof = TRANSITS_AFTER_PROOF * longest
     return [[run], nodes, links, masses, lines, parts]
 
 
@@ -146,13 +159,13 @@ def shortest_transit(clock: Clock) -> Any:
     return shortest
 
 
-def longest_of(row: Any, clock: Clock, shortest: Any) -> Any:
-    """Time in which a wave goes through the longest body, ticks."""
+def longest_body_time(row: Any, clock: Clock, shortest: Any) -> Any:
+    """Longest time in which a wave goes through a body, ticks; `shortest` in a row without rods."""
     without_rods = shortest
     if len(clock.transits) > 0:
         without_rods = 0
     times = [without_rods]
-    for first, last in row.spans:
+    for first, last in row.spans:  # first and last segment of a body, counted from 1
         times.append(sum(clock.transits[first - 1 : last]))
     return largest(times)
 
@@ -164,9 +177,9 @@ def make_run(
     shortest: Any,
     initial_lines: list[InitialLine],
 ) -> Any:
-    """The record of a run."""
+    """The record of a run before its first step; `shortest` is the shortest transit, ticks."""
     run = blank(1, RUN)[0]
-    breaks = 0  # largest number of hard breaks of a line in the shortest transit
+    breaks = 0  # mean number of hard breaks in the shortest transit, on the line with the most
     for line in initial_lines:
         run.piece_count += line.piece_count
         if line.hard_breaks > 0:
@@ -195,7 +208,10 @@ def make_run(
 
 
 def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
-    """Set when a run looks for its proof of finality; times are ticks."""
+    """Set when a run first looks for its proof of finality, and how often; times are ticks.
+
+    A run with an external drive never does. `has_bonds` says that some contact cannot open.
+    """
     run.proved_tick = NONE
     run.last_proof_tick = NONE
     run.proof_interval = np.maximum(shortest, longest // PROOFS_PER_TRANSIT)
@@ -208,21 +224,27 @@ def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
 
 
 def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
-    """Nodes, with the lines that arrive and leave."""
+    """Nodes from left to right, one more than there are segments; `shortest` is a transit, ticks.
+
+    Segment k, from 0 on, lies between the nodes k and k + 1. Its line 2 k leads to the right, its
+    line 2 k + 1 to the left. `outside` are the lines from outside, left and right.
+    """
     n = len(row.segments)
     nodes = blank(n + 1, NODE)
     for k, node in enumerate(nodes):
         node.first_mass = row.first[k]
         node.first_link = k + node.first_mass
         node.link_count = row.first[k + 1] - row.first[k] + 1
-        node.incoming_lines = [2 * k - 2, 2 * k + 1]
-        node.outgoing_lines = [2 * k - 1, 2 * k]
+        # From the segment k - 1 on the left, and the segment k on the right
+        node.incoming_lines = [2 * (k - 1), 2 * k + 1]
+        node.outgoing_lines = [2 * (k - 1) + 1, 2 * k]
         for side in range(2):
-            if 0 < k + side <= n:
-                node.mobility[side] = 1 / row.segments[k + side - 1].impedance
+            s = k - 1 + side  # segment on this side, if there is one
+            if 0 <= s < n:
+                node.mobility[side] = 1 / row.segments[s].impedance
         node.next_ticks = np.maximum(shortest // PIECES_PER_TRANSIT, MIN_FIRST_PIECE)
     for side in range(2):
-        end = nodes[side * n]
+        end = nodes[side * n]  # first or last node
         end.incoming_lines[side] = outside[side]
         end.outgoing_lines[side] = NONE
         if outside[side] == NONE:
@@ -233,7 +255,7 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
 
 
 def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]:
-    """Links, with their laws; `ease` is the velocity that 1 N makes in this time, s."""
+    """Links of all nodes, node by node, as they are at t = 0; `time` is the shortest transit, s."""
     links = blank(len(row.links), LINK)
     for node in nodes:
         for q in range(node.link_count):
@@ -241,7 +263,7 @@ def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]
             link = links[i]
             set_law(link, row.links[i], i)
             set_mobility(link, node, q)
-            set_ease(link, node, q, row.masses, time)
+            set_effective_mobility(link, node, q, row.masses, time)
             if link.law == Law.IMPACT:
                 link.resting_force = clock.scale / link.effective_mobility
             elif link.law == Law.OWN:
@@ -251,7 +273,10 @@ def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]
 
 
 def set_law(link: Any, row_link: Any, i: int) -> None:
-    """Set the law of link i from that of the row, its numbers and its status."""
+    """Set the law of link i with its numbers from the link of the row, and its status at t = 0.
+
+    Nothing has happened to it yet. A contact without a gap presses (PRESS).
+    """
     link.left_group = NONE
     link.right_group = NONE
     link.first_force_tick = NONE
@@ -273,7 +298,10 @@ def set_law(link: Any, row_link: Any, i: int) -> None:
 
 
 def set_mobility(link: Any, node: Any, q: int) -> None:
-    """Set the sum of 1/Z of the rod ends beside link q of a node, s/kg."""
+    """Set `mobility`, the sum of 1/Z of the rod ends beside link q of a node, s/kg.
+
+    A rod end is only beside the first and the last link.
+    """
     left = 0.0
     if q == 0:
         left = node.mobility[0]
@@ -283,19 +311,21 @@ def set_mobility(link: Any, node: Any, q: int) -> None:
     link.mobility = left + right
 
 
-def set_ease(link: Any, node: Any, q: int, masses: list[Any], time: Any) -> None:
-    """Set the velocity that 1 N in link q of a node makes in this time, s/kg.
+def set_effective_mobility(
+    link: Any, node: Any, q: int, masses: list[Any], time: Any
+) -> None:
+    """Set the closing velocity that 1 N in link q of a node makes in a time, s, over 1 N; s/kg.
 
-    A rod end takes 1/Z, a mass m takes t/m.
+    A rod end takes 1/Z, a mass m takes time/m.
     """
-    first = max(q - 1, 0)
+    first = max(q - 1, 0)  # mass on the left of the link, if there is one
     stop = q + 1
     if q == node.link_count - 1:  # no mass on the right
         stop = q
-    ease = link.mobility
+    mobility = link.mobility
     for m in range(first, stop):
-        ease = ease + time / masses[node.first_mass + m]
-    link.effective_mobility = ease
+        mobility = mobility + time / masses[node.first_mass + m]
+    link.effective_mobility = mobility
 
 
 def make_masses(row: Any, clock: Clock) -> list[Any]:
@@ -308,7 +338,7 @@ def make_masses(row: Any, clock: Clock) -> list[Any]:
 
 
 def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int:
-    """Number the lines that keep what happens in links and masses; return the number of lines.
+    """Set `history_line` of links and masses, from line `first` on; return the number of all lines.
 
     A link keeps its force; if it can deform, its overlap; and if it yields, its closing velocity.
     """
@@ -327,7 +357,10 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
 
 
 def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> list[Any]:
-    """Lines; their pieces at t = 0 stand at the beginning of the log, line by line."""
+    """All lines, `count` of them; those of `initial_lines` come first, the others are empty.
+
+    Pieces at t = 0 stand at the beginning of the log, line by line.
+    """
     lines = blank(count, LINE)
     for history_line in lines[len(initial_lines) :]:
         history_line.first_piece = NONE
@@ -347,7 +380,10 @@ def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> li
 
 
 def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> list[Any]:
-    """Parts of the groups of bodies between contacts that open, from left to right."""
+    """Parts of all groups of bodies between contacts that open, from left to right.
+
+    Each link that opens gets the groups on its sides. `outside` are the lines from outside.
+    """
     parts: list[Any] = []
     head = 0  # first part of the group
     add_ground(parts, head, row.boundaries[0][0], outside[0])
@@ -383,7 +419,7 @@ def joint_compliance(stiffness: Any) -> Any:
 def add_part(
     parts: list[Any], head: int, kind: int, index: int, mass: Any, compliance: Any
 ) -> None:
-    """Add a part to the group that begins with part `head`."""
+    """Append a part to `parts`, and count it in the group that begins with part `head`."""
     part = blank(1, GROUP_PART)[0]
     part.kind = kind
     part.index = index
@@ -395,7 +431,10 @@ def add_part(
 
 
 def add_ground(parts: list[Any], head: int, kind: str, line: int) -> None:
-    """Add the wall or endless rod that holds an end of the row, with its line."""
+    """Append what holds an end of the row to the group of part `head`; `line` moves it.
+
+    It is a wall (a boundary of kind "velocity") or an endless rod ("absorbing"), else nothing.
+    """
     if kind == "velocity":
         add_part(parts, head, Part.WALL.value, NONE, 0.0, 0.0)
         parts[head].anchor_line = line

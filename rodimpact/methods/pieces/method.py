@@ -33,12 +33,12 @@ from ..status import rounding, strain_warning, with_advice
 from . import totals
 from .accuracy import (
     COARSER,
-    SHOWN,
-    compare,
-    left_open,
-    stated,
+    UNTIMED_MEASURES,
+    errors_of_two_runs,
+    hidden_errors,
+    prepare_second_run,
 )
-from .clock_setup import is_even, own_laws
+from .clock_setup import has_no_profiles, own_laws
 from .driver import Members
 from .layout import RunRequest
 from .records import Part
@@ -86,7 +86,7 @@ def members_per_call(row: Row) -> int:
     The force of a bond between rigid bodies follows from signals, which a family does not keep.
     """
     has_rigid_bond = any(i < 0 for i in row.contact_link)
-    if not is_even(row) or has_rigid_bond or own_laws(row):
+    if not has_no_profiles(row) or has_rigid_bond or own_laws(row):
         return 0
     return MAX_MEMBERS_PER_CALL
 
@@ -132,7 +132,7 @@ def solve_family(
     columns = _columns_of(fine, refused.ravel() | is_stuck)
     if "accuracy" in also:
         errors = stated_errors(fine, members, should_stop)
-        columns["accuracy"] = errors[:, :SHOWN].max(axis=1)
+        columns["accuracy"] = errors[:, :UNTIMED_MEASURES].max(axis=1)
     return columns
 
 
@@ -150,13 +150,13 @@ def stated_errors(
         tolerance=COARSER * fine.request.tolerance, keep=False
     )
     coarse = Members(fine.row, coarser)
-    compare(fine.runs.view(np.recarray), coarse.runs.view(np.recarray))
+    prepare_second_run(fine.runs.view(np.recarray), coarse.runs.view(np.recarray))
     coarse.run_all(members, stop, report)
     errors = np.full((len(fine.runs), len(runs.MEASURES)), math.nan)
     for m in members:
         ended = fine.ended(m)
-        errors[m] = stated(ended, coarse.ended(m))
-        errors[m] += left_open(ended, fine.fit)
+        errors[m] = errors_of_two_runs(ended, coarse.ended(m))
+        errors[m] += hidden_errors(ended, fine.fit)
         errors[m] += fine.carried
     return errors
 
@@ -183,13 +183,13 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     t_end = end * tick
     if until is not None and stopped_by == "until":
         t_end = until
-    t_final = totals.last_of(run, ended.link, t_end, 2 * clock.longest * tick)
+    t_final = totals.last_of(run, ended.links, t_end, 2 * clock.longest * tick)
     t_proved = math.nan
     if run.proved_tick >= 0:
         t_proved = run.proved_tick * tick
-    why = totals.end_of_run(run, ended.link, row.system, stopped_by, t_end, t_final)
+    why = totals.end_of_run(run, ended.links, row.system, stopped_by, t_end, t_final)
     status = with_advice(why)
-    status += totals.stated(runs.largest_error(accuracy), goal)
+    status += totals.accuracy_sentence(runs.largest_error(accuracy), goal)
     status += totals.simplifications_text(run)
     status += _struck_together(row)
     status += rounding(clock.transit_error, clock.worst)
@@ -208,7 +208,7 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
         stopped_by=stopped_by,
         status=status,
         events=run.steps,
-        contacts=_tallies(row, ended.link, tick, end, signals),
+        contacts=_tallies(row, ended.links, tick, end, signals),
         motion=(
             Motion(_floats(before), [], math.nan),
             Motion(_floats(after), vibration, math.nan),

@@ -33,8 +33,9 @@ class Fit(NamedTuple):
 
 
 def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> Pieces:
-    """A profile along a rod of this length, or over time, on whole ticks; its last value holds on.
+    """A profile along a rod, or over time, as a signal in ticks; its last value holds on.
 
+    `length` is that of the rod, m, or the time, s, over which samples without a step are spread.
     `ticks_of` makes ticks of places, m, or of times, s.
     """
     if isinstance(profile, Steps):
@@ -51,7 +52,10 @@ def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> P
 def _from_samples(
     profile: Samples, length: float, ticks_of: Callable[[Any], Ints]
 ) -> Pieces:
-    """Signal through samples: straight lines, or a spline of degree 5 if they are smooth."""
+    """Signal through samples: straight lines, or a spline of degree 5 if they are smooth.
+
+    Samples without a step of their own are spread evenly over `length`.
+    """
     samples = np.asarray(profile.values, dtype=float)
     if profile.step is None:
         step = length / (len(samples) - 1)
@@ -64,19 +68,19 @@ def _from_samples(
     from scipy.interpolate import make_interp_spline
 
     spline = make_interp_spline(edges, samples, 5)
-    values = spline(edges[:-1, None] + step * SHARES)
+    values = spline(edges[:-1, None] + step * SHARES)  # [interval, place]
     # The spline passes through the samples but for round-off, which would be a jump of the signal.
     values[:, 0] = samples[:-1]
     values[:, -1] = samples[1:]
     degree = VALUES_PER_INTERVAL - 1
-    series = np.linalg.inv(chebyshev.chebvander(2 * SHARES - 1, degree))
-    return Pieces(ticks[:-1], values @ series.T, ticks[-1])
+    values_to_series = np.linalg.inv(chebyshev.chebvander(2 * SHARES - 1, degree))
+    return Pieces(ticks[:-1], values @ values_to_series.T, ticks[-1])
 
 
 def _from_polynomials(
     profile: Polynomials, length: float, ticks_of: Callable[[Any], Ints]
 ) -> Pieces:
-    """Signal of polynomials, without those that are shorter than a tick."""
+    """Signal of polynomials along `length`, without those that are shorter than a tick."""
     ticks = ticks_of(np.array([0.0, *profile.inner, length]))
     lasting = np.diff(ticks) > 0
     starts = ticks[:-1][lasting]
@@ -109,23 +113,24 @@ def in_pieces(
         Largest difference from the signal.
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
-    least = min(ROUND_OFF, fit) * np.abs(signal.coefficients).max()
+    round_off = min(ROUND_OFF, fit) * np.abs(signal.coefficients).max()
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
-    jumps = changes > CONTINUITY_RTOL * tolerance + least
-    borders = _borders_of_rest(signal, edges, least)
+    jumps = changes > CONTINUITY_RTOL * tolerance + round_off  # [edge behind the first]
+    borders = _borders_of_rest(signal, edges, round_off)  # [edge]
     fitted = _fit_longest(signal, edges, jumps | borders[1:], fit)
     first = fitted.first
     series = fitted.series
-    is_constant = np.abs(series[:, 1:]).sum(axis=1) <= least
+    is_constant = np.abs(series[:, 1:]).sum(axis=1) <= round_off
     series[is_constant, 1:] = 0.0
-    inner = first[1:]
+    inner = first[1:]  # edge between a piece and the next one
     starts = edges[first]
     stops = edges[np.append(inner, -1)]
     kinks = _kinks(series, (stops - starts) * 1.0)
     before = edges[inner] - edges[inner - 1]
     after = edges[inner + 1] - edges[inner]
+    # Lines between samples w apart of a smooth curve, whose slope changes by k, miss it by k w/8.
     bends = kinks * np.minimum(before, after) / 8
-    kink_order = np.where(bends > tolerance + least, 1, SMOOTH)
+    kink_order = np.where(bends > tolerance + round_off, 1, SMOOTH)
     order = np.where(jumps[inner - 1], 0, kink_order)
     order = np.where(borders[inner], np.minimum(order, HARD), order)
     pieces = np.zeros(len(series), PIECE)
@@ -139,9 +144,10 @@ def in_pieces(
 
 
 def _kinks(series: Floats, widths: Floats) -> Floats:
-    """Jumps of the slope between pieces, by tick.
+    """Absolute jumps of the slope from each piece of `series` to the next, per tick, [piece - 1].
 
-    The Chebyshev polynomial T_k has the slope k^2 at 1, and (-1)^(k + 1) k^2 at -1.
+    `widths` are the durations of the pieces, ticks. The Chebyshev polynomial T_k has the slope k^2
+    at 1, and (-1)^(k + 1) k^2 at -1; y runs through 2 in a piece.
     """
     k = np.arange(POINTS)
     at_stop = series @ k**2 * 2 / widths
@@ -149,10 +155,13 @@ def _kinks(series: Floats, widths: Floats) -> Floats:
     return np.abs(at_start[1:] - at_stop[:-1])
 
 
-def _borders_of_rest(signal: Pieces, edges: Ints, least: float) -> Any:
-    """Whether an edge borders the constant stretch at the start or at the end, [edge]."""
+def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
+    """Whether an edge borders the constant stretch at the start or at the end, [edge].
+
+    Changes in an interval up to `round_off` count as none.
+    """
     series = signal.cut(edges[:-1], int(edges[-1])).coefficients
-    changing = np.flatnonzero(np.abs(series[:, 1:]).sum(axis=1) > least)
+    changing = np.flatnonzero(np.abs(series[:, 1:]).sum(axis=1) > round_off)
     borders = np.zeros(len(edges), bool)
     if len(changing):
         borders[changing[0]] = changing[0] > 0
@@ -161,27 +170,33 @@ def _borders_of_rest(signal: Pieces, edges: Ints, least: float) -> Any:
 
 
 def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> Fit:
-    """Fit pieces of 2^n intervals without a jump inside: those that miss too much are halved."""
+    """Fit pieces of 2^n intervals without a jump inside: those that miss too much are halved.
+
+    `jumps` says for each edge behind the first whether no piece may reach across it; `tolerance` is
+    the largest miss. An interval by itself keeps the series of the signal.
+    """
     jumps_before = np.cumsum(np.append(0, jumps[:-1]))  # [interval]
     n = len(edges) - 1
     width = 1 << min(MAX_LEVELS, max(n - 1, 0).bit_length())
-    first = np.arange(0, n, width)
-    firsts = list[Ints]()
+    first = np.arange(0, n, width)  # first interval of each piece that is tried
+    firsts = list[Ints]()  # of pieces that fit
     all_series = list[Floats]()
     worst = 0.0
     while width > 1:
         stop = np.minimum(first + width, n)
         is_whole = first + width == stop
-        good = is_whole & (jumps_before[stop - 1] == jumps_before[first])
-        series, misses = _through(signal, edges, first[good], width)
+        has_no_jump = jumps_before[stop - 1] == jumps_before[first]
+        may_fit = is_whole & has_no_jump
+        series, misses = _through(signal, edges, first[may_fit], width)
         fits = misses <= tolerance
-        good[good] = fits
+        good = may_fit.copy()
+        good[may_fit] = fits
         worst = max(worst, misses[fits].max(initial=0.0))
         firsts.append(first[good])
         all_series.append(series[fits])
         width //= 2
         halved = first[~good]
-        first = np.concatenate((halved, halved + width))
+        first = np.concatenate((halved, halved + width))  # both halves are tried
         first = first[first < n]
     own_series = signal.cut(edges[:-1], int(edges[-1])).coefficients[first]
     single = np.zeros((len(first), POINTS))
@@ -196,14 +211,17 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
 def _through(
     signal: Pieces, edges: Ints, first: Ints, width: int
 ) -> tuple[Floats, Floats]:
-    """Series through `width` intervals from each `first` on, and their largest misses."""
+    """Series through `width` intervals from each `first` on, [piece, coefficient], and misses.
+
+    The miss of a piece is its largest difference from the signal, at `SHARES` of each interval.
+    """
     low = edges[first]
     high = edges[first + width]
     durations = (high - low)[:, None]
-    values = signal.at(low[:, None] + durations * (_X + 1) / 2)
+    values = signal.at(low[:, None] + durations * (_X + 1) / 2)  # [piece, point]
     values[:, -1] = signal.at(high, "left")
     series = values @ _SERIES.T
-    intervals = first[:, None] + np.arange(width)
+    intervals = first[:, None] + np.arange(width)  # [piece, interval of the piece]
     starts = edges[intervals]
     stops = edges[intervals + 1]
     inside = starts[..., None] + (stops - starts)[..., None] * SHARES
@@ -217,7 +235,10 @@ def _through(
 
 
 def backwards(pieces: Any) -> Any:
-    """Pieces with time reversed."""
+    """Pieces with time reversed: from the last to the first, at negative ticks.
+
+    T_m(-y) = (-1)^m T_m(y). The break at the start of a piece is now at the start of the next.
+    """
     back = pieces[::-1].copy()
     back["start"] = -pieces["end"][::-1]
     back["end"] = -pieces["start"][::-1]

@@ -10,7 +10,11 @@ from . import lines
 
 
 def waves_of(log: Any, count: int) -> list[Any]:
-    """Pieces of so many lines: each `start`, tick, and the integrals up to it."""
+    """The pieces of each of `count` lines of a log, as a table by line.
+
+    Each table has lists by piece: ``piece``, its ``place`` in the log, its ``start``, tick, and
+    ``passed``, the integrals of `passed_by` up to the start.
+    """
     waves: list[Any] = [
         {"log": log, "piece": [], "place": [], "start": [], "passed": []}
         for _ in range(count)
@@ -28,28 +32,30 @@ def waves_of(log: Any, count: int) -> list[Any]:
 
 
 def place_of(wave: Any, tick: float) -> int:
-    """Number of the piece that holds at a tick."""
+    """Number of the piece of a wave that holds at a tick; the first one before all of them."""
     return max(0, bisect_right(wave["start"], tick) - 1)
 
 
 def share_of(piece: Any, tick: float) -> float:
-    """Place of a tick in a piece, from -1 to 1."""
+    """Place of a tick in a piece, from -1 at its start to 1 at its end, and 1 behind it."""
     return min(1.0, 2 * ((tick - piece.start) / (piece.end - piece.start)) - 1)
 
 
 def value_at(wave: Any, tick: float) -> float:
-    """Value at a tick; the last one holds on."""
+    """Value of a wave at a tick; the last one holds on."""
     piece = wave["piece"][place_of(wave, tick)]
     return float(lines.at(piece, share_of(piece, tick)))
 
 
 def passed_by(wave: Any, tick: float) -> tuple[float, float]:
-    """Integrals from the start of the line to a tick, of the value and of its square, in ticks."""
+    """Integrals of a wave and of its square over ticks, from the start of its line to a tick."""
     i = place_of(wave, tick)
     begin = wave["start"][i]
     passed, squares = wave["passed"][i]
     if tick > begin:
-        half = (tick - begin) / 2
+        half = (
+            tick - begin
+        ) / 2  # ticks for a unit of y, over which `moments` integrates
         row = wave["place"][i]
         integrals = lines.moments(wave["log"], row, begin, 2 * half, 0.0)
         passed = passed + half * integrals.whole

@@ -14,7 +14,10 @@ MISSED_GOAL_FACTOR = 10.0
 
 
 def tally_of(link: Any, tick: float, now: int) -> ContactTally:
-    """Totals of the contact that a link is, in SI units, in a run that has come to a tick."""
+    """Totals of the contact that a link is, in SI units, in a run up to tick `now`.
+
+    `tick` is the duration of a tick, s. An impact has no peak force: it is nan.
+    """
     is_impact = link.law == Law.IMPACT
     peak = link.peak_force
     if is_impact:
@@ -32,7 +35,10 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
 
 
 def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
-    """Time of the end of the last contact, s, as of `last_contact`; nan without a proof."""
+    """Time of the end of the last contact, s, by `status.last_contact`; nan without a proof.
+
+    `end` is the end of the run, s, `round_trip` the longest time in a body there and back, s.
+    """
     if run.proved_tick < 0:
         return math.nan
     ends = []
@@ -51,7 +57,7 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
 
 
 def why_stopped(run: Any, has_given_end: bool) -> str:
-    """The reason why a run ended, in one word."""
+    """The reason why a run ended: "max_events", "until", "final" or "clock"."""
     if run.stop_reason == Stop.CAP:
         return "max_events"
     if has_given_end:
@@ -64,7 +70,7 @@ def why_stopped(run: Any, has_given_end: bool) -> str:
 def end_of_run(
     run: Any, links: Any, system: Any, stopped_by: str, end: float, t_final: float
 ) -> RunEnd:
-    """Why a run ended.
+    """Sentences on why a run ended.
 
     Parameters
     ----------
@@ -83,7 +89,7 @@ def end_of_run(
     return describe_end(stopped_by, proof, format_si(end, "s"), work, system)
 
 
-def stated(worst: float, goal: float) -> str:
+def accuracy_sentence(worst: float, goal: float) -> str:
     """Sentence of the status on the largest stated error; `goal` is rtol."""
     text = f" Stated relative error: {worst:.1g}."
     if worst > MISSED_GOAL_FACTOR * goal:
