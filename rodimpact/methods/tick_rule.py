@@ -16,9 +16,7 @@ from .record_lists import dtype_of
 MAX_TERM = 1 << 20  # largest numerator or denominator of a recognised ratio
 RATIO_RTOL = 4.0 * 2.0**-52  # round-off in a ratio of two quotients of floats
 MAX_PARTS = 1 << 40  # largest number of equal parts of the longest duration
-DIVISIBLE = (
-    720720  # least common multiple of 1 to 16: its multiples have whole fractions
-)
+DIVISIBLE = 720720  # lcm of 1 to 16: fractions of its multiples are whole
 MIN_UNIT = 2.0**40  # ticks in a part of a further class: its rounding is below 2^-41
 
 CLOCK_BITS = 62  # ticks end at 2^62
@@ -162,9 +160,8 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
         leader = durations[durations[start].sorted_index]
         if leader.q < 0:
             continue
-        exact_ticks = (
-            leader.time / longest_time * longest_ticks
-        )  # 0 for the first class
+        # Ticks of the leader before they are rounded; 0 for the first class
+        exact_ticks = leader.time / longest_time * longest_ticks
         max_parts = MAX_PARTS
         if start > 0:
             max_parts = int(exact_ticks / MIN_UNIT)

@@ -61,9 +61,7 @@ class Segment:
     group_velocity: Amplitude
     momentum: Amplitude
     vibration_energy: Amplitude  # energy about `group_velocity`
-    max_wave_difference: (
-        Amplitude  # largest abs(a - b) so far; the stress is E/(2 c) times it
-    )
+    max_wave_difference: Amplitude  # max abs(a - b): the stress is E/(2 c) times it
 
     # Motion of its group in the proof for a contact beside it
     mean_velocity: Amplitude

@@ -56,9 +56,7 @@ class Link(link.Link):
     right_node: int
     leftmost_node: int  # first and last node whose velocity its force changes in a step
     rightmost_node: int
-    chain_end: (
-        int  # last link of a coupled chain, at its first link; NONE at other links
-    )
+    chain_end: int  # last link of a chain, at its first; NONE at other links
     # Closing per force over a step
     self_mobility: float  # half of the velocity change of both ends by the own force
     coupling_mobility: float  # half of that by the force of the link before it
@@ -133,21 +131,13 @@ class Grid(NamedTuple):
 
     run: Any  # one RUN
     velocity: Any  # [node]
-    force: (
-        Any  # [cell] elastic tension in the middle of the last step; 0 between pieces
-    )
+    force: Any  # [cell] elastic tension in the middle of the last step
     # LU factors of the tridiagonal matrix of a step, [node], see `elimination_kernel`
     lower: Any  # 0 where nothing is implicit
-    inverse_diagonal: (
-        Any  # 1/mass where nothing is implicit; 1 at a prescribed velocity
-    )
+    inverse_diagonal: Any  # 1/mass where nothing is implicit; 1 if prescribed
     upper: Any
-    velocity_by_first: (
-        Any  # [node] velocity by a unit force on the first node of its piece
-    )
-    velocity_by_last: (
-        Any  # [node] velocity by a unit force on the last node of its piece
-    )
+    velocity_by_first: Any  # [node] by a unit force on the first node of its piece
+    velocity_by_last: Any  # [node] by a unit force on the last node of its piece
     stiffness: Any  # [cell]
     pieces: Any  # [piece] PIECE
     viscous: Any  # [cell] eta A/dx
@@ -177,9 +167,7 @@ class StepHistory(NamedTuple):
     """Records of each step, and states that are kept."""
 
     signals: Any  # [step, link] SIGNAL
-    prescribed: (
-        Any  # [step, end] force, incident wave, or velocity at the end of the step
-    )
+    prescribed: Any  # [step, end] force, wave, or velocity at the end of a step
     velocities: Any  # [step, watched node] velocity at the end of the step
     tensions: Any  # [step, pulled cell] elastic tension in the middle of the step
     shafts: Any  # [step, rod that soil holds] SHAFT_FORCE

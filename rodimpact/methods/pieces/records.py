@@ -37,9 +37,7 @@ class Part(IntEnum):
 
 
 SMOOTH = 99  # order of a break where no derivative jumps
-HARD = (
-    2  # largest order of a break that ends a piece; the order is that of the derivative
-)
+HARD = 2  # largest order of a break that ends a piece: a jump of the second derivative
 NONE = -1  # no piece, no line, no link, no tick
 NEVER = 1 << 61  # tick that is never reached
 
@@ -104,19 +102,13 @@ class Link(link.Link):
     overlap: float  # d, m
     overlap_rate: float  # d', m/s
     overlap_acceleration: float  # d'', m/s^2
-    effective_mobility: (
-        float  # velocity by a force of 1 N in the shortest transit, s/kg
-    )
+    effective_mobility: float  # velocity by 1 N in the shortest transit, s/kg
     closing_after: float  # closing velocity that an impact leaves, m/s
-    history_line: (
-        int  # first of the lines that keep force, overlap and closing velocity
-    )
+    history_line: int  # first line with its force, overlap and closing
     left_group: int  # first part of the group on the left; NONE if the link cannot open
     right_group: int  # first part of the group on the right
     logged_status: int  # `Status` that was logged last: OPEN, GRAZE or PRESS
-    unknown_index: (
-        int  # number of its force among the unknown ones, NONE if it is given
-    )
+    unknown_index: int  # place of its force among the unknown ones, or NONE
 
     # Totals
     impulse: float  # N s
@@ -128,9 +120,7 @@ class Link(link.Link):
     starts_episode: int  # 1: the next force begins another episode
     force_ticks: Tick  # total time with force
     faint_ticks: Tick  # time since it closed, without a force that counts
-    fading_ticks: (
-        Tick  # duration of its last piece with force, if that ends with a faint one
-    )
+    fading_ticks: Tick  # its last piece with force, if its end is faint
     cut_ticks: Tick  # time in which a force became faint, or acted and counts as none
     episodes: int
     event_error: float  # largest error of the time of an event in its piece, s
@@ -160,9 +150,7 @@ class ContactEvent:
     link: int
     status: int  # `Status`: OPEN, GRAZE or PRESS
     impulse: float  # impulse of an impact, N s; 0 for other contacts
-    mean_closing: (
-        float  # mean of the closing velocities before and after an impact, m/s
-    )
+    mean_closing: float  # mean closing velocity of an impact, m/s; 0 for others
 
 
 class GroupPart:
@@ -188,9 +176,7 @@ class GroupPart:
     ends_follow_waves: int  # 1: its ends move with no velocities but those of the waves
     reference_energy: float  # energy about `reference_velocity`, J
     end_deviations: Sides  # displacement of the ends from the reference motion, m
-    compliance_integrals: (
-        Sides  # squared displacement over twice the energy, at most, m/N
-    )
+    compliance_integrals: Sides  # bound of (end deviation)^2/(2 energy), m/N
 
 
 class Run:
@@ -220,15 +206,11 @@ class Run:
     averaged_steps: int  # steps in which breaks were too dense
     first_averaged_tick: Tick  # start of the first of them, NONE before
     max_truncation_error: float  # largest one that was accepted, m/s
-    shared_error: (
-        float  # largest error of a piece that is as long at any tolerance, m/s
-    )
+    shared_error: float  # largest error of a piece that no tolerance limits, m/s
     resting_impacts: int  # impacts after which bodies rest on each other
     resting_velocity: float  # largest velocity of parting that counts as rest, m/s
     stop_reason: int  # `Stop`
-    graze_velocity: (
-        float  # m/s: a force that makes less in the shortest transit is none
-    )
+    graze_velocity: float  # smallest velocity that a force must make, m/s
 
 
 Nodes: TypeAlias = Sequence[Node]
