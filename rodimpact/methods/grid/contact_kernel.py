@@ -50,23 +50,22 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     """
     x0 = -link.gap
     y = link.self_mobility
-    top = x0 + c
+    top = x0 + c  # x1 without the own force, the largest that it may be
     if link.law == Law.JOINT:  # which pulls as well
+        # F = k (x0 + x1)/2 + d (x1 - x0) = k x0 + slope (x1 - x0) is linear.
         k = link.stiffness
         slope = k / 2 + link.damping
         divisor = 1 + y * slope
-        return (k * x0 + slope * c) / divisor, x0 + (c - y * k * x0) / divisor, slope
+        F = (k * x0 + slope * c) / divisor
+        x1 = x0 + (c - y * k * x0) / divisor
+        return F, x1, slope
     x = min(link.overlap, top)
     yields = False
     if link.law == Law.YIELD:
         # The mean force bends both ways, its work only up: begin on the right of the root.
         elastic_limit = link.yield_force / link.stiffness
-        yields = (
-            elastic_limit
-            - top
-            + y * contact_laws.mean_force(link, x0, elastic_limit)[0]
-            < 0
-        )
+        force_at_limit, _ = contact_laws.mean_force(link, x0, elastic_limit)
+        yields = elastic_limit - top + y * force_at_limit < 0  # the root is beyond
         x = top
         if not yields:
             x = min(elastic_limit, top)
@@ -75,13 +74,14 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     for _ in range(MAX_NEWTON_STEPS):
         F, slope = contact_laws.mean_force(link, x0, x)
         residual = x - top + y * F
+        # Where the contact yields, Newton's method is for (x - x0) residual, which only bends up.
         curvature = 0.0
         if yields:
             curvature = residual / (x - x0)
         step = residual / (1 + y * slope + curvature)
         F = F - slope * step
         x = min(x - step, top)
-        size = x
+        size = x  # what the step is small beside
         if x <= 0:
             size = x0 - x
         # The overlap of a stiff contact is small beside the closing that it stops.
@@ -97,7 +97,7 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
 
 
 def closing_without_own_force(links: Any, i: int) -> float:
-    """Closing of link i in this step without its own force.
+    """Closing of link i in this step without its own force, by those of both neighbours.
 
     The first link of a chain shares nothing with the one before it. Behind the last of all links
     comes the first.
@@ -115,7 +115,18 @@ def closing_without_own_force(links: Any, i: int) -> float:
 def gauss_seidel_sweep(
     links: Any, first: int, last: int, speed: float
 ) -> tuple[float, float]:
-    """Solve link after link, with the forces of the others as they are.
+    """Set the forces of the links of a chain one after the other, with the others as they are.
+
+    The closing without the own force is c. A rigid link, or an impact, takes
+    F = max(0, (c - max_closing)/mobility); other links are solved by `solve_link`.
+
+    Parameters
+    ----------
+    links : list of LINK
+    first, last : int
+        First and last link of the chain.
+    speed : float
+        Speed of the bodies.
 
     Returns
     -------
@@ -145,24 +156,31 @@ def gauss_seidel_sweep(
 
 
 def take_newton_step(links: Any, first: int, last: int) -> None:
-    """Take a Newton step for all links together, with the tangent of each law.
+    """Take a Newton step for the forces of all links of a chain together.
 
-    The forces before it are stored in `force_before`.
+    With the tangent of its law each link has F = F0 + s (x1 - overlap), s the slope, and
+    x1 = -gap + closing, which the forces of neighbours change. Where the closing is fixed, as at a
+    rigid contact, that condition takes its place. The equations are tridiagonal: they are
+    eliminated from the first link to the last, and solved back.
+
+    The forces before it are stored in `force_before`. Contacts never pull.
     """
     for i in range(first, last + 1):
         link = links[i]
         before = links[i - 1]
         s = link.force_slope
-        if s < 0:  # the closing is fixed
+        if (
+            s < 0
+        ):  # the closing is fixed: mobility F = closing without force - max_closing
             s = -s
             middle = link.self_mobility
             right = link.force_free_closing - link.max_closing
-        else:
+        else:  # (1 + s mobility) F = F0 + s (closing without force - overlap - gap)
             middle = 1 + s * link.self_mobility
             right = link.force + s * (link.force_free_closing - link.overlap - link.gap)
         right += s * link.coupling_mobility * before.force
         pivot = middle + s * link.coupling_mobility * before.upper
-        if pivot <= 4 * EPS * middle:
+        if pivot <= 4 * EPS * middle:  # nothing but round-off is left
             pivot = middle
         link.force_before = link.force
         link.force = right / pivot
@@ -175,7 +193,7 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
 
 
 def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
-    """Find the forces of a chain; False where there are none (a mass squeezed by walls).
+    """Set the forces of a chain; return False where there are none (a mass squeezed by walls).
 
     Gauss-Seidel sweeps descend on a convex function, the dual energy of the step, and so always
     converge, if slowly. A Newton step is kept where it halves the change in the next sweep. One
@@ -206,13 +224,16 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
 
 
 def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
-    """Let impacts happen whose gaps would close in this step; whether there is a new one.
+    """Let impacts of a chain begin whose gaps would close in this step; return whether one does.
 
-    An impact that has not begun has an infinite `max_closing`.
+    An impact that has not begun has an infinite `max_closing`. The one that begins at the closing
+    velocity u is to leave -e u: the mean over the step is (1 - e) u/2. Gaps within `tolerance`
+    below 0 are closed already.
     """
     has_new_impact = False
     for i in range(first, last + 1):
         link = links[i]
+        # Closing in this step with the own force
         w = closing_without_own_force(links, i) - link.force * link.self_mobility
         if link.max_closing == math.inf and link.gap - w < -tolerance:
             u = link.initial_closing
@@ -224,25 +245,27 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
 
 
 def updated_gap(link: Link, w: float, tolerance: float) -> float:
-    """Gap of a link at the end of a step in which it closes by w; update its state."""
+    """Return the gap of a link at the end of a step in which it closes by w.
+
+    Set what else has changed: whether a rigid contact is closed, and yield force and hardening of
+    one that yields. Closing velocities within `tolerance` are 0.
+    """
     gap: float = -link.overlap
     if link.law == Law.RIGID or link.law == Law.IMPACT:
         gap = link.gap - w
+    final_closing = 2 * w - link.initial_closing  # velocity, as w is a mean
+    is_at_rest = link.force <= 0 and link.gap <= 0 and abs(w) <= tolerance
     if link.law == Law.RIGID:
         if link.is_closed == 0:
             if link.force > 0:
                 link.is_closed = 1
-        elif link.force <= 0 and 2 * w - link.initial_closing < -tolerance:
+        elif link.force <= 0 and final_closing < -tolerance:
+            # It opens at the kick in the middle of the step: the gap is -final_closing/2.
             link.is_closed = 0
             gap = link.initial_closing / 2 - w
         else:
             gap = 0.0
-    elif (
-        link.law == Law.IMPACT
-        and link.force <= 0
-        and link.gap <= 0
-        and abs(w) <= tolerance
-    ):
+    elif link.law == Law.IMPACT and is_at_rest:
         gap = link.gap
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
         # It hardens, and its faces move for good.

@@ -4,9 +4,9 @@ The left side of equation i is x[i] where its value is prescribed, else
 
     diagonal[i] x[i] - off_diagonal[i] x[i - 1] - off_diagonal[i + 1] x[i + 1].
 
-Pieces are not coupled to each other, so all of them are
-solved at once, from both ends of the row to its middle: two recurrences that do not wait for each
-other.
+Pieces are not coupled to each other, so all of them are solved at once, from both ends of the row
+to its middle: two recurrences that do not wait for each other. Seen from its end, the node before i
+is i - 1 in the left half and i + 1 in the right half, and is eliminated already.
 """
 
 from typing import Any
@@ -27,7 +27,9 @@ def factor(
     """
     n = len(diagonal)
     m = (n - 1) // 2
-    left_inverse = 0.0  # of the node on the left, which is eliminated
+    left_inverse = (
+        0.0  # `inverse_diagonal` and `upper` of the node before, in the left half
+    )
     left_share = 0.0
     for i in range(m):
         lower[i] = 0.0
@@ -41,7 +43,7 @@ def factor(
         upper[i] = share
         left_inverse = inverse
         left_share = share
-    right_inverse = 0.0
+    right_inverse = 0.0  # the same in the right half
     right_share = 0.0
     for i in range(n - 1, m, -1):
         lower[i] = 0.0
@@ -67,12 +69,16 @@ def factor(
 
 
 def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
-    """Solve the equations: x holds their right sides and becomes the solution."""
+    """Solve the equations: x holds their right sides and becomes the solution.
+
+    The factors are those of `factor`. Node i of the left half goes together with node 2 m - i of
+    the right half, m the middle node.
+    """
     n = len(x)
     m = (n - 1) // 2
     last = 2 * m
-    y = 0.0
-    z = 0.0
+    y = 0.0  # value of the node before, in the left half
+    z = 0.0  # in the right half
     for i in range(last + 1, n):  # an even number has one node more on the right
         z = x[i]
     for i in range(m):

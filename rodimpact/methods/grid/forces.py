@@ -24,6 +24,7 @@ def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
             forces.append(run.bond_force(link))
 
     def momentum_rate(body: int) -> Floats:
+        """Rate of the momentum of a rigid body in each step, N."""
         mass = float(row.system.bodies[body].mass)
         gained = np.diff(run.mass_velocity(row.mass_of[body]))
         return np.asarray(mass * gained / run.step)
@@ -35,24 +36,28 @@ def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
 
 
 def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
-    """Force and velocity of what acts on the left or right end, in the laboratory."""
+    """Force and velocity of what acts on the left (0) or right (1) end, in the laboratory.
+
+    None at a free end, and in a run without steps.
+    """
     row = run.row
     link = (0, len(row.links) - 1)[side]
     kind, _ = row.boundaries[side]
     if kind == "none" or not run.steps:
         return None
     v = run.velocity(run.mesh.ends[side])
-    speed = (v[:-1] + v[1:]) / 2
-    force = run.history.prescribed[:, side]
+    speed = (v[:-1] + v[1:]) / 2  # mean over each step
+    force = run.history.prescribed[
+        :, side
+    ]  # of a pushed end; a wave at an absorbing one
     if link in run.mesh.touching:
         force = run.recorded(link, "force")
     elif kind == "velocity":
         force = run.bond_force(link)
     elif kind == "absorbing":
         end = run.grid.ends[side]
-        force = INWARD[side] * (
-            end["impedance"] * (end["background_wave"] + force - speed)
-        )
+        excess = end["background_wave"] + force - speed
+        force = INWARD[side] * (end["impedance"] * excess)
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return BoundaryAction(
         row.boundary_name(side),
@@ -62,7 +67,7 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
 
 
 def over_steps(run: GridRun, means: Floats) -> Pieces:
-    """A signal with these means over steps."""
+    """A signal, by ticks, with these means over the steps of a run; 0 in a run without steps."""
     if run.steps == 0:
         return Pieces([0], [0.0])
     return Pieces(run.edges[:-1], means)

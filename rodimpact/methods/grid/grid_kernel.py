@@ -41,13 +41,14 @@ from .records import INDEX_MASK, NONE, Run
 
 
 def run_steps(grid: Any, history: Any, until: int) -> bool:
-    """Go on to the end of step `until`.
+    """Take steps until `until` steps are taken, and fill the window `history` with them.
 
     Parameters
     ----------
     grid : Grid
     history : StepHistory
-        From step `run.first_step` on.
+        Its entries are those of the steps from `run.first_step` on. `prescribed` and `when` are
+        given: values at the ends, and the steps after which states are stored.
     until : int
 
     Returns
@@ -168,9 +169,12 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
 def keep_nodes(
     run: Run, v: Any, force: Any, stiffness: Any, kept_velocity: Any, kept_force: Any
 ) -> None:
-    """Store velocities and tensions as they are at the end of a step."""
+    """Store velocities and tensions at the end of a step in the next state that is kept.
+
+    Tensions are known in the middle of a step: half a step adds k (v[i] - v[i - 1])/2.
+    """
     n = len(v)
-    nodes = run.kept_states * n
+    nodes = run.kept_states * n  # first entry of the state among those of nodes
     cells = run.kept_states * (n + 1) & INDEX_MASK
     kept_force[cells] = 0.0
     kept_force[cells + n] = 0.0
@@ -189,7 +193,10 @@ def keep_radial_strains(
     kept_radial: Any,
     kept_rate: Any,
 ) -> None:
-    """Store radial strains and their rates as they are at the end of a step."""
+    """Store radial strains q, and their rates, at the end of a step in the next state that is kept.
+
+    q is known in the middle of a step: half a step adds rate/2.
+    """
     cells = run.kept_states * len(coupling) & INDEX_MASK
     for i in range(len(coupling)):
         kept_rate[cells + i] = radial_rate[i]
@@ -199,7 +206,7 @@ def keep_radial_strains(
 def add_radial_tensions(
     run: Run, radial_rate: Any, coupling: Any, kept_force: Any
 ) -> None:
-    """Add what radial strains change in the tensions in half a step."""
+    """Add what radial strains change in half a step, b rate/2, to the tensions that are kept."""
     cells = run.kept_states * len(coupling) & INDEX_MASK
     for i in range(len(coupling)):
         kept_force[cells + i] += coupling[i] * radial_rate[i] / 2
@@ -208,7 +215,7 @@ def add_radial_tensions(
 def keep_pieces(
     run: Run, pieces: Any, lost: Any, kept_displacement: Any, kept_lost: Any
 ) -> None:
-    """Store displacements of the pieces, and the energy that is lost in all cells."""
+    """Store displacements of pieces, and the energy lost in all cells, in the next state kept."""
     first = run.kept_states * len(pieces)
     for i in range(len(pieces)):
         kept_displacement[first + i] = pieces[i].displacement
@@ -219,7 +226,7 @@ def keep_pieces(
 
 
 def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) -> None:
-    """Store what is prescribed in this step, and the closing velocities before it."""
+    """Set what is prescribed at the ends in this step, and the closing velocities before it."""
     for i in range(len(links)):
         link = links[i]
         link.initial_closing = v[link.left_node] - v[link.right_node]
@@ -228,20 +235,23 @@ def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) 
 
 
 def store_selected(run: Run, values: Any, selected: Any, table: Any) -> None:
-    """Store selected values in the row of a table that belongs to this step."""
+    """Store the `values` at the indices `selected` in the row of a table of this step."""
     row = run.step - run.first_step
     for k in range(len(selected)):
         table[row * len(selected) + k] = values[selected[k]]
 
 
 def drift_pieces(pieces: Any, v: Any) -> None:
-    """Let pieces drift for half a step."""
+    """Let pieces drift for half a step: their displacements grow by v/2 of the first node."""
     for p in range(len(pieces)):
         pieces[p].displacement += v[pieces[p].first_node] / 2
 
 
 def drift_cells(v: Any, force: Any, stiffness: Any) -> None:
-    """Forces in the middle of the step; between pieces there is no stiffness."""
+    """Move the forces of cells to the middle of the step: k (v[i] - v[i - 1]) is added.
+
+    Between pieces there is no stiffness.
+    """
     for i in range(1, len(v)):
         force[i] += stiffness[i] * (v[i] - v[i - 1])
 
@@ -249,7 +259,7 @@ def drift_cells(v: Any, force: Any, stiffness: Any) -> None:
 def drift_radially(
     radial_strain: Any, radial_rate: Any, coupling: Any, force: Any
 ) -> None:
-    """Radial strains in the middle of the step, and their part of the tensions."""
+    """Move radial strains to the middle of the step, and add their part b dq of the tensions."""
     for i in range(len(radial_strain)):
         radial_strain[i] += radial_rate[i]
         force[i] += coupling[i] * radial_rate[i]
@@ -264,34 +274,41 @@ def kick_radially(
     shear: Any,
     force: Any,
 ) -> None:
-    """Rates of radial strain at the end of the step."""
-    before = 0.0
+    """Move the rates of radial strain to the end of the step.
+
+    J dq_t = s_i (q[i + 1] - q[i]) - s_(i-1) (q[i] - q[i - 1]) - (G - b^2/k) q - b/k tension.
+    """
+    before = 0.0  # shear force from the cell on the left
     for i in range(len(radial_strain) - 1):
         after = shear[i] * (radial_strain[i + 1] - radial_strain[i])
-        radial_rate[i] += inverse_radial_inertia[i] * (
-            after
-            - before
-            - radial_stiffness[i] * radial_strain[i]
-            - tension_share[i] * force[i]
-        )
+        elastic = radial_stiffness[i] * radial_strain[i]
+        push = after - before - elastic - tension_share[i] * force[i]
+        radial_rate[i] += inverse_radial_inertia[i] * push
         before = after
 
 
 def push_ends(v: Any, force: Any, ends: Any) -> None:
-    """Forces from outside, entered as if there were cells beyond the ends of the row."""
+    """Set the forces from outside, as tensions of cells beyond the ends of the row.
+
+    An endless bar of impedance Z presses with Z (wave - v), towards the row.
+    """
     for side in range(2):
         end = ends[side]
-        push = 0.0  # into the row
+        push = 0.0  # force that presses the end into the row
         if end.kind == BoundaryKind.PUSHED:
             push = end.prescribed
         elif end.kind == BoundaryKind.ENDLESS:
             wave = end.background_wave + end.prescribed
-            push = (1 - 2 * side) * end.impedance * (wave - v[end.node])
+            inward = 1 - 2 * side  # 1 on the left, -1 on the right
+            push = inward * end.impedance * (wave - v[end.node])
         force[end.node + side] = -push
 
 
 def kick(v: Any, force: Any, inverse_mass: Any) -> None:
-    """Velocities at the end of the step, where nothing is implicit."""
+    """Move velocities to the end of a step in which nothing is implicit.
+
+    m dv = F_right - F_left, with node i between the cells i and i + 1.
+    """
     for i in range(len(v)):
         v[i] += inverse_mass[i] * (force[i + 1] - force[i])
 
@@ -299,8 +316,12 @@ def kick(v: Any, force: Any, inverse_mass: Any) -> None:
 def find_implicit_forces(
     v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any
 ) -> None:
-    """Right side x of the equations of a step: elastic and viscous forces on the nodes."""
-    before = force[0]
+    """Set x, the right side of the equations of a step: elastic and viscous forces on the nodes.
+
+    The viscous force is eta A/dx (v[i + 1] - v[i]) with the velocities before the step, which are
+    kept in `old_velocity`.
+    """
+    before = force[0]  # tension on the left of node i
     for i in range(len(v) - 1):
         old_velocity[i] = v[i]
         after = force[i + 1] + viscous[i + 1] * (v[i + 1] - v[i])
@@ -312,27 +333,30 @@ def find_implicit_forces(
 
 
 def prescribe_changes(v: Any, x: Any, ends: Any) -> None:
-    """Where a velocity is prescribed, its change is the right side x of its equation."""
+    """Set the right side x of the equation of each moved end: the change of its velocity."""
     for side in range(2):
         if ends[side].kind == BoundaryKind.MOVED:
             x[ends[side].node] = ends[side].prescribed - v[ends[side].node]
 
 
 def apply_changes(v: Any, change: Any) -> None:
-    """Velocities at the end of the step, where something is implicit."""
+    """Add the changes to the velocities: they are those at the end of the step then."""
     for i in range(len(v)):
         v[i] += change[i]
 
 
 def set_prescribed_velocities(v: Any, ends: Any) -> None:
-    """Set the velocities of ends that are moved, free of round-off."""
+    """Set the velocities of moved ends to the prescribed ones, free of round-off."""
     for side in range(2):
         if ends[side].kind == BoundaryKind.MOVED:
             v[ends[side].node] = ends[side].prescribed
 
 
 def solve_contacts(run: Run, v: Any, links: Any) -> bool:
-    """Solve all links, chain by chain; False where bodies of a chain cannot move."""
+    """Find the forces of all links in this step, chain by chain.
+
+    Return False where bodies of a chain cannot move, as a mass between two walls.
+    """
     for i in range(len(links)):
         if links[i].chain_end != NONE and not solve_contact_chain(run, v, links, i):
             return False
@@ -340,19 +364,29 @@ def solve_contacts(run: Run, v: Any, links: Any) -> bool:
 
 
 def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
-    """Solve the links of a coupled chain; False where their bodies cannot move."""
+    """Find the forces of a chain of links, whose first is link `first`; False if there are none.
+
+    Links that are coupled by bodies between them make a chain, see `contact_kernel`.
+    """
     last = links[first].chain_end
     speed = 0.0
     for i in range(first, last + 1):
         link = links[i]
-        u = v[link.left_node]
-        w = v[link.right_node]
-        speed = max(speed, abs(u) + abs(w) + abs(link.initial_closing))
-        link.force_free_closing = (link.initial_closing + u - w) / 2
+        left = v[
+            link.left_node
+        ]  # velocities at the end of the step without link forces
+        right = v[link.right_node]
+        speed = max(speed, abs(left) + abs(right) + abs(link.initial_closing))
+        # The closing of a step is the mean of the closing velocities before and after it.
+        link.force_free_closing = (link.initial_closing + left - right) / 2
         link.force_slope = 0.0
-        link.overlap = link.closing - link.gap
+        link.overlap = (
+            link.closing - link.gap
+        )  # guess: the closing of the last step goes on
         link.max_closing = math.inf  # an impact waits until it happens
         if link.law != Law.IMPACT:
+            # A rigid contact that is closed closes no more at the end of the step. One that closes
+            # inside the step is stopped over two steps.
             max_closing = link.gap / 2 + link.initial_closing / 4
             if link.is_closed == 1:
                 max_closing = link.initial_closing / 2
@@ -370,7 +404,7 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
 def push_pieces(
     v: Any, by_first: Any, by_last: Any, links: Any, tolerance: float
 ) -> None:
-    """Add the velocities that the solved link forces cause on both sides of the links.
+    """Change the velocities on both sides of the links by the forces that were found.
 
     The force of a rigid link is set to 0 where it is round-off: where the closing velocity that it
     takes away is within `tolerance`, m/s. `by_first` and `by_last` are the velocities by a unit
@@ -394,7 +428,11 @@ def push_pieces(
 
 
 def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
-    """Record forces and closings of the links, and their gaps at the end of the step."""
+    """Set closings and gaps of the links at the end of the step; store them with the forces.
+
+    `signals` has a row for each step of the window. In the first step the force that contacts had
+    as they closed at t = 0 is added, and the closing is such that force times closing is the work.
+    """
     for i in range(len(links)):
         link = links[i]
         gap_before = link.gap
@@ -418,7 +456,10 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
 
 
 def dissipate(v: Any, old_velocity: Any, viscous: Any, lost: Any) -> None:
-    """Add the energy that viscosity turned to heat in this step."""
+    """Add the energy that viscosity turned to heat in this step to that `lost` in each cell.
+
+    It is eta A/dx times the square of the mean rate of elongation.
+    """
     for i in range(1, len(v)):
         rate = (v[i] - v[i - 1] + (old_velocity[i] - old_velocity[i - 1])) / 2
         lost[i] += viscous[i] * rate * rate

@@ -25,7 +25,7 @@ FLAT_RTOL = 1e-9
 
 
 def largest_force(force: Floats) -> float:
-    """Largest force of a curve with these means, in the step of the largest mean.
+    """Largest force of a curve with these means over steps, N, in the step of the largest mean.
 
     The curve is the parabola with the means of this step and of both neighbours. Where these span
     a jump or a kink, it is the parabola through this step and two steps before or behind it: if
@@ -34,9 +34,10 @@ def largest_force(force: Floats) -> float:
     if np.max(force, initial=0.0) <= 0:
         return 0.0
     top = int(np.argmax(force))
+    # Two steps more on both sides, so that `top` is the middle of five
     earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
     value, slope, curve = _parabola(before, F, after)
-    begin = 1  # the step begins one step behind the first of the three
+    begin = 1  # begin of the step, in steps behind the begin of the first of the three
     largest = F
     least_curvature = abs(curve)
     for second, third in ((after, later), (before, earlier)):
@@ -55,17 +56,22 @@ def largest_force(force: Floats) -> float:
 
 
 def _parabola(first: float, second: float, third: float) -> tuple[float, float, float]:
-    """Value, slope and curvature at the begin of the first of three steps, from their means."""
+    """Parabola a + b t + c t^2 with these means over three steps: a, b and c.
+
+    t is counted in steps from the begin of the first one.
+    """
     curve = (first - 2 * second + third) / 2
     slope = second - first - 2 * curve
     return first - slope / 2 - curve / 3, slope, curve
 
 
 def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
-    """When a force begins and ends, and when the gap has opened before it presses again, [n, 3].
+    """Times in steps, [n, 3]: begin and end of each force, and the opening before the next one.
 
-    A gap has opened once it passes `open_gap`, m. A time that does not come is nan.
+    `gap` is at the ends of steps, with one entry more than `force`. A gap has opened once it passes
+    `open_gap`, m. A time that does not come is nan.
     """
+    # Steps in which forces begin, and those behind their last ones, in turn
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
     wide = np.flatnonzero(gap > open_gap)
     next_begins = [*edges, len(force)][2::2]
@@ -78,7 +84,9 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
         if stop < len(force):
             end = max(begin, end_of_force(force, gap, first, stop))
         opening = math.nan
-        opened = wide[np.searchsorted(wide, stop) :][:1]
+        opened = wide[np.searchsorted(wide, stop) :][
+            :1
+        ]  # first step end with a wide gap
         if opened.size and opened[0] <= following:
             opening = _opening(gap, int(opened[0]), open_gap, end)
         intervals.append((begin, end, opening))
@@ -99,9 +107,9 @@ def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
 
 
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
-    """When the force begins that first presses in step i, in steps.
+    """Time at which the force begins that first presses in step i, in steps.
 
-    It begins where the gap closes, if the gap goes on as in the step before.
+    It begins where the gap closes, if the gap goes on as in the step before; else with step i.
     """
     # The force of step i is round-off: that of the next step begins the contact.
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
@@ -114,7 +122,7 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
 
 
 def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
-    """When the force ends that presses in the steps i to j - 1.
+    """Time at which the force ends that presses in the steps i to j - 1, in steps.
 
     The force of a compliant contact ends where its overlap does, on the parabola through the last
     three step ends. The force of a rigid contact drops to 0 inside its last step: with Fe
@@ -146,7 +154,12 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
 
 
 def _closing_share(gap: Floats, i: int, j: int) -> float:
-    """Share of step j - 1 after which an overlap is 0."""
+    """Share of step j - 1 after which an overlap that ends in it is 0.
+
+    The force began in step i. The gap is the parabola through the last three step ends if it has
+    pressed for three steps, else a line. With s the time in step j - 1, the gap is first_gap + rate
+    (slope s + curve s^2).
+    """
     first_gap = float(gap[j - 1])
     rate = float(gap[j]) - first_gap
     curve = 0.0
@@ -154,6 +167,7 @@ def _closing_share(gap: Floats, i: int, j: int) -> float:
         curve = (1 - (first_gap - float(gap[j - 2])) / rate) / 2
     slope = 1 - curve
     depth = -first_gap / rate
+    # Root of curve s^2 + slope s = depth, in the form that loses no digits
     root = math.sqrt(max(slope * slope + 4 * curve * depth, 0.0))
     return 2 * depth / (slope + root)
 
@@ -179,12 +193,12 @@ def share_of_jump(force: Floats) -> float:
 
 
 def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
-    """When bodies part whose force ends, and whose gap passes `open_gap` before step end k.
+    """Time at which bodies part whose gap passes `open_gap`, m, before step end k, in steps.
 
-    Numerical dispersion opens small false gaps. Take the vertex of the parabola through the times t
-    and s at which the gap passes `open_gap` and half of it, t - (t - s)/(1 - sqrt(1/2)). If the gap
-    did not accelerate before the vertex, that earlier gap is false and the vertex is the opening;
-    else the last zero of the gap is.
+    Their force ended at `force_end`. Numerical dispersion opens small false gaps. Take the vertex
+    of the parabola through the times t and s at which the gap passes `open_gap` and half of it, t -
+    (t - s)/(1 - sqrt(1/2)). If the gap did not accelerate before the vertex, that earlier gap is
+    false and the vertex is the opening; else the last zero of the gap is.
     """
     last_zero = max(_passing_time(gap, k, 0.0), force_end)
     half = _passing_time(gap, k, open_gap / 2)
@@ -198,7 +212,10 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
 
 
 def _passing_time(gap: Floats, k: int, level: float) -> float:
-    """When a gap that is larger at step end k was at this level for the last time."""
+    """Last time at which a gap that is larger at step end k was at this level, in steps.
+
+    It is k - 1 if the gap was never so small.
+    """
     for i in range(k - 1, -1, -1):
         if gap[i] <= level:
             return i + float((level - gap[i]) / (gap[i + 1] - gap[i]))

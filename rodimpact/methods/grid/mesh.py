@@ -101,7 +101,10 @@ class GridMotion(NamedTuple):
     """Mean force to the right from outside its piece in each step, N [steps], by node."""
 
     def stretches(self, step: float) -> Array:
-        """Elongation of the cells, m [state, cell]."""
+        """Elongation of the cells, m [state, cell]; `step` in s.
+
+        It is (tension - b q)/k, q the radial strain of a cell.
+        """
         force = self.force
         if self.radial.size:
             force = force - self.cells.coupling * self.radial * step
@@ -110,7 +113,12 @@ class GridMotion(NamedTuple):
     def energies(
         self, nodes: slice, mass: Array, state: int, v: Array, step: float
     ) -> tuple[float, float]:
-        """Kinetic and strain energy of some nodes in a state, J.
+        """Kinetic and strain energy of neighbouring nodes, and of the cells between them, J.
+
+        At the end of a step h the scheme keeps (v M v - h^2 v K v/4 + u K u)/2. The first two terms
+        are the kinetic energy: K is k between neighbours, and lateral inertia adds to M there. The
+        radial strain q of a cell has an inertia J, stiffnesses G and s, and the coupling b with the
+        elongation; in terms of the tension its own stiffness is G - b^2/k.
 
         Parameters
         ----------
@@ -124,7 +132,7 @@ class GridMotion(NamedTuple):
         step : float
             s.
         """
-        inside = slice(nodes.start + 1, nodes.stop)
+        inside = slice(nodes.start + 1, nodes.stop)  # cells between the nodes
         change = np.diff(v)
         k = self.cells.stiffness[inside]
         off_diagonal = self.cells.lateral[inside] - k * step**2 / 4
@@ -138,7 +146,7 @@ class GridMotion(NamedTuple):
         G = self.cells.radial[inside]
         q = self.radial[state] * step
         rate = self.radial_rate[state]
-        slope = np.diff(q)[nodes]
+        slope = np.diff(q)[nodes]  # between the cells beside each node
         slope_rate = np.diff(rate)[nodes]
         q = q[inside]
         rate = rate[inside]
@@ -146,8 +154,9 @@ class GridMotion(NamedTuple):
         shear = self.shear[nodes] / 2
         shear[1:-1] *= 2
         radial_strained = (G - b * b / k) @ q**2 + shear @ slope**2
-        less = 2 * (b * change) @ rate + G @ rate**2 + shear @ slope_rate**2
-        moving = J @ rate**2 - step * step / 4 * less
+        # v K v without k (dv)^2, which the kinetic energy has already
+        stiffness_term = 2 * (b * change) @ rate + G @ rate**2 + shear @ slope_rate**2
+        moving = J @ rate**2 - step * step / 4 * stiffness_term
         return kinetic + float(moving) / 2, strained + float(radial_strained) / 2
 
 
@@ -195,6 +204,7 @@ class Mesh:
     """
 
     def __init__(self, row: Row, counts: list[int]) -> None:
+        """Lay out a row on a grid with so many cells in each segment."""
         self.row = row
         self.counts = counts
         self.first = [-1]
@@ -235,9 +245,10 @@ class Mesh:
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral))
 
     def _lay_out(self, driven: list[int]) -> int:
-        """Number the nodes from left to right, and make the cells; return the last node.
+        """Set which nodes and cells belong to what, from left to right; return the last node.
 
-        `driven` are the sides whose velocity is prescribed.
+        This sets `first`, `last`, `node_of_mass`, `touching`, `bonds` and `cells`. `driven` are the
+        sides whose velocity is prescribed: the force there is recorded.
         """
         row = self.row
         outer_links = (0, len(row.links) - 1)
@@ -254,7 +265,10 @@ class Mesh:
                 parts.append(NO_CELL)
                 self.touching[i] = node - 1, node
             elif law == Law.BOND and i in recorded_links:  # a rod and something else
-                self.bonds[i] = node, node + (before != "segment")
+                cell = node  # on the left of the node
+                if before != "segment":
+                    cell = node + 1
+                self.bonds[i] = node, cell
             if kind == "mass":
                 self.node_of_mass.append(node)
             elif kind == "segment":
@@ -271,9 +285,9 @@ class Mesh:
 def _between(
     cuts: Collection[tuple[int, int]], last: int
 ) -> tuple[list[int], list[int]]:
-    """First and last nodes of the spans between cuts, up to the last node of all.
+    """First nodes, and last nodes, of the spans of nodes between cuts, [span] each.
 
-    A cut is a pair of neighbouring nodes.
+    Nodes are counted from 0 to `last`. A cut is a pair of neighbouring nodes, from left to right.
     """
     starts = [0]
     stops = []
@@ -284,7 +298,7 @@ def _between(
 
 
 def _cells(segment: Any, count: int) -> Cells:
-    """The cells of a segment."""
+    """The properties of `count` equal cells of a segment."""
     material = segment.material
     dx = float(segment.length) / count
     area = segment.area_between(np.linspace(0.0, float(segment.length), count + 1))
@@ -322,10 +336,13 @@ NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
 
 
 def _in_series(springs: Array) -> Array:
-    """Stiffness of two half springs in series, one of either neighbouring cell [node]."""
-    left = springs[:-1]
-    right = springs[1:]
-    return quotient(2 * (left * right), left + right)
+    """Stiffness [node] between the middles of neighbouring cells with these springs [cell].
+
+    Two half springs, of stiffness 2 a and 2 b, are in series: 2 a b/(a + b).
+    """
+    a = springs[:-1]
+    b = springs[1:]
+    return quotient(2 * (a * b), a + b)
 
 
 def quotient(a: Any, b: Array) -> Array:
@@ -437,7 +454,7 @@ def _refuse_stiff(path: str, cells: Cells) -> None:
 
 
 def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
-    """Mode of a free rod by itself that lasts longest.
+    """Find the mode of a free rod by itself that lasts longest, among the lowest `MODES`.
 
     Returns
     -------
@@ -455,19 +472,25 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     mass = (np.append(cells.cell_mass, 0.0) + np.append(0.0, cells.cell_mass)) / 2
     M = np.diag(mass) + _chain(cells.lateral)
     radial = np.diag(cells.radial) + _chain(_in_series(cells.shear))
+    # Unknowns are the displacements of nodes, then the radial strains of cells.
     K = block_diag(_chain(cells.stiffness), radial)
     n = len(M)
     K[:n, n:] = np.diff(np.eye(n), axis=0).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
-    moves = np.append(np.ones(n, bool), cells.swelling > 0)
+    moves = np.append(np.ones(n, bool), cells.swelling > 0)  # what has inertia
     M = block_diag(M, np.diag(cells.swelling))[np.ix_(moves, moves)]
+    # Mode 0 is the motion of the rigid rod.
     squares, modes = eigh(K[np.ix_(moves, moves)], M, subset_by_index=[1, MODES])
+    # Modes have x M x = 1.
     rates = np.einsum("im,ij,jm->m", modes[:n], _chain(cells.viscous), modes[:n]) / 2
     slowest = int(np.argmin(rates))
     return float(np.sqrt(squares[slowest])), float(rates[slowest])
 
 
 def _chain(values: Array) -> Array:
-    """Matrix of springs, dashpots or inertances between neighbouring nodes."""
+    """Matrix of springs, dashpots or inertances with these constants [cell] between neighbours.
+
+    It is D^T diag(values) D, D the differences of neighbouring nodes.
+    """
     difference = np.diff(np.eye(len(values) + 1), axis=0)
     return np.asarray(difference.T @ (values[:, None] * difference))

@@ -69,7 +69,7 @@ def run_grid(
     snapshots: int | tuple[float, ...] | None = None,
     report: Report = no_report,
 ) -> GridRun:
-    """Run a single collision.
+    """Run a single collision on a mesh that is fine enough; return the run on the finest one.
 
     The step is divided until velocities and impulses no longer change. The errors of the peak force
     and of the duration are stated, but the mesh is not refined for them: beside a jump waves
@@ -93,7 +93,7 @@ def run_grid(
     snapshots : int or tuple of float, optional
         Largest number of states to keep, or the times at which to keep them, s.
     report : function
-        It is told how many steps are done on each mesh, and how many there are.
+        It is called with the steps done on a mesh, and with their number, or None.
 
     Raises
     ------
@@ -111,6 +111,7 @@ def run_grid(
     runs: list[GridRun] = []
 
     def run_level(factor: int) -> GridRun:
+        """Run on a mesh with the step divided by a factor, and append the run to `runs`."""
         mesh = Mesh(row, [factor * count for count in counts])
         h = step / factor
         if until is None:
@@ -152,7 +153,7 @@ def run_grid(
 
 
 def _run_to_end(run: GridRun, last: int, report: Report) -> None:
-    """Run to step `last`, and try the proof of finality on the way."""
+    """Run to step `last`, and try the proof of finality on the way, which sets `run.proved`."""
 
     def report_of(taken: int) -> None:
         report(taken, last)
@@ -162,7 +163,7 @@ def _run_to_end(run: GridRun, last: int, report: Report) -> None:
 
 
 def _run_to_proof(run: GridRun, last: int, report: Report) -> None:
-    """Run to the proof of finality, but not beyond step `last`."""
+    """Run to the proof of finality, but not beyond step `last`; set `run.stopped_by`."""
 
     def report_of(taken: int) -> None:
         report(taken, None)  # nobody knows when a proof will succeed
@@ -174,8 +175,8 @@ def _run_to_proof(run: GridRun, last: int, report: Report) -> None:
 
 
 def _try_proofs(run: GridRun, last: int, report_of: Callable[[int], None]) -> None:
-    """Run until the proof of finality succeeds, but not beyond step `last`."""
-    longest = run.round_trip // 2
+    """Run until the proof of finality succeeds, but not beyond step `last`; set `run.proved`."""
+    longest = run.round_trip // 2  # steps in which waves cross the longest rod
     report_of(0)
     while run.proved < 0:
         wait = finality_time(run) / run.step
@@ -196,10 +197,18 @@ def _try_proofs(run: GridRun, last: int, report_of: Callable[[int], None]) -> No
 def mesh_size(
     row: Row, cells: int | None, dt: float | None, until: float | None
 ) -> tuple[list[int], float]:
-    """Find the cells of each segment, and the step, s, that is stable for them."""
+    """Numbers of cells of all segments, [segment], and the step, s, that is stable for them.
+
+    `cells`, `dt` and `until` are those of `run_grid`.
+
+    Raises
+    ------
+    InvalidModel
+        If the step that is given is unstable, or cells are too few or too many.
+    """
     transits = np.array([crossing_time(segment) for segment in row.segments])
     shortest = int(np.argmin(transits))
-    # Problems are told of the argument that was given, else of the shortest segment.
+    # Path of an error: the argument that was given, else the shortest segment
     name = row.paths[shortest + 1]
     if cells is not None:
         name = "cells"
@@ -223,18 +232,21 @@ def mesh_size(
 
 
 def _least_wasteful(transits: Array, until: float | None) -> int:
-    """Cells of the longest transit for which all segments have Courant numbers nearest to 1.
+    """Number of cells of the longest transit for which all Courant numbers are nearest to 1.
 
-    It is the first such number among those up to twice as many as are needed.
+    Segments have whole numbers of cells: the largest waste of any of them is 1 less its Courant
+    number. It is the first such number among those up to twice as many as are needed.
     """
     longest = float(transits.max())
     least = max(MIN_LONGEST_CELLS, math.ceil(MIN_CELLS * longest / transits.min()))
-    if until:
+    if until:  # a short run has MIN_CELLS steps or more
         of_short_run = min(MAX_REFINED_CELLS / 4, MIN_CELLS * longest / until)
         least = max(least, math.ceil(of_short_run))
     candidates = min(least, 1 + MAX_CELLS // len(transits))
     numbers = float(least) + np.arange(candidates)
-    steps = numbers[:, None] * (transits / longest)
+    steps = numbers[:, None] * (
+        transits / longest
+    )  # cells of each segment, not yet whole
     waste = (1 - np.floor(steps * STABLE_COURANT) / steps).max(axis=1)
     best = int(np.argmax(waste <= waste.min() + EQUAL_WASTE))
     return int(numbers[best])
@@ -243,9 +255,15 @@ def _least_wasteful(transits: Array, until: float | None) -> int:
 def _stable_counts(
     row: Row, transits: Array, cells: int | None, dt: float | None, name: str
 ) -> list[int]:
-    """Cells of each segment: as many as are stable.
+    """Number of cells of each segment, [segment]: as many as are stable with a step.
 
-    `name` is the path of a problem.
+    The step is `dt`, or that in which waves cross a cell of the longest transit, which has `cells`.
+    Segments are crossed in `transits`, s. `name` is the path of an error.
+
+    Raises
+    ------
+    InvalidModel
+        If a segment has not a single cell, or all have too many.
     """
     longest = int(np.argmax(transits))
     shortest = int(np.argmin(transits))

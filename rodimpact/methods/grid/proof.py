@@ -20,9 +20,9 @@ from .run import GridRun
 class GroupState(NamedTuple):
     """Motion of the group on one side of a contact."""
 
-    mean: float  # velocity, m/s
-    deviation: float  # its end less the mean motion, m, positive to the right
-    bound: float  # largest deviation that it can ever reach, m
+    mean: float  # mean velocity, m/s
+    deviation: float  # displacement of its end beside the mean motion, m, to the right
+    bound: float  # largest deviation of its end at any time, m
 
 
 def finality_time(run: GridRun) -> float:
@@ -44,19 +44,19 @@ def finality_time(run: GridRun) -> float:
         right = side_of(run, link["right_node"], False, state)
         reach = left.bound + right.bound
         opening = right.mean - left.mean
-        least = -math.inf
+        least_opening = -math.inf  # least velocity with which the ends can part
         if max(left.bound, right.bound) <= rest_bound:
-            least = opening
+            least_opening = opening
         mean_gap = gap + left.deviation - right.deviation
         time = finality_kernel.separation_time(
-            opening, least, mean_gap, reach * reach, tolerance
+            opening, least_opening, mean_gap, reach * reach, tolerance
         )
         wait = max(wait, time)
     return wait
 
 
 def present(run: GridRun) -> tuple[GridMotion, Array]:
-    """The last state, and the elongation of the cells in it, m."""
+    """The last state of a run, and the elongation of the cells in it, m [cell]."""
     motion = run.motion(slice(-1, None))
     return motion, motion.stretches(run.step)[0]
 
@@ -77,7 +77,17 @@ def add_joints(
     compliance: Array,
     energy: float,
 ) -> tuple[float, float]:
-    """Enter the joints of a group of nodes in the elongation and compliance of its cells.
+    """Enter the joints of a group in `stretch` and `compliance` of its cells.
+
+    Parameters
+    ----------
+    run : GridRun
+    group : (int, int)
+        First and last node.
+    g, stretch, compliance : array
+        Mass fraction beyond, elongation, m, and compliance, m/N, of each cell of the group.
+    energy : float
+        Energy of the group without joints, J.
 
     Returns
     -------
@@ -104,7 +114,9 @@ def add_joints(
 def side_of(
     run: GridRun, node: int, right_end: bool, state: tuple[GridMotion, Array]
 ) -> GroupState:
-    """Motion of the group that has this node at its right or left end.
+    """Motion of the group that has this node at its right end, or else at its left end.
+
+    `state` is that of `present`.
 
     With g(x) the mass fraction beyond x as seen from this end, or 1 where the far end is held, the
     end deviates from the mean motion by integral(g eps dx), and by at most
@@ -118,8 +130,8 @@ def side_of(
         if a <= node <= b:
             break
     nodes = slice(a, b + 1)
-    far = b
-    sign = -1
+    far = b  # node of the other end
+    sign = -1  # stretching moves the left end to the left, the right one to the right
     if right_end:
         far = a
         sign = 1
@@ -129,14 +141,14 @@ def side_of(
     mean = float(v[0] + m @ (v - v[0]) / (m.sum() or 1.0))
     if mesh.is_prescribed[far]:
         mean = float(motion.velocity[0, far])
-    Z = 0.0
+    Z = 0.0  # impedance of an endless bar at the other end
     side = absorbing_side(run, far)
     if side is not None:
         Z = float(run.grid.ends["impedance"][side])
         mean = float(run.grid.ends["background_wave"][side])
     if a == b:
         return GroupState(mean, 0.0, 0.0)
-    g = np.cumsum(m[:-1]) / m.sum()
+    g = np.cumsum(m[:-1]) / m.sum()  # mass fraction to the left of each cell
     if mesh.is_prescribed[far] or Z:
         g = np.ones(b - a)
     elif not right_end:

@@ -68,8 +68,8 @@ def refined(
 
     Returns
     -------
-    run
-        The finest.
+    run : GridRun
+        The finest one.
     estimates : dict of str to float
         Error of each measure, relative to its largest value; inf where there are too few levels.
     """
@@ -132,7 +132,9 @@ def comparable_runs(
 ) -> list[tuple[float, GridRun]]:
     """Return the last coarser runs, with the share of differences of fields that bounds the error.
 
-    There are none if the levels are too few, or if the states would take too much memory.
+    An error that falls with the power p = `order` of the step h is 1/((g/h)^p - 1) of the
+    difference from a run with step g. There are none if the levels are too few, or if the states
+    would take too much memory.
     """
     coarser = [run for run in runs if run.step > finest.step][-MAX_COMPARED:]
     if len(coarser) + 1 < MIN_LEVELS:
@@ -147,7 +149,7 @@ def comparable_runs(
 
 
 def measures_of(run: GridRun) -> dict[str, Array]:
-    """Measures of the outcome of a run: velocities, impulses, peak forces and durations.
+    """Measures of the outcome of a run, by name: velocities, impulses, peak forces and durations.
 
     Restitution follows from the impulses. A row without contacts has no forces among its measures.
     """
@@ -167,9 +169,9 @@ def measures_of(run: GridRun) -> dict[str, Array]:
         elif run.stopped_by == "until":
             # A bond or joint acts to the end of the run: its impulse up to there counts,
             # and the largest impulse on the way, beside which the last may be small.
-            passed = np.cumsum(force) * run.step
-            impulses.extend(passed[-1:])
-            impulses.append(float(np.abs(passed).max(initial=0.0)))
+            impulse = np.cumsum(force) * run.step  # up to the end of each step
+            impulses.extend(impulse[-1:])
+            impulses.append(float(np.abs(impulse).max(initial=0.0)))
             peaks.append(float(force.max(initial=0.0)))
     # Changes count beside round-off: without it, round-off itself would be an error.
     round_off = round_off_of(run) * float(run.mesh.mass.sum())
@@ -189,10 +191,11 @@ def round_off_of(run: GridRun) -> float:
 
 
 def velocities_of(run: GridRun) -> Array:
-    """Velocities at the end of a run, and their scale, so that round-off at rest is none.
+    """Velocities at the end of a run, m/s; first comes their scale, beside which errors are small.
 
-    Groups of joined bodies that are not held keep their velocity after the last contact. The bodies
-    of a group oscillate on, so each body has a velocity of its own at a given end only.
+    They are the mean velocities of groups of joined bodies none of which is driven: these last
+    after the last contact. At a given end those of rods and of rigid masses are added, which
+    oscillate in their groups.
     """
     mesh = run.mesh
     v = run.grid.velocity

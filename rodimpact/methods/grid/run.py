@@ -53,6 +53,8 @@ class GridRun:
         Records of the steps taken, and the states that were kept.
     proved : int
         Step at whose end the collision was proved final, -1 as long as it is not.
+    checked_steps : int
+        Steps for which memory has been checked.
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
     estimates : dict of str to float
@@ -85,6 +87,7 @@ class GridRun:
         snapshots: int | tuple[float, ...] | None = None,
         expected_steps: int | None = None,
     ) -> None:
+        """Make the grid in its state at t = 0; raise TooLong if memory is short."""
         self.mesh = mesh
         self.step = step
         self.row = mesh.row
@@ -131,7 +134,10 @@ class GridRun:
     # The steps ------------------------------------------------------------------------------------
 
     def _require_memory(self, steps: int) -> None:
-        """Raise TooLong where so many steps, with states and results, take too much memory."""
+        """Raise TooLong where so many steps, with states and results, take too much memory.
+
+        Else note them in `checked_steps`. Numbers are counted, of 8 bytes each.
+        """
         mesh = self.mesh
         row = self.row
         states = min(steps, self._max_states) + 2.0
@@ -159,7 +165,11 @@ class GridRun:
         )
 
     def _choose_states(self, end: int) -> Array:
-        """Steps at whose ends states are kept, of a run to step `end`."""
+        """Steps [state] at whose ends states are kept, of a run to step `end`; widen the stride.
+
+        The stride of states is doubled until no more are kept than wanted. The last state, and with
+        damping those one step before and after each, are kept too.
+        """
         if self._chosen_steps is not None:
             steps = self._chosen_steps[self._chosen_steps <= end].astype(int)
         else:
@@ -180,7 +190,7 @@ class GridRun:
         return end // self._stride + 2
 
     def _empty_history(self, steps: int, states: int) -> StepHistory:
-        """Memory for the records of the kernel."""
+        """Memory for the records of the kernel over some steps, with some states; not set yet."""
         grid = self.grid
         n = len(self.mesh.mass)
         radial_shape = states, (n + 1) * self.mesh.has_radial_strain
@@ -227,7 +237,13 @@ class GridRun:
     def _run_kernel(
         self, window: StepHistory, end: int, report: Callable[[int], None] | None
     ) -> None:
-        """Take the steps to `end`, compiled or in plain Python, and fill a window with them."""
+        """Take the steps to `end`, compiled or in plain Python, and fill a window with them.
+
+        Raises
+        ------
+        InvalidModel
+            If walls squeeze a rigid mass.
+        """
         first = self.steps
         flat_window = StepHistory(*(array.reshape(-1) for array in window))
         arrays = [*self.grid, *flat_window]
@@ -262,16 +278,16 @@ class GridRun:
 
     @property
     def edges(self) -> Array:
-        """Ticks [steps + 1] from 0 on, between which signals are averages."""
+        """Ticks at the ends of steps, from 0 on [steps + 1]: signals are averages between them."""
         return STEP_TICKS * np.arange(self.steps + 1)
 
     @property
     def times(self) -> Array:
-        """`edges` in s."""
+        """Times of `edges`, s."""
         return np.asarray(self.edges * self.clock.tick)
 
     def motion(self, states: Any = slice(None)) -> GridMotion:
-        """The states that were kept, or some of them, without `pushes`."""
+        """The motion in the states that were kept, or in some of them; its `pushes` are empty."""
         mesh = self.mesh
         fields = {name: getattr(self.history, name)[states] for name in STATE_FIELDS}
         return GridMotion(
@@ -289,36 +305,50 @@ class GridRun:
         )
 
     def recorded(self, link: int, field: str) -> Array:
-        """A field of `SIGNAL` of a link that has a law, in each step."""
+        """Values of a field of `SIGNAL` of a link that has a law, [step]; time in steps."""
         column = list(self.mesh.touching).index(link)
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
-        """Mean force in each step, N, and gap at the ends of steps, m; not of a bonded contact."""
+        """Force and gap of a contact, which is not bonded.
+
+        Returns
+        -------
+        array
+            Mean force in each step, N [steps].
+        array
+            Gap at the ends of steps, from t = 0 on, m [steps + 1].
+        """
         link = self.row.contact_link[contact]
         gap = self.recorded(link, "gap") * self.step
         first_gap = float(initial_gap(self.row.links[link]))
         return self.recorded(link, "force"), np.append(first_gap, gap)
 
     def pressed(self, contact: int) -> Array:
-        """Times of a contact [n, 3] as in `contact_intervals`, s; none where it cannot open."""
+        """When a contact presses: times as of `contact_intervals`, s [n, 3].
+
+        There are none for a contact that cannot open.
+        """
         if contact not in self.row.unilateral_links:
             return np.zeros((0, 3))
         open_gap = GAP_RESOLUTION * float(self.row.scale) * self.step
         return self.step * contact_intervals(*self.contact(contact), open_gap)
 
     def spans(self, pressed: Array) -> tuple[Array, Array]:
-        """When forces begin, and when they end or the run does, s; `pressed` as above."""
+        """Times at which forces begin, and end, s [n] each; `pressed` is that of a contact.
+
+        A force that still acts ends with the run.
+        """
         begins, ends, _ = pressed.T
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def velocity(self, node: int) -> Array:
-        """Velocity of a watched node at the ends of the steps, from t = 0 on, in the frame."""
+        """Velocity of a watched node in the frame, m/s, at the ends of steps from t = 0 on."""
         velocities = self.history.velocities[:, self.mesh.watched.index(node)]
         return np.concatenate((self.history.velocity[:1, node], velocities))
 
     def mass_velocity(self, mass: int) -> Array:
-        """Velocity of a mass at the ends of the steps, in the frame.
+        """Velocity of a mass in the frame, m/s, at the ends of steps from t = 0 on.
 
         Indices beyond the masses of the row are its left and right wall.
         """
@@ -329,24 +359,32 @@ class GridRun:
         return self.velocity(self.mesh.node_of_mass[mass])
 
     def bond_force(self, link: int) -> Array:
-        """Mean force in a bonded link in each step, N: Newton's law for the half cell beside it."""
+        """Mean force in a bonded link in each step, N: Newton's law for the half cell beside it.
+
+        With sign 1 for a half cell on the left of the link and -1 on its right,
+        F = -tension - sign (m/2 dv/dt - force of the soil).
+        """
         mesh = self.mesh
         node, cell = mesh.bonds[link]
         sign = -1
-        if cell == node:
+        if cell == node:  # cell i lies on the left of node i
             sign = 1
         v = self.velocity(node)
-        stretch = sign * (v - self.velocity(node - sign))
+        stretch_rate = sign * (v - self.velocity(node - sign))
+        # Tension in the step: elastic, viscous, and what depends on the change of velocities
         coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
-        implicit = coupling * np.diff(stretch)
-        tension = self.history.tensions[:, mesh.pulled.index(cell)]
-        pulled = tension + mesh.viscous[cell] * stretch[:-1] + implicit
-        gained = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
+        implicit = coupling * np.diff(stretch_rate)
+        elastic = self.history.tensions[:, mesh.pulled.index(cell)]
+        tension = elastic + mesh.viscous[cell] * stretch_rate[:-1] + implicit
+        momentum_rate = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
         soil = self._soil_at_end(node, sign)
-        return np.asarray(-pulled - sign * (gained - soil))
+        return np.asarray(-tension - sign * (momentum_rate - soil))
 
     def recorded_soil(self, shaft: int, field: str) -> Array:
-        """A field of `SHAFT_FORCE` of a rod that soil holds, in each step."""
+        """Values of a field of `SHAFT_FORCE` of a rod that soil holds, [step].
+
+        `shaft` is the place of the rod among the `shaft_bodies`.
+        """
         return np.ascontiguousarray(self.history.shafts[:, shaft][field])
 
     def _soil_forces(self, fields: dict[str, Array]) -> Array:
@@ -360,7 +398,10 @@ class GridRun:
         return np.asarray(-resistance - soil["damping_factor"] * damped * velocity)
 
     def _soil_at_end(self, node: int, sign: int) -> Array:
-        """Force of the soil on the half cell at the right (1) or left (-1) end of a rod, N."""
+        """Force of the soil on the half cell at an end of a rod, N [step]; 0 without soil.
+
+        The end is the right (`sign` = 1) or left (-1) one of the rod that has this node there.
+        """
         for shaft, body in enumerate(shaft_bodies(self.row)):
             first, last = self.row.spans[body]
             if sign > 0 and self.mesh.last[last] == node:
@@ -371,7 +412,7 @@ class GridRun:
 
     @property
     def states_bytes(self) -> int:
-        """Memory of the states that are kept."""
+        """Memory of the states that are kept, bytes."""
         return sum(getattr(self.history, name).nbytes for name in STATE_FIELDS)
 
     @property

@@ -46,7 +46,12 @@ class Responses(NamedTuple):
 
 
 def grid_of(mesh: Mesh, step: float) -> Grid:
-    """Make a grid at rest and without force, with the gaps of the row."""
+    """Make the grid of a mesh for steps of `step`, s: at rest, without force, with the given gaps.
+
+    The equations of a step are (M + J + D/2) dv = forces, see `grid_kernel`: a cell adds
+    J + D/2 to the diagonal of both of its nodes, and to the off-diagonal between them; half of the
+    impedance of an endless bar and of the damping of soil are on the diagonal.
+    """
     row = mesh.row
     n = len(mesh.mass)
     cells = mesh.cells
@@ -112,14 +117,14 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
 
 
 def off_diagonal_of(mesh: Mesh, step: float) -> Array:
-    """Off-diagonal entries of the matrix M + J + D/2, with opposite sign [cell]."""
+    """Off-diagonal entries of the matrix M + J + D/2, with opposite sign, kg/s [cell]."""
     return np.asarray(mesh.lateral / step + mesh.viscous / 2)
 
 
 def _end_impedances(mesh: Mesh) -> Array:
-    """Impedances of semi-infinite bars beyond the ends, kg/s [end]; 0 where there is none.
+    """Impedances of semi-infinite bars beyond both ends, kg/s [end]; 0 where there is none.
 
-    They are sqrt(E A rho A) of the cells there.
+    They are sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the last cells of the row.
     """
     cells = mesh.end_cells
     endless = [kind == "absorbing" for kind, _ in mesh.row.boundaries]
@@ -138,14 +143,20 @@ def factorise(mesh: Mesh, diagonal: Array, off_diagonal: Array) -> Factors:
 
 
 def velocity_changes(factors: Factors, forces: Any) -> Array:
-    """Changes of velocity by forces on the nodes; where a change is prescribed, that change."""
+    """Solve the equations of a step: changes of velocity, m/s [node], by forces on the nodes, N.
+
+    At nodes whose velocity is prescribed `forces` has the change itself.
+    """
     x = np.array(forces, float)
     elimination.substitute(*factors, x)
     return x
 
 
 def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
-    """Velocities by unit forces on the ends of the pieces, by the equations with these factors."""
+    """Velocities by unit forces on the ends of all pieces, by the equations with these factors.
+
+    Forces on all pieces act at once, as pieces are not coupled. Prescribed nodes take none.
+    """
     n = len(mesh.mass)
     free = mesh.is_prescribed == 0
     on_first = np.bincount(mesh.starts, free[mesh.starts], n)
@@ -159,7 +170,7 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
 
 
 def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
-    """Links, each between two neighbouring pieces, [link] `records.LINK`.
+    """Links between neighbouring pieces at t = 0, [link] `records.LINK`; time is counted in steps.
 
     Links that are coupled make a chain, whose forces are solved together: `chain_end` is the last
     link of a chain at its first link, and NONE at the others.
@@ -219,27 +230,34 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
 
 
 def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
-    """Prescribed value at an end in each step.
+    """Value that is prescribed at an end in each of the first `steps` steps, [step].
 
-    It is a force, a wave, or the velocity at the end of the step, in the frame.
+    It is a force, N, a wave, m/s, or the velocity at the end of the step in the frame, m/s. `side`
+    is 0 on the left, 1 on the right; `step` in s.
     """
     kind, value = mesh.row.boundaries[side]
     if kind == "velocity":
         times = step * np.arange(1, steps + 1)
         return boundary_velocity(mesh.row, step, value, times)
-    # At each kick the mean over two steps, which waves can follow.
+    # At each kick the mean over two steps, which waves can follow: four half steps about the middle
+    # of the step. Before t = 0 the value is as in the first half step.
     halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)
     around = np.concatenate((halves[:1], halves))
-    pushes = np.asarray(
-        (around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4
-    )
+    first = around[:-3:2]  # half steps about the kick of each step
+    second = around[1:-2:2]
+    third = around[2:-1:2]
+    fourth = around[3::2]
+    pushes = np.asarray((first + second + third + fourth) / 4)
     if kind == "absorbing":
         return np.asarray(wave_of_strain(mesh.row, side) * pushes)
     return pushes
 
 
 def boundary_velocity(row: Row, step: float, value: Any, t: Array) -> Array:
-    """Velocity of a wall or a driven end, averaged over a step about times t, in the frame."""
+    """Velocity in the frame of a wall or a driven end, m/s, averaged over a step about each time.
+
+    Times t, s, are a step apart. Before t = 0 the value is that at t = 0.
+    """
     edges = np.append(t - step / 2, t[-1:] + step / 2)
     velocity = averages(value, np.maximum(edges, 0.0), 0.0)
     return np.asarray(velocity - row.frame - row.system.gravity * t)

@@ -39,7 +39,7 @@ STEP_RTOL = 1e-9
 
 
 def make_run(run: GridRun, until: float | None) -> Run:
-    """Make the form of a finished run that all methods return; it went to `until`, s."""
+    """Make the `Run`, which all methods return, of a finished run on a grid that went to `until`, s."""
     outside = outside_of(run, 0), outside_of(run, 1)
     forces = contact_forces(run, outside[0])
     intervals = []
@@ -89,7 +89,10 @@ def make_run(run: GridRun, until: float | None) -> Run:
 
 
 def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
-    """Why the run ended, its mesh, and how accurate it is."""
+    """Sentences on why the run ended, its mesh, and how accurate it is.
+
+    `proof` is the sentence of its proof of finality, `events` the number of steps times links.
+    """
     cap = f"{events} steps times ends"
     end = format_si(t_end, "s")
     why = describe_end(run.stopped_by, proof, end, cap, run.row.system)
@@ -141,7 +144,10 @@ def _accuracy_sentence(run: GridRun) -> str:
 
 
 def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTally:
-    """Totals of contact k in SI units."""
+    """Totals of contact k in SI units.
+
+    `force` is its mean force in each step, `intervals` are the times of `GridRun.pressed`.
+    """
     law = run.row.system.contacts[k]
     begins, ends = run.spans(intervals)
     if law.opens:
@@ -171,7 +177,10 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
 def _signals(
     run: GridRun, forces: list[Floats], intervals: list[Floats], outside: Any
 ) -> Signals:
-    """Signals of contacts, ends and masses; the motion with the forces between pieces."""
+    """Signals of contacts, ends, masses and soil, and the motion with the forces between pieces.
+
+    `forces`, N, and `intervals`, s, are those of the contacts; `outside` acts on both ends.
+    """
     row = run.row
     mesh = run.mesh
     edges = run.edges

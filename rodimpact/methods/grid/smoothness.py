@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ...model import (
-    Absorbing,
     Bonded,
     Fixed,
     Free,
@@ -36,9 +35,9 @@ class Face(NamedTuple):
 
 
 def order_of(row: Row) -> float:
-    """Power of the step with which errors fall at least: 1/2 where waves jump and stay steep.
+    """Power of the step with which errors fall at least.
 
-    Damping makes jumps smooth.
+    It is 1/2 where waves jump and stay steep, else 1. Damping makes jumps smooth.
     """
     if all(float(segment.material.viscosity) > 0 for segment in row.segments):
         return 1.0
@@ -99,13 +98,7 @@ def _jumps_at_ends(row: Row) -> bool:
             return True
         if isinstance(end, Pushed) and _forces_differ(row, face, -_value(end.value, 0)):
             return True
-        if isinstance(end, Incoming):
-            wave = _value(end.value, 0)
-        elif isinstance(end, Absorbing):
-            wave = 0.0
-        else:
-            continue
-        if wave != 0:
+        if isinstance(end, Incoming) and _value(end.value, 0) != 0:
             return True
     return False
 
@@ -122,7 +115,7 @@ def _jumps_at_steps(row: Row) -> bool:
 
 
 def _face(body: Any, last: int) -> Face:
-    """The left end of a body, 0, or its right end, -1."""
+    """State of the left end of a body (`last` = 0) or of its right end (`last` = -1) at t = 0."""
     velocity = _value(body.velocity, last)
     if not isinstance(body, Rod):
         return Face(velocity, None)
@@ -133,19 +126,22 @@ def _face(body: Any, last: int) -> Face:
 
 
 def _value(profile: Any, last: int) -> float:
-    """First value of a profile, 0, or its last one, -1; no profile of steps."""
+    """First value of a number or of samples (`last` = 0), or the last one (`last` = -1)."""
     if isinstance(profile, Samples):
         return float(profile.values[last])
     return float(profile)
 
 
 def _differ(row: Row, left: float, right: float) -> bool:
-    """Whether two velocities differ by more than round-off."""
+    """Whether two velocities, m/s, differ by more than round-off."""
     return abs(left - right) > SMALL_JUMP_RTOL * float(row.scale)
 
 
 def _forces_differ(row: Row, face: Face, force: float) -> bool:
-    """Whether a force differs from that in the end of a rod by more than round-off."""
+    """Whether a force, N, differs from that in a face by more than round-off.
+
+    A rigid body takes any force.
+    """
     if face.force is None:
         return False
     impedance = max(

@@ -1,4 +1,8 @@
-"""The state of motion at t = 0 on a grid."""
+"""The state of motion at t = 0 on a grid.
+
+Velocities are known at t = 0, forces of cells half a step before and behind. So the first kick by
+the forces at t = 0 decides how far cells have come half a step before.
+"""
 
 from typing import Any
 
@@ -27,14 +31,17 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
         Velocities that half a kick by the forces at t = 0 gives, m/s [node].
     """
     v = grid.velocity
-    strain = np.zeros(len(grid.force))
-    v[:] = _velocities(mesh, strain)
+    elongation = np.zeros(len(grid.force))
+    v[:] = _velocities(mesh, elongation)
     v += _changes_by_driven_ends(mesh, step, grid)
     cells = mesh.cells
-    radial = quotient(-cells.coupling, cells.radial) * strain
+    # At t = 0 the radial strain follows the stretching: G q + b du = 0.
+    radial = quotient(-cells.coupling, cells.radial) * elongation
     grid.radial_strain[:] = radial / step
-    tension = mesh.stiffness * strain + cells.coupling * radial
+    tension = mesh.stiffness * elongation + cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
+    # Half a step behind t = 0 the tension is T + k (v + kick)/2, by differences of neighbours. The
+    # first drift adds k v to the tension half a step before.
     stretching = np.diff(kick - v, prepend=0.0, append=0.0)
     grid.force[:] = tension + grid.stiffness * stretching / 2
     _begin_soil(grid, kick)
@@ -48,7 +55,10 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
 
 
 def _begin_soil(grid: Grid, kick: Array) -> None:
-    """Set the static resistance of soil half a step before t = 0, as the tension of cells is."""
+    """Move the static resistance of soil to half a step before t = 0, as the tension of cells.
+
+    `kick` are the velocities by half a kick at t = 0.
+    """
     soil = grid.soil
     v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
     change = kick[soil["node"]] - grid.run["ground_acceleration"] / 2
@@ -56,26 +66,26 @@ def _begin_soil(grid: Grid, kick: Array) -> None:
 
 
 def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
-    """Waves v - F/Z that come from semi-infinite bars in the state at t = 0, m/s [end].
+    """Waves that come from semi-infinite bars in the state at t = 0, m/s [end].
 
-    F is the tension as seen from the row. Both are extrapolated to the end from means over half a
-    cell and over a cell.
+    They are v - F/Z on the left and v + F/Z on the right, F the tension. Both are extrapolated to
+    the end from means over half a cell (v) and over a cell (F).
     """
     v = grid.velocity
     nodes = np.array(mesh.ends)
     cells = np.array(mesh.end_cells)
-    at_end = tension[cells]
-    tension_at_end = at_end - (tension[cells + INWARD] - at_end) / 2
+    in_last_cell = tension[cells]
+    tension_at_end = in_last_cell - (tension[cells + INWARD] - in_last_cell) / 2
     velocity_at_end = v[nodes] - (v[nodes + INWARD] - v[nodes]) / 3
     from_tension = INWARD * quotient(tension_at_end, grid.ends["impedance"])
     return np.asarray(velocity_at_end - from_tension)
 
 
-def _velocities(mesh: Mesh, strain: Array) -> Array:
+def _velocities(mesh: Mesh, elongation: Array) -> Array:
     """Velocities of all nodes at t = 0 in the frame, m/s [node]; set the elongations of cells.
 
     The velocity of a node is the mean of those of the half cells beside it, and of its rigid mass,
-    by their masses. `strain` becomes the elongation of each cell, m [cell].
+    by their masses. `elongation` becomes that of each cell, m [cell].
     """
     row = mesh.row
     v = np.zeros(len(mesh.mass))
@@ -91,14 +101,15 @@ def _velocities(mesh: Mesh, strain: Array) -> Array:
             masses = np.repeat(mesh.cell_mass[first + 1 : last + 1] / 2, 2)
             v[first : last + 1] += np.bincount(nodes_of_half_cells(N), masses * halves)
             strains = averages(body.strain, edges[::2], float(body.length))
-            strain[first + 1 : last + 1] = strains * L / N
+            elongation[first + 1 : last + 1] = strains * L / N
             left += L
     v[mesh.node_of_mass] += np.multiply(row.masses, row.mass_velocity)
+    # Until here v is the momentum of nodes.
     return np.where(mesh.mass > 0, quotient(v, mesh.mass) - row.frame, 0.0)
 
 
 def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
-    """Changes of velocity by driven ends whose velocity jumps at t = 0.
+    """Changes of velocity, m/s [node], by driven ends whose velocity jumps at t = 0.
 
     Lateral inertia takes neighbours of the end along.
     """
@@ -114,7 +125,7 @@ def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
 
 
 def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
-    """Velocities that half a kick by the forces at t = 0 gives.
+    """Changes of velocity, m/s [node], that half a kick by the forces at t = 0 makes.
 
     In the middle of the first step the nodes are where these velocities bring them. A force that
     begins at t = 0 lies between two kicks, and would otherwise leave a motion that changes its sign
