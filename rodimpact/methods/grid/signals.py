@@ -39,7 +39,7 @@ STEP_RTOL = 1e-9
 
 
 def make_run(run: GridRun, until: float | None) -> Run:
-    """Make the `Run`, which all methods return, of a finished run on a grid that went to `until`, s."""
+    """Make the `Run` that all methods return of a finished run on a grid to `until`, s."""
     outside = outside_of(run, 0), outside_of(run, 1)
     forces = contact_forces(run, outside[0])
     intervals = []
