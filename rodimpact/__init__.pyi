@@ -55,6 +55,11 @@ from .model.profiles import Samples as Samples
 from .model.profiles import Steps as Steps
 from .model.soil import Soil as Soil
 from .model.system import System as System
+from .piles.bearing import BearingGraph as BearingGraph
+from .piles.bearing import BearingPoint as BearingPoint
+from .piles.bearing import bearing_graph as bearing_graph
+from .piles.blows import Blow as Blow
+from .piles.blows import blows as blows
 from .piles.resting import at_rest as at_rest
 from .records.alignment import Alignment as Alignment
 from .records.bar_gauge import BarGauge as BarGauge

@@ -397,6 +397,14 @@ def negative(profile: Profile) -> Profile:
     return -profile
 
 
+def scaled(profile: Profile, factor: float) -> Profile:
+    """Return the profile times a number."""
+    if isinstance(profile, Steps | Samples | Polynomials):
+        values = [value * factor for value in profile.values]
+        return profile.replace(values=values)
+    return profile * factor
+
+
 def flipped(profile: Profile, length: Number) -> Profile:
     """Return the profile along a rod of that length, m, seen from the other end."""
     if isinstance(profile, Samples):

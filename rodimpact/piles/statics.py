@@ -30,6 +30,8 @@ RIGID_STIFFNESS = 1e4
 """Stiffness of a rigid contact, over the largest of a cell or another contact."""
 MAX_ROUNDS = 50
 """How often contacts may open and close in the search for the equilibrium."""
+OVERLAP_RTOL = 1e-12
+"""Overlap that is round-off, over the largest displacement."""
 BALANCE_RTOL = 1e-9
 """Net force on bodies that nothing holds, over the largest force in the row: round-off."""
 YIELD_RTOL = 1e-9
@@ -234,7 +236,7 @@ def equilibrium(chain: Chain) -> Rest:
     InvalidModel
         If nothing holds a body.
     """
-    is_pressed = [contact.pulls or contact.overlap >= 0 for contact in chain.contacts]
+    is_pressed = [True for _ in chain.contacts]
     soil = chain.soil
     nodes = soil["node"]
     count = len(chain.held)
@@ -250,16 +252,20 @@ def equilibrium(chain: Chain) -> Rest:
         force = np.diff(tension) + on_nodes
         held = _held_with_floating(chain, springs, soil_stiffness, force)
         u = solve_chain(springs, soil_stiffness, held, force)
+        round_off = OVERLAP_RTOL * float(np.abs(u).max())
         overlaps = []
-        wanted = []
-        for contact in chain.contacts:
+        stays_pressed = []
+        for contact, pressed in zip(chain.contacts, is_pressed, strict=True):
             node = contact.right_node
             overlap = float(contact.overlap + u[node - 1] - u[node])
             overlaps.append(overlap)
-            wanted.append(contact.pulls or overlap >= 0)
-        if wanted == is_pressed:
+            least = round_off
+            if pressed:
+                least = -round_off
+            stays_pressed.append(contact.pulls or overlap >= least)
+        if stays_pressed == is_pressed:
             break
-        is_pressed = wanted
+        is_pressed = stays_pressed
     else:
         message = "open and close without end in the search for rest; give stiffer laws"
         raise invalid_argument("contacts", message)

@@ -29,6 +29,10 @@ FAMILY = ri.System(
     [ri.Rod([0.1, 0.2], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()]
 )
 PILE = ri.System([ROD.replace(shaft=ri.Soil(1e5, 2e-3))])
+DRIVEN = ri.System(
+    [ri.RigidMass(1.0, velocity=1.0), LONGER, ri.Wall()],
+    contacts=[ri.Spring(1e8), ri.SmithToe(1e5, 2e-3)],
+)
 VOLTS = ri.Signal(np.hanning(50), dt=1e-6, unit="V", name="bridge")
 STRAIN = ri.Signal(1e-3 * np.hanning(50), dt=1e-6, name="strain")
 WAVES = ri.waves.Bar(5000.0, 0.3, 0.005)
@@ -177,6 +181,7 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Axis": [lambda: family_result().axes[0]],
     "BarGauge": [lambda: bar_gauges()[0]],
     "CutPulses": [lambda: ri.CutPulses(*[bar_gauges()[0]] * 3)],
+    "Blow": [lambda: ri.blows(DRIVEN, 1, cells=4, until=UNTIL)[0]],
     "Bonded": [ri.Bonded],
     "Bridge": [lambda: ri.Bridge("quarter", gauge_factor=2.0, excitation=5.0)],
     "Calibration": [calibration],
@@ -265,12 +270,12 @@ ABLE = {
 """Instances of methods that not every instance of the class in `INSTANCES` has."""
 
 RETURNED = {
-    "Alignment", "Atlas", "Axis", "Calibration", "ClosedForm", "ContactHistory", "ContactTally",
-    "Descent", "EnergyLedger", "Episode", "Exact", "ExtremeStress", "FieldError", "Fit",
-    "Fitted", "Gauge", "Gradient", "Kink", "MeanCurve", "Misfit", "Outcome", "Page", "Pulse",
-    "Reduction", "Regions", "RingDown", "SoilProfile", "Solution", "StressPeak", "SweepResult",
-    "Verdict",
-    "design.PulseDesign", "rigid.RigidCollision", "rigid.StackDrop", "theory.PairCollision",
+    "Alignment", "Atlas", "Axis", "BearingGraph", "BearingPoint", "Blow", "Calibration",
+    "ClosedForm", "ContactHistory", "ContactTally", "Descent", "EnergyLedger", "Episode", "Exact",
+    "ExtremeStress", "FieldError", "Fit", "Fitted", "Gauge", "Gradient", "Kink", "MeanCurve",
+    "Misfit", "Outcome", "Page", "Pulse", "Reduction", "Regions", "RingDown", "SoilProfile",
+    "Solution", "StressPeak", "SweepResult", "Verdict", "design.PulseDesign",
+    "rigid.RigidCollision", "rigid.StackDrop", "theory.PairCollision",
 }  # fmt: skip
 """Classes that the package returns. Users read their attributes and do not construct them."""
 
@@ -458,6 +463,7 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "signals_to_xarray": lambda: {"signals": {"a": VOLTS}},
     "write_signals": lambda: {"signals": {"a": VOLTS}, **PATH},
     # piles
+    "blows": lambda: {"system": DRIVEN, "count": 1, "cells": 4, "until": UNTIL},
     "at_rest": lambda: {"system": ri.System([ROD.replace(velocity=0.0)])},
     # fitting and design
     "Fit.against": lambda: {"other": fitted()},

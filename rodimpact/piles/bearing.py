@@ -1,0 +1,362 @@
+"""The bearing graph of a pile: how many blows a metre of set takes against each resistance.
+
+E. A. L. Smith, Pile-driving analysis by the wave equation, J. Soil Mech. Found. Div. ASCE 86 (1960)
+35-61: each resistance is shared between shaft and toe, the quakes stay, and one blow is solved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..methods.registry import count
+from ..methods.signals import Floats
+from ..model import Rod, System
+from ..model.arguments import array, demand, integer, scalar
+from ..model.frozen import InvalidModel, Problems, invalid_argument, raise_if_problems
+from ..model.laws import SmithToe
+from ..model.profiles import scaled
+from ..progress import Progress, ProgressFunction, check_progress
+from ..running.jobs import cut, pool_of, results_of
+from ..storage.checkpoint import Span
+from ..storage.writing import PathLike, open_for_writing
+from ..units import format_si
+from .blows import (
+    MIN_CELLS,
+    Blow,
+    PileRow,
+    check_pile,
+    shaft_resistance,
+    strike,
+)
+from .resting import CELLS, MAX_CELLS, at_rest
+
+MAX_RESISTANCES = 10_000
+"""Most resistances of a bearing graph."""
+
+
+class BearingPoint(NamedTuple):
+    """One blow on a pile against one resistance; a row of a bearing graph.
+
+    Attributes
+    ----------
+    resistance, shaft, toe : float
+        Ultimate resistance and its two parts, N.
+    set : float
+        m.
+    blow_count : float
+        Blows for a metre of set, 1/m; inf without set.
+    compression, compression_x : float
+        Largest compressive stress in the pile, Pa, positive, and its place, m from the head.
+    tension, tension_x : float
+        Largest tensile stress, Pa, and its place; 0 and nan without tension.
+    set_error, stress_error : float
+        How much set, and the larger stress, change from half of the cells to all of them,
+        relative.
+    is_over : bool
+        Whether the blow came to its end, so that the set is final.
+    status : str
+        The same in a sentence.
+    """
+
+    resistance: float
+    shaft: float
+    toe: float
+    set: float
+    blow_count: float
+    compression: float
+    compression_x: float
+    tension: float
+    tension_x: float
+    set_error: float
+    stress_error: float
+    is_over: bool
+    status: str
+
+
+COLUMNS = {
+    "resistance": "N",
+    "shaft": "N",
+    "toe": "N",
+    "set": "m",
+    "blow_count": "1/m",
+    "compression": "Pa",
+    "compression_x": "m",
+    "tension": "Pa",
+    "tension_x": "m",
+    "set_error": "",
+    "stress_error": "",
+}
+"""Numbers of a `BearingPoint` with their units."""
+
+
+@dataclass(frozen=True)
+class BearingGraph:
+    """Blow count and stresses of a pile against its resistance.
+
+    Attributes
+    ----------
+    system : System
+        The pile as it was given.
+    shaft_share : float
+        Part of the resistance that acts along the shaft.
+    points : tuple of BearingPoint
+        In the order of the resistances that were given.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> soil = ri.Soil(resistance=1.0, quake=2.5e-3, damping=0.16)
+    >>> pile = ri.Rod(15.0, area=9.4e-3, material=ri.materials.steel, shaft=soil)
+    >>> toe = ri.SmithToe(resistance=1.0, quake=2.5e-3, damping=0.5)
+    >>> ram = ri.RigidMass(4536.0, velocity=3.466)
+    >>> system = ri.System([ram, pile, ri.Wall()], contacts=[ri.Spring(5e8), toe])
+    >>> graph = ri.bearing_graph(system, [400e3, 800e3], cells=20)
+    >>> graph["blow_count"].round().tolist()
+    [28.0, 56.0]
+    """
+
+    system: System
+    shaft_share: float
+    points: tuple[BearingPoint, ...]
+
+    def __getitem__(self, name: str) -> Floats:
+        """A column: the numbers of that name of all points, [point].
+
+        Parameters
+        ----------
+        name : str
+            A number of `BearingPoint`, such as ``"blow_count"``.
+
+        Raises
+        ------
+        KeyError
+            If the points have no such number.
+        """
+        if name not in COLUMNS:
+            raise KeyError(f"name: must be one of {', '.join(COLUMNS)}, got {name!r}")
+        return np.array([getattr(point, name) for point in self.points])
+
+    @property
+    def is_over(self) -> bool:
+        """Whether every blow came to its end."""
+        return all(point.is_over for point in self.points)
+
+    def csv_lines(self) -> Iterator[str]:
+        """Lines of a table of all points, names first: every digit, an empty cell for nan."""
+        yield ",".join([*COLUMNS, "is_over"])
+        for point in self.points:
+            cells = []
+            for name in COLUMNS:
+                value = getattr(point, name)
+                cells.append("" if np.isnan(value) else repr(value))
+            cells.append(str(point.is_over))
+            yield ",".join(cells)
+
+    def to_csv(self, path: PathLike, *, force: bool = False) -> None:
+        """Write a table of all points, in SI units.
+
+        Raises
+        ------
+        FileExistsError
+            If the file is there and `force` is false.
+        """
+        with open_for_writing(path, force=force) as file:
+            for line in self.csv_lines():
+                file.write(f"{line}\n".encode())
+
+    def __str__(self) -> str:
+        from .bearing_report import bearing_table
+
+        return bearing_table(self)
+
+
+def bearing_graph(
+    system: System,
+    resistances: ArrayLike,
+    *,
+    shaft_share: float | None = None,
+    cells: int = CELLS,
+    until: float | None = None,
+    workers: int | None = None,
+    progress: bool | ProgressFunction = True,
+) -> BearingGraph:
+    """Blow count and largest stresses of a pile against each of some resistances.
+
+    Each resistance is shared between shaft and toe. Along the shaft it is distributed as in the
+    system; quakes and dampings stay. One blow is solved for each. The soil is unloaded before it,
+    or, where gravity acts, carries the pile at rest.
+
+    Parameters
+    ----------
+    system : System
+        From left to right: a ram that moves, masses such as a helmet, the pile, and a wall below
+        its toe, whose contact is a `SmithToe`.
+    resistances : array_like
+        Ultimate resistances of shaft and toe together, N.
+    shaft_share : float, optional
+        Part of it along the shaft, 0 to less than 1; by default that of the system.
+    cells : int, optional
+        Cells of the segment with the longest transit time. Each blow is solved on half of them,
+        too, for the stated errors.
+    until : float, optional
+        Longest duration of a blow, s, as for `blows`.
+    workers : int, optional
+        Number of threads, by default the processors at hand.
+    progress : bool or function
+        As for `sweep`; it counts resistances.
+
+    Returns
+    -------
+    BearingGraph
+
+    Raises
+    ------
+    InvalidModel
+        If the system is no pile, an argument is wrong, or soil of a resistance cannot carry the
+        pile at rest.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> soil = ri.Soil(resistance=1.0, quake=2.5e-3, damping=0.16)
+    >>> pile = ri.Rod(15.0, area=9.4e-3, material=ri.materials.steel, shaft=soil)
+    >>> toe = ri.SmithToe(resistance=1.0, quake=2.5e-3, damping=0.5)
+    >>> ram = ri.RigidMass(4536.0, velocity=3.466)
+    >>> system = ri.System([ram, pile, ri.Wall()], contacts=[ri.Spring(5e8), toe])
+    >>> graph = ri.bearing_graph(system, [400e3, 800e3], shaft_share=0.25, cells=20)
+    >>> [point.shaft for point in graph.points]
+    [100000.0, 200000.0]
+    """
+    row = check_pile(system)
+    share = _checked_share(system, row, shaft_share)
+    R = array("resistances", resistances, "N", "positive").ravel()
+    message = f"must be 1 to {MAX_RESISTANCES} numbers"
+    demand(1 <= R.size <= MAX_RESISTANCES, "resistances", message)
+    cells = integer("cells", cells, 2 * MIN_CELLS, MAX_CELLS)
+    if until is not None:
+        until = scalar("until", until, "s", "positive")
+    problems: Problems = []
+    if workers is not None:
+        workers = count(problems, "workers", workers)
+    check_progress(problems, progress)
+    raise_if_problems(problems)
+    settings = Settings(row, share, cells, until)
+    points: dict[int, BearingPoint] = {}
+    with (
+        Progress(progress, "bearing graph", "resistances") as report,
+        pool_of(None, workers) as pool,
+    ):
+
+        def submit(start: int, _: int) -> Any:
+            """Hand over the blow against one resistance."""
+            return pool.executor.submit(_point, system, float(R[start]), settings)
+
+        jobs = cut([Span(0, R.size)], 1)
+        for results in results_of(jobs, submit, pool.workers):
+            for job in results:
+                points[job.start] = job.result
+            report(len(points), R.size)
+    return BearingGraph(system, share, tuple(points[i] for i in range(R.size)))
+
+
+class Settings(NamedTuple):
+    """How the blows of a bearing graph are solved."""
+
+    row: PileRow
+    shaft_share: float
+    cells: int
+    until: float | None  # s
+
+
+def _checked_share(system: System, row: PileRow, share: Any) -> float:
+    """Part of the resistance along the shaft."""
+    toe: Any = system.contacts[row.toe]
+    message = "must be SmithToe, whose resistance varies at constant quake"
+    demand(isinstance(toe, SmithToe), f"contacts.{row.toe}", message)
+    on_shaft = shaft_resistance(system)
+    if share is None:
+        return on_shaft / (on_shaft + float(toe.resistance))
+    share = scalar("shaft_share", share, "", "non-negative")
+    demand(share < 1, "shaft_share", "must be below 1, got {0!r}", share)
+    message = "must be 0 for a pile without soil along its shaft, got {0!r}"
+    demand(share == 0 or on_shaft > 0, "shaft_share", message, share)
+    return share
+
+
+def with_resistance(
+    system: System, row: PileRow, resistance: float, shaft_share: float
+) -> System:
+    """A pile against this resistance, N, with its soil unloaded."""
+    on_shaft = shaft_resistance(system)
+    bodies: list[Any] = []
+    for body in system.bodies:
+        if isinstance(body, Rod) and body.shaft is not None:
+            soil = None
+            if shaft_share > 0:
+                factor = shaft_share * resistance / on_shaft
+                soil = body.shaft.replace(
+                    resistance=scaled(body.shaft.resistance, factor), mobilised=0.0
+                )
+            body = body.replace(shaft=soil, strain=0.0)
+        bodies.append(body)
+    contacts = list(system.contacts)
+    toe: Any = contacts[row.toe]
+    contacts[row.toe] = toe.replace(resistance=(1 - shaft_share) * resistance)
+    gaps = [max(0.0, float(gap)) for gap in system.gaps]
+    return system.replace(bodies=bodies, contacts=contacts, gaps=gaps)
+
+
+def _point(system: System, resistance: float, settings: Settings) -> BearingPoint:
+    """One blow against one resistance, on all cells and on half of them."""
+    row = settings.row
+    share = settings.shaft_share
+    pile = with_resistance(system, row, resistance, share)
+    fine = _blow(pile, resistance, settings)
+    # Both have the same duration, so that they saw the same stresses.
+    coarser = settings._replace(cells=settings.cells // 2, until=fine.solution.t_end)
+    coarse = _blow(pile, resistance, coarser)
+    compression = -fine.compression.stress
+    tension = fine.tension.stress
+    stress_change = max(
+        abs(compression + coarse.compression.stress),
+        abs(tension - coarse.tension.stress),
+    )
+    return BearingPoint(
+        resistance=resistance,
+        shaft=share * resistance,
+        toe=(1 - share) * resistance,
+        set=fine.set,
+        blow_count=fine.blow_count,
+        compression=compression,
+        compression_x=fine.compression.x,
+        tension=tension,
+        tension_x=fine.tension.x,
+        set_error=_relative(fine.set - coarse.set, fine.set),
+        stress_error=_relative(stress_change, max(compression, tension)),
+        is_over=fine.is_over,
+        status=fine.status,
+    )
+
+
+def _blow(pile: System, resistance: float, settings: Settings) -> Blow:
+    """The blow on a pile that is at rest where gravity acts."""
+    cells = settings.cells
+    if pile.gravity != 0:
+        try:
+            pile = at_rest(pile, cells)
+        except InvalidModel as error:
+            message = f"of {format_si(resistance, 'N')}: {error}"
+            raise invalid_argument("resistances", message) from error
+    return strike(pile, pile, settings.row, cells, settings.until)
+
+
+def _relative(change: float, value: float) -> float:
+    """Absolute change over a value; 0 if nothing changes."""
+    if change == 0:
+        return 0.0
+    return abs(change) / value if value > 0 else np.inf

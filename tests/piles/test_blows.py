@@ -1,0 +1,255 @@
+"""Blows on a pile: when one is over, what the next one finds, and what is no pile."""
+
+import math
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from lumped_pile import LumpedPile, strike_again
+
+import rodimpact as ri
+from rodimpact.methods import kernels
+
+STEEL = ri.materials.steel
+SOIL = ri.Soil(300e3, quake=2.5e-3, damping=0.16)
+TOE = ri.SmithToe(300e3, quake=2.5e-3, damping=0.5)
+PILE = ri.Rod(15.0, area=9.4e-3, material=STEEL, shaft=SOIL)
+RAM = ri.RigidMass(4536.0, velocity=3.466)
+HELMET = ri.RigidMass(510.0)
+CUSHION = ri.Cushion(5e8, restitution=0.8)
+ROW = ri.System([RAM, PILE, ri.Wall()], contacts=[CUSHION, TOE])
+WITH_HELMET = ri.System(
+    [RAM, HELMET, PILE, ri.Wall()], contacts=[CUSHION, ri.Spring(2e9), TOE]
+)
+needs_compiler = pytest.mark.skipif(
+    not kernels.enabled(), reason="takes long in plain Python"
+)
+
+
+def random_pile(seed):
+    """A pile in random soil, with or without a helmet, weight, damping and a second rod."""
+    rng = np.random.default_rng(seed)
+
+    def soil(length):
+        resistance = float(rng.uniform(50e3, 500e3))
+        if rng.random() < 0.5:
+            per_length = (rng.uniform(0.1, 1.0, 2) * resistance / length).tolist()
+            resistance = ri.Steps(per_length, [length * rng.uniform(0.1, 0.9)])
+        return ri.Soil(
+            resistance,
+            quake=float(rng.uniform(1e-3, 5e-3)),
+            damping=float(rng.choice([0.0, rng.uniform(0.05, 0.6)])),
+            law=str(rng.choice(["smith", "viscous"])),
+        )
+
+    length = float(rng.uniform(5.0, 20.0))
+    pile = ri.Rod(length, area=9.4e-3, material=STEEL, shaft=soil(length))
+    toe = ri.SmithToe(
+        float(rng.uniform(100e3, 600e3)),
+        quake=float(rng.uniform(1e-3, 8e-3)),
+        damping=float(rng.choice([0.0, rng.uniform(0.1, 1.0)])),
+    )
+    velocity = float(rng.uniform(1.0, 4.0))
+    bodies = [ri.RigidMass(float(rng.uniform(500, 5000)), velocity=velocity)]
+    contacts = [ri.Cushion(5e8, restitution=float(rng.uniform(0.5, 1.0)))]
+    if rng.random() < 0.5:
+        bodies.append(HELMET)
+        contacts.append(ri.Spring(2e9))
+    bodies.append(pile)
+    if rng.random() < 0.3:
+        bodies.append(ri.Rod(3.0, area=9.4e-3, material=STEEL, shaft=soil(3.0)))
+        contacts.append(ri.Bonded())
+    system = ri.System([*bodies, ri.Wall()], contacts=[*contacts, toe])
+    if rng.random() < 0.4:
+        system = ri.at_rest(system.replace(gravity=9.81), cells=24)
+    return system
+
+
+def is_held(body):
+    """Whether soil holds a body along its shaft."""
+    return getattr(body, "shaft", None) is not None
+
+
+def without_ram(state):
+    """A system after a blow whose ram was caught: it hangs on a wall far above the pile."""
+    hook = ri.Joint(1e9)
+    ram = ri.RigidMass(1.0)
+    return ri.System(
+        [ri.Wall(), ram, *state.bodies[1:]],
+        gaps=[0.0, 100.0, *state.gaps[1:]],
+        contacts=[hook, *state.contacts],
+        gravity=state.gravity,
+    )
+
+
+@needs_compiler
+@pytest.mark.parametrize("seed", few_of(range(200), range(10)))
+def test_a_blow_that_is_over_makes_no_soil_yield_later(seed):
+    system = random_pile(seed)
+    (blow,) = ri.blows(system, 1, cells=24)
+    if not blow.is_over:  # undamped soil may keep a pile, or a ram on it, in motion
+        dampings = [
+            body.shaft.damping for body in system.bodies[-3:-1] if is_held(body)
+        ]
+        assert 0.0 in [*dampings, system.contacts[-1].damping]
+        return
+    end = blow.solution.t_end
+    state = blow.solution.system_at(end)
+    if state.gaps[0] > 0:
+        state = without_ram(state)
+
+    later = ri.solve(state, until=0.3, cells=24)
+
+    assert later.contacts[-1].permanent_set() == pytest.approx(0.0, abs=1e-12)
+    for i, body in enumerate(state.bodies):
+        if is_held(body):
+            yielded = later.soil(i, later.t_end).plastic_set
+            assert yielded == pytest.approx(0.0, abs=1e-12)
+
+
+@needs_compiler
+def test_a_pile_comes_to_rest_where_a_blow_says():
+    (blow,) = ri.blows(ROW, 1, cells=40)
+    start = blow.solution
+
+    until = 30 * start.t_end
+    later = ri.solve(ROW, until=until, cells=40, snapshots=300)
+
+    toe = later.displacement(1, 15.0, [0.9 * until, until])
+    assert toe == pytest.approx(blow.displacement, abs=1e-7)
+    shares = np.array(blow.rest.bodies[1].shaft.mobilised.values)
+    assert later.soil(1, until).mobilised == pytest.approx(shares, abs=1e-5)
+
+
+@needs_compiler
+def test_blows_keep_set_and_residual_stress_as_a_chain_of_lumped_masses_does():
+    pile = LumpedPile(
+        ram_mass=RAM.mass,
+        ram_velocity=RAM.velocity,
+        cushion=5e8,
+        length=15.0,
+        area=9.4e-3,
+        modulus=STEEL.youngs_modulus,
+        density=STEEL.density,
+        shaft_resistance=300e3,
+        toe_resistance=300e3,
+        quake=2.5e-3,
+        shaft_damping=0.16,
+        toe_damping=0.5,
+        is_viscous=True,
+    )
+    system = ri.System(
+        [RAM, PILE.replace(shaft=SOIL.replace(law="viscous")), ri.Wall()],
+        contacts=[ri.Spring(5e8), TOE],
+    )
+
+    series = ri.blows(system, 3, cells=100)
+    lumped = strike_again(pile, 3, segments=60, duration=0.3, step=1e-5)
+
+    sets = [blow.set for blow in series]
+    assert sets == pytest.approx(lumped, rel=1e-3)
+    assert sets[1] > 1.01 * sets[0]
+    assert series[2].displacement == pytest.approx(sets[2], rel=1e-3)
+
+
+@needs_compiler
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_a_pile_is_at_rest_between_blows(gravity):
+    system = WITH_HELMET
+    if gravity:
+        system = ri.at_rest(system.replace(gravity=gravity), cells=30)
+
+    blow, _ = ri.blows(system, 2, cells=30)
+    between = blow.rest
+
+    assert between.bodies[0] == system.bodies[0]
+    assert between.bodies[1] == system.bodies[1]
+    assert between.gaps[0] == 0.0
+    lifted = between.replace(bodies=[RAM.replace(velocity=-1.0), *between.bodies[1:]])
+    rest = ri.solve(lifted, until=0.02, cells=30)
+    t = np.linspace(0.0, 0.02, 40)
+    x = np.linspace(0.0, 15.0, 31)[:, None]
+    assert np.abs(rest.velocity(2, x, t)).max() < 1e-7
+    assert np.abs(rest.stress(2, x, 0.0)).max() > 1e6
+
+
+def test_a_blow_that_is_cut_short_says_so():
+    series = ri.blows(ROW, 3, cells=20, until=5e-3)
+
+    assert len(series) == 1
+    (blow,) = series
+    assert not blow.is_over
+    assert blow.rest is None
+    assert math.isnan(blow.displacement)
+    assert "Not over after 5 ms" in blow.status
+    assert "longer until" in blow.status
+
+
+def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():
+    bare = ri.System(
+        [RAM, PILE.replace(shaft=None), ri.Wall()], contacts=[CUSHION, TOE]
+    )
+
+    series = ri.blows(bare, 2, cells=20)
+
+    assert len(series) == 1
+    assert series[0].is_over
+    assert "no soil holds" in series[0].status
+    assert series[0].blow_count == pytest.approx(1 / series[0].set)
+
+
+def test_places_count_from_the_head_of_a_pile_of_two_rods():
+    half = PILE.replace(length=7.5, shaft=SOIL.replace(resistance=150e3))
+    two = ri.System([RAM, half, half, ri.Wall()], contacts=[CUSHION, ri.Bonded(), TOE])
+
+    (one_rod,) = ri.blows(ROW, 1, cells=40, until=0.04)
+    (two_rods,) = ri.blows(two, 1, cells=20, until=0.04)
+
+    assert two_rods.set == pytest.approx(one_rod.set, rel=1e-3)
+    assert two_rods.tension.stress == pytest.approx(one_rod.tension.stress, rel=0.02)
+    assert two_rods.tension.x == pytest.approx(one_rod.tension.x, abs=1.0)
+
+
+REFUSED = [
+    (ri.System([RAM, PILE]), "bodies: must end with a Wall"),
+    (
+        ri.System(
+            [RAM.replace(velocity=-1.0), PILE, ri.Wall()], contacts=[CUSHION, TOE]
+        ),
+        "bodies.0: must be the ram",
+    ),
+    (
+        ri.System([RAM, HELMET, ri.Wall()], contacts=[CUSHION, TOE]),
+        "bodies: must have a Rod",
+    ),
+    (
+        ri.System(
+            [RAM, PILE.replace(velocity=1.0), ri.Wall()], contacts=[CUSHION, TOE]
+        ),
+        "bodies.1: must be at rest",
+    ),
+    (
+        ri.System([RAM, PILE, ri.Wall()], contacts=[CUSHION, ri.Spring(1e8)]),
+        "contacts.1: must be SmithToe",
+    ),
+    (
+        ri.System(
+            [RAM.replace(mass=[1.0, 2.0]), PILE, ri.Wall()], contacts=[CUSHION, TOE]
+        ),
+        "system: is a family",
+    ),
+]
+
+
+@pytest.mark.parametrize(("system", "message"), REFUSED)
+def test_a_row_that_is_no_pile_is_refused(system, message):
+    with pytest.raises(ri.InvalidModel, match=message):
+        ri.blows(system, 1)
+
+
+@pytest.mark.parametrize(
+    "arguments", [{"count": 0}, {"count": 1, "cells": 1}, {"count": 1, "until": -1.0}]
+)
+def test_wrong_arguments_are_refused(arguments):
+    with pytest.raises(ri.InvalidModel):
+        ri.blows(ROW, **arguments)
