@@ -30,6 +30,7 @@ from .model.bodies import RigidMass as RigidMass
 from .model.bodies import Rod as Rod
 from .model.bodies import Segment as Segment
 from .model.bodies import Wall as Wall
+from .model.drag import Drag as Drag
 from .model.ends import Absorbing as Absorbing
 from .model.ends import Fixed as Fixed
 from .model.ends import Free as Free

@@ -459,7 +459,7 @@ class PageSystem(NamedTuple):
     contacts: list[PageContact]
     gravity: float  # m/s^2
     ends: list[PageEnd]  # left, right
-    has_soil: bool  # as that of `System`
+    has_shaft: bool  # as that of `System`
 
 
 class RunRequest(NamedTuple):

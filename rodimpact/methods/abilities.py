@@ -20,6 +20,7 @@ DAMPING = "damping"
 LATERAL = "lateral inertia"
 TAPER = "tapered rods"
 SOIL = "soil along a shaft"
+DRAG = "drag along a shaft"
 RODLESS = "rows without a rod"
 
 PHYSICS_OF_LAWS = {"joint": JOINTS, "own": OWN_LAWS}
@@ -58,7 +59,10 @@ def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
     """Path and name of the physics of a rod that not every method has."""
     physics: Needs = []
     if rod.shaft is not None:
-        physics.append((f"{path}.shaft", SOIL))
+        along = SOIL
+        if isinstance(rod.shaft, model.Drag):
+            along = DRAG
+        physics.append((f"{path}.shaft", along))
     for name, profile in (("velocity", rod.velocity), ("strain", rod.strain)):
         if isinstance(profile, model.Samples | model.Polynomials):
             physics.append((f"{path}.{name}", SMOOTH_STATES))
@@ -88,4 +92,4 @@ def has_external_drive(system: Any) -> bool:
         elif each.kind in ("force", "velocity", "incoming"):
             is_pushed = True
     is_pulled = is_held and not vanishes(system.gravity)
-    return is_pushed or is_pulled or system.has_soil
+    return is_pushed or is_pulled or system.has_shaft

@@ -34,6 +34,7 @@ class Works(NamedTuple):
     gravity_work: float = 0.0
     radiated: float = 0.0
     soil_work: float = 0.0
+    drag_work: float = 0.0
     dissipated: float = 0.0
     damped: float = 0.0
     numerical: float = 0.0

@@ -184,7 +184,7 @@ class Options(FrozenDataclass):
         if self.until is None and abilities.has_external_drive(system):
             raise invalid_argument(
                 "until",
-                "must be given: where gravity, drives or soil act, there is no last "
+                "must be given: where gravity, drives, soil or drag act, there is no last "
                 "contact to wait for",
             )
         return method

@@ -176,15 +176,15 @@ INWARD = (1, -1)
 """Direction in which a positive push acts on the left and on the right end of the row."""
 
 
-class SoilAction(NamedTuple):
-    """What soil does to a rod along its shaft.
+class ShaftAction(NamedTuple):
+    """What soil or drag does to a rod along its shaft.
 
     Attributes
     ----------
     push : Pieces
         Force on the rod, N, to the right.
     power : Pieces
-        W; negative where the soil takes energy.
+        W; negative where energy is taken from the rod.
     """
 
     push: Pieces
@@ -213,8 +213,8 @@ class Signals(NamedTuple):
         Ticks from 0 on between which the signals of a grid are means.
     masses : dict of int to Pieces
         Velocities of rigid masses, by body, m/s, in the frame of the clock.
-    soil : dict of int to SoilAction
-        By rod that soil holds.
+    shafts : dict of int to ShaftAction
+        By rod on which soil or drag acts.
     """
 
     motion: Any
@@ -222,7 +222,7 @@ class Signals(NamedTuple):
     boundary_actions: tuple[BoundaryAction | None, BoundaryAction | None]
     edges: Ints | None = None
     masses: Mapping[int, Pieces] = {}
-    soil: Mapping[int, SoilAction] = {}
+    shafts: Mapping[int, ShaftAction] = {}
 
 
 class Stopped(Exception):

@@ -56,8 +56,8 @@ def describe_end(
         asked = f"Stopped at the time asked for, {end}, before the collision was final"
         if has_external_drive(system):
             acting = "an end is driven"
-            if system.has_soil:
-                acting = "soil acts"
+            if system.has_shaft:
+                acting = "soil or drag acts"
             if system.gravity != 0:
                 acting = "gravity acts"
             reason = f"while {acting}, no contact is known to be the last"

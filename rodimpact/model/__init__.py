@@ -1,6 +1,7 @@
 """The description of a collision: materials, bodies, contact laws, ends and systems."""
 
 from .bodies import Body, Material, RigidMass, Rod, Segment, Wall
+from .drag import Drag
 from .ends import Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import InvalidModel
 from .laws import Bonded, ContactLaw, Joint, Law, Plastic, Rigid, Tabulated, Yielding
@@ -15,6 +16,7 @@ __all__ = [
     "Body",
     "Bonded",
     "ContactLaw",
+    "Drag",
     "End",
     "Fixed",
     "Free",

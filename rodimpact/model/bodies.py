@@ -29,7 +29,7 @@ from .frozen import (
 )
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
-from .soil import Soil, along_rod
+from .shaft import Shaft, along_rod
 
 LEFT_OUT: Any = None
 """Default of an argument that may be left out, or that the check of a class demands."""
@@ -584,8 +584,8 @@ class Rod(Frozen, kind="rod"):
     strain : float, array, Steps, Samples or function
         Initial strain, positive in tension; a function is sampled like that of the
         velocity.
-    shaft : Soil, optional
-        Soil that resists the motion along the rod, for the method "finite-difference".
+    shaft : Soil or Drag, optional
+        What resists the motion along the rod, for the method "finite-difference".
 
     Raises
     ------
@@ -612,7 +612,7 @@ class Rod(Frozen, kind="rod"):
     segments: tuple[Segment, ...]
     velocity: Profile = quantity("m/s", default=0.0, along="length")
     strain: Profile = quantity(default=0.0, along="length")
-    shaft: Soil | None
+    shaft: Shaft | None
 
     def __init__(
         self,
@@ -626,7 +626,7 @@ class Rod(Frozen, kind="rod"):
         segments: Sequence[Segment] | None = None,
         velocity: ProfileLike = 0.0,
         strain: ProfileLike = 0.0,
-        shaft: Soil | None = None,
+        shaft: Shaft | None = None,
     ) -> None:
         problems: Problems = []
         shape = {
@@ -654,9 +654,9 @@ class Rod(Frozen, kind="rod"):
         strain_field = self.fields["strain"]
         v = profiles.along_rod(problems, "velocity", velocity, velocity_field, total)
         e = profiles.along_rod(problems, "strain", strain, strain_field, total)
-        soil = _checked_shaft(problems, shaft, total)
+        along = _checked_shaft(problems, shaft, total)
         frozen.raise_if_problems(problems)
-        self._set(segments=pieces, velocity=v, strain=e, shaft=soil)
+        self._set(segments=pieces, velocity=v, strain=e, shaft=along)
 
     def _parameters(self) -> dict[str, Any]:
         if len(self.segments) > 1:
@@ -724,12 +724,13 @@ class Rod(Frozen, kind="rod"):
 
 def _checked_shaft(
     problems: Problems, shaft: Any, length: Number | None
-) -> Soil | None:
-    """Soil along a rod of this length, m; mistakes are added to `problems`."""
+) -> Shaft | None:
+    """Soil or drag along a rod of this length, m; mistakes are added to `problems`."""
     if shaft is None:
         return None
-    if not isinstance(shaft, Soil):
-        frozen.add_problem(problems, "shaft", "must be a Soil or None", shaft)
+    if not isinstance(shaft, Shaft):
+        message = "must be a Soil, a Drag or None"
+        frozen.add_problem(problems, "shaft", message, shaft)
         return None
     try:
         return along_rod(shaft, length)

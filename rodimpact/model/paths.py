@@ -15,7 +15,7 @@ import numpy as np
 from ..units import MOST_SHOWN
 from .bodies import Material, RigidMass, Rod, Segment
 from .frozen import MOST_CHOICES, Number, QuantityField, listed, nearest
-from .soil import Soil
+from .shaft import SHAFTS
 from .system import GAP, System
 
 SPEED = "wave_speed"
@@ -27,13 +27,14 @@ FIELDS = {
     **Segment.fields,
     **Rod.fields,
     **RigidMass.fields,
-    **Soil.fields,
     SPEED: QuantityField("m/s"),
     "gravity": System.fields["gravity"],
     "gap": GAP,
     "step": QuantityField("s"),
 }
 """Declarations of the numbers of a system, by their last name."""
+for _kind in SHAFTS.values():
+    FIELDS.update(_kind.fields)
 
 
 class _Slot(NamedTuple):

@@ -33,7 +33,7 @@ RESISTANCE_PER_LENGTH = QuantityField("N/m", "non-negative", along="length")
 """Resistance that varies along the rod."""
 
 
-class Soil(FrozenDataclass):
+class Soil(FrozenDataclass, kind="soil"):
     """Soil that resists the motion of a rod along its shaft.
 
     The force on the rod is -(R + J abs(R) v) by the law ``"smith"`` and -(R + J R_u v) by
@@ -87,7 +87,7 @@ class Soil(FrozenDataclass):
             add_problem(problems, "law", 'must be "smith" or "viscous"', law)
         for name in ("resistance", "mobilised"):
             value = getattr(self, name)
-            if not _is_profile(value):
+            if not is_profile(value):
                 self.__dict__[name] = self.fields[name].checked(problems, name, value)
 
 
@@ -100,20 +100,14 @@ def along_rod(soil: Soil, length: Number | None) -> Soil:
         If a profile goes beyond the rod, or has values that it cannot have.
     """
     problems: Problems = []
-    changed = {}
-    for name, field in (
-        ("resistance", RESISTANCE_PER_LENGTH),
-        ("mobilised", soil.fields["mobilised"]),
-    ):
-        value = getattr(soil, name)
-        if _is_profile(value):
-            profile = profiles.along_rod(problems, name, value, field, length)
-            changed[name] = profile
-            if isinstance(profile, Steps):
-                for i, step in enumerate(profile.values):
-                    field.checked(problems, f"{name}.values.{i}", step)
+    resistance = checked_along(
+        problems, "resistance", soil.resistance, RESISTANCE_PER_LENGTH, length
+    )
+    mobilised = checked_along(
+        problems, "mobilised", soil.mobilised, soil.fields["mobilised"], length
+    )
     frozen.raise_if_problems(problems)
-    return soil.replace(**changed)
+    return soil.replace(resistance=resistance, mobilised=mobilised)
 
 
 def resistances(soil: Soil, edges: Any, length: float) -> Floats:
@@ -127,11 +121,19 @@ def resistances(soil: Soil, edges: Any, length: float) -> Floats:
     length : float
         Length of the rod, m.
     """
+    return spread(soil.resistance, edges, length)
+
+
+def spread(amount: Any, edges: Any, length: float) -> Floats:
+    """What lies between neighbouring places [n] of an amount along a rod.
+
+    A profile is the amount per length; a number is that of the whole rod.
+    """
     per_length: Any
-    if isinstance(soil.resistance, PROFILES):
-        per_length = profiles.averages(soil.resistance, edges, length)
+    if isinstance(amount, PROFILES):
+        per_length = profiles.averages(amount, edges, length)
     else:
-        per_length = np.full(len(edges) - 1, soil.resistance / length)
+        per_length = np.full(len(edges) - 1, amount / length)
     return np.asarray(per_length * np.diff(edges))
 
 
@@ -150,7 +152,27 @@ def largest_stiffness(soil: Soil, length: float) -> float:
     return float(largest / soil.quake)
 
 
-def _is_profile(value: ProfileLike | ArrayLike) -> bool:
+def checked_along(
+    problems: Problems,
+    name: str,
+    value: Any,
+    field: QuantityField,
+    length: Number | None,
+) -> Any:
+    """A value along a rod of this length, m; mistakes of a profile are added to `problems`.
+
+    A number is returned as it is.
+    """
+    if not is_profile(value):
+        return value
+    profile = profiles.along_rod(problems, name, value, field, length)
+    if isinstance(profile, Steps):
+        for i, step in enumerate(profile.values):
+            field.checked(problems, f"{name}.values.{i}", step)
+    return profile
+
+
+def is_profile(value: ProfileLike | ArrayLike) -> bool:
     """Whether a value is a profile along a rod, or a function that becomes one."""
     is_function = callable(value) and not isinstance(value, type)
     return is_function or isinstance(value, PROFILES)

@@ -36,7 +36,7 @@ from .frozen import (
 )
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Joint, Law, Plastic, Rigid
 from .profiles import Floats, flipped, negative, profile_from
-from .soil import Soil
+from .shaft import mirrored, shaft_from
 
 SIDES = ("left", "right")
 """Names of the ends of a row in paths."""
@@ -140,8 +140,8 @@ class System(FrozenDataclass):
         return self._shape
 
     @property
-    def has_soil(self) -> bool:
-        """Whether soil holds a rod along its shaft."""
+    def has_shaft(self) -> bool:
+        """Whether soil or drag acts on a rod along its shaft."""
         rods = [body for body in self.bodies if isinstance(body, Rod)]
         return any(rod.shaft is not None for rod in rods)
 
@@ -350,22 +350,14 @@ def _mirrored_body(body: Body) -> Body:
     """Body with left and right exchanged."""
     if not isinstance(body, Rod):
         return body.replace(velocity=-body.velocity)
+    shaft = body.shaft
+    if shaft is not None:
+        shaft = mirrored(shaft, body.length)
     return body.replace(
         segments=[segment.mirrored() for segment in reversed(body.segments)],
         velocity=negative(flipped(body.velocity, body.length)),
         strain=flipped(body.strain, body.length),
-        shaft=_mirrored_shaft(body),
-    )
-
-
-def _mirrored_shaft(rod: Rod) -> Soil | None:
-    """Soil along a rod with left and right exchanged."""
-    soil = rod.shaft
-    if soil is None:
-        return None
-    return soil.replace(
-        resistance=flipped(soil.resistance, rod.length),
-        mobilised=negative(flipped(soil.mobilised, rod.length)),
+        shaft=shaft,
     )
 
 
@@ -396,7 +388,7 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
             segments.append(Segment(**_parameters_from(segment)))
         parameters["segments"] = segments
     if "shaft" in description:
-        parameters["shaft"] = Soil(**_parameters_from(description["shaft"]))
+        parameters["shaft"] = shaft_from(_parameters_from(description["shaft"]))
     return parameters
 
 

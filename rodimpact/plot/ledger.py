@@ -37,6 +37,7 @@ BANDS = {
     "radiated": "#e3e3e3",
     "damped": "#e0c39a",
     "soil_work": "#a9977f",
+    "drag_work": "#8fb0c9",
     "numerical": "#c7a3c4",
 }
 """Entries of the ledger that are stacked, and their colours."""

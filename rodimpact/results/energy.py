@@ -11,7 +11,7 @@ from ..methods.groups import groups, movable, velocities_in_group
 from ..methods.outcome import Motion, Totals, Works, relative_residual
 from ..methods.run import INWARD, Run
 from ..methods.signals import Floats, Ints
-from ..model import Rigid, System
+from ..model import Drag, Rigid, System
 from .contacts import ContactHistory
 from .fields import Fields
 
@@ -43,6 +43,8 @@ class EnergyLedger:
     soil_work : array
         Work done since t = 0 on soil along the shafts of rods: what the soil has taken as it
         yields and damps, and what it stores.
+    drag_work : array
+        Lost since t = 0 to drag along the shafts of rods.
     wall_work, drive_work, gravity_work : array
         Work done since t = 0 by moving walls, driven ends and gravity.
     residual : array
@@ -68,6 +70,7 @@ class EnergyLedger:
     numerical: Floats
     radiated: Floats
     soil_work: Floats
+    drag_work: Floats
     wall_work: Floats
     drive_work: Floats
     gravity_work: Floats
@@ -108,6 +111,13 @@ class BoundaryWorks(NamedTuple):
     wall: Floats  # by walls
     drive: Floats  # by driven ends
     absorbing: Floats  # by absorbing ends: the work of what comes in, less what leaves
+
+
+class ShaftWorks(NamedTuple):
+    """Work done since t = 0 on what acts along the shafts of rods, J [time]."""
+
+    soil: Floats
+    drag: Floats
 
 
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
@@ -238,7 +248,7 @@ def ledger(
     at_contacts = _contact_energies(contacts, ticks * fields.clock.tick)
     contact = at_contacts.stored
     damped = fields.viscous_loss(ticks)
-    soil_work = _work_on_soil(fields, ticks)
+    on_shafts = _works_on_shafts(fields, ticks)
     vibrational_kinetic = states.vibrational_kinetic.sum(axis=0)
     strain = states.strain.sum(axis=0)
     gained = states.kinetic - states.kinetic[0]
@@ -246,7 +256,8 @@ def ledger(
     gained = gained + (strain - strain[0])
     lost = at_contacts.dissipated + damped + at_contacts.numerical
     residual = gained + contact - contact[0]
-    residual += lost + soil_work
+    residual += lost + on_shafts.soil
+    residual += on_shafts.drag
     for work in (*works, gravity_work):
         residual = residual - work
     return EnergyLedger(
@@ -258,7 +269,8 @@ def ledger(
         damped=damped,
         numerical=at_contacts.numerical,
         radiated=-works.absorbing,
-        soil_work=soil_work,
+        soil_work=on_shafts.soil,
+        drag_work=on_shafts.drag,
         wall_work=works.wall,
         drive_work=works.drive,
         gravity_work=gravity_work,
@@ -279,12 +291,16 @@ def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
     return BoundaryWorks(**works)
 
 
-def _work_on_soil(fields: Fields, ticks: Ints) -> Floats:
-    """Work done on soil along the shafts of rods since t = 0, J."""
-    work = np.zeros(ticks.shape)
-    for soil in fields.signals.soil.values():
-        work -= soil.power.integral(0, ticks) * fields.clock.tick
-    return work
+def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
+    """Work done since t = 0 on what acts along the shafts of rods."""
+    works = ShaftWorks(np.zeros(ticks.shape), np.zeros(ticks.shape))
+    bodies = fields.clock.system.bodies
+    for body, action in fields.signals.shafts.items():
+        work = works.soil
+        if isinstance(bodies[body].shaft, Drag):
+            work = works.drag
+        work -= action.power.integral(0, ticks) * fields.clock.tick
+    return works
 
 
 def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
@@ -305,9 +321,9 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
             push_integral = side.push.integrated_twice(ticks)
             by_push = sign * push_integral * clock.tick * clock.tick
             momentum_integral = momentum_integral + by_push
-    for soil in fields.signals.soil.values():
-        by_soil = soil.push.integrated_twice(ticks) * clock.tick * clock.tick
-        momentum_integral = momentum_integral + by_soil
+    for action in fields.signals.shafts.values():
+        by_shaft = action.push.integrated_twice(ticks) * clock.tick * clock.tick
+        momentum_integral = momentum_integral + by_shaft
     return np.asarray(clock.gravity * momentum_integral)
 
 
@@ -330,6 +346,7 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
         gravity_work=float(book.gravity_work[-1]),
         radiated=float(book.radiated[-1]),
         soil_work=float(book.soil_work[-1]),
+        drag_work=float(book.drag_work[-1]),
         dissipated=float(book.dissipated[-1]),
         damped=float(book.damped[-1]),
         numerical=float(book.numerical[-1]),
@@ -364,6 +381,7 @@ def _energy_scale(
     scale += abs(works.drive_work)
     scale += abs(works.radiated)
     scale += abs(works.soil_work)
+    scale += abs(works.drag_work)
     return scale
 
 
@@ -411,6 +429,6 @@ def _impulse_from_outside(fields: Fields, tick: int) -> float:
         if side is not None:
             push_integral = float(side.push.integral(0, tick))
             impulse += sign * push_integral * fields.clock.tick
-    for soil in fields.signals.soil.values():
-        impulse += float(soil.push.integral(0, tick)) * fields.clock.tick
+    for action in fields.signals.shafts.values():
+        impulse += float(action.push.integral(0, tick)) * fields.clock.tick
     return impulse

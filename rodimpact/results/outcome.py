@@ -107,6 +107,8 @@ class Outcome(OnlyContact[float]):
         Lost in damped material, J.
     soil_work : float
         Work done on soil along the shafts of rods, J: most of it is lost.
+    drag_work : float
+        Lost to drag along the shafts of rods, J.
     drive_work, gravity_work : float
         Work of driven ends and of gravity, J.
     driven : bool
@@ -146,6 +148,7 @@ class Outcome(OnlyContact[float]):
     numerical: float = 0.0
     radiated: float = 0.0
     soil_work: float = 0.0
+    drag_work: float = 0.0
     damped: float = 0.0
     drive_work: float = 0.0
     gravity_work: float = 0.0

@@ -13,7 +13,7 @@ from ..methods.outcome import Totals
 from ..methods.registry import Options
 from ..methods.run import Run, Waves
 from ..methods.signals import Floats, Side, each_once
-from ..model import Rod, Samples, Steps, System
+from ..model import Rod, Samples, Soil, Steps, System
 from ..model.arguments import Array, array, demand, integer, of_kind, scalar
 from ..model.frozen import invalid_argument
 from ..model.numbering import body_names
@@ -557,7 +557,7 @@ class Solution(Shown):
             if isinstance(body, Rod):
                 state = state_profiles(self.fields, i, tick, error)
                 shaft = body.shaft
-                if shaft is not None:
+                if isinstance(shaft, Soil):
                     shaft = shaft.replace(mobilised=self.fields.mobilised(i, tick))
                 body = body.replace(
                     velocity=state.velocity, strain=state.strain, shaft=shaft

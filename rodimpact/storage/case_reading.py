@@ -25,11 +25,13 @@ from ..model.bodies import (
     Segment,
     Wall,
 )
+from ..model.drag import COEFFICIENT_PER_LENGTH, Drag
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import InvalidModel, QuantityField, defaults_of, invalid_argument
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Spring
 from ..model.paths import FIELDS, MODULUS, SPEED, suggestion
+from ..model.shaft import SHAFTS, Shaft
 from ..model.soil import DAMPING_LAWS, RESISTANCE_PER_LENGTH, Soil
 from ..units import shown
 from .case import CASE_SCHEMA, Case, GaugePlace
@@ -230,7 +232,7 @@ def read_body(table: Table, library: Materials) -> Body | None:
     if kind == Rod.kind:
         entries = read_rod_shape(table, library)
         if table.has("shaft"):
-            entries["shaft"] = read_soil(table.table("shaft"))
+            entries["shaft"] = read_shaft(table.table("shaft"))
     entries |= table.entries(BODIES[kind])
     body: Body | None = None
     if None not in entries.get("segments", ()):
@@ -255,6 +257,26 @@ def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
         segments.append(piece.make(Segment, **entries))
         piece.close()
     return {"segments": segments}
+
+
+def read_shaft(table: Table) -> Shaft | None:
+    """The soil or the drag along a rod; None if it has mistakes."""
+    kind = table.word("kind", SHAFTS, Soil.kind)
+    if kind is None:
+        return None
+    if kind == Drag.kind:
+        return read_drag(table)
+    return read_soil(table)
+
+
+def read_drag(table: Table) -> Drag | None:
+    """The drag along a rod; None if it has mistakes."""
+    entries = table.entries(Drag)
+    if isinstance(table.get("coefficient"), dict):
+        entries["coefficient"] = table.number("coefficient", COEFFICIENT_PER_LENGTH)
+    drag: Drag | None = table.make(Drag, **entries)
+    table.close()
+    return drag
 
 
 def read_soil(table: Table) -> Soil | None:

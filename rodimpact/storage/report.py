@@ -22,10 +22,20 @@ ENERGY_LABELS = {
     "dissipated": "lost in contacts",
     "damped": "lost in material",
     "soil_work": "taken by soil",
+    "drag_work": "lost to drag",
     "numerical": "lost to the grid",
     "radiated": "gone through absorbing ends",
 }
 """What tables, figures and the page call the entries of an energy ledger."""
+LOSSES = (
+    "dissipated",
+    "damped",
+    "soil_work",
+    "drag_work",
+    "numerical",
+    "radiated",
+)
+"""Entries that leave the bodies and their contacts."""
 
 
 def outcome_table(outcome: Any) -> str:
@@ -238,7 +248,7 @@ def _energy_table(outcome: Any) -> str:
         "work of driven ends": outcome.drive_work,
         "work of gravity": outcome.gravity_work,
     }
-    for name in ("dissipated", "damped", "soil_work", "numerical", "radiated"):
+    for name in LOSSES:
         exchanged[ENERGY_LABELS[name]] = getattr(outcome, name)
     scale = max(total_scale, *map(abs, exchanged.values()))
     for name, energy in exchanged.items():

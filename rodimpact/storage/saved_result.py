@@ -36,6 +36,7 @@ OUTCOME_ENERGIES = (
     "numerical",
     "radiated",
     "soil_work",
+    "drag_work",
     "wall_work",
     "drive_work",
     "gravity_work",

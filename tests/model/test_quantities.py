@@ -64,6 +64,7 @@ EXAMPLES = [
     ri.SmithToe(1e5, 1e-3),
     ri.Cushion(1e8, 0.5),
     ri.Soil(1e5, 1e-3),
+    ri.Drag(1e3),
     ri.Tabulated([1.0], [1.0]),
     ri.Pushed(1.0),
     ri.Moved(1.0),

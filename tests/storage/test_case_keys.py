@@ -17,6 +17,7 @@ from rodimpact.model.ends import ENDS
 from rodimpact.model.frozen import REQUIRED
 from rodimpact.model.lateral_inertia import THEORIES
 from rodimpact.model.laws import CONTACT_LAWS, FACE_RADIUS
+from rodimpact.model.shaft import SHAFTS
 from rodimpact.storage.casefile import case_from
 from rodimpact.units import UNITS, parse
 
@@ -29,7 +30,7 @@ SIGNS = {
     "positive or infinite": '> 0, or "inf"',
 }
 KINDS = {"[materials.NAME]": ri.Material, "[[bodies.segments]]": ri.Segment}
-KINDS |= {"[bodies.shaft]": ri.Soil}
+KINDS |= {f'[bodies.shaft] kind = "{kind}"': shaft for kind, shaft in SHAFTS.items()}
 KINDS |= {f'[[bodies]] kind = "{kind}"': body for kind, body in BODIES.items()}
 KINDS |= {f'[[contacts]] law = "{law}"': kind for law, kind in CONTACT_LAWS.items()}
 KINDS |= {f'[ends.SIDE] kind = "{kind}"': end for kind, end in ENDS.items()}

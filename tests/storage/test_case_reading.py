@@ -208,6 +208,30 @@ def test_a_material_of_a_wave_speed():
     assert moduli.system[1].bodies[0].segments[0].material.youngs_modulus == 2e9
 
 
+def test_drag_along_rods():
+    shaft = '[bodies.shaft]\nkind = "drag"\ncoefficient = '
+    steps = "{values = [3, 0], at = ['10 cm']}"
+
+    case = parse_case(HEAD + A_ROD + shaft + "'2 kN s/m'\n" + A_ROD + shaft + steps)
+
+    whole, part = [body.shaft for body in case.system.bodies]
+    assert whole == ri.Drag(2000.0)
+    assert part == ri.Drag(ri.Steps([3.0, 0.0], at=[0.1]))
+    assert parse_case(write_case(case)) == case
+    vary = {"bodies.0.shaft.coefficient": "1:3:3"}
+    family = parse_case(HEAD + A_ROD + shaft + "1", vary=vary).system
+    assert family[2].bodies[0].shaft == ri.Drag(3.0)
+
+
+def test_a_shaft_without_a_kind_is_soil():
+    shaft = "[bodies.shaft]\nresistance = 1e5\nquake = 2e-3\n"
+
+    case = parse_case(HEAD + A_ROD + shaft)
+
+    assert case.system.bodies[0].shaft == ri.Soil(1e5, 2e-3)
+    assert parse_case(write_case(case)) == case
+
+
 def hertz(*bodies, entries):
     """Stiffness of the contact between two bodies, with these entries in the file."""
     text = HEAD + "".join(bodies) + LAW + "'hertz'\n" + "\n".join(entries)
@@ -468,6 +492,16 @@ def test_a_case_is_frozen():
             HEAD + A_ROD.replace('"steel"', "3"),
             "bodies.0.material",
             "unknown material 3",
+        ),
+        (
+            HEAD + A_ROD + "[bodies.shaft]\nkind = 'darg'",
+            "bodies.0.shaft.kind",
+            "perhaps 'drag' is meant",
+        ),
+        (
+            HEAD + A_ROD + "[bodies.shaft]\nkind = 'drag'",
+            "bodies.0.shaft.coefficient",
+            "is missing; give a number in SI units",
         ),
         (
             HEAD + A_ROD + A_GUM + "wave_speed = 1",

@@ -34,6 +34,7 @@ LACKS = (
     physics.LATERAL,
     physics.TAPER,
     physics.SOIL,
+    physics.DRAG,
     physics.OWN_LAWS,
 )
 

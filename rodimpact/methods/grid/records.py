@@ -77,7 +77,7 @@ class Link(link.Link):
 
 
 class Soil:
-    """The soil at one node of a rod."""
+    """The soil, or the drag, at one node of a rod: drag has a damping, and no resistance."""
 
     node: int
     shaft: int  # number of the rod among those that soil holds

@@ -394,8 +394,9 @@ class GridRun:
         velocity = fields["velocity"][:, soil["node"]] + self.row.frame
         velocity = velocity + self.row.system.gravity * t
         resistance = fields["resistance"]
-        damped = np.where(soil["is_smith"], np.abs(resistance), soil["ultimate"])
-        return np.asarray(-resistance - soil["damping_factor"] * damped * velocity)
+        by_smith = soil["damping_factor"] * np.abs(resistance)
+        damping = np.where(soil["is_smith"], by_smith, soil["damping"])
+        return np.asarray(-resistance - damping * velocity)
 
     def _soil_at_end(self, node: int, sign: int) -> Array:
         """Force of the soil on the half cell at an end of a rod, N [step]; 0 without soil.

@@ -13,8 +13,8 @@ from ..run import (
     ContactSignal,
     ContactTally,
     Run,
+    ShaftAction,
     Signals,
-    SoilAction,
 )
 from ..signals import Floats, Pieces
 from ..status import (
@@ -213,10 +213,10 @@ def _signals(
         if mass >= 0:
             masses[body] = Pieces.through(edges, run.mass_velocity(mass))
     motion = run.motion()._replace(pushes=pushes)
-    soil = {}
+    shafts = {}
     for shaft, body in enumerate(shaft_bodies(row)):
         push = over_steps(run, run.recorded_soil(shaft, "force"))
-        soil[body] = SoilAction(
+        shafts[body] = ShaftAction(
             push, over_steps(run, run.recorded_soil(shaft, "power"))
         )
-    return Signals(motion, tuple(contacts), outside, edges, masses, soil)
+    return Signals(motion, tuple(contacts), outside, edges, masses, shafts)

@@ -1,10 +1,11 @@
-"""Soil along the shafts of the rods of a mesh, as records for `soil_kernel`."""
+"""Soil and drag along the shafts of the rods of a mesh, as records for `soil_kernel`."""
 
 from typing import Any
 
 import numpy as np
 
-from ...model import Rod
+from ...model import Drag, Rod
+from ...model.drag import coefficients
 from ...model.soil import SMITH, largest_stiffness, mobilised_shares, resistances
 from ..row import Array, Row
 from . import records
@@ -13,7 +14,7 @@ from .records import filled
 
 
 def shaft_bodies(row: Row) -> list[int]:
-    """Numbers of the bodies of a row that soil holds along their shafts."""
+    """Numbers of the bodies of a row on which soil or drag acts along their shafts."""
     bodies = []
     for i, body in enumerate(row.system.bodies):
         if isinstance(body, Rod) and body.shaft is not None:
@@ -22,13 +23,16 @@ def shaft_bodies(row: Row) -> list[int]:
 
 
 def soil_of(mesh: Mesh, step: float) -> Array:
-    """Soil of all rods at t = 0 as `records.SOIL`, [node in soil], from left to right.
+    """Soil and drag of all rods at t = 0 as `records.SOIL`, [node], from left to right.
 
     Where two rods are bonded, a node has a record for either.
     """
     parts = [filled(records.SOIL, 0)]
     for shaft, body in enumerate(shaft_bodies(mesh.row)):
-        parts.append(_soil_of_rod(mesh, step, shaft, body))
+        if isinstance(mesh.row.system.bodies[body].shaft, Drag):
+            parts.append(_drag_of_rod(mesh, shaft, body))
+        else:
+            parts.append(_soil_of_rod(mesh, step, shaft, body))
     return np.concatenate(parts)
 
 
@@ -75,6 +79,27 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
     return soil_records
 
 
+def _drag_of_rod(mesh: Mesh, shaft: int, body: int) -> Array:
+    """Drag of a rod: each node has that of the halves of the cells beside it."""
+    rod = mesh.row.system.bodies[body]
+    edges = _edges_in_rod(mesh, body)
+    first, last = mesh.row.spans[body]
+    nodes = nodes_of_half_cells(sum(mesh.counts[first - 1 : last]))
+    damping = np.bincount(nodes, coefficients(rod.shaft, edges, float(rod.length)))
+    dragged = np.flatnonzero(damping)
+    is_first_node = np.where(dragged == 0, 1, 0)
+    is_last_node = np.where(dragged == nodes[-1], 1, 0)
+    drag_records: Array = filled(
+        records.SOIL,
+        len(dragged),
+        node=mesh.first[first] + dragged,
+        shaft=shaft,
+        end_of_rod=is_last_node - is_first_node,
+        damping=damping[dragged],
+    )
+    return drag_records
+
+
 def _edges_in_rod(mesh: Mesh, body: int) -> Array:
     """Edges of the half cells of a rod, m from its left end."""
     edges = [np.zeros(1)]
@@ -93,6 +118,8 @@ def soil_stiffnesses(row: Row) -> list[float]:
     stiffnesses = [0.0] * len(row.segments)
     for body in shaft_bodies(row):
         rod = row.system.bodies[body]
+        if isinstance(rod.shaft, Drag):
+            continue
         largest = largest_stiffness(rod.shaft, float(rod.length))
         start, stop = row.spans[body]
         for s in range(start, stop + 1):

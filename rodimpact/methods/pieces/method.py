@@ -44,7 +44,7 @@ from .layout import RunRequest
 from .records import Part
 from .signals import signals_of
 
-LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER, physics.SOIL)
+LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER, physics.SOIL, physics.DRAG)
 RTOL = 1e-8
 """Default of the relative error that is aimed at."""
 MAX_TOLERANCE = 1e-6

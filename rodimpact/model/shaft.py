@@ -1,0 +1,41 @@
+"""What acts along a rod: soil or drag."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias, get_args
+
+from . import drag, soil
+from .drag import Drag
+from .frozen import Number
+from .profiles import flipped, negative
+from .soil import Soil
+
+Shaft: TypeAlias = Soil | Drag
+SHAFTS: dict[str, type[Shaft]] = {kind.kind: kind for kind in get_args(Shaft)}
+
+
+def along_rod(shaft: Shaft, length: Number | None) -> Shaft:
+    """Return a shaft with profiles that are checked for a rod of this length, m.
+
+    The length is None where it is unknown; InvalidModel if a profile has mistakes.
+    """
+    if isinstance(shaft, Drag):
+        return drag.along_rod(shaft, length)
+    return soil.along_rod(shaft, length)
+
+
+def mirrored(shaft: Shaft, length: Number) -> Shaft:
+    """Shaft of a rod of this length, m, with left and right exchanged."""
+    if isinstance(shaft, Drag):
+        return shaft.replace(coefficient=flipped(shaft.coefficient, length))
+    return shaft.replace(
+        resistance=flipped(shaft.resistance, length),
+        mobilised=negative(flipped(shaft.mobilised, length)),
+    )
+
+
+def shaft_from(parameters: dict[str, Any]) -> Shaft:
+    """Make the shaft of its parameters and its kind; without a kind it is soil."""
+    parameters = dict(parameters)
+    kind = parameters.pop("kind", Soil.kind)
+    return SHAFTS[kind](**parameters)

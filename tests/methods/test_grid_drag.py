@@ -1,0 +1,232 @@
+"""Drag along a rod: against the telegraph equation, and what it must keep."""
+
+import math
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+
+import rodimpact as ri
+from rodimpact.methods import kernels
+
+SOFT = ri.Material("soft", youngs_modulus=1.0, density=1.0)
+LENGTH = 1.0
+HALF_PERIOD = 1.0  # of the lowest mode of a free rod with wave speed 1
+PLACES = np.linspace(0.0, LENGTH, 9)
+
+
+def standing_wave(drag, mean_velocity=0.0):
+    """A free rod in the velocities of its lowest mode, in drag."""
+    x = np.linspace(0.0, LENGTH, 257)
+    velocity = ri.Samples(mean_velocity + np.cos(math.pi * x), smooth=True)
+    return ri.Rod(LENGTH, area=1.0, material=SOFT, velocity=velocity, shaft=drag)
+
+
+def amplitude(t, damping):
+    """Velocity of the mode at t by the telegraph equation u_tt + d u_t = u_xx.
+
+    The displacement is exp(-d t/2) sin(w t)/w with w^2 = pi^2 - d^2/4: an oscillation or, where
+    w^2 < 0, a motion that creeps back.
+    """
+    w = np.sqrt(complex(math.pi**2 - damping**2 / 4))
+    decay = np.exp(-damping * t / 2)
+    return (decay * (np.cos(w * t) - damping / (2 * w) * np.sin(w * t))).real
+
+
+@pytest.mark.parametrize("damping", [0.3, 3.0, 30.0])
+def test_a_standing_wave_dies_out_as_the_telegraph_equation_says(damping):
+    system = ri.System([standing_wave(ri.Drag(damping))])
+    t = np.linspace(0.0, 2 * HALF_PERIOD, 21)
+
+    solution = ri.solve(system, until=2 * HALF_PERIOD, cells=400)
+
+    exact = amplitude(t, damping) * np.cos(math.pi * PLACES)[:, None]
+    assert solution.velocity(0, PLACES[:, None], t) == pytest.approx(exact, abs=2e-4)
+
+
+def test_errors_fall_with_the_square_of_the_cells():
+    wave = ri.Samples(np.cos(math.pi * np.linspace(0.0, LENGTH, 2049)))
+    rod = standing_wave(ri.Drag(3.0)).replace(velocity=wave)
+    t = 0.7
+    errors = []
+    for cells in (25, 50, 100, 200):
+        dt = t / cells / 2
+        solution = ri.solve(ri.System([rod]), until=t, cells=cells, dt=dt)
+        velocity = float(solution.velocity(0, 0.0, t))
+        errors.append(abs(velocity - amplitude(t, 3.0)))
+
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders == pytest.approx(2.0, abs=0.02)
+
+
+def test_a_front_loses_half_of_the_rate_of_a_whole_rod():
+    """Behind a front that has run for t the force is F exp(-d t/2)."""
+    damping = 1.0
+    rod = ri.Rod(2.0, area=1.0, material=SOFT, shaft=ri.Drag(2 * damping))
+    system = ri.System([rod], ends=(ri.Pushed(1.0), ri.Free()))
+
+    solution = ri.solve(system, until=1.5, cells=2000)
+
+    just_behind = 1.5 - 0.02
+    force = -solution.axial_force(0, just_behind, 1.5)
+    assert force == pytest.approx(math.exp(-damping * 1.5 / 2), rel=0.02)
+
+
+def test_a_rod_comes_to_rest_and_drag_takes_its_energy():
+    damping = 0.8
+    rod = ri.Rod(LENGTH, area=1.0, material=SOFT, velocity=2.0, shaft=ri.Drag(damping))
+    t = np.linspace(0.0, 3.0, 13)
+
+    solution = ri.solve(ri.System([rod]), until=3.0, cells=50, dt=1e-2)
+    ledger = solution.energy(t)
+
+    velocity = 2.0 * np.exp(-damping * t)
+    assert solution.mean_velocity(0, t) == pytest.approx(velocity, abs=1e-5)
+    assert ledger.drag_work == pytest.approx((4.0 - velocity**2) / 2, abs=2e-3)
+    assert ledger.soil_work == pytest.approx(0.0)
+    assert np.abs(ledger.residual).max() < 1e-13
+    assert solution.outcome.drag_work == pytest.approx(ledger.drag_work[-1])
+    assert "lost to drag" in str(solution.outcome)
+
+
+def random_row(seed):
+    """Two rods in drag of their own that meet, and a mass behind them."""
+    rng = np.random.default_rng(seed)
+    rods = []
+    for _ in range(2):
+        length = float(rng.uniform(0.5, 2))
+        coefficient = float(10 ** rng.uniform(-2, 2))
+        if rng.random() < 0.5:
+            values = [coefficient, float(rng.choice([0.0, 1.0]))]
+            coefficient = ri.Steps(values, [length * float(rng.uniform(0.1, 0.9))])
+        rods.append(
+            ri.Rod(
+                length,
+                area=float(rng.uniform(0.5, 2)),
+                material=SOFT.replace(viscosity=float(rng.choice([0.0, 0.05]))),
+                velocity=float(rng.uniform(-1, 1)),
+                shaft=ri.Drag(coefficient),
+            )
+        )
+    law = [ri.Bonded(), ri.Rigid(), ri.Spring(5.0)][rng.integers(3)]
+    return ri.System(
+        [*rods, ri.RigidMass(1.0)],
+        contacts=[law, ri.Spring(3.0)],
+        gravity=float(rng.choice([0.0, 0.3])),
+    )
+
+
+@pytest.mark.parametrize("seed", few_of(range(60), range(6)))
+def test_balances_of_random_rows_close_and_drag_gives_nothing(seed):
+    solution = ri.solve(random_row(seed), until=3.0, cells=24)
+
+    assert abs(solution.outcome.momentum_residual) < 1e-13
+    assert abs(solution.outcome.energy_residual) < 1e-12
+    lost = solution.energy(np.linspace(0.0, 3.0, 40)).drag_work
+    assert (np.diff(lost) > -1e-15).all()
+
+
+@pytest.mark.parametrize("seed", few_of(range(12), range(2)))
+def test_drag_is_the_same_in_machine_code(seed):
+    results = []
+    for is_compiled in (False, True):
+        with kernels.forced(is_compiled):
+            solution = ri.solve(random_row(seed), until=1.0, cells=16)
+            results.append(solution.outcome.to_dict())
+
+    assert results[0] == results[1]
+
+
+def test_a_mirrored_row_moves_alike():
+    row = random_row(1)
+    mirrored = ri.solve(row.mirrored(), until=1.0, cells=20).outcome
+
+    there = ri.solve(row, until=1.0, cells=20).outcome
+    assert mirrored.velocities_after[::-1] == pytest.approx(
+        [-v for v in there.velocities_after], abs=1e-9
+    )
+
+
+def test_a_continued_run_is_one_that_did_not_stop():
+    system = ri.System([standing_wave(ri.Drag(2.0), mean_velocity=0.5)])
+
+    through = ri.solve(system, until=1.5, cells=400)
+    rest = ri.solve(through.system_at(0.5), until=1.0, cells=400)
+
+    t = np.linspace(0.0, 1.0, 11)
+    assert rest.velocity(0, PLACES[:, None], t) == pytest.approx(
+        through.velocity(0, PLACES[:, None], t + 0.5), abs=2e-3
+    )
+
+
+@pytest.mark.parametrize("method", ["fronts", "characteristics"])
+def test_other_methods_say_that_they_have_no_drag(method):
+    system = ri.System([standing_wave(ri.Drag(1.0))])
+
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.solve(system, until=0.01, method=method)
+
+    messages = dict(caught.value.problems)
+    assert messages["bodies.0.shaft"] == (
+        f'method "{method}" has no drag along a shaft; method "finite-difference" has'
+    )
+
+
+def test_a_run_in_drag_needs_an_end():
+    with pytest.raises(ri.InvalidModel, match=r"until: must be given.*drag"):
+        ri.solve(ri.System([standing_wave(ri.Drag(1.0))]))
+
+
+def test_a_family_and_its_members():
+    coefficients = [0.5, 5.0]
+    rod = standing_wave(ri.Drag(coefficients), mean_velocity=1.0)
+    options = {"until": 1.0, "cells": 30}
+
+    family = ri.sweep(ri.System([rod]), **options, workers=1)
+
+    for i in range(2):
+        alone = ri.solve(ri.System([rod])[i], **options).outcome
+        assert family.columns["velocity_after.0"][i] == alone.velocities_after[0]
+
+
+def test_a_drag_coefficient_is_found_from_a_record():
+    rod = standing_wave(ri.Drag(2.0), mean_velocity=1.0)
+    record = ri.solve(ri.System([rod]), until=1.0, cells=60).gauge(0, 0.5)
+    guess = ri.System([rod.replace(shaft=ri.Drag(1.0))])
+
+    found = ri.fit(
+        guess,
+        ri.Measured(record.signal(0.01), gauge=(0, 0.5)),
+        {"bodies.0.shaft.coefficient": (0.5, 5.0)},
+        until=1.0,
+        cells=60,
+    )
+
+    assert found.values["bodies.0.shaft.coefficient"] == pytest.approx(2.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "path", "message"),
+    [
+        (lambda: ri.Drag(-1.0), "coefficient", "non-negative"),
+        (lambda: ri.Drag("1 N"), "coefficient", "must be a number"),
+        (
+            lambda: standing_wave(ri.Drag(ri.Steps([1.0, -1.0], at=[0.5]))),
+            "shaft.coefficient.values.1",
+            "non-negative",
+        ),
+        (
+            lambda: standing_wave(ri.Drag(ri.Steps([1.0, 2.0], at=[1.5]))),
+            "shaft.coefficient",
+            "",
+        ),
+        (lambda: standing_wave(3.0), "shaft", "must be a Soil, a Drag or None"),
+    ],
+)
+def test_mistakes_are_named(make, path, message):
+    with pytest.raises(ri.InvalidModel) as caught:
+        make()
+
+    paths = dict(caught.value.problems)
+    assert any(each.startswith(path) for each in paths)
+    assert message in str(caught.value)
