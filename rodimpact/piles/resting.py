@@ -6,7 +6,7 @@ import numpy as np
 
 from ..methods.grid.method import mesh_size
 from ..methods.row_builder import build_row
-from ..model import Joint, Plastic, Rigid, Rod, Steps, System, Wall
+from ..model import Joint, Plastic, Rigid, Rod, Soil, Steps, System, Wall
 from ..model.arguments import demand, integer, of_kind
 from ..model.ends import FREE
 from .statics import (
@@ -113,7 +113,7 @@ def _resting_rod(chain: Chain, rest: Rest, index: int, rod: Rod) -> Rod:
     elongation = rest.tension[cells] / chain.stiffness[cells]
     strain = elongation / chain.mesh.cells.width[cells]
     resting = rod.replace(strain=Steps(strain.tolist(), edges[1:-1].tolist()))
-    if rod.shaft is None:
+    if not isinstance(rod.shaft, Soil):
         return resting
     along_rod = soil_of_rod(chain, index)
     held_nodes = chain.soil["node"][along_rod] - nodes.start

@@ -417,7 +417,8 @@ def can_yield(chain: Chain, rest: Rest, energy: float) -> bool:
     if len(nodes):
         reach = np.sqrt(2 * energy * _compliances(chain)[nodes])
         forces = np.abs(rest.resistance) + soil["stiffness"] * reach
-        if np.any(forces >= soil["ultimate"]):
+        is_soil = soil["ultimate"] > 0  # drag does not yield
+        if np.any(is_soil & (forces >= soil["ultimate"])):
             return True
     for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
         law = chain.system.contacts[contact.index]

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from ..methods.signals import Floats
-from ..model import Rod
+from ..model import Rod, Soil
 from .fields import Fields
 from .grid_fields import GridFields
 
@@ -48,7 +48,7 @@ def soil_profile(fields: Fields, body: int, tick: int) -> SoilProfile:
     assert isinstance(fields, GridFields)  # no other method has soil
     rod = fields.clock.system.bodies[body]
     assert isinstance(rod, Rod)
-    assert rod.shaft is not None
+    assert isinstance(rod.shaft, Soil)
     at_start = fields.soil_at_nodes(body, 0)
     now = fields.soil_at_nodes(body, tick)
     x = now.places

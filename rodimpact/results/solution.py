@@ -322,7 +322,7 @@ class Solution(Shown):
         Parameters
         ----------
         body : int
-            A rod with a `shaft`, counted from the left, walls included.
+            A rod with soil along its shaft, counted from the left, walls included.
         t : float
             s.
 
@@ -340,7 +340,9 @@ class Solution(Shown):
         index = self._index(body)
         tick = int(self.fields.to_ticks(scalar("t", t, "s", "")))
         shaft = getattr(self.system.bodies[index], "shaft", None)
-        demand(shaft is not None, "body", f"has no soil along its shaft, got {index}")
+        demand(
+            isinstance(shaft, Soil), "body", f"has no soil along its shaft, got {index}"
+        )
         return soil_profile(self.fields, index, tick)
 
     @_ALLOW_UNDERFLOW

@@ -230,3 +230,16 @@ def test_mistakes_are_named(make, path, message):
     paths = dict(caught.value.problems)
     assert any(each.startswith(path) for each in paths)
     assert message in str(caught.value)
+
+
+def test_a_rod_that_hangs_in_drag_stays_at_rest():
+    rod = ri.Rod(LENGTH, area=1.0, material=SOFT, shaft=ri.Drag(1.0))
+    hanging = ri.System([ri.Wall(), rod], contacts=[ri.Bonded()], gravity=0.1)
+
+    at_rest = ri.at_rest(hanging, cells=20)
+    run = ri.solve(at_rest, until=1.0, cells=20)
+
+    assert at_rest.bodies[1].shaft == ri.Drag(1.0)
+    assert np.abs(run.velocity(1, PLACES[:, None], [0.3, 1.0])).max() < 1e-12
+    with pytest.raises(ri.InvalidModel, match="has no soil along its shaft"):
+        run.soil(1, 0.5)
