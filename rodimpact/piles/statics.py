@@ -114,7 +114,7 @@ def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
     is_moving = []
     for i, body in enumerate(system.bodies):
         is_moving.append(i < left_out or isinstance(body, Wall) or moves(body))
-    held = (mesh.mass == 0) | (mesh.held == 1)
+    held = (mesh.mass == 0) | (mesh.is_prescribed == 1)
     for body in np.flatnonzero(is_moving):
         held[nodes_of(row, mesh, int(body))] = True
     stiffness = mesh.cells.relaxed
