@@ -25,9 +25,8 @@ from .calibration import Calibration, with_one_error
 from .curve import Curve, Faces, curve_of
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .noise import noise_of_bars
-from .separation import Waves
+from .separation import Waves, from_pulse, sum_of_passages
 from .specimen import Specimen
-from .waveguide import Waveguide
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ class EqualForceShot:
 
 def waves_with_free_end(bar: InstrumentedBar) -> Waves:
     """Waves at the face of an output bar with one gauge, whose far end is free."""
-    strain = _from_pulse(bar, bar.strains[0])
+    strain = from_pulse(bar, 0)
     distance = float(bar.distances[0])
     base = bar.propagated(strain, -distance)
     base[bar.times > bar.known_until[0]] = 0.0
@@ -105,24 +104,6 @@ def waves_with_free_end(bar: InstrumentedBar) -> Waves:
 def _incident_wave(bar: InstrumentedBar, face_strain: Floats) -> Floats:
     """Incident wave at the face of an input bar with one gauge; `face_strain` is i + r."""
     distance = float(bar.distances[0])
-    strain = _from_pulse(bar, bar.strains[0])
+    strain = from_pulse(bar, 0)
     base = bar.propagated(strain, distance) - bar.propagated(face_strain, 2 * distance)
     return sum_of_passages(bar.guide, base, 2 * distance)
-
-
-def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
-    """Sum of a wave and of all its passages of a distance, m, while the record lasts."""
-    duration = guide.dt * len(wave)
-    passages = math.floor(duration * guide.speed / distance)
-    total = wave.copy()
-    passing = wave
-    for _ in range(passages):
-        passing = guide.propagated(passing, distance)
-        total += passing
-    return total
-
-
-def _from_pulse(bar: InstrumentedBar, strain: Floats) -> Floats:
-    """The record from its first pulse on, zero before it."""
-    moving: Floats = np.where(bar.times >= bar.pulse_start, strain, 0.0)
-    return moving

@@ -89,11 +89,17 @@ def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
     cells = []
     if texts:
         cells = form.cells(texts[-1])
-    if form.delimiter and min(count, len(cells)) > 1:
+    if not form.delimiter or min(count, len(cells)) < 2:
+        return
+    if all(map(form.is_number, cells)):
         raise FileFormatError(
-            f"has the {len(cells)} heads {shown(cells)} for {count} columns "
-            "of numbers; name each column"
+            f"has the {len(cells)} numbers {shown(cells)} above {count} columns of numbers; "
+            "every line needs a number for each column"
         )
+    raise FileFormatError(
+        f"has the {len(cells)} heads {shown(cells)} for {count} columns "
+        "of numbers; name each column"
+    )
 
 
 def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:

@@ -109,7 +109,8 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
         step = float(entries[heads.index("increment")])
     except (ValueError, IndexError):
         raise FileFormatError(
-            "has no numbers below Start and Increment; save it again, or give rate"
+            "has no numbers below Start and Increment; write them there, or remove both lines and "
+            "give rate"
         ) from None
     channels = []
     for name, unit in zip(heads[1:start_column], entries[1:start_column], strict=True):
@@ -143,7 +144,7 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
         start = float(first_value(entries, "hoffset", ""))
     except ValueError:
         raise FileFormatError(
-            "has no numbers HResolution and HOffset; save it again, or remove the lines above "
+            "has no numbers HResolution and HOffset; write them there, or remove the lines above "
             "the numbers and give rate"
         ) from None
     channels = [name for name in entries["tracename"] if name]

@@ -16,6 +16,12 @@ ONSET_RATIO = 0.01
 """Part of its plateau at which a pulse begins, if noise is less."""
 ONSET_NOISE_RATIO = 3.0
 """Strain at which a pulse begins over the standard deviation of the noise, at least."""
+RISE_BEGIN_RATIO = 0.05
+"""Part of its plateau from which the rise of a pulse is extrapolated to its begin."""
+RISE_END_RATIO = 0.6
+"""Part of its plateau up to which the rise of a pulse is extrapolated to its begin."""
+MIN_RISE_SAMPLES = 8
+"""Samples between these parts, at least, of a rise that is extrapolated."""
 FOOT_TIME_RATIO = 2.5
 """Bounds the time from the begin of a pulse to a tenth of its plateau, over that from there to a
 fifth: a straight rise needs 1, one with the square of time 2.4."""
@@ -154,6 +160,31 @@ def line_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     """Begin of a steep pulse, s: the line through a tenth and a fifth of the plateau, at zero."""
     until_fifth = _time_at_fifth(times, values, pulse) - pulse.start
     return float(pulse.start - until_fifth)
+
+
+def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
+    """Begin of a pulse that rises over many samples, s.
+
+    It is the zero of the parabola through the rise, from a twentieth to 0.6 of the plateau. The
+    bar has lost the first moments of the rise; most of the rest of it is known. A steep pulse
+    begins at its `line_onset`.
+    """
+    size = np.sign(pulse.plateau) * values / abs(pulse.plateau)
+    end = int(np.argmax((times > pulse.start) & (size >= RISE_END_RATIO)))
+    is_low = size[:end] < RISE_BEGIN_RATIO
+    begin = 0
+    if is_low.any():
+        begin = int(np.flatnonzero(is_low)[-1]) + 1
+    if end - begin < MIN_RISE_SAMPLES:
+        return line_onset(times, values, pulse)
+    rise_times = times[begin:end] - pulse.start
+    roots = np.roots(np.polyfit(rise_times, size[begin:end], 2))
+    earlier = roots[np.isreal(roots)].real
+    earlier = earlier[earlier < rise_times[-1]]
+    if not earlier.size:
+        return line_onset(times, values, pulse)
+    nearest_root = earlier[np.abs(earlier - rise_times[0]).argmin()]
+    return float(pulse.start + nearest_root)
 
 
 def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:

@@ -30,7 +30,7 @@ from ..storage.writing import PathLike
 from ..units import shown
 from .sample_times import checked_times
 from .signal import Signal, signal_of
-from .table import Table
+from .table import REMEDY, Table
 from .tdms import ENDING as TDMS_ENDING
 from .tdms import read_tdms
 from .workbook import is_workbook, text_of_workbook
@@ -228,8 +228,7 @@ def _signals(
         if lengths[time_column] < rows:
             raise FileFormatError(
                 f"{table.place_of(lengths[time_column])}, column "
-                f"{shown(table.names[time_column])}: must be a finite number, got ''; complete "
-                "or remove the line"
+                f"{shown(table.names[time_column])}: must be a finite number, got ''; {REMEDY}"
             )
         times = _times(table, time_column, time_unit)
     else:

@@ -15,7 +15,12 @@ from .bar_reading import Compression, instrumented_bars, output_bar_of, rods_of
 from .calibration import Calibration, with_gains
 from .curve import Curve
 from .cut_pulses import CutPulses, gauges_of
-from .direct_impact import DirectImpactShot, check_striker, start_of_impact
+from .direct_impact import (
+    DirectImpactShot,
+    check_striker,
+    start_of_impact,
+    timing_error_of,
+)
 from .doubts import (
     DoubtfulReduction,
     doubts_of,
@@ -26,14 +31,7 @@ from .equal_forces import EqualForceShot
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .reduction import Reduction
 from .separation import separated_until
-from .shot import (
-    NOISE_DRAWS,
-    TWO_GAUGE_NOISE_DRAWS,
-    Resolution,
-    Shot,
-    bands_of,
-    one_sample_of,
-)
+from .shot import Resolution, Shot, bands_of, one_sample_of
 from .specimen import Specimen
 from .two_bar_shot import NO_SHIFTS, Shifts, TwoBarShot
 from .verdict import Verdict, verdict_of, verdict_of_equal_forces
@@ -264,12 +262,11 @@ def _reduce_direct_impact(
     bar: InstrumentedBar, striker: Rod | RigidMass, specimen: Specimen, report: Report
 ) -> Reduction:
     """Reduce the impact of a striker on a specimen that lies on an output bar."""
-    start = start_of_impact(bar, specimen)
+    start = start_of_impact(bar)
     times = _times_between(start, separated_until(bar), bar.dt, "output_gauges")
     shot = DirectImpactShot(bar, striker, specimen, times)
     curve = shot.curve()
-    # The start of the force is known to a sample.
-    timing_error = curve.input_velocity[0] * bar.dt / specimen.length
+    timing_error = curve.input_velocity[0] * timing_error_of(bar) / specimen.length
     return _reduction(
         shot,
         curve,
@@ -313,11 +310,8 @@ def _reduction(
     `timing_error` is an error of the strain, which joins its band.
     """
     first = bars[0]
-    noise_draws = NOISE_DRAWS
-    if max(len(bar.distances) for bar in bars) > 1:
-        noise_draws = TWO_GAUGE_NOISE_DRAWS
     cut_off = min(first.guide.cut_off, 0.5 / first.dt)
-    resolution = Resolution(first.dt, cut_off, noise_draws)
+    resolution = Resolution(first.dt, cut_off)
     bands = bands_of(shot, curve, calibration, resolution, report)
     return Reduction(
         **vars(curve),

@@ -1,21 +1,25 @@
 """The two waves of a bar at its specimen face, from the strains at its gauges.
 
 One gauge separates the two waves only if they pass it one after the other. Two gauges at the
-distance D separate them from rest on, by least squares for both waves; the waves are zero before
-the pulse arrives. Two gauges do not determine the frequencies f = n c/(2 D); these are damped.
+distance D = zf - zn separate them from rest on. In the first mode a wave that runs on by x is
+multiplied by T(x). With the wave i towards the face and the wave a away from it, the records are::
+
+    en = T(-zn) i + T(zn) a          ef = T(-zf) i + T(zf) a
+
+    a = T(-zn) (en - T(D) ef) + T(2 D) a          i = T(zf) (ef - T(D) en) + T(2 D) i
+
+Each passage of 2 D uses what the one before gave. An offset of a record adds once every 2 D/c; the
+frequencies n c/(2 D) add the noise of all passages.
 """
 
-from typing import Any, NamedTuple
+import math
+from typing import NamedTuple
 
 import numpy as np
 
 from ..model.quantities import Floats
 from .instrumented_bar import InstrumentedBar
-
-LEAST_SQUARES_ITERATIONS = 60
-"""Steps of the least squares of two gauges; more would fit the noise."""
-WAVE_DAMPING = 1e-3
-"""Damping of waves that the gauges do not record, in the least squares of two gauges."""
+from .waveguide import Waveguide
 
 
 class Waves(NamedTuple):
@@ -43,49 +47,47 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
 
 
 def _from_two_gauges(bar: InstrumentedBar) -> Waves:
-    """The two waves from the records of two gauges, by damped least squares.
+    """The two waves from the records of two gauges, passage by passage."""
+    near = int(bar.distances.argmin())
+    far = 1 - near
+    near_distance = float(bar.distances[near])
+    far_distance = float(bar.distances[far])
+    apart = far_distance - near_distance
+    near_strain = from_pulse(bar, near)
+    far_strain = from_pulse(bar, far)
+    away = near_strain - bar.propagated(far_strain, apart)
+    towards = far_strain - bar.propagated(near_strain, apart)
+    return Waves(
+        towards=bar.propagated(
+            sum_of_passages(bar.guide, towards, 2 * apart), far_distance
+        ),
+        away=bar.propagated(
+            sum_of_passages(bar.guide, away, 2 * apart), -near_distance
+        ),
+    )
 
-    LSQR finds the waves at the face, as samples in time, by iterations. Each one propagates them
-    to the gauges by their spectra.
+
+def from_pulse(bar: InstrumentedBar, gauge: int) -> Floats:
+    """The record of a gauge from its first pulse on, zero before it."""
+    pulse = bar.first_pulses[gauge]
+    is_moving = bar.times >= pulse.start - pulse.rise
+    moving: Floats = np.where(is_moving, bar.strains[gauge], 0.0)
+    return moving
+
+
+def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
+    """Sum of a wave and of all its passages of a distance, m, while the record lasts.
+
+    Sums of 1, 2, 4, ... passages follow from each other: S(2 n) = S(n) + T(n distance) S(n).
     """
-    from scipy import fft
-    from scipy.sparse.linalg import LinearOperator, lsqr
-
-    count = len(bar.times)
-    # The wave towards the face passes the gauges before it, the other one after it.
-    signed_distances = bar.distances[:, None, None] * [[-1.0], [1.0]]  # [gauge, wave]
-    size, factors = bar.guide.transfer_functions(count, signed_distances)
-    travel = bar.distances[0] / bar.speed
-    # Time from which the face moves, s
-    face_start = bar.pulse_start + travel
-    if bar.is_output:
-        face_start = bar.pulse_start - travel
-    face_moves = np.arange(count) >= int((face_start - bar.times[0]) / bar.dt)
-    # The last samples of a record do not count, see `known_until` [gauge, sample].
-    is_known = bar.times < bar.known_until[:, None]
-
-    def at_gauges(waves: Floats) -> Any:
-        spectra = fft.rfft(face_moves * waves.reshape(2, count), size)
-        strains = fft.irfft((factors * spectra).sum(axis=1), size)
-        return (is_known * strains[:, :count]).ravel()
-
-    def adjoint(strains: Floats) -> Any:
-        # The adjoint of propagation is propagation back.
-        spectra = fft.rfft(is_known * strains.reshape(2, count), size)
-        waves = fft.irfft((factors.conj() * spectra[:, None]).sum(axis=0), size)
-        return (face_moves * waves[:, :count]).ravel()
-
-    shape = (2 * count, 2 * count)
-    gauges: Any = LinearOperator(shape, at_gauges, adjoint, dtype=float)
-    solution = lsqr(
-        gauges,
-        (is_known * bar.strains).ravel(),
-        damp=WAVE_DAMPING,
-        iter_lim=LEAST_SQUARES_ITERATIONS,
-        atol=1e-10,
-        btol=1e-10,
-    )[0]
-    return Waves(*solution.reshape(2, count))
+    duration = guide.dt * len(wave)
+    passages = math.floor(duration * guide.speed / distance)
+    total = wave
+    summed = 1  # terms of the total
+    while summed <= passages:
+        total = total + guide.propagated(total, summed * distance)
+        summed *= 2
+    return total
 
 
 def separated_until(bar: InstrumentedBar) -> float:

@@ -21,8 +21,6 @@ from .signal import Signal
 
 NOISE_DRAWS = 24
 """Number of draws of the noise."""
-TWO_GAUGE_NOISE_DRAWS = 8
-"""Number of draws of the noise where two gauges make each of them costly."""
 STANDARD_ERRORS = 2.36
 """Half width of a 95 % band in standard errors, by Student with 7 degrees of freedom: one less
 than the blocks of noise."""
@@ -49,7 +47,6 @@ class Resolution(NamedTuple):
 
     dt: float  # time step of the output bar, s
     cut_off: float  # highest frequency, Hz
-    noise_draws: int
 
 
 class Bands(NamedTuple):
@@ -79,9 +76,9 @@ def bands_of(
     """Bands of 95 %: from noise, from errors of a calibration, and from lost frequencies."""
     rng = np.random.default_rng(0)
     drawn = []
-    for k in range(resolution.noise_draws):
+    for k in range(NOISE_DRAWS):
         drawn.append(shot.with_noise_alone(rng).curve())
-        report(k + 1, resolution.noise_draws)
+        report(k + 1, NOISE_DRAWS)
     changed = []
     if calibration is not None:
         for each in shot.with_errors(calibration):

@@ -22,6 +22,8 @@ from .text_file import TextFile
 
 BLOCK_ROWS = 4096
 """Rows that are cut into numbers at a time."""
+REMEDY = "correct the line, or cut the record before it"
+"""For a line that is wrong: without this line alone a sample would be missing."""
 THOUSANDS = {
     ".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
     ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+"),
@@ -145,7 +147,7 @@ class Table:
         if len(cells) > self._count:
             raise FileFormatError(
                 f"line {line}: has {len(cells)} columns, the lines above have "
-                f"{self._count}; complete or remove it"
+                f"{self._count}; {REMEDY}"
             )
         numbers = []
         for name, cell in zip_longest(self.names, cells, fillvalue=""):
@@ -164,7 +166,7 @@ class Table:
         """The error for a cell that is no number."""
         return FileFormatError(
             f"{place}, column {shown(name)}: must be a finite number, "
-            f"got {shown(cell)}; complete or remove the line"
+            f"got {shown(cell)}; {REMEDY}"
         )
 
     def _check_decimal(self) -> None:

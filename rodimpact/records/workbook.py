@@ -5,27 +5,30 @@ From there on they are read as other tables are: a row is a line.
 
 from __future__ import annotations
 
+import io
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import closing
 from typing import Any, BinaryIO
 
 from ..storage.extras import optional
 from ..storage.reading import FileFormatError
 from ..units import one_line
 
-ENGINES = {".xlsx": "openpyxl", ".xlsm": "openpyxl", ".xls": "xlrd"}
-"""Package that reads a workbook, by the end of the file's name."""
-EXCEL_SIGNATURES = (b"\xd0\xcf\x11\xe0", b"\x09\x00", b"\x09\x02", b"\x09\x04")
-"""First bytes of a workbook of the name .xls; instruments call tables of text by this name, too."""
+OLD_ENDING = ".xls"
+ENDINGS = (".xlsx", ".xlsm", OLD_ENDING)
+OLD_SIGNATURES = (b"\xd0\xcf\x11\xe0", b"\x09\x00", b"\x09\x02", b"\x09\x04")
+"""First bytes of a workbook called .xls; instruments call tables of text by this name, too."""
 
 
 def is_workbook(file: BinaryIO) -> bool:
     """Whether an open file is a workbook, by its name and, if that is .xls, its first bytes."""
     ending = _ending(file)
-    if ending == ".xls":
+    if ending == OLD_ENDING:
         file.seek(0)
-        return file.read(4).startswith(EXCEL_SIGNATURES)
-    return ending in ENGINES
+        return file.read(4).startswith(OLD_SIGNATURES)
+    return ending in ENDINGS
 
 
 def text_of_workbook(file: BinaryIO) -> BinaryIO:
@@ -36,23 +39,27 @@ def text_of_workbook(file: BinaryIO) -> BinaryIO:
     FileFormatError
         If the file is no workbook.
     ImportError
-        If a package is missing.
+        If the package that reads it is missing.
     """
-    pandas = optional("pandas", "excel")
-    engine = ENGINES[_ending(file)]
-    optional(engine, "excel")
     file.seek(0)
-    try:
-        sheet = pandas.read_excel(file, header=None, dtype=object, engine=engine)
-    except Exception as error:  # each package has errors of its own
-        raise FileFormatError(
-            f"is no workbook that {engine} reads ({one_line(str(error))}); save it again as "
-            ".xlsx, or export it as text"
-        ) from None
+    if _ending(file) == OLD_ENDING:
+        package = optional("xlrd", "excel")
+        rows = _rows_of_xls(package, file)
+    else:
+        package = optional("openpyxl", "excel")
+        rows = _rows_of_xlsx(package, file)
     text: BinaryIO = tempfile.TemporaryFile()  # type: ignore[assignment]  # noqa: SIM115
-    for row in sheet.itertuples(index=False):
-        cells = [_cell_text(cell) for cell in row]
-        text.write(("\t".join(cells) + "\n").encode())
+    try:
+        for row in rows:
+            text.write((row + "\n").encode())
+    except (
+        Exception
+    ) as error:  # the packages have errors of their own, and those of zip files
+        text.close()
+        raise FileFormatError(
+            f"is no workbook that {package.__name__} reads ({one_line(str(error))}); save it "
+            "again as .xlsx, or export it as text"
+        ) from None
     text.seek(0)
     return text
 
@@ -61,10 +68,22 @@ def _ending(file: BinaryIO) -> str:
     return os.path.splitext(file.name)[1].casefold()
 
 
+def _rows_of_xlsx(openpyxl: Any, file: BinaryIO) -> Iterator[str]:
+    book = openpyxl.load_workbook(file, read_only=True, data_only=True)
+    with closing(book):
+        for row in book.worksheets[0].iter_rows(values_only=True):
+            yield "\t".join(map(_cell_text, row))
+
+
+def _rows_of_xls(xlrd: Any, file: BinaryIO) -> Iterator[str]:
+    # without a log it prints to the standard output
+    book = xlrd.open_workbook(file_contents=file.read(), logfile=io.StringIO())
+    for row in book.sheet_by_index(0).get_rows():
+        yield "\t".join(_cell_text(cell.value) for cell in row)
+
+
 def _cell_text(cell: Any) -> str:
-    """A cell as text on one line; an empty one is NaN."""
-    if cell != cell:
+    """A cell as text on one line; an empty one is None or ""."""
+    if cell is None:
         return ""
-    if isinstance(cell, str):
-        return " ".join(cell.split())
-    return repr(cell)
+    return " ".join(str(cell).split())

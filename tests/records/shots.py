@@ -67,8 +67,14 @@ def specimen_rod(material=POLYMER):
 
 
 def solved(row, until, cells):
+    """A run that keeps a state for each sample of the gauges; fewer would be interpolated."""
     return ri.solve(
-        row, until=until, method="finite-difference", cells=cells, progress=False
+        row,
+        until=until,
+        method="finite-difference",
+        cells=cells,
+        snapshots=tuple(np.arange(0.0, until, DT).tolist()),
+        progress=False,
     )
 
 
@@ -93,7 +99,7 @@ def calibration_shot():
     """A striker hits a bar that touches another one; the ends of the striker are round."""
     bodies = [rod(0.3, velocity=12.0), rod(1.5), rod(1.5)]
     row = ri.System(bodies, contacts=[ri.Hertz(6e10), ri.Rigid()])
-    return CalibrationShot(solved(row, until=1.4e-3, cells=3000))
+    return CalibrationShot(solved(row, until=1.4e-3, cells=1500))
 
 
 @cache
@@ -117,7 +123,7 @@ STRIKER = ri.Rod(0.4, diameter=DIAMETER, material=STEEL, velocity=12.0)
 
 
 @cache
-def direct_impact(until=7e-4, cells=3000):
+def direct_impact(until=7e-4, cells=1500):
     """A striker hits a soft specimen with mass, which lies on the output bar."""
     row = ri.System(
         [rod(0.4, velocity=12.0), specimen_rod(SOFT), rod(1.5)],
@@ -155,7 +161,7 @@ class LawShot(NamedTuple):
 
 
 @cache
-def direct_impact_on_law(is_rigid=False, until=7e-4, cells=3000):
+def direct_impact_on_law(is_rigid=False, until=7e-4, cells=1500):
     """A rod or a rigid mass hits a specimen that yields and hardens."""
     striker = rod(0.4, velocity=12.0)
     if is_rigid:

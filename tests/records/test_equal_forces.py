@@ -11,7 +11,7 @@ LONG_PULSE = {
     "duration": 500e-6,
     "until": 1.3e-3,
     "material": shots.SOFT,
-    "cells": 2500,
+    "cells": 1500,
 }
 
 

@@ -104,7 +104,7 @@ def test_a_channel_may_end_with_blank_cells(tmp_path):
     lines[55] = lines[55].replace(",,", ",1.0,")
     path.write_text("t [s],a [V],b [V],c [V]\n" + "\n".join(lines))
     with pytest.raises(
-        FileFormatError, match=r"line 42, column 'b': .* got ''; comple"
+        FileFormatError, match=r"line 42, column 'b': .* got ''; correct"
     ):
         ri.read_signals(path)
     path.write_text("t [s],a [V],b [V],c [V]\n" + "\n".join(lines[:40]))  # the remedy

@@ -1,0 +1,170 @@
+"""Workbooks and TDMS files hold the same record as a text, and wrong ones are refused."""
+
+import struct
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.storage.reading import FileFormatError
+
+WAVE = np.sin(np.arange(40) / 7.0)
+TIMES = np.arange(40) * 1e-6
+HEADS = ["Time [us]", "incident [mV]", "transmitted"]
+
+
+def table(count=40):
+    """Rows of a sheet: heads, then times, volts and strains."""
+    rows = [["Shot 12", None, None], HEADS]
+    for k in range(count):
+        transmitted = 2 * WAVE[k]
+        if k >= 30:
+            transmitted = None
+        rows.append([1e6 * TIMES[k], 1e3 * WAVE[k], transmitted])
+    return rows
+
+
+def write_xlsx(path, rows):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in rows:
+        book.active.append(row)
+    book.create_sheet("notes").append(["not read"])
+    book.save(path)
+
+
+def write_xls(path, rows):
+    """A worksheet of BIFF2, the first and simplest form of .xls.
+
+    Its records are described in "OpenOffice.org's documentation of the Microsoft Excel file
+    format": BOF 0009h, NUMBER 0003h, LABEL 0004h, EOF 000Ah.
+    """
+    pytest.importorskip("xlrd")
+
+    def record(kind, data):
+        return struct.pack("<HH", kind, len(data)) + data
+
+    stream = record(0x0009, struct.pack("<HH", 2, 0x0010))
+    for i, row in enumerate(rows):
+        for j, cell in enumerate(row):
+            place = struct.pack("<HH3x", i, j)
+            if isinstance(cell, str):
+                text = cell.encode("ascii")
+                stream += record(0x0004, place + bytes([len(text)]) + text)
+            elif cell is not None:
+                stream += record(0x0003, place + struct.pack("<d", cell))
+    path.write_bytes(stream + record(0x000A, b""))
+
+
+@pytest.mark.parametrize(
+    ("ending", "write"), [("xlsx", write_xlsx), ("xls", write_xls)]
+)
+def test_the_first_sheet_of_a_workbook_is_a_table(tmp_path, ending, write):
+    path = tmp_path / f"shot.{ending}"
+    write(path, table())
+    record = ri.read_signals(path)
+    incident, transmitted = record.values()
+    assert (incident.name, incident.unit, transmitted.unit) == ("incident", "V", "")
+    np.testing.assert_allclose(incident.values, WAVE, rtol=1e-14)
+    np.testing.assert_allclose(incident.times, TIMES, rtol=1e-14, atol=1e-22)
+    np.testing.assert_allclose(transmitted.values, 2 * WAVE[:30], rtol=1e-15)
+    wrong = table()
+    wrong[20][1] = "high"
+    write(path, wrong)
+    with pytest.raises(FileFormatError, match=r"line 21, column 'incident': .* 'high'"):
+        ri.read_signals(path)
+    write(path, wrong[:20])  # the remedy
+    assert len(ri.read_signals(path)["incident"]) == 18
+
+
+def test_a_text_that_is_called_xls_is_read_as_text(tmp_path):
+    path = tmp_path / "shot.xls"
+    path.write_text("time [us]\ta [V]\n0\t1\n1\t2\n2\t4\n")
+    assert ri.read_signals(path)["a"].values.tolist() == [1.0, 2.0, 4.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [
+        ("shot.xlsx", b"PK\x03\x04 no workbook"),
+        ("shot.xls", b"\xd0\xcf\x11\xe0 no workbook"),
+        ("shot.tdms", b"no such file at all"),
+    ],
+)
+def test_damaged_files_are_refused(tmp_path, name, start):
+    for package in ("openpyxl", "xlrd", "nptdms"):
+        pytest.importorskip(package)
+    path = tmp_path / name
+    path.write_bytes(start)
+    with pytest.raises(
+        FileFormatError, match=rf"{name}: is no (workbook|TDMS file) that"
+    ):
+        ri.read_signals(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "package", "extra"),
+    [
+        ("shot.xlsx", "openpyxl", "excel"),
+        ("shot.xls", "xlrd", "excel"),
+        ("shot.tdms", "nptdms", "tdms"),
+    ],
+)
+def test_a_missing_package_names_its_extra(tmp_path, monkeypatch, name, package, extra):
+    monkeypatch.setitem(__import__("sys").modules, package, None)
+    path = tmp_path / name
+    path.write_bytes(b"\xd0\xcf\x11\xe0")
+    with pytest.raises(ImportError, match=rf"{package} .* 'rodimpact\[{extra}\]'"):
+        ri.read_signals(path)
+
+
+def write_tdms(path, *channels):
+    """Channels as (group, name, values, properties)."""
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(path) as file:
+        for channel in channels:
+            file.write_segment([nptdms.ChannelObject(*channel)])
+
+
+CLOCK = {"wf_increment": 1e-6, "wf_start_offset": -5e-6}
+
+
+def test_a_tdms_file_has_times_and_units_in_its_properties(tmp_path):
+    """Names of the properties: the manuals of LabVIEW on waveform channels in TDMS files."""
+    path = tmp_path / "shot.tdms"
+    write_tdms(
+        path,
+        ("bars", "incident", 1e3 * WAVE, CLOCK | {"unit_string": "mV"}),
+        ("bars", "force", WAVE[:30], CLOCK | {"unit_string": "Volts"}),
+        ("wall", "force", WAVE, CLOCK),
+    )
+    record = ri.read_signals(path)
+    assert list(record) == ["incident", "bars/force", "wall/force"]
+    assert [signal.unit for signal in record.values()] == ["V", "V", ""]
+    np.testing.assert_allclose(record["incident"].values, WAVE, rtol=1e-14)
+    np.testing.assert_allclose(record["incident"].times, TIMES - 5e-6, atol=1e-18)
+    assert len(record["bars/force"]) == 30
+
+
+def test_a_tdms_file_without_a_clock_has_a_column_of_times_or_a_rate(tmp_path):
+    path = tmp_path / "shot.tdms"
+    write_tdms(
+        path, ("shot", "t", 1e6 * TIMES, {"unit_string": "us"}), ("shot", "a", WAVE)
+    )
+    np.testing.assert_allclose(ri.read_signals(path)["a"].times, TIMES, atol=1e-18)
+    write_tdms(path, ("shot", "a", WAVE))
+    with pytest.raises(FileFormatError, match="or give rate="):
+        ri.read_signals(path)
+    assert ri.read_signals(path, rate=1e6, units="V")["a"].unit == "V"  # the remedy
+
+
+def test_channels_of_a_tdms_file_with_two_clocks_need_two_files(tmp_path):
+    path = tmp_path / "shot.tdms"
+    slow = ("shot", "b", WAVE, {"wf_increment": 2e-6})
+    write_tdms(path, ("shot", "a", WAVE, CLOCK), slow)
+    with pytest.raises(
+        FileFormatError, match=r"'b' has the time step 2e-06 s .* different"
+    ):
+        ri.read_signals(path)
+    write_tdms(path, slow)  # the remedy
+    assert ri.read_signals(path)["b"].dt == pytest.approx(2e-6)
