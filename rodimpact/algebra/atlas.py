@@ -113,7 +113,10 @@ def atlas(
 
 
 def _axis(name: str, value: Any) -> PlaneAxis:
-    """Check an axis that the user gave; InvalidModel for anything else."""
+    """The axis that the user gave as path, low and high; InvalidModel if it is none.
+
+    The ends must be numbers of the sign that the number at the path has, low < high.
+    """
     if isinstance(value, list | tuple) and len(value) == 3:
         path, *ends = value
         if isinstance(path, str):
@@ -133,7 +136,10 @@ def _axis(name: str, value: Any) -> PlaneAxis:
 
 
 def _name(row: SymbolicRow, axis: str, path: str) -> str:
-    """Name of the one number to which the path of an axis belongs."""
+    """Name of the number to which the path of an axis belongs.
+
+    InvalidModel is raised if several numbers have this path.
+    """
     names = []
     paths = []
     for name, path_of_name in row.paths.items():
@@ -224,6 +230,7 @@ class Atlas:
 
     @property
     def _region_count(self) -> int:
+        """Number of regions."""
         return len(set(self.region))
 
     def largest(self, most: int) -> list[Region]:
@@ -248,11 +255,11 @@ class Atlas:
         algebra = RationalFunctions(self._row)
         x, y = self._sample_points()
         region_of_cell = np.append(self.region, -1)  # the last is that of cell -1
-        regions = region_of_cell[self.locate(x, y)]
-        names, counts = np.unique(regions[regions >= 0], return_counts=True)
+        regions = region_of_cell[self.locate(x, y)]  # of each point
+        found, counts = np.unique(regions[regions >= 0], return_counts=True)
         largest_first = np.argsort(-counts, kind="stable")
         largest = []
-        for region in names[largest_first][:most].tolist():
+        for region in found[largest_first][:most].tolist():
             inside = np.flatnonzero(regions == region)
             i = _most_central(x, y, inside)
             formula = self._formula_of(region, algebra)
@@ -271,8 +278,8 @@ class Atlas:
         return x_mesh.ravel(), y_mesh.ravel()
 
     def _formula_of(self, region: int, algebra: RationalFunctions) -> str:
-        """The formula of a region as a text."""
-        cell = self.cells[self.region.index(region)]
+        """The formula of a region as a text, such as "e = l1/l2"."""
+        cell = self.cells[self.region.index(region)]  # the first cell of the region
         results = dict(shown_results(cell.results))
         functions = algebra.functions_of(results.values())
         equations = []

@@ -51,14 +51,23 @@ def join_points(borders: BorderPoints) -> BorderLines:
 
 
 def _edges_of_mesh(i: int, j: int) -> tuple[int, int, int, int]:
-    """Edges around the mesh (i, j): two along x, then two along y."""
+    """Edges around the mesh (i, j): two along x, then two along y.
+
+    Edges are counted as in `BorderPoints.edges`: those along x from (i, j) to (i + 1,
+    j) first, each with LATTICE + 1 values of j; then those along y, with LATTICE values
+    of j.
+    """
     along_x = i * (LATTICE + 1) + j
     along_y = EDGES_ALONG_X + i * LATTICE + j
     return along_x, along_x + 1, along_y, along_y + LATTICE
 
 
 def _lines_in_mesh(borders: BorderPoints, points: list[int]) -> Iterator[BorderLine]:
-    """Lines between the border points around a mesh."""
+    """Lines between the border points around a mesh.
+
+    The only two points between the same regions are a pair, joined by a line. The other
+    points are joined if they are two, or each joined to their centre if they are more.
+    """
     points_between: dict[frozenset[int], list[int]] = {}  # by the two regions
     for p in points:
         regions = frozenset(borders.regions[p].tolist())

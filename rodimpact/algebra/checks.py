@@ -30,7 +30,11 @@ def check_system(system: System) -> None:
 
 
 def _refusals(system: System) -> Iterator[tuple[str, str]]:
-    """Path and end of the sentence for everything that has no exact numbers."""
+    """Path, and end of the sentence "formulas and fractions ...", for each refusal.
+
+    Refused are physics that these methods lack, several velocities in a rod, strain,
+    ends that are not free, and rods bonded to a wall.
+    """
     for path, physics in needs(system):
         yield path, f"know no {physics}; leave it out"
     for i, body in enumerate(system.bodies):
@@ -73,7 +77,7 @@ def check_final(is_final: bool, max_events: int) -> None:
 
 
 def fractions_of(values: Any) -> dict[str, Fraction]:
-    """Values that the user gave, as fractions by path."""
+    """Values that the user gave, as fractions by path; InvalidModel for any other."""
     if values is None:
         return {}
     if not isinstance(values, Mapping):
@@ -102,7 +106,7 @@ def _fraction(value: Any) -> Fraction:
         return decimal_fraction(float(value))
     if is_integer(value):
         return Fraction(int(value))
-    if isinstance(value, np.generic):
+    if isinstance(value, np.generic):  # what `Fraction` would take as a whole number
         raise TypeError
     return Fraction(value)
 

@@ -22,6 +22,9 @@ NO_EVENT_CAP = 1 << 62
 def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
     """Numbers that are positive throughout the cell of a run, and depend on names.
 
+    They come from the separation and from the phases of each contact that can open, and
+    from the ticks of the fronts that are in flight at the end.
+
     Parameters
     ----------
     run : ExactRun
@@ -54,7 +57,9 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
         for arrival in history.later_ticks:  # they stay after the end
             conditions.append(arrival - end)
             conditions.append(arrival - last_change)
-        if uses_energy:  # it is known once all contacts have ceased to press
+        if uses_energy:
+            # The energy of vibration is that after the last change. So this change must
+            # stay on its side of the end, whichever side that is.
             conditions.append(abs(end - last_change))
         for phase in history.phases:
             conditions += phase_conditions(phase, in_order)
@@ -66,10 +71,10 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
 
 
 def _proof_tick(simulation: Simulation) -> TracedFraction:
-    """Time of the proof as a function of the names.
+    """Tick of the proof as a function of the names.
 
-    If the kernel waited for its proof, the time is an integer of its own. The proof
-    then moves to the next event.
+    If the kernel waited for its proof, the tick is an integer of its own, the tick of
+    no event. Then the run goes on to the next event, whose tick is returned.
     """
     proof_tick: TracedFraction = simulation.run.proved_tick + ZERO
     for row in simulation.log[: simulation.run.log_rows]:
@@ -81,7 +86,7 @@ def _proof_tick(simulation: Simulation) -> TracedFraction:
 
 
 def _last_change(simulation: Simulation, end: TracedFraction) -> TracedFraction:
-    """Time of the last change of a contact up to `end`; 0 without a change."""
+    """Tick of the last change of a contact up to `end`; 0 without a change."""
     last_change = ZERO
     for change in simulation.changes:
         tick = change.tick + ZERO  # an integer becomes traced

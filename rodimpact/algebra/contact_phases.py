@@ -61,7 +61,11 @@ class ContactEvent:
 def phases_of_contact(
     run: ExactRun, contact: int, until: TracedFraction
 ) -> ContactPhases:
-    """Phases of a contact up to a tick, and the ticks of the events after it."""
+    """Phases of a contact up to a tick, and the ticks of the events after it.
+
+    A change of status ends a phase and begins the next one, with gap 0. Any other event
+    is a jump of the closing velocity within its phase.
+    """
     simulation = run.simulation
     node = run.nodes[contact]
     left_line = 2 * node  # of the wave a
@@ -98,7 +102,10 @@ def phases_of_contact(
 
 
 def _events_at(run: ExactRun, node: int) -> list[ContactEvent]:
-    """Arrivals of fronts at a node and changes of its contact, in order of time."""
+    """Arrivals of fronts at a node and changes of its contact, in order of time.
+
+    All that happens at one tick is one event.
+    """
     simulation = run.simulation
     left_line = 2 * node  # of the wave that arrives from the left
     right_line = 2 * node + 3  # of the wave that arrives from the right
@@ -110,6 +117,7 @@ def _events_at(run: ExactRun, node: int) -> list[ContactEvent]:
         if is_change and changed_node == node:
             tick = row.tick + ZERO
         elif row.line in incoming_lines:
+            # The log has the tick at which a front begins its way along a segment.
             tick = row.tick + simulation.segments[row.line // 2].transit
         else:
             continue
@@ -122,7 +130,11 @@ def _events_at(run: ExactRun, node: int) -> list[ContactEvent]:
 
 
 def phase_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFraction]:
-    """Numbers that are positive as long as a contact keeps its status in this phase."""
+    """Numbers that are positive as long as a contact keeps its status in this phase.
+
+    They are closing velocities or gaps, and differences of ticks: jumps stay between
+    start and end of the phase, and with `in_order` in their order.
+    """
     conditions = _status_conditions(phase, in_order)
     ticks = [phase.start]
     for jump in phase.jumps:
@@ -144,8 +156,9 @@ def phase_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFraction
 def _status_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFraction]:
     """Closing velocities of a phase in which a contact presses, or gaps of an open one.
 
-    They are those at the start of the phase and after each jump. Other phases have
-    none.
+    They are those at the start of the phase and at each jump. A gap that is 0 at the
+    start is replaced by the velocity with which it opens. Phases of any other status
+    have no such conditions.
     """
     if phase.status == Status.PRESS:
         conditions = [phase.closing]
@@ -153,8 +166,9 @@ def _status_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFracti
             conditions.append(_closing_at(phase, jump.tick, in_order))
         return conditions
     if phase.status == Status.OPEN:
-        opening = -phase.closing
-        conditions = [phase.gap if phase.gap > 0 else opening]
+        conditions = [-phase.closing]
+        if phase.gap > 0:
+            conditions = [phase.gap]
         for jump in phase.jumps:
             conditions.append(_gap_at(phase, jump.tick, in_order))
         return conditions
@@ -164,7 +178,7 @@ def _status_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFracti
 def _closing_at(
     phase: ContactPhase, tick: TracedFraction, in_order: bool
 ) -> TracedFraction:
-    """Closing velocity at a tick of a phase."""
+    """Closing velocity at a tick of a phase: sum of the jumps up to it."""
     closing = phase.closing
     for jump in phase.jumps:
         elapsed = tick - jump.tick
@@ -175,7 +189,10 @@ def _closing_at(
 def _gap_at(
     phase: ContactPhase, tick: TracedFraction, in_order: bool
 ) -> TracedFraction:
-    """Gap at a tick of a phase, without a force."""
+    """Gap at a tick of a phase, without a force.
+
+    g(t) = g(t0) - (a - b) (t - t0) - sum(jump (t - t_jump)), over the jumps up to t.
+    """
     gap = phase.gap - phase.closing * (tick - phase.start)
     for jump in phase.jumps:
         elapsed = tick - jump.tick
@@ -186,7 +203,10 @@ def _gap_at(
 def _if_elapsed(
     elapsed: TracedFraction, x: TracedFraction, in_order: bool
 ) -> TracedFraction:
-    """H(elapsed) x, with H decided by this run if the order of the run is kept."""
+    """H(elapsed) x: x if the time is not negative, else 0.
+
+    With `in_order` this run decides H; otherwise H stays in the history of the number.
+    """
     if not in_order:
         return heaviside_times(elapsed, x)
     if elapsed >= 0:

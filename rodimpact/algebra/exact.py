@@ -72,6 +72,7 @@ def exact(
     entries = entries_by_path(system)
     value_at: dict[str, Fraction] = {}
     for path, value in fractions_of(values).items():
+        # The path of a material stands for the full paths of all its segments.
         for full_path in entries.get(path, [path]):
             value_at[full_path] = value
 
@@ -104,7 +105,11 @@ class _CaseNumbers:
         self.squared_speeds: dict[str, Fraction] = {}
 
     def number(self, path: str, value: Any) -> Any:
-        """Number at a path; None for what follows from other numbers."""
+        """Number at a path: the given one, else `value` as the system has it written.
+
+        None for a transit time or an impedance that is not given: it follows from other
+        numbers. The path is added to `paths`.
+        """
         self.paths[path] = None
         if path in self._value_at:
             return TracedFraction(self._value_at[path])
@@ -113,7 +118,11 @@ class _CaseNumbers:
         return TracedFraction(decimal_fraction(value))
 
     def material(self, path: str, segment: Segment) -> WaveMaterial:
-        """Wave speed, in units of sqrt(`squared_speed_unit`), and density."""
+        """Wave speed, in units of sqrt(`squared_speed_unit`), and density.
+
+        E/rho is added to `squared_speeds`. InvalidModel is raised unless E and rho are
+        positive.
+        """
         material: Any = segment.material
         E = self.number(f"{path}.material.youngs_modulus", material.youngs_modulus)
         rho = self.number(f"{path}.material.density", material.density)
@@ -139,20 +148,24 @@ class _CaseNumbers:
 
 
 def _check_wave_speeds(row: Row, source: _CaseNumbers) -> None:
-    """Raise InvalidModel where an irrational wave speed would have to be rounded."""
+    """Raise InvalidModel where an irrational wave speed would have to be rounded.
+
+    This is a speed whose ratio to that of the first rod is irrational, or the first
+    rod's own speed if something else is given in seconds or metres.
+    """
     unit = source.squared_speed_unit
     irrational = []
     for path, squared_speed in source.squared_speeds.items():
         if rational_root(squared_speed / unit) is None:
             irrational.append(path)
-    # Gaps and given transit times are measured in metres and seconds.
-    is_unit_fixed = any(row.system.gaps) or len(source.squared_speeds) < len(
-        row.segments
-    )
+    # Gaps and given transit times are measured in metres and seconds. A segment whose
+    # transit time and impedance are given was not asked for its wave speed.
+    has_gaps = any(row.system.gaps)
+    has_given_times = len(source.squared_speeds) < len(row.segments)
     if irrational:
         path = irrational[0]
         relation = ", also relative to the first rod"
-    elif is_unit_fixed and unit != 1:
+    elif (has_gaps or has_given_times) and unit != 1:
         path = next(iter(source.squared_speeds))
         relation = ""
     else:
@@ -166,7 +179,11 @@ def _unknown_paths(
     asked_paths: Mapping[str, None],
     entries: Mapping[str, list[str]],
 ) -> Problems:
-    """Problems of given values that no number of the system takes."""
+    """Problems of given values whose paths belong to no number of the system.
+
+    Paths are right if the run asked for their numbers; so is the path of a material
+    whose first number was asked for.
+    """
     parameters = dict(asked_paths)
     for path, full_paths in entries.items():
         if full_paths[0] in asked_paths:
@@ -183,7 +200,7 @@ def _unknown_paths(
 def _non_positive(row: Row, numbers: RowNumbers) -> Problems:
     """Problems of transit times and impedances that are not positive."""
     problems: Problems = []
-    paths = row.paths[1:]
+    paths = row.paths[1:]  # of the segments; the first one lies outside the row
     for path, T in zip(paths, numbers.transit_times, strict=True):
         if T <= 0:
             problems.append((path, f"needs numbers above 0, got transit {T.value}"))

@@ -57,7 +57,10 @@ class NumberSource(Protocol):
 
 
 def read_numbers(row: Row, source: NumberSource) -> RowNumbers:
-    """Gather the numbers of a row."""
+    """Numbers of a row, each from its source.
+
+    A transit time that the source does not give is l/c, and an impedance rho A c.
+    """
     transit_times = []
     impedances = []
     for segment, path in zip(row.segments, row.paths[1:], strict=True):
@@ -104,7 +107,11 @@ class BodyMotion(NamedTuple):
 
 
 def run_exactly(row: Row, numbers: RowNumbers, max_events: int) -> ExactRun:
-    """Follow every front to the proof that the collision is final, or to the cap."""
+    """Run the kernel to the proof that the collision is final, or to the cap.
+
+    The results are traced fractions in the units of the model; without a proof the
+    restitution is None.
+    """
     layout = lay_out_family(row)
     tick_rate = _tick_rate(numbers)
     ticks = [T * tick_rate for T in numbers.transit_times]
@@ -134,23 +141,29 @@ def run_exactly(row: Row, numbers: RowNumbers, max_events: int) -> ExactRun:
 
 
 def _tick_rate(numbers: RowNumbers) -> Fraction:
-    """Power of two that makes the shortest transit long enough in ticks."""
+    """Ticks in a unit of time, a power of two.
+
+    The shortest transit has at least `TICKS_PER_SHORTEST_TRANSIT` ticks, and less than
+    twice as many.
+    """
     shortest = min(numbers.transit_times)
-    _, exponent = math.frexp(float(shortest))
+    _, exponent = math.frexp(float(shortest))  # 2^(exponent - 1) <= shortest
     return Fraction(2) ** (TICKS_PER_SHORTEST_TRANSIT.bit_length() - exponent)
 
 
 def _kernel_values(numbers: RowNumbers) -> list[Any]:
     """Values of the member in the order of the kernel, see `initial_state`.
 
-    Waves run 1 m in 1 s there, so that transit times are lengths.
+    They are wave speeds, impedances, lengths, the frame, gaps, and velocity and strain
+    of each body. Waves run 1 m in 1 s there, so that transit times are lengths.
     """
     wave_speeds = [1] * len(numbers.transit_times)
+    lengths = numbers.transit_times
     frame = [ZERO, ZERO]
     values: list[Any] = [
         *wave_speeds,
         *numbers.impedances,
-        *numbers.transit_times,
+        *lengths,
         *frame,
         *numbers.gaps,
     ]
@@ -163,9 +176,14 @@ def _kernel_values(numbers: RowNumbers) -> list[Any]:
 def _motion(row: Row, simulation: Simulation, body: int) -> BodyMotion:
     """Motion of a body: that of its bonded group, or of the wall that holds it."""
     group = next(group for group in groups(row.system) if body in group)
-    if anchor_velocities(row.system, group):
-        line = simulation.lines[0 if group[0] == 0 else -1]
-        return BodyMotion(line.incoming_wave, line.incoming_wave)
+    is_held = len(anchor_velocities(row.system, group)) > 0
+    if is_held:
+        # A wall is the wave that comes from outside its end of the row.
+        line_from_outside = simulation.lines[-1]
+        if group[0] == 0:
+            line_from_outside = simulation.lines[0]
+        wall_velocity = line_from_outside.incoming_wave
+        return BodyMotion(wall_velocity, wall_velocity)
     first_segment, _ = row.spans[body]
     segment = simulation.segments[first_segment]
     return BodyMotion(segment.initial_group_velocity, segment.group_velocity)
@@ -174,7 +192,10 @@ def _motion(row: Row, simulation: Simulation, body: int) -> BodyMotion:
 def _restitution(
     row: Row, nodes: list[int], simulation: Simulation, motions: list[BodyMotion]
 ) -> TracedFraction | None:
-    """Coefficient of restitution of the only contact that can open, if it collides."""
+    """Coefficient of restitution of the only contact that can open, if it collides.
+
+    e = (V2 - V1)/(v1 - v2), with velocities V after and v before the collision.
+    """
     contacts = unilateral(row.system)
     if len(contacts) != 1:
         return None
@@ -194,16 +215,19 @@ def _impulses(
     motions: list[BodyMotion],
     tick_rate: Fraction,
 ) -> tuple[TracedFraction, ...]:
-    """Impulse of each contact; that of a bond, whose force goes on, is the average."""
+    """Impulse of each contact, N s; that of a bond, whose force goes on, is the average.
+
+    The average follows from the momentum of the rod on the left of the bond.
+    """
     impulses: list[TracedFraction] = []
     impulse_from_left = ZERO
     for i, law in enumerate(row.system.contacts):
         impulse = simulation.nodes[nodes[i]].impulse / tick_rate
         if isinstance(law, Bonded):
-            # the momentum that body i loses, and what it receives from its left
-            momentum_lost = _mass(row, numbers, i) * (
-                numbers.velocities[i] - motions[i].after
-            )
+            # Body i hands on the momentum m (v - V) that it loses, and what it receives
+            # from its left.
+            velocity_lost = numbers.velocities[i] - motions[i].after
+            momentum_lost = _mass(row, numbers, i) * velocity_lost
             impulse = momentum_lost + impulse_from_left
         impulses.append(impulse)
         impulse_from_left = impulse
@@ -222,17 +246,21 @@ def _mass(row: Row, numbers: RowNumbers, body: int) -> TracedFraction:
 def _contact_times(
     nodes: list[int], simulation: Simulation, tick_rate: Fraction
 ) -> tuple[Any, ...]:
-    """Start and end of the force of each contact, for each of its finished episodes."""
+    """Start and end of the force of each contact, for each of its finished episodes.
+
+    Changes between other states, without a force before and after, are passed over.
+    """
     times: dict[int, list[TracedFraction]] = {node: [] for node in nodes}
     for change in simulation.changes:
-        times_at_node = times[change.next_row]
+        times_at_node = times[change.next_row]  # starts and ends in turn
         is_pressing = change.value == Status.PRESS
-        has_pressed = len(times_at_node) % 2 == 1
-        if is_pressing != has_pressed:
+        was_pressing = len(times_at_node) % 2 == 1
+        if is_pressing != was_pressing:
             times_at_node.append((change.tick + ZERO) / tick_rate)
     episodes = []
     for times_at_node in times.values():
         starts = times_at_node[::2]
         ends = times_at_node[1::2]
+        # An episode that goes on has a start without an end: `zip` leaves it out.
         episodes.append(tuple(zip(starts, ends, strict=False)))
     return tuple(episodes)

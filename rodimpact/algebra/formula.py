@@ -119,15 +119,14 @@ class CellsAround(NamedTuple):
     """Cells that meet at the numbers of a system, that of the first direction first."""
 
     cells: list[FormulaCell]
-    is_incomplete: (
-        bool  # a collision is not over after the cap, or there are more cells
-    )
+    is_incomplete: bool  # a collision did not end below the cap, or more cells exist
 
 
 def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
     """Cells that meet at the numbers of the system.
 
-    Each direction that no cell contains yet is tried.
+    The collision is run near these numbers in each direction that no cell contains yet,
+    until all directions are contained or there are `MAX_CELLS` cells.
 
     Raises
     ------
@@ -136,12 +135,12 @@ def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
     """
     row = algebra.row
     directions = _directions(len(row.free_names))
-    is_open = np.ones(DIRECTIONS, dtype=bool)
+    is_untried = np.ones(DIRECTIONS, dtype=bool)
     cells: list[FormulaCell] = []
     is_incomplete = False
-    while is_open.any() and len(cells) < MAX_CELLS:
-        i = int(np.flatnonzero(is_open)[0])
-        is_open[i] = False
+    while is_untried.any() and len(cells) < MAX_CELLS:
+        i = int(np.flatnonzero(is_untried)[0])
+        is_untried[i] = False
         values = _values_near(algebra, directions[i])
         run = row.run(values, max_events)
         if not cells:
@@ -151,10 +150,11 @@ def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
             continue
         cell = FormulaCell(algebra, run, values)
         cells.append(cell)
+        # A direction lies in the cell if it leads to the inner side of all ties.
         normals = np.reshape(cell.tie_normals, (-1, len(row.free_names)))
         is_inside = (directions @ normals.T > 0).all(axis=1)
-        is_open &= ~is_inside
-    if is_open.any():
+        is_untried &= ~is_inside
+    if is_untried.any():
         is_incomplete = True
     return CellsAround(cells, is_incomplete)
 
@@ -171,7 +171,11 @@ def _directions(dimensions: int) -> Any:
 
 
 def _values_near(algebra: RationalFunctions, direction: Any) -> dict[str, Fraction]:
-    """Values of all names near those of the system."""
+    """Values of all names near those of the system, at `OFFSET` in a direction.
+
+    x + x OFFSET d for a number x with the component d of the direction; OFFSET d where
+    x is 0.
+    """
     values = dict(algebra.base)
     for name, component in zip(algebra.row.free_names, direction, strict=True):
         scale = values[name]
@@ -187,7 +191,7 @@ def _form(
     around: CellsAround,
     sides: tuple[ClosedForm, ...],
 ) -> ClosedForm:
-    """The formula that holds in some of the cells around the system."""
+    """The formula of `cells`, which are some of the cells around the system."""
     other_cells = [cell for cell in around.cells if cell not in cells]
     return ClosedForm(
         algebra, tuple(cells), tuple(other_cells), sides, around.is_incomplete
@@ -269,6 +273,7 @@ class ClosedForm:
 
     @cached_property
     def _results(self) -> Exact:
+        """The results as SymPy's expressions."""
         return map_numbers(self._cells[0].functions, self._algebra.expression)
 
     def at(self, **values: Any) -> Exact:
@@ -308,8 +313,8 @@ class ClosedForm:
         """
         distances = [self._algebra.distance(border) for border in self._borders]
         nearest_first = np.argsort(distances, kind="stable")
-        in_order = sorted(nearest_first[:NEAREST_CONDITIONS])
-        return tuple(self.cell[i] for i in in_order)
+        in_order_of_cell = sorted(nearest_first[:NEAREST_CONDITIONS])
+        return tuple(self.cell[i] for i in in_order_of_cell)
 
     def where(self, remedy: str) -> str:
         """The nearest conditions in a line, and how many more there are.
@@ -329,7 +334,10 @@ class ClosedForm:
         return line
 
     def holds(self, **values: Any) -> bool:
-        """Whether the formula holds at values as in `at`; not on outer borders."""
+        """Whether the formula holds at values as in `at`; not on outer borders.
+
+        It does not where a number that is no velocity is 0 or negative.
+        """
         point = self._point(values)
         for name, value in point.items():
             if value <= 0 and not name.startswith("v"):
@@ -351,6 +359,7 @@ class ClosedForm:
         """
         cells = self._cells
         ties = self._ties
+        # A tie p of one cell is -p for the cell on its other side.
         can_unite = True
         for cell in cells:
             if len(cell.tie_normals) != len(cell.ties):
@@ -368,6 +377,7 @@ class ClosedForm:
 
     @cached_property
     def _ties(self) -> Ties:
+        """Ties of all cells of the formula; p is inner if another cell has -p."""
         ties: set[Any] = set()
         for cell in self._cells:
             ties |= set(cell.ties)
@@ -375,7 +385,10 @@ class ClosedForm:
         return Ties(inner, ties - inner)
 
     def _point(self, values: Mapping[str, Any]) -> dict[str, Fraction]:
-        """Values of all names, some of them given."""
+        """Values of all names: the given ones, the others from the system.
+
+        InvalidModel is raised for a name that is no symbol.
+        """
         for name in values:
             if name not in self.symbols:
                 message = f"is no symbol here; {nearest(name, self.symbols)}"
@@ -431,7 +444,7 @@ class ClosedForm:
 
     @property
     def _separating_inequalities(self) -> list[Any]:
-        """Inequalities between the first cell and other formulas, simplest first."""
+        """Inequalities p > 0 for the ties p of the first cell to other formulas."""
         ties_of_others: set[Any] = set()
         for other in self._others:
             ties_of_others |= set(other.ties)

@@ -35,7 +35,7 @@ class FormulaCell:
         self._conditions = cell_conditions(run, in_order=True)
 
     def signature(self) -> tuple[Any, ...]:
-        """Values that are equal for cells with the same formulas."""
+        """Values that are equal for cells with the same formulas, to be a key."""
         return signature(self._results, self._values, with_times=True)
 
     @cached_property
@@ -46,7 +46,10 @@ class FormulaCell:
 
     @cached_property
     def borders(self) -> list[Any]:
-        """Polynomials that are positive inside the cell; where one is 0 it ends."""
+        """Polynomials that are positive inside the cell; where one is 0 the cell ends.
+
+        They are the factors of its conditions, without those that others imply.
+        """
         factors = self._algebra.factors(self._conditions, self._values)
         return self._algebra.without_implied(factors)
 
@@ -61,9 +64,10 @@ class FormulaCell:
 
     @cached_property
     def tie_normals(self) -> list[Any]:
-        """Unit normals of the ties, towards the cell.
+        """Unit normals of the ties, towards the cell, [free name] arrays.
 
-        Components are along the free names, each relative to its value.
+        Components are along the free names, each relative to its value. A tie without a
+        slope at the numbers of the system has no normal.
         """
         normals = []
         for p in self.ties:
@@ -79,6 +83,7 @@ class FormulaCell:
         numbers = _values_of(self._conditions, point)
         if any(x < 0 for x in numbers):
             return False
+        # A condition may be 0 inside the cell, too. Its factors tell.
         for p in self._vanishing_factors(numbers):
             if self._algebra.value(p, point) <= 0 and p not in open_borders:
                 return False
@@ -105,6 +110,7 @@ def _values_of(
     except ZeroDivisionError:
         if len(numbers) == 1:
             return [Fraction(0)]
+    # One of several divides by 0: compute each of them by itself.
     values = []
     for x in numbers:
         values += _values_of([x], point)

@@ -60,7 +60,7 @@ class PlaneCell:
         return signature(self.results, self._fixed_values, with_times=False)
 
     def inside(self, x: Floats, y: Floats) -> Any:
-        """Whether points lie in the cell."""
+        """Whether points lie in the cell, where all its conditions hold; [point]."""
         return self._hold(self._program, x, y).all(axis=0)
 
     def share_inside(self, x: Floats, y: Floats, dx: Floats, dy: Floats) -> Floats:
@@ -69,21 +69,24 @@ class PlaneCell:
         The segments begin inside. Each is cut into parts; the first part whose end is
         outside is cut again.
         """
+        # Only conditions that some segment breaks at its end have borders on the way.
         holds_at_ends = self._hold(self._program, x + dx, y + dy).all(axis=1)
         broken = [self._conditions[i] for i in np.flatnonzero(~holds_at_ends)]
         program = Program(broken, float)
+        # From here on arrays are [segment, part].
         x = x[:, None]
         y = y[:, None]
         dx = dx[:, None]
         dy = dy[:, None]
         share = np.zeros(x.shape)
         for n in range(1, CUT_ROUNDS + 1):
-            width = CUTS_PER_ROUND**n
-            ends = share + np.arange(1, CUTS_PER_ROUND + 1) / width
+            parts_of_segment = CUTS_PER_ROUND**n  # of the width of this round's parts
+            ends = share + np.arange(1, CUTS_PER_ROUND + 1) / parts_of_segment
             holds = self._hold(program, x + dx * ends, y + dy * ends)
             inside = holds.all(axis=0)
             inside[:, -1] = False  # the last part holds the border if no other does
-            share += inside.argmin(axis=1, keepdims=True) / width
+            first_outside = inside.argmin(axis=1, keepdims=True)
+            share += first_outside / parts_of_segment
         return share[:, 0]
 
     def restitution(self, x: Floats, y: Floats) -> Floats:
@@ -95,9 +98,13 @@ class PlaneCell:
         return np.broadcast_to(e, x.shape)
 
     def _hold(self, program: Program, x: Floats, y: Floats) -> Any:
-        """Whether the conditions of a program hold, [condition, point]."""
+        """Whether the conditions of a program hold, [condition, point].
+
+        One that divides by 0 at a point does not hold there.
+        """
         with np.errstate(all="ignore"):
             numbers = program(self._values_at(x, y))
+            # x gives its shape to conditions that do not depend on the point.
             broadcast = np.array(np.broadcast_arrays(x, *numbers))
             return broadcast[1:] > 0
 

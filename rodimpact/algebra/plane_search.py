@@ -67,7 +67,7 @@ class Edges(NamedTuple):
     lattice_edge: Indices  # [edge], the edge of the lattice of which it is a part
 
     def select(self, mask: Any) -> Edges:
-        """Edges that a mask selects."""
+        """Edges for which a mask is true."""
         return Edges(*(values[mask] for values in self))
 
     def points_at(self, share: Any) -> Floats:
@@ -76,7 +76,16 @@ class Edges(NamedTuple):
         return points
 
     def cut(self, points: Floats, cells: Indices) -> Edges:
-        """Both parts of each edge, which is cut at a point that lies in a cell."""
+        """Both parts of each edge, one after the other, cut at a point in a cell.
+
+        Parameters
+        ----------
+        points : [edge, 2] array
+            Where each edge is cut.
+        cells : [edge] array of int
+            Cells of these points.
+        """
+        # [edge, part, 2] each; then parts become edges of their own
         starts = np.stack([self.start, points], axis=1)
         ends = np.stack([points, self.end], axis=1)
         cells_of_first_parts = np.column_stack([self.cells[:, 0], cells])
@@ -154,7 +163,8 @@ class PlaneSearch:
     def _cells_at(self, shares: Floats) -> Indices:
         """Index of the cell of each point; the collision is solved where none is known.
 
-        UNRESOLVED or UNDECIDED where there is no cell.
+        New cells are added to `cells`. A point without a cell is UNRESOLVED or
+        UNDECIDED.
         """
         points = self.in_plane(shares)
         cells = locate(self.cells, *points.T)
@@ -201,13 +211,15 @@ class PlaneSearch:
 
     def _lattice_edges(self) -> Edges:
         """Edges of the lattice, first those along x."""
-        ticks = np.arange(LATTICE + 1) / LATTICE
-        mesh = np.stack(np.meshgrid(ticks, ticks, indexing="ij"), axis=-1)
+        shares = np.arange(LATTICE + 1) / LATTICE
+        mesh = np.stack(np.meshgrid(shares, shares, indexing="ij"), axis=-1)
         nodes = _rounded(mesh.reshape(-1, 2))
-        cells = np.maximum(self._cells_at(nodes), UNRESOLVED)
-        index = np.arange(len(nodes)).reshape(LATTICE + 1, LATTICE + 1)
-        starts = np.concatenate([index[:-1].ravel(), index[:, :-1].ravel()])
-        ends = np.concatenate([index[1:].ravel(), index[:, 1:].ravel()])
+        cells = np.maximum(self._cells_at(nodes), UNRESOLVED)  # also if UNDECIDED
+        # node_at[i, j] is the node in step i along x and j along y; an edge along x
+        # ends one step further in i, an edge along y in j.
+        node_at = np.arange(len(nodes)).reshape(LATTICE + 1, LATTICE + 1)
+        starts = np.concatenate([node_at[:-1].ravel(), node_at[:, :-1].ravel()])
+        ends = np.concatenate([node_at[1:].ravel(), node_at[:, 1:].ravel()])
         return Edges(
             nodes[starts],
             nodes[ends],
@@ -216,7 +228,11 @@ class PlaneSearch:
         )
 
     def _find_borders(self, edges: Edges) -> BorderPoints:
-        """Points on edges where the formula changes."""
+        """Points on edges where the formula changes, with the regions on both sides.
+
+        An edge with a third cell between those of its ends is cut there, and each part
+        is looked at again.
+        """
         pieces: list[BorderPoints] = []
         for _ in range(MAX_EDGE_CUTS):
             regions = self._regions_at(edges)
@@ -231,12 +247,15 @@ class PlaneSearch:
             touch = right - left < BORDER_TOLERANCE
             apart = ~touch
 
+            # Which cell lies between two cells that are apart? An edge has about
+            # 1/LATTICE of the axis, so this room is a share of the axis.
             room = (right - left) / LATTICE
             cut_points = points.copy()
             cut_points[apart] = _rounded(points[apart], room[apart, None])
             cells = np.full(len(points), UNDECIDED)
             cells[apart] = self._cells_at(cut_points[apart])
 
+            # The border is where two cells touch, or where floats do not tell the cell.
             borders = [*np.flatnonzero(touch)]
             is_resolved = (edges.cells >= 0).all(axis=1)
             undecided = np.flatnonzero(apart & (cells == UNDECIDED) & is_resolved)
@@ -257,8 +276,8 @@ class PlaneSearch:
                     points[borders], regions[borders], edges.lattice_edge[borders]
                 )
             )
-            is_new_cell = (cells[:, None] != edges.cells).all(axis=1)
-            to_cut = is_new_cell & (cells != UNDECIDED)
+            is_third_cell = (cells[:, None] != edges.cells).all(axis=1)
+            to_cut = is_third_cell & (cells != UNDECIDED)
             edges = edges.select(to_cut).cut(cut_points[to_cut], cells[to_cut])
         all_points, all_regions, lattice_edges = zip(*pieces, strict=True)
         return BorderPoints(
@@ -347,6 +366,8 @@ def _rounded(shares: Floats, room: Any = 1.0) -> Floats:
     room : float or [point, 1] array
         Change of a share that is allowed, about `POINT_STEPS` steps.
     """
+    # The number of steps in an axis is a power of two. A share becomes the middle of
+    # its step, (k + 1/2)/steps; 1 becomes the middle of the last step.
     steps = POINT_STEPS * 2.0 ** np.ceil(np.log2(1 / room))
     rounded: Floats = (2 * np.floor(steps * shares) + 1) / (2 * steps)
     rounded = np.minimum(rounded, 1 - 1 / (2 * steps))

@@ -48,6 +48,7 @@ class RationalFunctions:
     def __init__(
         self, row: SymbolicRow, progress: bool | ProgressFunction = True
     ) -> None:
+        """Import SymPy, and make its field of rational functions of the row's names."""
         self.sympy: Any = optional("sympy", "sympy")
         self.row = row
         self.base = row.values({})
@@ -59,7 +60,10 @@ class RationalFunctions:
         self._steps = 0  # operations and polynomials so far
 
     def _display_symbols(self) -> list[Any]:
-        """Symbols as users see them, in the order of the names; c as sqrt(E/rho)."""
+        """Symbols as users see them, in the order of the names; c as sqrt(E/rho).
+
+        All of them but velocities are positive for SymPy, so that roots simplify.
+        """
         sympy = self.sympy
         symbols: dict[Any, Any] = {}
         for name in self.row.base:
@@ -68,14 +72,15 @@ class RationalFunctions:
             else:
                 symbols[name] = sympy.Symbol(name, positive=True)
         shown = list(symbols.values())
+
+        def symbol_or_number(part: Any) -> Any:
+            if part in symbols:
+                return symbols[part]
+            return sympy.Rational(part)
+
         for speed in self.row.wave_speeds.values():
-            squared_speed = []
-            for part in speed:
-                if part in symbols:
-                    squared_speed.append(symbols[part])
-                else:
-                    squared_speed.append(sympy.Rational(part))
-            E, rho = squared_speed
+            E = symbol_or_number(speed.youngs_modulus)
+            rho = symbol_or_number(speed.density)
             shown.append(sympy.sqrt(E / rho))
         return shown
 
@@ -86,6 +91,7 @@ class RationalFunctions:
         return Progress(self._progress, "formula", "steps")
 
     def _count_step(self, report: Report) -> None:
+        """Report one step more."""
         self._steps += 1
         report(self._steps, None)
 
@@ -122,16 +128,17 @@ class RationalFunctions:
     def factors(
         self, numbers: Iterable[TracedFraction], point: Mapping[str, Fraction]
     ) -> list[Any]:
-        """Factors whose signs decide the signs of numbers.
+        """Factors whose signs decide the signs of numbers, each once.
 
-        Each is taken with the sign with which it is positive at a point.
+        Each is a polynomial with coefficients in lowest terms, and the sign with which
+        it is positive at a point. Factors of a sure sign are left out.
         """
-        factors: dict[Any, None] = {}
+        factors: dict[Any, None] = {}  # the keys are the factors, in order
         for f in self._counted(self.functions_of(numbers)):
             for factor in _odd_factors(f):
                 if definite(factor) or definite(-factor):
                     continue
-                p = _over_rationals(factor).primitive()[1]
+                _, p = _over_rationals(factor).primitive()
                 if self.value(p, point) <= 0:
                     p = -p
                 factors[p] = None
@@ -151,24 +158,27 @@ class RationalFunctions:
                 linear = shorter_list
         independent = [*linear]
         for p in self._counted(nonlinear):
-            if not any(map(definite, _in_new_variables(p, linear))):
+            # p follows from linear forms if it is a sum of positive terms in them.
+            is_implied = any(map(definite, _in_new_variables(p, linear)))
+            if not is_implied:
                 independent.append(p)
         return independent
 
     def value(self, p: Any, values: Mapping[str, Fraction]) -> Fraction:
-        """Value of a polynomial at a point."""
+        """Value of a polynomial at a point, the sum of c x1^n1 x2^n2 ... of its terms."""
         point = [values[name] for name in self._generators]
         total = Fraction(0)
-        for powers, coefficient in p.terms():
-            term = Fraction(int(coefficient.numerator), int(coefficient.denominator))
-            total += term * prod(x**n for x, n in zip(point, powers, strict=True) if n)
+        for powers, c in p.terms():
+            coefficient = Fraction(int(c.numerator), int(c.denominator))
+            monomial = prod(x**n for x, n in zip(point, powers, strict=True) if n)
+            total += coefficient * monomial
         return total
 
     def slope(self, p: Any) -> Any:
-        """Derivatives of a polynomial at the numbers of the system.
+        """Derivatives of a polynomial at the numbers of the system, [free name] array.
 
-        They are relative to each number that is free: d p / d(log x), or d p / dx if x
-        = 0.
+        They are relative to each free number x: dp/d(log x) = x dp/dx, or dp/dx if x is
+        0.
         """
         names = list(self._generators)
         derivatives = []
@@ -181,7 +191,10 @@ class RationalFunctions:
         return np.array(derivatives)
 
     def distance(self, p: Any) -> float:
-        """Relative change of the numbers of the system that makes p zero, about."""
+        """Relative change of the numbers of the system that makes p zero, about.
+
+        It is p/norm(slope of p), inf where the slope is 0.
+        """
         slope = float(np.linalg.norm(self.slope(p)))
         if not slope:
             return float("inf")
@@ -202,13 +215,17 @@ class RationalFunctions:
         return numerator / self.expression_of_polynomial(f.denom)
 
     def inequality(self, p: Any) -> Any:
-        """A polynomial that is positive, as an inequality between sums."""
+        """The inequality p > 0 between sums of positive terms: smaller < larger.
+
+        The larger sum has the terms of p with positive coefficients, so that p = larger
+        - smaller.
+        """
         terms = p.terms()
         larger = p.ring.from_dict({powers: c for powers, c in terms if c > 0})
         smaller = larger - p
-        return self.expression_of_polynomial(smaller) < self.expression_of_polynomial(
-            larger
-        )
+        shown_smaller = self.expression_of_polynomial(smaller)
+        shown_larger = self.expression_of_polynomial(larger)
+        return shown_smaller < shown_larger
 
 
 def check_length(left: Any, right: Any) -> None:
@@ -231,26 +248,34 @@ def check_length(left: Any, right: Any) -> None:
 def definite(p: Any) -> bool:
     """Whether a polynomial is seen to be positive: all its coefficients are.
 
-    Terms with velocities have no sign of their own.
+    A polynomial with a velocity is not, since velocities have any sign.
     """
-    velocities = []
+    velocities = []  # indices of the variables
     for i, symbol in enumerate(p.ring.symbols):
         if symbol.name.startswith("v"):
             velocities.append(i)
     for powers, coefficient in p.terms():
-        if coefficient <= 0 or any(powers[i] for i in velocities):
+        has_velocity = any(powers[i] > 0 for i in velocities)
+        if coefficient <= 0 or has_velocity:
             return False
     return True
 
 
 def _odd_factors(f: Any) -> list[Any]:
-    """Factors with an odd power in a rational function: they change its sign."""
+    """Factors with an odd power in numerator or denominator: they change the sign.
+
+    A numerator that is linear or long is a factor by itself.
+    """
     if len(f.numer) > MAX_FACTORED_TERMS or f.numer.is_linear:
-        powers_of_factors = [(f.numer, 1)]
+        factors_of_numerator = [(f.numer, 1)]
     else:
-        powers_of_factors = f.numer.factor_list()[1]
-    powers_of_factors = [*powers_of_factors, *f.denom.factor_list()[1]]
-    return [factor for factor, power in powers_of_factors if power % 2]
+        _, factors_of_numerator = f.numer.factor_list()
+    _, factors_of_denominator = f.denom.factor_list()
+    odd_factors = []
+    for factor, power in [*factors_of_numerator, *factors_of_denominator]:
+        if power % 2 == 1:
+            odd_factors.append(factor)
+    return odd_factors
 
 
 def _over_rationals(p: Any) -> Any:
@@ -264,21 +289,25 @@ def _over_rationals(p: Any) -> Any:
 def _follows(p: Any, forms: list[Any]) -> bool:
     """Whether a linear form is a positive combination of other forms and of names.
 
-    Non-negative least squares propose the combination; it is tested in fractions.
+    p = sum(share q) + remainder, with shares >= 0 of the forms q, and a remainder that
+    is 0 or a positive combination of 1 and of the names of positive numbers.
+    Non-negative least squares propose the shares; the remainder is tested in fractions.
     """
     ring = p.ring
     monomials = (1, *ring.gens)
-    coefficients = np.zeros((1 + len(forms), len(monomials)))
+    coefficients = np.zeros((1 + len(forms), len(monomials)))  # the first row is p
     for i, q in enumerate([p, *forms]):
         for j, x in enumerate(monomials):
             coefficients[i, j] = float(q.coeff(x))
-    positive = [0]  # the constant and the names of positive numbers
-    for i, x in enumerate(ring.gens, 1):
+    positive = [0]  # indices of the constant and of the names of positive numbers
+    for j, x in enumerate(ring.gens, 1):
         if definite(x):
-            positive.append(i)
-    units = np.eye(len(monomials))[positive]
-    shares, _ = nnls(np.vstack([coefficients[1:], units]).T, coefficients[0])
+            positive.append(j)
+    positive_monomials = np.eye(len(monomials))[positive]
+    parts = np.vstack([coefficients[1:], positive_monomials])
+    shares, _ = nnls(parts.T, coefficients[0])
     remainder = p
+    # The last shares are those of the monomials, which stay in the remainder.
     for q, share in zip(forms, shares, strict=False):
         exact = Fraction(share).limit_denominator(MAX_SHARE_DENOMINATOR)
         remainder -= q * ring.domain(exact.numerator, exact.denominator)
@@ -288,14 +317,20 @@ def _follows(p: Any, forms: list[Any]) -> bool:
 
 
 class Substitution(NamedTuple):
-    """A variable in terms of a linear form, which takes the name of the variable."""
+    """A variable in terms of a linear form, which takes the name of the variable.
+
+    Its fields are the arguments of SymPy's `compose`.
+    """
 
     variable: Any
     expression: Any
 
 
 def _in_new_variables(p: Any, linear: list[Any]) -> Iterator[Any]:
-    """The polynomial with one or two variables replaced by positive linear forms."""
+    """The polynomial with one or two variables replaced by positive linear forms.
+
+    All choices of the variables and forms come in turn; none for a long polynomial.
+    """
     if len(p) > MAX_COMPARED_TERMS:
         return
     for form in linear:
@@ -319,10 +354,15 @@ def _second_substitutions(
 
 
 def _substitutions(form: Any) -> list[Substitution]:
-    """Each variable that grows with a linear form, solved for by means of the form."""
+    """Each variable that grows with a linear form, solved for by means of the form.
+
+    form = a x + rest, so x = (form - rest)/a. There the form is written as x again: a
+    new variable, which is positive as x was.
+    """
     substitutions = []
     for x in form.ring.gens:
         a = form.coeff(x)
         if a > 0:
-            substitutions.append(Substitution(x, (x - (form - a * x)) / a))
+            rest = form - a * x
+            substitutions.append(Substitution(x, (x - rest) / a))
     return substitutions

@@ -27,7 +27,8 @@ class Separation(NamedTuple):
 def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
     """Conditions under which a contact does not press again after the tick of the run.
 
-    The tick is a traced fraction.
+    They are those of the first of the three reasons above that holds in the run. The
+    tick is a traced fraction.
     """
     simulation = run.simulation
     k = run.nodes[contact]
@@ -45,6 +46,7 @@ def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
         return Separation(_wave_conditions(run, k), uses_energy=False)
 
     finality.bound_deviations(simulation, k, tick)
+    # Gap at the tick if both faces were where the mean motions of their bodies put them
     mean_gap = (
         node.gap
         + node.gap_rate * (tick - node.solved_tick)
@@ -52,10 +54,12 @@ def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
         + left.end_deviation
     )
     opening = right.mean_velocity - left.mean_velocity
-    # The bound is that of `finality_kernel.separation_time`, but with the energy of all
-    # vibration, which is a function of velocities and impulses.
-    energy = 2 * _vibration_energy(run)
-    bridged_squared = energy * (left.compliance_integral + right.compliance_integral)
+    # Vibration of energy E bridges a gap g with g^2 = 2 E (C_left + C_right), where C
+    # are the compliance integrals. The bound is that of
+    # `finality_kernel.separation_time`, but with the energy of all vibration, which is
+    # a function of velocities and impulses.
+    compliance_integral = left.compliance_integral + right.compliance_integral
+    bridged_squared = 2 * _vibration_energy(run) * compliance_integral
     conditions = [opening, mean_gap, mean_gap * mean_gap - bridged_squared]
     return Separation(conditions, uses_energy=True)
 
@@ -63,18 +67,21 @@ def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
 def _vibration_energy(run: ExactRun) -> TracedFraction:
     """Energy of vibration in the end, in the kernel's units.
 
-    It is the energy that the centres of mass have lost, and the work of moving walls.
+    It is the energy that the centres of mass have lost, sum(m (v^2 - V^2)/2), and the
+    work of moving walls.
     """
     numbers = run.numbers
-    impulses = [ZERO, *run.results.impulses, ZERO]  # at both faces of each body
+    # impulses[i] acts on the left face of body i, impulses[i + 1] on the right one.
+    impulses = [ZERO, *run.results.impulses, ZERO]
     energy = ZERO
     for i, body in enumerate(run.row.system.bodies):
         v = numbers.velocities[i]  # before
         V = run.results.velocities_after[i]
         if isinstance(body, Wall):
-            energy = energy + (impulses[i + 1] - impulses[i]) * run.tick_rate * v
+            impulse_on_row = (impulses[i + 1] - impulses[i]) * run.tick_rate
+            energy = energy + impulse_on_row * v
         first, last = run.row.spans[i]
-        for s in range(first, last + 1):
+        for s in range(first, last + 1):  # none in a wall
             mass = run.simulation.segments[s].transit * numbers.impedances[s - 1]
             energy = energy + mass * (v * v - V * V) * HALF
     return energy
@@ -88,10 +95,10 @@ class CirculatingWave(NamedTuple):
 
 
 def _wave_conditions(run: ExactRun, k: int) -> list[TracedFraction]:
-    """Conditions of waves that circulate beside node k.
+    """Conditions of waves that circulate beside node k, as numbers that are positive.
 
-    They leave the far ends in the order of the run, and no wave on the right is slower
-    than one on the left.
+    On each side the waves leave the far end in the order of the run. No wave on the
+    right is slower than one on the left, for any pair of them.
     """
     left_waves = _circulating_waves(run, k, is_right=False)
     right_waves = _circulating_waves(run, k, is_right=True)
@@ -108,9 +115,14 @@ def _wave_conditions(run: ExactRun, k: int) -> list[TracedFraction]:
 def _circulating_waves(
     run: ExactRun, k: int, *, is_right: bool
 ) -> list[CirculatingWave]:
-    """Waves in the body on the left or right of node k, as they come to the contact."""
+    """Waves in the body on the left or right of node k, as they come to the contact.
+
+    Without a front in flight there is one: the wave that arrives all the time.
+    """
     simulation = run.simulation
     lines = simulation.lines
+    # Node k lies between the segments k and k + 1. Line 2 s has the wave of segment s
+    # to the right, line 2 s + 1 the one to the left.
     group = simulation.segments[k]
     incoming_line = 2 * k
     if is_right:
@@ -118,7 +130,8 @@ def _circulating_waves(
         incoming_line = 2 * k + 3
     s = group.group_first
     last = group.group_last
-    if last == 0 or finality.no_front_in_flight(lines, s, last):
+    is_outside = last == 0
+    if is_outside or finality.no_front_in_flight(lines, s, last):
         return [CirculatingWave(lines[incoming_line].incoming_wave, ZERO)]
     # Waves circulate in a uniform body, so it is the single segment s. A receding front
     # turns at the far end, one transit after it left the contact.
@@ -135,7 +148,10 @@ def _circulating_waves(
 
 
 def _waves_in_flight(simulation: Simulation, line: int) -> list[CirculatingWave]:
-    """Fronts in flight on a line, the one that arrives next first."""
+    """Waves behind the fronts in flight on a line, the one that arrives next first.
+
+    Each has the tick at which its front left the line's beginning.
+    """
     waves = []
     r = simulation.lines[line].next_row
     while r != NONE:

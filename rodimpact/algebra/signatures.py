@@ -19,9 +19,10 @@ SEED = 1867
 def signature(
     results: Exact, names: Iterable[str], *, with_times: bool
 ) -> tuple[Any, ...]:
-    """Numbers of episodes of the contacts, and values of all formulas at random names.
+    """Number of episodes of each contact, then values of all formulas at random names.
 
-    Contact times count only if `with_times`.
+    The names have the same random values in every call, so that equal formulas have
+    equal values. Formulas of contact times count only if `with_times`.
     """
     compared = results
     if not with_times:
@@ -36,4 +37,5 @@ def signature(
 
 
 def _decimal(x: Fraction) -> Decimal:
+    """The fraction as a decimal, with the digits of the context."""
     return Decimal(x.numerator) / x.denominator

@@ -8,7 +8,8 @@ ROOT_BITS = 400
 
 
 def rational_root(square: Fraction) -> Fraction | None:
-    """Square root of a fraction, if it is a fraction itself."""
+    """Square root of a fraction, if it is a fraction itself, else None."""
+    # A fraction in lowest terms has a rational root only if p and q are both whole.
     p = math.isqrt(square.numerator)
     q = math.isqrt(square.denominator)
     if Fraction(p * p, q * q) == square:
@@ -27,7 +28,11 @@ class SquareRoots:
         self._root_of: dict[Fraction, Fraction] = {}
 
     def root(self, square: Fraction) -> Fraction:
-        """Square root of a fraction, to `ROOT_BITS` bits if it is irrational."""
+        """Square root of a fraction, to `ROOT_BITS` bits if it is irrational.
+
+        If its ratio to an earlier root is rational, it is that ratio times the earlier
+        root. Otherwise it is kept for later ones.
+        """
         for earlier, earlier_root in self._root_of.items():
             ratio = rational_root(square / earlier)
             if ratio:
@@ -40,7 +45,10 @@ class SquareRoots:
 
 
 def _rounded_root(square: Fraction) -> Fraction:
-    """Square root of a fraction to `ROOT_BITS` bits, rounded down."""
+    """Square root of a fraction to `ROOT_BITS` bits, rounded down.
+
+    sqrt(p/q) = isqrt(4^shift p/q)/2^shift, with the whole part isqrt of a square root.
+    """
     magnitude = square.numerator.bit_length() - square.denominator.bit_length()
     shift = max(0, ROOT_BITS - magnitude)
     scaled_square = (square.numerator << 2 * shift) // square.denominator

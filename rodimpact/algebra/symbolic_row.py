@@ -52,7 +52,11 @@ class SymbolWords:
                     self._material_path_of[full_path] = path
 
     def words_for(self, path: str) -> list[str]:
-        """Words to which the number at a path answers."""
+        """Words to which the number at a path answers.
+
+        They are its path, its path by the name of its material if that has one, and the
+        last word of the path.
+        """
         words = [path]
         if path in self._material_path_of:
             words.append(self._material_path_of[path])
@@ -129,7 +133,8 @@ class SymbolicRow:
     def free_names(self) -> list[str]:
         """Names of the numbers of a run that can be changed one by one.
 
-        A wave speed stands for its E, which follows from it and rho.
+        A wave speed c stands for its E, which follows from c and rho. If only one of E
+        and rho has a name, c stands for that one.
         """
         names = []
         for name in self.base:
@@ -162,11 +167,13 @@ class SymbolicRow:
 
     def run(self, values: Mapping[str, Fraction], max_events: int) -> ExactRun:
         """Run the row with these values of all names."""
-        names = {name: TracedFraction(value, name) for name, value in values.items()}
+        named_numbers = {}
+        for name, value in values.items():
+            named_numbers[name] = TracedFraction(value, name)
         numbers = []
-        for quantity in self._numbers:
-            program = Program(quantity, TracedFraction)
-            numbers.append(program(names))
+        for numbers_of_quantity in self._numbers:  # the fields of `RowNumbers`
+            program = Program(numbers_of_quantity, TracedFraction)
+            numbers.append(program(named_numbers))
         return run_exactly(self.row, RowNumbers(*numbers), max_events)
 
 
@@ -206,7 +213,11 @@ class _SymbolSource:
         self._material_number: dict[tuple[str, Any, Any], int] = {}
 
     def number(self, path: str, value: float) -> Any:
-        """Number at a path; None for what follows from other numbers."""
+        """Number at a path, with a name such as l2 if a symbol names it.
+
+        None for a transit time or an impedance without a symbol: it follows from other
+        numbers.
+        """
         owner, _, quantity = path.rpartition(".")
         if quantity == "gap" and value == 0:
             return ZERO  # bodies that touch have no gap to be named
@@ -216,9 +227,9 @@ class _SymbolSource:
             if is_derived:
                 return None
             return TracedFraction(decimal_fraction(value))
-        if quantity in ("velocity", "gap"):
+        if quantity in ("velocity", "gap"):  # bodies.0.velocity is v1
             number = int(path.split(".")[1]) + 1
-        else:
+        else:  # segments are counted from 1 in the paths of the row
             number = self._row.paths.index(owner)
         if is_derived:
             exact_value = self._derived(quantity, self._row.segments[number - 1])
@@ -238,7 +249,11 @@ class _SymbolSource:
         return rho * decimal_fraction(segment.area) * c
 
     def material(self, path: str, segment: Segment) -> WaveMaterial:
-        """Wave speed and density of the segment at a path."""
+        """Wave speed and density of the segment at a path.
+
+        E, rho and c = sqrt(E/rho) get names where they need them. If E is fixed, rho is
+        E/c^2 with the name of c.
+        """
         material: Any = segment.material
         path = f"{path}.material"
         self._asked_paths.append(f"{path}.density")
@@ -287,6 +302,7 @@ class _SymbolSource:
         return name
 
     def _add_name(self, name: str, path: str, value: Fraction) -> None:
+        """Remember the name of the number at a path, and its value in the system."""
         self._named_paths.append(path)
         self.paths.setdefault(name, path)
         self.base[name] = value
@@ -309,6 +325,7 @@ class _SymbolSource:
             raise InvalidModel(problems)
 
     def _words_for_all(self, paths: list[str]) -> dict[str, None]:
+        """Words to which the numbers at some paths answer, each once, in order."""
         words: dict[str, None] = {}
         for path in paths:
             words |= dict.fromkeys(self._words.words_for(path))

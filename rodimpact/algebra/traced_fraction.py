@@ -27,6 +27,7 @@ COMMUTATIVE = "+*"
 
 
 def _heaviside(x: Any, y: Any) -> Any:
+    """H(x) y for numbers or arrays: 0 where x is negative, else y."""
     return (x >= 0) * y
 
 
@@ -40,7 +41,7 @@ FUNCTIONS: dict[str, BinaryFunction] = {
 
 
 def _comparison(compare: BinaryFunction) -> Callable[[Any, Any], bool]:
-    """Method that compares the value with a number or with a traced fraction."""
+    """Make a method that compares the value with a number or with a traced fraction."""
 
     def method(x: TracedFraction, y: Any) -> bool:
         other = y
@@ -52,7 +53,7 @@ def _comparison(compare: BinaryFunction) -> Callable[[Any, Any], bool]:
 
 
 def _method(operation: str) -> Callable[[TracedFraction, Any], TracedFraction]:
-    """Method for an operation whose left operand is the traced fraction."""
+    """Make a method for an operation whose left operand is the traced fraction."""
 
     def method(left: TracedFraction, right: Any) -> TracedFraction:
         return TracedFraction.combine(operation, left, right)
@@ -63,7 +64,7 @@ def _method(operation: str) -> Callable[[TracedFraction, Any], TracedFraction]:
 def _reflected_method(
     operation: str,
 ) -> Callable[[TracedFraction, Any], TracedFraction]:
-    """Method for an operation whose right operand is the traced fraction."""
+    """Make a method for an operation whose right operand is the traced fraction."""
 
     def method(right: TracedFraction, left: Any) -> TracedFraction:
         return TracedFraction.combine(operation, left, right)
@@ -101,14 +102,14 @@ class TracedFraction:
         left = x if isinstance(x, TracedFraction) else TracedFraction(x)
         right = y if isinstance(y, TracedFraction) else TracedFraction(y)
         if right.expression is None:
-            if right.value == NEUTRAL[operation]:
+            if right.value == NEUTRAL[operation]:  # x + 0, x - 0, x 1, x/1
                 return left
-            if right.value == 0 and operation == "*":
+            if right.value == 0 and operation == "*":  # x 0
                 return ZERO
         if left.expression is None:
             if operation in COMMUTATIVE and left.value == NEUTRAL[operation]:
-                return right
-            if left.value == 0 and operation in "*/":
+                return right  # 0 + y, 1 y
+            if left.value == 0 and operation in "*/":  # 0 y, 0/y
                 return ZERO
         return _computed(operation, left, right)
 
@@ -156,6 +157,7 @@ ZERO = TracedFraction(0)
 def _computed(
     operation: str, left: TracedFraction, right: TracedFraction
 ) -> TracedFraction:
+    """Apply an operation to values and histories; two constants make a constant."""
     value = FUNCTIONS[operation](left.value, right.value)
     if left.expression is None and right.expression is None:
         return TracedFraction(value)
@@ -207,6 +209,7 @@ class Program:
     def __init__(
         self, wanted: list[TracedFraction], constant: Callable[[Fraction], Any]
     ) -> None:
+        """List the steps of the histories, the operands of each step before it."""
         index_of_step: dict[Step, int] = {}  # equal steps are computed once
         index_of: dict[int, int] = {}  # step of each traced fraction, by its id
         pending = wanted[::-1]
@@ -220,7 +223,8 @@ class Program:
                 pending += [x, *missing]
                 continue
             step = _step_of(x, index_of)
-            index_of[id(x)] = index_of_step.setdefault(step, len(index_of_step))
+            next_index = len(index_of_step)
+            index_of[id(x)] = index_of_step.setdefault(step, next_index)
         self._steps: list[Step] = []
         for step in index_of_step:
             if isinstance(step, Constant):
@@ -253,7 +257,11 @@ class Program:
 
 
 def _step_of(x: TracedFraction, index_of: Mapping[int, int]) -> Step:
-    """Step that computes a traced fraction from steps of its operands."""
+    """Step that computes a traced fraction.
+
+    Its operands are computed by earlier steps: `index_of` has their numbers by the id
+    of the operand.
+    """
     if x.expression is None:
         return Constant(x.value)
     if isinstance(x.expression, str):
