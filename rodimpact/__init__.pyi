@@ -17,6 +17,7 @@ from .explorer.exploring import Page as Page
 from .explorer.exploring import explore as explore
 from .fitting.fit import fit as fit
 from .fitting.measured import Measured as Measured
+from .fitting.result import Addition as Addition
 from .fitting.result import Descent as Descent
 from .fitting.result import Fit as Fit
 from .fitting.result import Fitted as Fitted

@@ -5,11 +5,13 @@ descends from each of them. If all searches end at the same point, the minimum i
 unique.
 """
 
+import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,12 +23,16 @@ from ..progress import Progress, ProgressFunction, check_progress
 from ..running.jobs import check_executor
 from ..running.readings import check_readings
 from ..units import shown
+from .additions import Trial, compared
 from .measured import Measured
 from .objective import Objective
 from .parameters import RECORD_PREFIX, record_parameters, system_parameters
 from .result import Fit
-from .searching import coarse_shares, search_from, sizes_of_numbers
+from .searching import Grids, coarse_shares, search_on, sizes_of_numbers
 from .summary import summarise
+
+MIN_CELLS_TO_HALVE = 200
+"""Cells of a grid from which on searches begin with half of them."""
 
 
 def fit(
@@ -41,6 +47,7 @@ def fit(
     cells: int | None = None,
     interval: float | None = None,
     starts: int = 3,
+    additions: Mapping[str, Mapping[str, tuple[float, float] | None]] | None = None,
     executor: Executor | None = None,
     progress: bool | ProgressFunction = True,
 ) -> Fit:
@@ -56,10 +63,10 @@ def fit(
         The unknown numbers: their paths as in a case file, each with bounds in SI
         units. ``materials.NAME.field`` is common to all bodies of a material;
         ``wave_speed`` varies its Young's modulus. Steps are ratios if the bounds are
-        positive and differ by a factor of 10 or more. ``records.0.shift``,
-        ``records.0.gain`` and ``records.0.blur`` are numbers of the first record.
+        positive and differ by a factor of 10 or more. ``records.0.shift``, ``.gain``,
+        ``.blur``, ``.offset`` and ``.trend`` are numbers of the first record.
         ``records.*.gain`` is one gain for all records, ``records.[01].gain`` one for
-        the first two. With the bounds None, shift and gain are free.
+        the first two. With the bounds None, all of these but the blur are free.
     until : float
         Time to which each collision runs, s.
     method, dt, rtol, cells
@@ -71,6 +78,10 @@ def fit(
         records.
     starts : int
         Number of points of the coarse sweep from which a least-squares search begins.
+    additions : dict of str to dict, optional
+        Further unknown numbers by the name of an addition, each as in `vary`, such as
+        ``{"blur": {"records.0.blur": (0.0, 1e-5)}}``. Each addition is tried alone.
+        `Fit.additions` says which of them earn their place: add those to `vary`.
     executor : concurrent.futures.Executor, optional
         Solves the collisions of the coarse sweep; by default they are solved one by
         one.
@@ -90,9 +101,11 @@ def fit(
 
     Notes
     -----
-    Derivatives are forward differences. Residuals are not assumed independent: standard
-    errors follow from the autocovariance of the residuals of each record,
-    `rodimpact.fitting.uncertainty`.
+    Derivatives are forward differences. On a grid, searches begin with half the cells,
+    where a collision takes a quarter of the time, and end with all of them. Residuals
+    are not assumed independent: standard errors follow from the autocovariance of the
+    residuals of each record, `rodimpact.fitting.uncertainty`. Additions are compared by
+    cross-validation, `rodimpact.fitting.additions`.
 
     Examples
     --------
@@ -140,6 +153,72 @@ def fit(
     check_readings(problems, system, gauges, np.zeros(1))
     raise_if_problems(problems)
 
+    is_step_given = not (dt is None and rtol is None and cells is None)
+    if not is_step_given and "cells" in METHODS[options.method].takes:
+        options = replace(options, cells=_cell_count(system, step))
+    checked_additions = _checked_additions(additions, vary)
+    with Progress(progress, "fit", "collisions") as report:
+        solved = itertools.count(1)
+        task = _Task(
+            system=system,
+            records=records,
+            options=options,
+            interval=step,
+            executor=executor,
+            on_solved=lambda: report(next(solved), None),
+        )
+        base = _fit_from_sweep(task, vary, search_count)
+        if not checked_additions:
+            return base.fit
+        trials = [base]
+        for name, numbers in checked_additions.items():
+            trials.append(_fit_with_addition(task, name, {**vary, **numbers}, base))
+        return compared(trials)
+
+
+class _Task(NamedTuple):
+    """What the fits with and without additions have in common."""
+
+    system: System
+    records: list[Measured]
+    options: Options
+    interval: float  # s
+    executor: Executor | None
+    on_solved: Callable[[], object]  # called after each collision
+
+
+def _fit_from_sweep(task: _Task, vary: Mapping[str, Any], search_count: int) -> Trial:
+    """Fit from the best points of a coarse sweep."""
+    grids = _grids(task, vary)
+    points = _starting_points(grids.coarse, search_count)
+    sizes = sizes_of_numbers(grids.fine, points[0])
+    ends = []
+    for point in points:
+        ends.append(search_on(grids, point, sizes))
+    ends.sort(key=lambda end: end.cost)
+    return Trial("", summarise(grids.fine, ends, sizes), grids.fine, ends[0])
+
+
+def _fit_with_addition(
+    task: _Task, name: str, vary: Mapping[str, Any], base: Trial
+) -> Trial:
+    """Fit with more numbers, from the end of a fit without them."""
+    grids = _grids(task, vary)
+    objective = grids.fine
+    known = {}
+    for number, scaled_value in zip(base.objective.numbers, base.end.x, strict=True):
+        known[number.path] = scaled_value
+    start = objective.point_at(objective.initial_shares)
+    for i, number in enumerate(objective.numbers):
+        start[i] = known.get(number.path, start[i])
+    start = np.clip(start, objective.low, objective.high)
+    sizes = sizes_of_numbers(objective, start)
+    end = search_on(grids, start, sizes)
+    return Trial(name, summarise(objective, [end], sizes), objective, end)
+
+
+def _grids(task: _Task, vary: Mapping[str, Any]) -> Grids:
+    """Objectives for the numbers to vary, on the grid of the options and a coarser one."""
     vary_system = {}
     vary_records = {}
     for path, bounds in vary.items():
@@ -147,30 +226,50 @@ def fit(
             vary_records[path] = bounds
         else:
             vary_system[path] = bounds
-    parameters = system_parameters(system, vary_system)
-    of_records = record_parameters(system, records, vary_records, options.until)
-    is_step_given = not (dt is None and rtol is None and cells is None)
-    if not is_step_given and "cells" in METHODS[options.method].takes:
-        options = replace(options, cells=_cell_count(system, step))
-    objective = Objective(
-        system=system,
-        measured=records,
-        parameters=parameters,
-        record_parameters=of_records,
-        options=options,
-        interval=step,
-        executor=executor,
+    assert task.options.until is not None
+    make_objective = partial(
+        Objective,
+        system=task.system,
+        measured=task.records,
+        parameters=system_parameters(task.system, vary_system),
+        record_parameters=record_parameters(
+            task.system, task.records, vary_records, task.options.until
+        ),
+        interval=task.interval,
+        executor=task.executor,
+        on_solved=task.on_solved,
     )
-    initial_shares = [parameter.share(parameter.initial) for parameter in parameters]
-    with Progress(progress, "fit", "collisions") as report:
-        objective.on_progress = lambda solved: report(solved, None)
-        points = _starting_points(objective, initial_shares, search_count)
-        sizes = sizes_of_numbers(objective, points[0])
-        ends = []
-        for point in points:
-            ends.append(search_from(objective, point, sizes))
-        ends.sort(key=lambda end: end.cost)
-        return summarise(objective, ends, sizes)
+    fine = make_objective(options=task.options)
+    cells = task.options.cells
+    if cells is None or cells < MIN_CELLS_TO_HALVE:
+        return Grids(fine, fine)
+    return Grids(fine, make_objective(options=replace(task.options, cells=cells // 2)))
+
+
+def _checked_additions(
+    additions: Any, vary: Mapping[str, Any]
+) -> dict[str, Mapping[str, Any]]:
+    """Numbers of each addition, by its name."""
+    if additions is None:
+        return {}
+    checked = {}
+    example = "{'blur': {'records.0.blur': (0.0, 1e-5)}}"
+    if not isinstance(additions, Mapping):
+        message = f"must be such as {example}, got {shown(additions)}"
+        raise invalid_argument("additions", message)
+    for name, numbers in additions.items():
+        if not isinstance(numbers, Mapping) or not numbers:
+            message = (
+                f"must name numbers with their bounds, as in {example}, "
+                f"got {shown(numbers)}"
+            )
+            raise invalid_argument(f"additions.{name}", message)
+        for path in numbers:
+            if path in vary:
+                message = f"adds {path}, which already varies; leave it out of vary"
+                raise invalid_argument(f"additions.{name}", message)
+        checked[str(name)] = numbers
+    return checked
 
 
 def _checked_records(measured: Any) -> list[Measured]:
@@ -204,11 +303,9 @@ def _cell_count(system: System, interval: float) -> int:
     return math.ceil(longest_transit / interval)
 
 
-def _starting_points(
-    objective: Objective, initial_shares: Sequence[float], count: int
-) -> list[Any]:
+def _starting_points(objective: Objective, count: int) -> list[Any]:
     """Points where searches begin, each the best of a part of a coarse sweep."""
-    shares = coarse_shares(initial_shares)
+    shares = coarse_shares(objective.initial_shares)
     starts = []
     for tried, signals in zip(shares, objective.signals(shares), strict=True):
         starts.append(objective.best_start(tried, signals))

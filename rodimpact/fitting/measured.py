@@ -37,6 +37,12 @@ class Measured(FrozenDataclass):
         Standard deviation of the Gaussian by which the measuring chain averages over
         time, s: a fixed value, or bounds. It is 0.1325/f for a low-pass filter of f Hz,
         and 0.289 L/c for a gauge of length L at the wave speed c.
+    offset : float or (float, float), optional
+        Value that the record has in its middle without a pulse, in its unit: a fixed
+        value, or bounds; None is free.
+    trend : float or (float, float), optional
+        Slope of this value over time, in the unit of the signal over s: a fixed value,
+        or bounds; None is free.
     seen : function, optional
         Any other effect of gauge and amplifier on the computed signal, such as
         ``lambda strain: strain.low_pass(100e3, "first-order")``.
@@ -52,8 +58,9 @@ class Measured(FrozenDataclass):
     Examples
     --------
     >>> pulse = Signal([0.0, 2.0, 2.0, 0.0], dt=1e-5, unit="V", name="incident")
-    >>> Measured(pulse, gauge=(1, 0.5), shift=(-1e-5, 1e-5)).limits
-    {'shift': (-1e-05, 1e-05), 'gain': None, 'blur': (0.0, 0.0)}
+    >>> limits = Measured(pulse, gauge=(1, 0.5), shift=(-1e-5, 1e-5)).limits
+    >>> limits["shift"], limits["gain"], limits["trend"]
+    ((-1e-05, 1e-05), None, (0.0, 0.0))
     """
 
     signal: Signal
@@ -63,6 +70,8 @@ class Measured(FrozenDataclass):
     shift: Bounds | None = None
     gain: Bounds | None = None
     blur: Bounds = 0.0
+    offset: Bounds | None = 0.0
+    trend: Bounds | None = 0.0
     seen: Callable[[Signal], Signal] | None = None
     level: float | None = None
 
@@ -83,19 +92,22 @@ class Measured(FrozenDataclass):
 
     @property
     def limits(self) -> dict[str, tuple[float, float] | None]:
-        """Bounds of shift, s, gain, and blur, s.
+        """Bounds of shift, s, gain, blur, s, offset and trend.
 
-        They are None where shift or gain is free; a blur is always bounded.
+        They are None where a number is free; a blur is always bounded.
         """
         blur = bounds_of("blur", self.blur, "s")
         if blur is None or blur[0] < 0:
             raise invalid_argument(
                 "blur", f"must be 0 s or more, or (low, high), got {shown(self.blur)}"
             )
+        unit = self.signal.unit
         return {
             "shift": bounds_of("shift", self.shift, "s"),
             "gain": bounds_of("gain", self.gain, ""),
             "blur": blur,
+            "offset": bounds_of("offset", self.offset, unit),
+            "trend": bounds_of("trend", self.trend, trend_unit(unit)),
         }
 
     @property
@@ -151,3 +163,10 @@ class Measured(FrozenDataclass):
             strain = self.seen(strain)
             of_kind("seen(strain)", strain, Signal, "strain.low_pass(100e3)")
         return strain
+
+
+def trend_unit(unit: str) -> str:
+    """Unit of a slope over time of a signal in this unit."""
+    if unit == "":
+        return "1/s"
+    return f"{unit}/s"

@@ -1,8 +1,8 @@
 """Differences between predictions and records, which a fit makes small.
 
-A point holds the share of each parameter of the system, then shift, gain and blur of
-the records. Only a change of shares needs a new solution; shift, gain and blur are
-applied to the computed signals.
+A point holds the share of each parameter of the system, then the numbers of the
+records: shifts, gains, blurs, offsets and trends. Only a change of shares needs a new
+solution; the numbers of the records are applied to the computed signals.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -25,7 +25,9 @@ from .parameters import (
     BLUR,
     GAIN,
     KINDS,
+    OFFSET,
     SHIFT,
+    TREND,
     Parameter,
     RecordParameter,
     SystemParameter,
@@ -98,10 +100,8 @@ class Objective:
         Middle of the bounds; 0 for a number without bounds.
     sample_counts : list of int
         Samples of each record.
-    solved : int
-        Collisions solved so far.
-    on_progress : function, optional
-        Receives `solved` after each collision.
+    initial_shares : list of float
+        Shares of the values that the parameters have in the system.
     """
 
     def __init__(
@@ -114,17 +114,17 @@ class Objective:
         options: Options,
         interval: float,
         executor: Executor | None,
+        on_solved: Callable[[], object] | None = None,
     ) -> None:
         self.measured = measured
         self.numbers: list[Parameter] = [*parameters, *record_parameters]
-        self.solved = 0
-        self.on_progress: Callable[[int], None] | None = None
+        self._on_solved = on_solved
         bounds = np.array([number.scaled_bounds for number in self.numbers])
         self.low = bounds[:, 0]
         self.high = bounds[:, 1]
         self.is_free = self.low < self.high
         self.is_blur = np.zeros(len(self.numbers), bool)
-        # index in a point of the shift, gain and blur of each record
+        # index in a point of each number of each record
         self._index = np.zeros((len(KINDS), len(measured)), int)
         for i, number in enumerate(record_parameters, len(parameters)):
             self.is_blur[i] = number.kind == "blur"
@@ -133,6 +133,9 @@ class Objective:
 
         self._system = system
         self._parameters = parameters
+        self.initial_shares = [
+            parameter.share(parameter.initial) for parameter in parameters
+        ]
         gauges = [record.gauge for record in measured]
         self._compute_strains = partial(
             compute_strains, options=options, gauges=gauges, interval=interval
@@ -174,9 +177,8 @@ class Objective:
             for record, strain in zip(self.measured, strains, strict=True):
                 signals.append(record.prediction(strain, system))
             signals_of_systems.append(signals)
-            self.solved += 1
-            if self.on_progress is not None:
-                self.on_progress(self.solved)
+            if self._on_solved is not None:
+                self._on_solved()
         return signals_of_systems
 
     def _curves(self, signals: Sequence[Signal], point: Floats) -> list[Any]:
@@ -188,9 +190,15 @@ class Objective:
         """Predictions at the times of all records, over their levels."""
         shifts = point[self._index[SHIFT]]
         gains = point[self._index[GAIN]]
+        offsets = point[self._index[OFFSET]]
+        trends = point[self._index[TREND]]
         predictions = []
         for k, record in enumerate(self.measured):
-            values = gains[k] * curves[k](record.signal.times - shifts[k])
+            times = record.signal.times
+            values = gains[k] * curves[k](times - shifts[k])
+            if offsets[k] != 0.0 or trends[k] != 0.0:
+                middle = (times[0] + times[-1]) / 2
+                values = values + offsets[k] + trends[k] * (times - middle)
             predictions.append(values / self._levels[k])
         return np.concatenate(predictions)
 
@@ -215,14 +223,19 @@ class Objective:
 
     # Starts of searches
 
+    def point_at(self, shares: Sequence[float] | Floats) -> Floats:
+        """Point with given shares, the least blurs, and the middle of all other bounds."""
+        point = np.where(self.is_blur, self.low, self.middle)
+        point[: len(shares)] = shares
+        return point
+
     def best_start(self, shares: Floats, signals: Sequence[Signal]) -> Start:
         """Point with the best shifts and gains for given shares.
 
         Blurs are as small as their bounds allow. A shift that several records have in
         common starts from the best shift of one of them.
         """
-        point = np.where(self.is_blur, self.low, self.middle)
-        point[: len(shares)] = shares
+        point = self.point_at(shares)
         curves = self._curves(signals, point)
         shift_indices = self._index[SHIFT]
         best_shifts = self._best_shifts(curves)

@@ -22,14 +22,16 @@ from ..model.paths import (
     with_numbers,
 )
 from ..units import shown
-from .measured import Measured
+from .measured import Measured, trend_unit
 
 RECORD_PREFIX = "records."
-KINDS = ("shift", "gain", "blur")
-"""Kinds of numbers that a record has; SHIFT, GAIN and BLUR are their indices."""
+KINDS = ("shift", "gain", "blur", "offset", "trend")
+"""Kinds of numbers that a record has; SHIFT to TREND are their indices."""
 SHIFT = 0
 GAIN = 1
 BLUR = 2
+OFFSET = 3
+TREND = 4
 RATIO_RANGE = 10.0
 """Ratio of positive bounds from which a range is divided in equal ratios."""
 
@@ -208,7 +210,7 @@ class RecordNumber(NamedTuple):
 def record_parameters(
     system: System, measured: Sequence[Measured], vary: Mapping[str, Any], until: float
 ) -> list[RecordParameter]:
-    """Shift, gain and blur of every record, once each.
+    """Shift, gain, blur, offset and trend of every record, once each.
 
     A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers
     become one parameter.
@@ -257,8 +259,10 @@ def _common_kind_and_unit(
     kinds_and_units = set()
     for number in numbers:
         unit = "s"
-        if number.kind == "gain":
+        if number.kind in ("gain", "offset"):
             unit = measured[number.record].signal.unit
+        elif number.kind == "trend":
+            unit = trend_unit(measured[number.record].signal.unit)
         kinds_and_units.add((number.kind, unit))
     if len(kinds_and_units) != 1:
         message = (

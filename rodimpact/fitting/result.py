@@ -97,6 +97,44 @@ class Descent(NamedTuple):
     complete: bool
 
 
+class Addition(NamedTuple):
+    """A fit with more unknown numbers, and whether they earn their place.
+
+    Attributes
+    ----------
+    name : str
+        Name that was given to `fit`.
+    fit : Fit
+        The fit with these numbers.
+    earns_its_place : bool
+        Whether the numbers improve the prediction of blocks of the records that a fit
+        has left out: the squares of the residuals there fall by more than the standard
+        error of their fall.
+
+    Examples
+    --------
+    The record has an offset, and no blur:
+
+    >>> import numpy as np, rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> bar = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> row = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0), bar])
+    >>> strain = ri.solve(row, until=2e-4).gauge(1, 0.4).signal(1e-6)
+    >>> noise = 2e-5 * np.random.default_rng(1).standard_normal(len(strain))
+    >>> record = ri.Measured(strain + noise + 5e-5, (1, 0.4), shift=0.0, gain=1.0)
+    >>> additions = {"offset": {"records.0.offset": None},
+    ...              "trend": {"records.0.trend": None}}
+    >>> found = ri.fit(row, record, {"bodies.0.velocity": (1.0, 20.0)}, until=2e-4,
+    ...                starts=1, additions=additions)
+    >>> [(addition.name, addition.earns_its_place) for addition in found.additions]
+    [('offset', True), ('trend', False)]
+    """
+
+    name: str
+    fit: Fit
+    earns_its_place: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Fit(Shown):
     """Result of `fit`.
@@ -121,6 +159,12 @@ class Fit(Shown):
     notes : tuple of str
         Numbers that are not determined, lie at a bound, or depend on the start of the
         search; and records whose misfit is far above the noise before their pulse.
+    additions : tuple of Addition
+        Fits with more numbers, if `additions` were given.
+    misfit_left_out : float
+        Root mean square of the residuals of all records where every other block of the
+        record is fitted and predicts the blocks between, divided by the level; nan if
+        no additions were given.
 
     Examples
     --------
@@ -147,6 +191,8 @@ class Fit(Shown):
     misfits: tuple[float, ...]
     descents: tuple[Descent, ...]
     notes: tuple[str, ...]
+    additions: tuple[Addition, ...] = ()
+    misfit_left_out: float = math.nan
 
     @property
     def values(self) -> dict[str, float]:
@@ -218,6 +264,8 @@ class Fit(Shown):
         if len(self.fitted) > 1:
             tables.append(self._table_of_correlations())
         tables.append(self._table_of_misfits())
+        if self.additions:
+            tables.append(self._table_of_additions())
         notes = "\n".join([*self.notes, MODEL_ERROR])
         return "\n\n".join([*map(align, tables), notes])
 
@@ -253,6 +301,22 @@ class Fit(Shown):
         for record, misfit in zip(self.measured, self.misfits, strict=True):
             rows.append([record.title, f"{100 * misfit:.3g} %"])
         return rows
+
+    def _table_of_additions(self) -> list[list[str]]:
+        rows = [["addition", "misfit", "of blocks left out", "earns its place"]]
+        rows.append(["none", *_misfits(self), ""])
+        for addition in self.additions:
+            answer = "no"
+            if addition.earns_its_place:
+                answer = "yes"
+            rows.append([addition.name, *_misfits(addition.fit), answer])
+        return rows
+
+
+def _misfits(fit: Fit) -> list[str]:
+    """Misfit of all records, and that of blocks left out, as texts."""
+    misfits = (fit.descents[0].misfit, fit.misfit_left_out)
+    return [f"{100 * misfit:.2f} %" for misfit in misfits]
 
 
 def correlation_of(covariance: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """The search for the best parameters: points of a coarse sweep, and least squares."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,12 @@ POINTS_PER_PARAMETER = 16
 """Systems of the coarse sweep for each number of the system that varies."""
 MAX_EVALUATIONS = 200
 """Cap on the evaluations of a least-squares search, without those for derivatives."""
+SEARCH_FTOL = 1e-10
+"""Relative fall of the cost at which a search ends."""
+COARSE_FTOL = 1e-4
+"""The same on a coarse grid, from whose end a search on the fine grid goes on."""
+FINE_FTOL = 1e-7
+"""The same on the fine grid: less changes no number by a tenth of its standard error."""
 DIFFERENCE_STEP = 1e-5
 """Step of the differences for derivatives, relative to the size of a number."""
 
@@ -38,22 +44,44 @@ def sizes_of_numbers(objective: Objective, point: Floats) -> Floats:
     """Typical size of each number of a point.
 
     Numbers of the system are shares of the way between their bounds, of size 1. Gains
-    have their own size; shifts and blurs have the duration of the longest record, s.
+    have their own size; shifts and blurs have the duration of the longest record, s;
+    offsets and trends have the level of their record, trends over this duration.
     """
     longest = 0.0
     for record in objective.measured:
         longest = max(longest, record.signal.end - record.signal.start)
     sizes = np.ones(len(point))
     for i, number in enumerate(objective.numbers):
-        if isinstance(number, RecordParameter):
-            if number.kind == "gain":
-                sizes[i] = abs(point[i])
-            else:
-                sizes[i] = longest
+        if not isinstance(number, RecordParameter):
+            continue
+        level = objective.measured[number.records[0]].size
+        if number.kind == "gain":
+            sizes[i] = abs(point[i])
+        elif number.kind == "offset":
+            sizes[i] = level
+        elif number.kind == "trend":
+            sizes[i] = level / longest
+        else:
+            sizes[i] = longest
     return sizes
 
 
-def search_from(objective: Objective, start: Floats, sizes: Floats) -> Any:
+class Grids(NamedTuple):
+    """Objectives of one fit; they are the same without a grid that can be coarser."""
+
+    fine: Objective
+    coarse: Objective  # half the cells: a collision takes a quarter of the time
+
+
+def search_on(grids: Grids, start: Floats, sizes: Floats) -> Any:
+    """Descend from a start on the coarse grid, then from the end of it on the fine one."""
+    if grids.coarse is grids.fine:
+        return search_from(grids.fine, start, sizes, SEARCH_FTOL)
+    near = search_from(grids.coarse, start, sizes, COARSE_FTOL)
+    return _descend(grids.fine, near.x, grids.fine.is_free, sizes, FINE_FTOL)
+
+
+def search_from(objective: Objective, start: Floats, sizes: Floats, ftol: float) -> Any:
     """Descend from a start, first with blurs at their lower bounds, then with all free.
 
     Predictions depend on the square of a blur, so a descent that begins without blur
@@ -64,16 +92,18 @@ def search_from(objective: Objective, start: Floats, sizes: Floats) -> Any:
     is_free = objective.is_free
     is_free_blur = is_free & objective.is_blur
     if not is_free_blur.any():
-        return _descend(objective, start, is_free, sizes)
-    sharp = _descend(objective, start, is_free & ~is_free_blur, sizes)
+        return _descend(objective, start, is_free, sizes, ftol)
+    sharp = _descend(objective, start, is_free & ~is_free_blur, sizes, ftol)
     blurred_start = np.where(is_free_blur, objective.middle, sharp.x)
-    blurred = _descend(objective, blurred_start, is_free, sizes)
+    blurred = _descend(objective, blurred_start, is_free, sizes, ftol)
     if blurred.cost > sharp.cost:
-        blurred = _descend(objective, sharp.x, is_free, sizes)
+        blurred = _descend(objective, sharp.x, is_free, sizes, ftol)
     return blurred
 
 
-def _descend(objective: Objective, start: Floats, is_free: Any, sizes: Floats) -> Any:
+def _descend(
+    objective: Objective, start: Floats, is_free: Any, sizes: Floats, ftol: float
+) -> Any:
     """Least-squares search from a point; `x` of the result is the point where it ends.
 
     The variables are the free numbers over their sizes, plus 1: SciPy's differences
@@ -86,6 +116,8 @@ def _descend(objective: Objective, start: Floats, is_free: Any, sizes: Floats) -
     is_free : [number] array of bool
         Whether a number varies.
     sizes : [number] array
+    ftol : float
+        The search ends where the cost falls by less than this fraction of itself.
 
     Returns
     -------
@@ -110,7 +142,7 @@ def _descend(objective: Objective, start: Floats, is_free: Any, sizes: Floats) -
         bounds=(low, high),
         diff_step=DIFFERENCE_STEP,
         x_scale="jac",
-        ftol=1e-10,
+        ftol=ftol,
         xtol=1e-8,
         gtol=1e-10,
         max_nfev=MAX_EVALUATIONS,

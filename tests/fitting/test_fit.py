@@ -11,8 +11,10 @@ from exhaustive import few_of
 from validation_cases import validation_module
 
 import rodimpact as ri
+from rodimpact.fitting import objective as objective_module
+from rodimpact.fitting.additions import predicted_residuals
 from rodimpact.fitting.notes import noise_before_pulse, notes_on_numbers
-from rodimpact.fitting.objective import Objective
+from rodimpact.fitting.objective import Objective, compute_strains
 from rodimpact.fitting.parameters import (
     record_parameters,
     system_parameters,
@@ -179,6 +181,105 @@ def test_a_gain_of_one_record_is_known_less_well_than_a_common_one(shot, tied_fi
     assert common_error < separate.standard_errors["records.0.gain"]
 
 
+# Additions ----------------------------------------------------------------------------
+
+VARY_VELOCITY = {VELOCITY: (1.0, 20.0)}
+OFFSET_AND_TREND = {"records.0.offset": None, "records.0.trend": (-10.0, 10.0)}
+ADDITIONS = {
+    "offset and trend": OFFSET_AND_TREND,
+    "blur": {"records.0.blur": (0.0, 1e-5)},
+    "diameter": {"bodies.0.area": (5e-5, 2e-4)},
+}
+
+
+def changed_record(offset=0.0, trend=0.0, blur=0.0, area=1e-4):
+    """A noisy record with an offset, a trend, a blur, or a thicker striker."""
+    system = rods()
+    striker = ri.Rod(0.2, area=area, material=STEEL, velocity=10.0)
+    signal = record(ri.System([striker, system.bodies[1]]), noise=1e-5)
+    if blur:
+        signal = signal.low_pass(0.1325 / blur)
+    time = signal.times - (signal.start + signal.end) / 2
+    return measured(signal.replace(values=signal.values + offset + trend * time))
+
+
+def test_offset_and_trend_of_a_record_are_found():
+    drifting = changed_record(offset=8e-5, trend=0.5)
+    found = ri.fit(rods(), drifting, VARY_VELOCITY | OFFSET_AND_TREND, UNTIL, starts=1)
+    assert found.values[VELOCITY] == pytest.approx(10.0, rel=2e-3)
+    for name, true_value in (("records.0.offset", 8e-5), ("records.0.trend", 0.5)):
+        error = abs(found.values[name] - true_value)
+        assert error < 4 * found.standard_errors[name]
+        assert error < 0.1 * true_value
+    fixed = drifting.replace(offset=8e-5, trend=0.5)
+    known = ri.fit(rods(), fixed, VARY_VELOCITY, UNTIL, starts=1)
+    assert known.misfits[0] == pytest.approx(found.misfits[0], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({}, []),
+        ({"offset": 8e-5, "trend": 0.5}, ["offset and trend"]),
+        ({"blur": 2e-6}, ["blur"]),
+        ({"area": 1.1e-4}, ["diameter"]),
+    ],
+)
+def test_the_addition_that_a_record_needs_earns_its_place(change, expected):
+    noisy = changed_record(**change)
+    found = ri.fit(rods(), noisy, VARY_VELOCITY, UNTIL, starts=1, additions=ADDITIONS)
+    earning = [each.name for each in found.additions if each.earns_its_place]
+    assert set(expected) <= set(earning)
+    if not change:
+        assert not earning
+    for addition in found.additions:
+        assert addition.fit.descents[0].misfit < 1.0001 * found.descents[0].misfit
+    best = min(found.additions, key=lambda each: each.fit.misfit_left_out)
+    if change:
+        assert [best.name] == expected
+    assert "earns its place" in str(found)
+
+
+def test_blocks_left_out_are_predicted_as_by_a_fit_of_the_others():
+    """In a linear model the prediction from all residuals is that of a new fit."""
+    random = np.random.default_rng(5)
+    J = random.standard_normal((60, 3))
+    values = random.standard_normal(60)
+    is_left_out = np.arange(60) // 6 % 2 == 1
+    best = np.linalg.lstsq(J, values, rcond=None)[0]
+    rest = np.linalg.lstsq(J[~is_left_out], values[~is_left_out], rcond=None)[0]
+    predicted = predicted_residuals(J, J @ best - values, is_left_out)
+    assert predicted == pytest.approx((J @ rest - values)[is_left_out])
+
+
+@pytest.mark.parametrize(
+    ("additions", "says"),
+    [
+        ([1.0], "additions: must be such as"),
+        ({"blur": None}, "additions.blur: must name numbers"),
+        ({"speed": VARY_VELOCITY}, "which already varies"),
+    ],
+)
+def test_mistakes_in_additions_are_named(additions, says):
+    with pytest.raises(ri.InvalidModel, match=says):
+        ri.fit(rods(), changed_record(), VARY_VELOCITY, UNTIL, additions=additions)
+
+
+def test_searches_on_a_grid_begin_with_half_of_its_cells(monkeypatch):
+    cells_of_runs = []
+
+    def counted(system, options, gauges, interval):
+        cells_of_runs.append(options.cells)
+        return compute_strains(system, options, gauges, interval)
+
+    monkeypatch.setattr(objective_module, "compute_strains", counted)
+    settings = {"starts": 1, "method": "finite-difference", "cells": 240}
+    found = ri.fit(rods(), changed_record(), VARY_VELOCITY, UNTIL, **settings)
+    assert found.values[VELOCITY] == pytest.approx(10.0, rel=5e-3)
+    assert set(cells_of_runs) == {120, 240}
+    assert cells_of_runs.count(120) > 2 * cells_of_runs.count(240)
+
+
 # Standard errors ----------------------------------------------------------------------
 
 
@@ -198,7 +299,7 @@ def objective_of(measured_record, vary):
 def derivatives_of(objective, point):
     """Central differences of the residuals by every number of a point."""
     columns = []
-    for step in np.diag([1e-5, 1e-5, 1e-10, 1e-5, 1e-9]):
+    for step in np.diag([1e-5, 1e-5, 1e-10, 1e-5, 1e-9, 1e-5, 1.0]):
         change = objective.residuals(point + step) - objective.residuals(point - step)
         columns.append(change / (2 * step.sum()))
     return np.stack(columns, axis=1)
@@ -231,7 +332,7 @@ def test_standard_errors_are_the_scatter_of_fits(correlation_time):
     noiseless = ri.Measured(record(rods()), GAUGE, gain=1.0, blur=(0.0, 1e-5))
     vary = {LENGTH: (0.1, 0.4), VELOCITY: (1.0, 20.0)}
     objective = objective_of(noiseless, vary)
-    point = np.array([1 / 3, 9 / 19, 0.0, 1.0, 2e-6])
+    point = np.array([1 / 3, 9 / 19, 0.0, 1.0, 2e-6, 0.0, 0.0])
     J = derivatives_of(objective, point)[:, objective.is_free]
     J *= [1.0, 1.0, UNTIL, 1e-5]
     pseudo_inverse = np.linalg.pinv(J)

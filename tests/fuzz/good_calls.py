@@ -138,6 +138,7 @@ def fit_arguments():
         "vary": {"bodies.0.velocity": (0.5, 2.0)},
         "until": LONG,
         "starts": 1,
+        "additions": {"blur": {"records.0.blur": (0.0, 1e-3)}},
     }
 
 
@@ -177,6 +178,7 @@ def gradient():
 
 INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Absorbing": [ri.Absorbing],
+    "Addition": [lambda: fitted().additions[0]],
     "Atlas": [atlas],
     "Axis": [lambda: family_result().axes[0]],
     "BarGauge": [lambda: bar_gauges()[0]],
@@ -271,13 +273,46 @@ ABLE = {
 """Instances of methods that not every instance of the class in `INSTANCES` has."""
 
 RETURNED = {
-    "Alignment", "Atlas", "Axis", "BearingGraph", "BearingPoint", "Blow", "Calibration",
-    "ClosedForm", "ContactHistory", "ContactTally", "Descent", "EnergyLedger", "Episode", "Exact",
-    "ExtremeStress", "FieldError", "Fit", "Fitted", "Gauge", "Gradient", "Kink", "MeanCurve",
-    "Misfit", "Outcome", "Page", "Pulse", "Reduction", "Regions", "RingDown", "SoilProfile",
-    "Solution", "StressPeak", "SweepResult", "Verdict", "design.PulseDesign",
-    "rigid.RigidCollision", "rigid.StackDrop", "theory.PairCollision",
-}  # fmt: skip
+    "Addition",
+    "Alignment",
+    "Atlas",
+    "Axis",
+    "BearingGraph",
+    "BearingPoint",
+    "Blow",
+    "Calibration",
+    "ClosedForm",
+    "ContactHistory",
+    "ContactTally",
+    "Descent",
+    "EnergyLedger",
+    "Episode",
+    "Exact",
+    "ExtremeStress",
+    "FieldError",
+    "Fit",
+    "Fitted",
+    "Gauge",
+    "Gradient",
+    "Kink",
+    "MeanCurve",
+    "Misfit",
+    "Outcome",
+    "Page",
+    "Pulse",
+    "Reduction",
+    "Regions",
+    "RingDown",
+    "SoilProfile",
+    "Solution",
+    "StressPeak",
+    "SweepResult",
+    "Verdict",
+    "design.PulseDesign",
+    "rigid.RigidCollision",
+    "rigid.StackDrop",
+    "theory.PairCollision",
+}
 """Classes that the package returns. Users read their attributes and do not construct them."""
 
 EXCEPTIONS = {

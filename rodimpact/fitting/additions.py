@@ -1,0 +1,123 @@
+"""Which additions to a fit earn their place: cross-validation by alternating blocks.
+
+The records are divided into blocks that last a little longer than their pulses rise. A
+fit of every other block predicts the blocks that it has left out. Each sample is left
+out once in each of four divisions, whose blocks begin at different times. No collision
+is solved for that: near the fit of all blocks, predictions are linear in the numbers,
+and the derivatives are known. An addition earns its place if the squares of the
+residuals in the blocks left out fall by more than the standard error of their fall.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..model.quantities import Floats
+from .measured import Measured
+from .objective import Objective
+from .result import Addition, Fit
+
+BLOCK_OVER_RISE = 1.2
+"""Duration of a block over the rise time of the pulse."""
+MIN_BLOCKS = 8
+"""Blocks of a record, at least."""
+DIVISIONS = 4
+"""Divisions into blocks; each begins a half block later than the one before."""
+MIN_INFORMATION = 1e-6
+"""A direction with smaller derivatives, relative to the largest, stays as it is."""
+
+
+class Trial(NamedTuple):
+    """A fit with or without an addition."""
+
+    name: str  # "" without one
+    fit: Fit
+    objective: Objective
+    end: Any  # of the best search: scipy.optimize.OptimizeResult
+
+
+def compared(trials: Sequence[Trial]) -> Fit:
+    """The first fit, with the additions of the others and what they improve."""
+    records = trials[0].objective.measured
+    blocks = _blocks(records, 0)
+    squares = [_squares_left_out(trial) for trial in trials]
+    additions = []
+    for trial, with_addition in zip(trials[1:], squares[1:], strict=True):
+        fall = np.bincount(blocks, squares[0] - with_addition)
+        standard_error = math.sqrt(float(fall @ fall))
+        fit = replace(trial.fit, misfit_left_out=_root_of_mean(with_addition))
+        earns_its_place = bool(fall.sum() > standard_error)
+        additions.append(Addition(trial.name, fit, earns_its_place))
+    return replace(
+        trials[0].fit,
+        misfit_left_out=_root_of_mean(squares[0]),
+        additions=tuple(additions),
+    )
+
+
+def _root_of_mean(squares: Floats) -> float:
+    return math.sqrt(float(squares.mean()))
+
+
+def _squares_left_out(trial: Trial) -> Floats:
+    """Square of each residual where its block was left out, mean over the divisions."""
+    objective = trial.objective
+    free = objective.is_free
+    is_inside = (trial.end.x > objective.low) & (trial.end.x < objective.high)
+    jacobian = trial.end.jac[:, is_inside[free]]
+    lengths = np.linalg.norm(jacobian, axis=0)
+    jacobian = jacobian / np.where(lengths > 0, lengths, 1.0)
+    squares = np.zeros(len(trial.end.fun))
+    for division in range(DIVISIONS):
+        is_odd = _blocks(objective.measured, division) % 2 == 1
+        for is_left_out in (is_odd, ~is_odd):
+            residuals = predicted_residuals(jacobian, trial.end.fun, is_left_out)
+            squares[is_left_out] += residuals**2 / DIVISIONS
+    return squares
+
+
+def predicted_residuals(
+    jacobian: Floats, residuals: Floats, is_left_out: Any
+) -> Floats:
+    """Residuals of the samples left out, after a linear fit of all other samples.
+
+    Parameters
+    ----------
+    jacobian : [sample, number] array
+        Derivatives of the residuals.
+    residuals : [sample] array
+        They are those of the fit of all samples.
+    is_left_out : [sample] array of bool
+    """
+    is_fitted = ~is_left_out
+    change = np.linalg.lstsq(
+        jacobian[is_fitted], -residuals[is_fitted], rcond=MIN_INFORMATION
+    )[0]
+    predicted: Floats = residuals[is_left_out] + jacobian[is_left_out] @ change
+    return predicted
+
+
+def _blocks(records: Sequence[Measured], division: int) -> Any:
+    """Block of each sample of all records, one number for each block."""
+    blocks = []
+    first = 0
+    for record in records:
+        times = record.signal.times
+        from_start = (times - times[0]) / _block_duration(record)
+        of_record = first + (from_start + 2 * division / DIVISIONS).astype(int)
+        first = of_record[-1] + 1
+        blocks.append(of_record)
+    return np.concatenate(blocks)
+
+
+def _block_duration(record: Measured) -> float:
+    """Duration of the blocks of a record, s: more than its pulse needs to rise."""
+    longest = (record.signal.end - record.signal.start) / MIN_BLOCKS
+    try:
+        rise = record.signal.pulse().rise
+    except ValueError:  # the record cuts the pulse off
+        return longest
+    return min(BLOCK_OVER_RISE * rise, longest)
