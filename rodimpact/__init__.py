@@ -8,6 +8,7 @@
 """
 
 from importlib import import_module
+from importlib.util import find_spec
 
 from .version import __version__ as __version__
 
@@ -32,7 +33,7 @@ def _in_notebook(result: object) -> str:
 def __getattr__(name: str) -> object:
     """Import a public name when it is first asked for."""
     if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        raise _missing(name)
     if _HOME[name] == ".":
         return import_module(f".{name}", __name__)
     value = getattr(import_module(_HOME[name], __name__), name)
@@ -41,6 +42,20 @@ def __getattr__(name: str) -> object:
     notebook.html = _in_notebook
     globals()[name] = value
     return value
+
+
+def _missing(name: str) -> AttributeError:
+    """The error of a name that is not public; it names the one that may be meant."""
+    from .hints import missing_name
+
+    # Python asks for names with an underscore, and for modules before it imports them.
+    if name[0] == "_" or find_spec(f".{name}", __name__) is not None:
+        return AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    modules = {}
+    for module, home in _HOME.items():
+        if home == ".":
+            modules[module] = import_module(f".{module}", __name__).__all__
+    return missing_name(__name__, name, __all__, **modules)
 
 
 def __dir__() -> list[str]:

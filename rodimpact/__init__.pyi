@@ -111,6 +111,7 @@ from .running.sweep_result import SweepResult as SweepResult
 from .running.sweeping import sweep as sweep
 from .running.warming import warm as warm
 from .storage.casefile import Case as Case
+from .storage.casefile import format_case as format_case
 from .storage.casefile import parse_case as parse_case
 from .storage.casefile import read_case as read_case
 from .storage.casefile import write_case as write_case

@@ -9,8 +9,8 @@ Measure the wave speed of yours where it matters.
 
 from typing import Any
 
+from .hints import nearest
 from .model import Material
-from .model.frozen import nearest
 
 __all__ = [
     "acrylic",

@@ -10,11 +10,12 @@ number. Velocities are positive to the right and body 1 is the left one. Equatio
 numbers and problems are those of the textbook section 10.5, "Collisions in 1D".
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .hints import explain_arguments, explain_missing, missing_name
 from .model.arguments import (
     Array,
     Number,
@@ -36,6 +37,14 @@ __all__ = [
     "stack_drop",
 ]
 
+
+if not TYPE_CHECKING:  # a type checker must not take every name for granted
+
+    def __getattr__(name: str) -> object:
+        """Raise AttributeError that names the function that may be meant."""
+        raise missing_name(__name__, name, __all__)
+
+
 _MASS = ("kg", "positive or infinite")  # unit and sign of an argument
 _VELOCITY = ("m/s", "any")
 _TOO_SLOW = (
@@ -47,6 +56,7 @@ _NOT_APPROACHING = (
 )
 
 
+@explain_missing()
 class RigidCollision(NamedTuple):
     """Two rigid bodies after their collision, and what the collision did.
 
@@ -88,6 +98,7 @@ class RigidCollision(NamedTuple):
     energy_lost: Number
 
 
+@explain_missing()
 class StackDrop(NamedTuple):
     """A stack of balls after its drop.
 
@@ -112,6 +123,7 @@ class StackDrop(NamedTuple):
     top_height: Number
 
 
+@explain_arguments
 def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     """Mass that stands for both bodies in their relative motion.
 
@@ -150,6 +162,7 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     return float_or_array(m_coll)
 
 
+@explain_arguments
 def collide(
     m1: ArrayLike,
     v1: ArrayLike,
@@ -238,6 +251,7 @@ def collide(
     )
 
 
+@explain_arguments
 def restitution_from_velocities(
     v1_before: ArrayLike, v2_before: ArrayLike, v1_after: ArrayLike, v2_after: ArrayLike
 ) -> Number:
@@ -281,6 +295,7 @@ def restitution_from_velocities(
     return float_or_array(parting / closing)
 
 
+@explain_arguments
 def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     """Coefficient of restitution of a dropped ball with the ground.
 
@@ -320,6 +335,7 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     return float_or_array(e)
 
 
+@explain_arguments
 def stack_drop(
     masses: ArrayLike,
     restitutions: ArrayLike,

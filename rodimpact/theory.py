@@ -16,11 +16,12 @@ Arguments broadcast as in NumPy; results are floats where every argument is a si
 number.
 """
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .hints import explain_arguments, explain_missing, missing_name
 from .model.arguments import Array, Number, array, broadcast_arguments, float_or_array
 from .rigid import contact_mass
 
@@ -35,6 +36,14 @@ __all__ = [
     "saint_venant",
     "saint_venant_force",
 ]
+
+
+if not TYPE_CHECKING:  # a type checker must not take every name for granted
+
+    def __getattr__(name: str) -> object:
+        """Raise AttributeError that names the function that may be meant."""
+        raise missing_name(__name__, name, __all__)
+
 
 EQUAL_IMPEDANCES_RTOL = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
@@ -57,6 +66,7 @@ RULES = {
 """Unit and sign of each argument, by its name without the number of the body."""
 
 
+@explain_missing()
 class PairCollision(NamedTuple):
     """Collision of two bodies that do not vibrate beforehand.
 
@@ -91,6 +101,7 @@ class PairCollision(NamedTuple):
 
 
 @np.errstate(under="ignore")  # q^K may vanish
+@explain_arguments
 def saint_venant(
     impedance_1: ArrayLike,
     transit_time_1: ArrayLike,
@@ -183,6 +194,7 @@ def saint_venant(
 
 
 @np.errstate(under="ignore")
+@explain_arguments
 def saint_venant_force(
     time: ArrayLike,
     impedance_1: ArrayLike,
@@ -244,6 +256,7 @@ def saint_venant_force(
     return float_or_array(np.where(is_pressing, force, 0.0))
 
 
+@explain_arguments
 def rod_on_wall(
     impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike
 ) -> PairCollision:
@@ -291,6 +304,7 @@ def rod_on_wall(
     )
 
 
+@explain_arguments
 def mass_on_rod(
     mass: ArrayLike, impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike
 ) -> PairCollision:
@@ -351,6 +365,7 @@ def mass_on_rod(
     )
 
 
+@explain_arguments
 def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     """Growth of a jump of velocity or stress from one cross-section to another.
 
@@ -385,6 +400,7 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     return float_or_array(growth)
 
 
+@explain_arguments
 def horn_frequency(
     wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLike
 ) -> Number:
@@ -425,6 +441,7 @@ def horn_frequency(
     return float_or_array(omega)
 
 
+@explain_arguments
 def kelvin_voigt_decay(
     youngs_modulus: ArrayLike, viscosity: ArrayLike, angular_frequency: ArrayLike
 ) -> Number:
@@ -470,6 +487,7 @@ def kelvin_voigt_decay(
     return float_or_array(rate)
 
 
+@explain_arguments
 def rayleigh_love_speed(
     wave_speed: ArrayLike,
     poisson_ratio: ArrayLike,

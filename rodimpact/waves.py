@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +26,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import i0e, i1e, j0, j1
 
+from .hints import explain_arguments, missing_name
 from .model.arguments import (
     Array,
     Number,
@@ -52,6 +53,14 @@ __all__ = [
     "mindlin_herrmann",
     "rayleigh_speed",
 ]
+
+
+if not TYPE_CHECKING:  # a type checker must not take every name for granted
+
+    def __getattr__(name: str) -> object:
+        """Raise AttributeError that names the function that may be meant."""
+        raise missing_name(__name__, name, __all__)
+
 
 CUT_OFF = 0.2619
 """f a/c0 beyond which the first mode alone does not describe a bar.
@@ -304,6 +313,7 @@ class Bar(FrozenDataclass):
         return G * first_mode(radius_over_wavelength, self.poisson_ratio)
 
 
+@explain_arguments
 def first_mode(
     radius_over_wavelength: ArrayLike,
     poisson_ratio: ArrayLike,
@@ -352,6 +362,7 @@ def first_mode(
     return float_or_array(speeds)
 
 
+@explain_arguments
 def mindlin_herrmann(
     radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike
 ) -> tuple[Number, Number]:
@@ -412,6 +423,7 @@ def mindlin_herrmann(
     return float_or_array(slow), float_or_array(fast)
 
 
+@explain_arguments
 def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
     """Speed of surface waves over that of long waves in a bar, c/c0.
 

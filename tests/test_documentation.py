@@ -203,7 +203,7 @@ def test_python_of_the_manual_runs(block, tmp_path, monkeypatch):
         rodimpact.Wall(),
     ]
     family = rodimpact.System(rods)
-    Path("case.toml").write_text(rodimpact.write_case(family[0]), "utf-8")
+    Path("case.toml").write_text(rodimpact.format_case(family[0]), "utf-8")
     bar = SimpleNamespace(n=0, update=lambda n: None)
     exec(
         block,

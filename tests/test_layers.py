@@ -9,6 +9,7 @@ ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
     "version",
     "units",
+    "hints",
     "progress",
     "model",
     "rigid",

@@ -43,7 +43,7 @@ def fit(system, path):
 
 
 def read_case(system, path):
-    return ri.parse_case(ri.write_case(system), vary={path: "1,2"})
+    return ri.parse_case(ri.format_case(system), vary={path: "1,2"})
 
 
 FUNCTIONS = [gradient, closed_form, exact, atlas, fit, read_case]
@@ -92,7 +92,7 @@ def test_closed_forms_take_materials_by_name_and_by_body(heavy, path):
 @by_both_paths
 def test_families_take_materials_by_name_and_by_body(heavy, path):
     velocity = ri.solve(heavy).outcome.velocities_after[2]
-    text = ri.write_case(chain(last=ri.materials.brass))
+    text = ri.format_case(chain(last=ri.materials.brass))
     family = ri.parse_case(text, vary={path: "8000,8001"}).system
     by_sweep = ri.sweep(family).velocities_after[2][0]
     assert by_sweep == pytest.approx(velocity, rel=1e-12)

@@ -66,7 +66,5 @@ def test_constructors_take_more_types_than_their_attributes_have() -> None:
         "POSITIONAL_OR_KEYWORD",
         "KEYWORD_ONLY",
     ]
-    with pytest.raises(
-        TypeError, match=r"RigidMass.__init__\(\) takes 2 positional arguments"
-    ):
+    with pytest.raises(TypeError, match=r"RigidMass\(\) takes only mass by position"):
         ri.RigidMass(1.0, 2.0)  # type: ignore[call-arg]

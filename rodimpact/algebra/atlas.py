@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..hints import explain_arguments, explain_missing, listed
 from ..model import System
 from ..model.arguments import broadcast_arguments
-from ..model.frozen import InvalidModel, listed, quantity, raise_if_problems
+from ..model.frozen import InvalidModel, quantity, raise_if_problems
 from ..progress import Progress, ProgressFunction
 from ..units import shown
 from .border_lines import join_points
@@ -33,6 +34,7 @@ SIGNS = {"velocity": "any", "gap": "non-negative"}
 """Signs that an axis may have. Other axes are positive: near 0 cells have no end."""
 
 
+@explain_arguments
 def atlas(
     system: System,
     x: Sequence[Any],
@@ -160,6 +162,7 @@ class Region(NamedTuple):
     formula: str
 
 
+@explain_missing()
 @dataclass(frozen=True, eq=False)
 class Atlas:
     """The plane of two numbers of a case, divided into regions with one formula each.

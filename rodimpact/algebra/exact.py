@@ -5,6 +5,7 @@ from fractions import Fraction
 from operator import attrgetter
 from typing import Any
 
+from ..hints import explain_arguments
 from ..methods.row import Row
 from ..methods.row_builder import build_row
 from ..model import Segment, System
@@ -26,6 +27,7 @@ MAX_EVENTS = 5_000
 """Default cap on the events of a collision."""
 
 
+@explain_arguments
 def exact(
     system: System,
     values: Mapping[str, Any] | None = None,

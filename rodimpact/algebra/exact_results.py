@@ -3,7 +3,10 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from ..hints import explain_missing
 
+
+@explain_missing()
 class Exact(NamedTuple):
     """A collision in fractions: nothing in it is rounded.
 

@@ -17,9 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_arguments, explain_missing, nearest
 from ..model import System
 from ..model.arguments import text
-from ..model.frozen import InvalidModel, nearest
+from ..model.frozen import InvalidModel
 from ..progress import ProgressFunction
 from .checks import check_arguments, check_final, fractions_of
 from .exact_results import Exact, map_numbers
@@ -46,6 +47,7 @@ MAX_DENOMINATOR = 10**6
 """A value with a larger denominator is printed as a float."""
 
 
+@explain_arguments
 def closed_form(
     system: System,
     symbols: Sequence[str] = ("transit_time", "impedance"),
@@ -205,6 +207,7 @@ class Ties(NamedTuple):
     outer: set[Any]
 
 
+@explain_missing()
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
     """A collision in symbols, and where that holds.

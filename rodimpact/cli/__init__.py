@@ -6,7 +6,6 @@ then `arguments`, which reads and checks the arguments, and a command, such as `
 """
 
 import argparse
-import difflib
 import os
 import re
 import sys
@@ -131,11 +130,7 @@ def _parse_and_run(argv: list[str]) -> CommandResult:
     parser = _program_parser()
     call = parser.parse_args(argv)
     if call.command not in COMMANDS:
-        hint = f"choose one of {', '.join(COMMANDS)}"
-        similar = difflib.get_close_matches(call.command, COMMANDS, n=1)
-        if similar:
-            hint = f"perhaps {similar[0]} is meant"
-        parser.error(f"unknown command {call.command!r}; {hint}")
+        parser.error(_command_hint(call.command))
     _check_source_date()
     # These import NumPy, which --version and --help need not wait for.
     arguments = import_module(".arguments", __name__)
@@ -152,6 +147,41 @@ def _parse_and_run(argv: list[str]) -> CommandResult:
     os.environ["MPLBACKEND"] = "agg"  # no command opens a window
     result: CommandResult = command.run(args)
     return result
+
+
+def _command_hint(command: str) -> str:
+    """What is wrong with a command that does not exist, and which one may be meant."""
+    from ..hints import similar
+
+    meant = similar(command, COMMANDS)
+    if meant is not None:
+        return f"unknown command {command!r}; perhaps {meant} is meant"
+    choices = f"choose one of {', '.join(COMMANDS)}"
+    if command == "":
+        return f"a command is missing; {choices}"
+    return f"unknown command {command!r}; {choices}"
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that answers an unknown option with the one that may be meant."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        parsed, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            self.error(self._hint(unknown[0]))
+        return parsed
+
+    def _hint(self, word: str) -> str:
+        """What is wrong with the first word that belongs to no option."""
+        from ..hints import nearest
+
+        if not word.startswith("-"):
+            return f"does not take {word!r}; {self.prog} --help shows what it takes"
+        options: list[str] = []
+        for action in self._actions:
+            options.extend(action.option_strings)
+        option = word.partition("=")[0]
+        return f"unknown option {option}; {nearest(option, options)}"
 
 
 def _program_parser() -> argparse.ArgumentParser:
@@ -188,7 +218,7 @@ def _program_parser() -> argparse.ArgumentParser:
 
 def _new_parser(**texts: Any) -> argparse.ArgumentParser:
     """A parser that keeps the lines of its texts, and takes whole options only."""
-    return argparse.ArgumentParser(
+    return _Parser(
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
         **texts,

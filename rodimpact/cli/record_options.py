@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from .. import Bridge, Case, Rod, Signal, read_signals
-from ..model.frozen import nearest
+from ..hints import nearest
 from ..model.numbering import body_names
 from ..records.bridge import GAUGES_ALONG
 from ..units import shown

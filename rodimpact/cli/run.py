@@ -12,7 +12,7 @@ from typing import Any
 from .. import Case, Gauge, Solution, gauges_to_csv, solve
 from ..results.regions import nothing_to_draw
 from ..results.saved import case_of, difference
-from ..storage.case_writing import check_case_name, save_case
+from ..storage.case_writing import check_case_name, write_case
 from ..storage.report import solution_json, solution_table
 from ..storage.tables import misnamed
 from .arguments import Arguments, add_run_options, figure_writer, status_of
@@ -118,7 +118,7 @@ def _write(
 
     def save(path: str, force: bool) -> None:
         saved = replace(case_of(solution), gauges=case.gauges)
-        save_case(path, saved, force=force)
+        write_case(path, saved, force=force)
 
     def draw(plot: Any) -> Any:
         return plot.overview(solution, _gauges(solution, positions))

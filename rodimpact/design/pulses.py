@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..model import System
 from ..model.frozen import invalid_argument
 from ..model.profiles import Steps
@@ -24,6 +25,7 @@ MIN_DURATION_RTOL = 2.0**-40
 """A shorter part of a pulse comes from round-off of its times."""
 
 
+@explain_missing("system")
 @dataclass(frozen=True)
 class PulseDesign(Shown):
     """A body that was designed for a pulse.

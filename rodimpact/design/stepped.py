@@ -5,6 +5,7 @@ The search is in `striker_search`. All waves are those of `rodimpact.solve`.
 
 import numpy as np
 
+from ..hints import explain_arguments
 from ..model import Bonded, Material, Rigid, Rod, System
 from ..model.arguments import array, integer, of_kind, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
@@ -30,6 +31,7 @@ AT_LIMIT_RTOL = 1e-6
 """Relative distance from a limit at which an area is at the limit."""
 
 
+@explain_arguments
 def striker(
     wanted: Signal | Steps,
     bar: Rod,

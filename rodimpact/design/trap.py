@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_arguments
 from ..model import Free, Material, Rigid, Rod, System
 from ..model.arguments import of_kind, scalar
 from ..model.frozen import InvalidModel, invalid_argument
@@ -29,6 +30,7 @@ DISPLACEMENT_RTOL = 1e-9
 """Round-off of displacements, relative to their range."""
 
 
+@explain_arguments
 def momentum_trap(
     system: System,
     *,

@@ -8,7 +8,7 @@ from typing import Any
 from .. import materials
 from ..model import Rod
 from ..model.frozen import InvalidModel
-from ..storage.casefile import Case, GaugePlace, write_case
+from ..storage.casefile import Case, GaugePlace, format_case
 
 
 def _library() -> dict[str, dict[str, Any]]:
@@ -44,7 +44,7 @@ def tables_of(case: Case) -> dict[str, Any]:
         The tables of the ``case``, which name materials of the library, and the
         ``gauges``.
     """
-    tables = tomllib.loads(write_case(case))
+    tables = tomllib.loads(format_case(case))
     tables.pop("output", None)
     all_materials = tables.pop("materials", {})
     own_materials = {

@@ -7,6 +7,7 @@ import webbrowser
 from pathlib import Path
 from typing import Any
 
+from ..hints import explain_arguments, explain_missing
 from ..methods.fronts.family_layout import lay_out_family
 from ..methods.registry import Options
 from ..methods.row_builder import build_row
@@ -32,6 +33,7 @@ REMEDY = "rodimpact animate CASE.toml -o FILE.gif makes a moving picture"
 DEFAULT_TITLE = "Elastic rods collide"
 
 
+@explain_missing()
 class Page:
     """A collision to play with in a browser: one file, made by `explore`.
 
@@ -131,6 +133,7 @@ class Page:
         )
 
 
+@explain_arguments
 def explore(case: System | Case) -> Page:
     """Make a page to play with a collision.
 

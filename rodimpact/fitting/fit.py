@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_arguments
 from ..methods.registry import METHODS, Options, count
 from ..model import Rod, System
 from ..model.arguments import of_kind, scalar
@@ -35,6 +36,7 @@ MIN_CELLS_TO_HALVE = 200
 """Cells of a grid from which on searches begin with half of them."""
 
 
+@explain_arguments
 def fit(
     system: System,
     measured: Measured | Sequence[Measured],

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..model import System
 from ..model.arguments import of_kind
 from ..model.frozen import invalid_argument
@@ -28,6 +29,7 @@ MODEL_ERROR = (
 CSV_HEADER = "number,unit,value,standard error,low,high"
 
 
+@explain_missing()
 class Fitted(NamedTuple):
     """A number that was fitted.
 
@@ -65,6 +67,7 @@ class Fitted(NamedTuple):
     high: float
 
 
+@explain_missing()
 class Descent(NamedTuple):
     """End of a search.
 
@@ -135,6 +138,7 @@ class Addition(NamedTuple):
     earns_its_place: bool
 
 
+@explain_missing()
 @dataclass(frozen=True, eq=False)
 class Fit(Shown):
     """Result of `fit`.

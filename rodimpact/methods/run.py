@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from ..hints import explain_missing
 from ..model import System
 from .clock import Clock
 from .outcome import Motion, Totals
@@ -39,6 +40,7 @@ def largest_error(accuracy: Mapping[str, float]) -> float:
     return max((accuracy.get(name, 0.0) for name in MEASURES[:3]), default=0.0)
 
 
+@explain_missing()
 class Episode(NamedTuple):
     """One uninterrupted touching that carried force.
 
@@ -92,6 +94,7 @@ def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
     return tuple(episodes)
 
 
+@explain_missing()
 class ContactTally(NamedTuple):
     """Totals of one contact.
 

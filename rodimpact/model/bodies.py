@@ -14,6 +14,7 @@ from typing import Any, ClassVar, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..hints import explain_missing, nearest
 from ..units import shown
 from . import frozen, profiles
 from .arguments import array, broadcast_arguments, demand, integer, of_kind
@@ -209,6 +210,7 @@ def _modulus_of(problems: Problems, density: Any, wave_speed: Any) -> Any:
     return modulus
 
 
+@explain_missing("material")
 class Segment(FrozenDataclass):
     """A piece of rod of one material: uniform, or tapered.
 
@@ -344,8 +346,7 @@ class Segment(FrozenDataclass):
             )
             problems.append(("lateral_inertia", message))
         elif not isinstance(theory, str) or theory not in THEORIES:
-            nearest = frozen.nearest(theory, THEORIES)
-            message = f"unknown theory {shown(theory)}; {nearest}"
+            message = f"unknown theory {shown(theory)}; {nearest(theory, THEORIES)}"
             problems.append(("lateral_inertia", message))
         elif isinstance(self.material, Material):
             self._check_poisson_ratio(problems)
@@ -555,6 +556,7 @@ class Segment(FrozenDataclass):
         return areas
 
 
+@explain_missing("segments")
 class Rod(Frozen, kind="rod"):
     """An elastic rod: uniform, stepped or tapered.
 

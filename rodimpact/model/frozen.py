@@ -9,14 +9,13 @@ with the path of its field.
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import inspect
 import json
 import math
 import sys
 import typing
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import (
@@ -34,7 +33,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import units
-from ..units import MOST_SHOWN, one_line, shown
+from ..hints import explain_arguments, explain_missing, listed, nearest
+from ..units import one_line, shown
 from .quantities import Floats, floats, number_of
 
 Number: TypeAlias = float | Floats
@@ -42,8 +42,6 @@ Held = TypeVar("Held")
 Given = TypeVar("Given")
 Problems: TypeAlias = list[tuple[str, str]]
 
-MOST_CHOICES = 12
-"""Choices that a message names."""
 MOST_TOLD = 20
 """Mistakes that the text of an error tells."""
 MOST_MEMBERS = 10**7
@@ -396,6 +394,7 @@ def raise_if_problems(problems: Problems) -> None:
         raise InvalidModel(problems)
 
 
+@explain_missing()
 class Frozen:
     """A frozen object: compared, hashed and stored through its `to_dict`.
 
@@ -430,6 +429,8 @@ class Frozen:
             delattr(cls, name)
             if field.default is not REQUIRED:
                 setattr(cls, name, field.default)
+        if "__init__" in vars(cls):
+            _explain_constructor(cls)
 
     def __setattr__(self, name: str, value: Any = None) -> None:
         kind = type(self).__name__
@@ -606,6 +607,11 @@ class Frozen:
         return twin
 
 
+def _explain_constructor(kind: Any) -> None:
+    """Let the constructor of a class answer wrong arguments with those that are meant."""
+    kind.__init__ = explain_arguments(kind.__init__)
+
+
 @typing.dataclass_transform(eq_default=False, field_specifiers=(quantity,))
 class FrozenDataclass(Frozen):
     """A frozen object whose class declares its parameters: a checked dataclass."""
@@ -614,6 +620,7 @@ class FrozenDataclass(Frozen):
         super().__init_subclass__(**tag)
         dataclass(repr=False, eq=False, frozen=True)(cls)
         del cls.__setattr__, cls.__delattr__  # those of `Frozen` say what to do instead
+        _explain_constructor(cls)
 
     def __post_init__(self) -> None:
         """Check all arguments; InvalidModel with all mistakes in it."""
@@ -654,33 +661,6 @@ def short(value: Any) -> str:
     if name:
         return one_line(name)
     return repr(value)
-
-
-def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
-    """Hint at the choice that may be meant by a word, else at all choices.
-
-    `head` is put before the choices that are named.
-    """
-    names = {}  # without capitals, and cut
-    for choice in choices:
-        names[choice.casefold()[:MOST_SHOWN]] = head + choice
-    text = word
-    if not isinstance(word, str):
-        text = shown(word)
-    near = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), names, n=1)
-    if near:
-        meant = names[near[0]]
-        return f"perhaps {shown(meant)} is meant"
-    all_names = list(map(one_line, names.values()))
-    return f"use one of {listed(all_names)}"
-
-
-def listed(names: list[str]) -> str:
-    """Names with commas between them, the first `MOST_CHOICES` if there are more."""
-    text = ", ".join(names[:MOST_CHOICES])
-    if len(names) > MOST_CHOICES:
-        text += ", ..."
-    return text
 
 
 def json_ready(value: Any) -> Any:

@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import MOST_CHOICES, listed, nearest
 from ..units import MOST_SHOWN
 from .bodies import Material, RigidMass, Rod, Segment
-from .frozen import MOST_CHOICES, Number, QuantityField, listed, nearest
+from .frozen import Number, QuantityField
 from .shaft import SHAFTS
 from .system import GAP, System
 

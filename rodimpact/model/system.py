@@ -18,6 +18,7 @@ from typing import Any, ClassVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..hints import NamedItems, explain_missing
 from ..units import shown
 from . import frozen
 from .arguments import demand
@@ -53,6 +54,7 @@ _LAWS = get_args(ContactLaw)
 _ENDS = get_args(End)
 
 
+@explain_missing("bodies", "contacts")
 class System(FrozenDataclass):
     """A row of bodies from left to right.
 
@@ -152,7 +154,8 @@ class System(FrozenDataclass):
         The arrays are those that were given; they broadcast to `shape`.
         """
         numbers = self._numbers()
-        return {path: value for path, value in numbers if isinstance(value, np.ndarray)}
+        varied = {path: x for path, x in numbers if isinstance(x, np.ndarray)}
+        return NamedItems(varied)
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
         for path, value in super()._parts():
@@ -189,8 +192,13 @@ class System(FrozenDataclass):
         try:
             shape = np.broadcast_to(0.0, self.shape)[index].shape
         except (IndexError, TypeError, ValueError) as error:
-            message = f"{shown(index)} is no index of the shape {self.shape}"
-            raise IndexError(f"index: {message}: {error}") from None
+            message = f"{shown(index)} is no index of the shape {self.shape}: {error}"
+            if self.shape == ():
+                message = (
+                    "this system is a single collision, not a family of them; its bodies "
+                    "are system.bodies"
+                )
+            raise IndexError(f"index: {message}") from None
 
         def pick(array: Floats) -> Number:
             """The array of a number, or the number, of the chosen members."""

@@ -17,6 +17,9 @@ and their room, `panels` figures and Axes, `style` colours.
 'time t (µs)'
 """
 
+from typing import TYPE_CHECKING
+
+from ..hints import missing_name
 from .atlases import atlas
 from .designs import design
 from .diagram import spacetime
@@ -51,3 +54,10 @@ __all__ = [
     "spacetime",
     "sweep",
 ]
+
+
+if not TYPE_CHECKING:  # a type checker must not take every name for granted
+
+    def __getattr__(name: str) -> object:
+        """Raise AttributeError that names the function that may be meant."""
+        raise missing_name(__name__, name, __all__)

@@ -15,9 +15,10 @@ from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
+from ..hints import nearest
 from ..methods.signals import Floats
 from ..model.arguments import array, of_kind
-from ..model.frozen import invalid_argument, nearest
+from ..model.frozen import invalid_argument
 from ..results.labels import outcome
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
 from ..running.columns import STATUS

@@ -12,6 +12,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from ..hints import explain_arguments
 from ..model.frozen import invalid_argument
 from ..storage.writing import file_name, write_bytes
 from ..units import shown_path
@@ -34,6 +35,7 @@ LONG_DECIMALS = rb"(?<=\.\d\d)\d+(?=[^<>]*>)"  # of a number in an SVG
 OUTER_SPACES = rb"(?<=\n) +| (?=\n)"
 
 
+@explain_arguments
 def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> None:
     """Write a figure as PNG, SVG or PDF, an animation as GIF or MP4, as the suffix says.
 

@@ -7,10 +7,12 @@ from typing import Any
 
 from matplotlib.backends.registry import BackendFilter, backend_registry
 
+from ..hints import explain_arguments
 from .files import save
 from .panels import figure_of
 
 
+@explain_arguments
 def show(picture: Any) -> None:
     """Show a figure in a window, and wait until it is closed.
 

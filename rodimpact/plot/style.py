@@ -21,6 +21,7 @@ from typing import Any, NamedTuple, ParamSpec, TypeVar
 import numpy as np
 from matplotlib import RcParams, colors, rc_context, rc_params_from_file
 
+from ..hints import explain_arguments
 from ..model.arguments import one_of, scalar
 from ..model.frozen import invalid_argument
 from ..units import shown
@@ -122,6 +123,7 @@ def wanted_width(usual: float) -> float:
 
 
 @contextmanager
+@explain_arguments
 def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
     """Draw figures on light or dark paper, and with a chosen width.
 
@@ -166,13 +168,14 @@ def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
     """Decorator: figures drawn by a function have the look, whatever the user's settings."""
     parameters = inspect.signature(draw).parameters
+    checked = explain_arguments(draw)
 
     @wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
         _check_no_text(parameters, dict(zip(parameters, args, strict=False)) | kwargs)
         sheet = SHEETS[_current.get().mode]
         with np.errstate(under="ignore"), rc_context(sheet):
-            return draw(*args, **kwargs)
+            return checked(*args, **kwargs)
 
     return drawn
 

@@ -4,11 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..units import format_si
 from .curve import Curve
 from .two_bar_shot import Shifts
 
 
+@explain_missing()
 class Alignment(NamedTuple):
     """Search for the shifts that balance the forces while the start is elastic.
 

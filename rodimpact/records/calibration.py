@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_arguments, explain_missing
 from ..model.arguments import of_kind, scalar
 from ..model.bodies import Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
@@ -32,6 +33,7 @@ SPEED_ITERATIONS = 3
 """Steps to a wave speed: dispersion, which predicts the pulse, depends on the wave speed."""
 
 
+@explain_missing()
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """Properties of both bars from a shot without a specimen; made by `calibrate`.
@@ -131,6 +133,7 @@ def _amplified(bar: InstrumentedBar, gain: float) -> InstrumentedBar:
     return bar._replace(strains=gain * bar.strains)
 
 
+@explain_arguments
 def calibrate(
     input_gauges: Any,
     output_gauges: Any,

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..model.quantities import Floats
 from .pulses import plateau
 
@@ -33,6 +34,7 @@ class TimeSeries(NamedTuple):
         return np.interp(times, self.times, self.values)
 
 
+@explain_missing()
 class Misfit(NamedTuple):
     """Misfit between a prediction and a record.
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..hints import explain_arguments, explain_missing
 from ..model.arguments import integer
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
@@ -19,6 +20,7 @@ MAX_CURVE_POINTS = 10**6
 """Strains of a mean curve, at most."""
 
 
+@explain_missing()
 class MeanCurve(NamedTuple):
     """Mean curve of several shots.
 
@@ -83,6 +85,7 @@ class MeanCurve(NamedTuple):
         return f"<MeanCurve of {self.shots} shots, strain up to {self.strain[-1]:.3g}>"
 
 
+@explain_arguments
 def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:
     """Mean and scatter of the stress of several shots over their strain.
 

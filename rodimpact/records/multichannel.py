@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from ..hints import explain_arguments
 from ..model.arguments import of_kind
 from ..model.frozen import InvalidModel, Problems, invalid_argument
 from ..model.quantities import Floats
@@ -27,6 +28,7 @@ from ..units import shown
 from .signal import Signal
 
 
+@explain_arguments
 def write_signals(
     path: PathLike, signals: Mapping[str, Signal], *, force: bool = False
 ) -> None:
@@ -74,6 +76,7 @@ def write_signals(
     write_table(path, headers, [columns], force=force)
 
 
+@explain_arguments
 def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     """Return signals as an xarray Dataset over ``time``, with units (extra ``xarray``).
 
@@ -103,6 +106,7 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     return xarray.Dataset(variables)
 
 
+@explain_arguments
 def signals_from_xarray(data: Any) -> dict[str, Signal]:
     """Make a signal from each variable of a Dataset; variables and times have ``units``.
 

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..model.quantities import Floats
 
 PLATEAU_RATIO = 0.7
@@ -27,6 +28,7 @@ FOOT_TIME_RATIO = 2.5
 fifth: a straight rise needs 1, one with the square of time 2.4."""
 
 
+@explain_missing()
 class Pulse(NamedTuple):
     """Timing of a pulse.
 

@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import units as known_units
+from ..hints import explain_arguments, nearest
 from ..methods import memory
 from ..model.arguments import one_of, scalar, text
-from ..model.frozen import Problems, invalid_argument, nearest, raise_if_problems
+from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..storage.reading import FileFormatError, open_regular
@@ -64,6 +65,7 @@ class ClippedSignal(UserWarning):
     """
 
 
+@explain_arguments
 def read_signals(
     path: PathLike,
     *,

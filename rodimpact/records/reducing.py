@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_arguments
 from ..model.arguments import flag, of_kind, scalar
 from ..model.bodies import RigidMass, Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
@@ -40,6 +41,7 @@ MIN_CURVE_SAMPLES = 16
 """Samples of a curve, at least."""
 
 
+@explain_arguments
 def reduce(
     input_gauges: Any = None,
     output_gauges: Any = None,

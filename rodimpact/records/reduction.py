@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..storage.tables import align
@@ -31,6 +32,7 @@ MIN_TOTAL_FORCE_RATIO = 1e-2
 """Bounds |F1 + F2| over its largest value: the balance of smaller forces is not given."""
 
 
+@explain_missing()
 @dataclass(frozen=True, eq=False)
 class Reduction(Curve):
     """Stress and strain of a specimen over time, compression positive; made by `reduce`.

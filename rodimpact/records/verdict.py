@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..hints import explain_missing
 from ..model.quantities import Floats
 from ..units import format_si
 from .curve import Curve
@@ -30,6 +31,7 @@ EQUILIBRIUM_TRANSITS = 4.0
 """Transit times of the specimen until its forces are nearly equal: 3 to 5 for most rise times."""
 
 
+@explain_missing()
 class Verdict(NamedTuple):
     """What a shot shows about its specimen; `Reduction.verdict`.
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..hints import explain_missing
 from ..methods.run import Run
 from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Plastic, Rigid
@@ -21,6 +22,7 @@ class Breakpoints(NamedTuple):
     gap: Floats  # m
 
 
+@explain_missing()
 class ContactHistory:
     """Force and gap of one contact.
 

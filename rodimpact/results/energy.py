@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..methods.groups import groups, movable, velocities_in_group
 from ..methods.outcome import Motion, Totals, Works, relative_residual
 from ..methods.run import INWARD, Run
@@ -16,6 +17,7 @@ from .contacts import ContactHistory
 from .fields import Fields
 
 
+@explain_missing()
 @dataclass(frozen=True)
 class EnergyLedger:
     """Where the energy is at some times; every entry has the shape of the times, J.

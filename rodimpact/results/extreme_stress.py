@@ -3,10 +3,13 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from ..hints import explain_missing
+
 EQUAL_STRESS_RTOL = 1e-12
 """Stresses that differ by less, relative to the larger one, are equal but for round-off."""
 
 
+@explain_missing()
 class StressPeak(NamedTuple):
     """A stress, and the first time and the place at which a rod reaches it.
 
@@ -37,6 +40,7 @@ class StressPeak(NamedTuple):
 NO_STRESS = StressPeak(0.0, float("nan"), float("nan"))
 
 
+@explain_missing("tension")
 class ExtremeStress(NamedTuple):
     """Largest tension and largest compression in a rod, at any place and time of the run.
 

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..methods.run import Coarser
 from ..methods.signals import Floats
 from ..model import Rod
@@ -15,6 +16,7 @@ COMPARED_STEPS = (-2.0, -1.0, 0.0, 1.0, 2.0)
 """Coarse time steps about a time at which fields are compared: differences change their sign."""
 
 
+@explain_missing()
 class FieldError(NamedTuple):
     """Stated errors of field values at some times, anywhere in the row; arrays like the times.
 

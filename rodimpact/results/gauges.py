@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..hints import explain_arguments, explain_missing
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
 from ..model.arguments import array, demand, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
@@ -37,6 +38,7 @@ class CellParts(NamedTuple):
     cell: Ints  # index of the cell to which a part belongs, [part]
 
 
+@explain_missing()
 @dataclass(frozen=True)
 class Gauge:
     """Record of a strain gauge.
@@ -221,6 +223,7 @@ class Gauge:
         return self.record.at(self._ticks(t))
 
 
+@explain_arguments
 def gauges_to_csv(
     path: str | os.PathLike[str],
     gauges: Mapping[str, Gauge],

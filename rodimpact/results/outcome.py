@@ -6,6 +6,7 @@ Bodies joined together move, for an outcome, with their common velocity.
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, cast
 
+from ..hints import explain_missing
 from ..methods.abilities import has_external_drive
 from ..methods.groups import unilateral
 from ..methods.outcome import Totals
@@ -66,6 +67,7 @@ class OnlyContact(Generic[Number]):
         return cast("Number", self._only_contact().peak_force)
 
 
+@explain_missing("contacts")
 @dataclass(frozen=True)
 class Outcome(OnlyContact[float]):
     """Result of a collision; one entry a body or a contact, walls counted.

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_arguments, explain_missing
 from ..methods.signals import Floats, Ints
 from ..model import Segment
 from ..model.arguments import demand, scalar
@@ -26,6 +27,7 @@ class Interval(NamedTuple):
     last_tick: int
 
 
+@explain_missing()
 @dataclass(frozen=True)
 class Regions:
     """Polygons of constant state, ordered by body and segment.
@@ -70,6 +72,7 @@ class Regions:
         return np.repeat(self.body, np.diff(self.start))
 
 
+@explain_arguments
 def regions_of(
     solution: Solution,
     start: float = 0.0,

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..hints import explain_missing
 from ..methods.grid.mesh import lasting_mode
 from ..methods.signals import Floats
 from ..model.frozen import invalid_argument
@@ -30,6 +31,7 @@ VIBRATION_RTOL = (
 DECAY_RATE_RTOL = 1e-9  # slower decay, relative to one over the record, is round-off
 
 
+@explain_missing()
 @dataclass(frozen=True)
 class RingDown:
     """How vibration dies out after a collision.

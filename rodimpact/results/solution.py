@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..hints import explain_missing
 from ..methods.outcome import Totals
 from ..methods.registry import Options
 from ..methods.run import Run, Waves
@@ -17,7 +18,7 @@ from ..model import Rod, Samples, Soil, Steps, System
 from ..model.arguments import Array, array, demand, integer, of_kind, scalar
 from ..model.frozen import invalid_argument
 from ..model.numbering import body_names
-from ..storage.case_writing import save_case
+from ..storage.case_writing import write_case
 from .contacts import ContactHistory
 from .energy import EnergyLedger, bonded_groups, ledger, totals_of
 from .extreme_stress import ExtremeStress
@@ -41,6 +42,7 @@ FIELDS_OF_ALL_BODIES = ("velocity", "displacement", "position")
 FIELDS_OF_RODS = ("strain", "stress", "axial_force")
 
 
+@explain_missing("outcome", "contacts", "system")
 class Solution(Shown):
     """Everything about one collision, as functions of place and time.
 
@@ -602,7 +604,7 @@ class Solution(Shown):
         FileExistsError
             If the file is there and `force` is false.
         """
-        save_case(path, case_of(self), force=force)
+        write_case(path, case_of(self), force=force)
 
     def __str__(self) -> str:
         from ..storage.report import solution_table

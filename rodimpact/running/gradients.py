@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import explain_arguments, explain_missing, nearest
 from ..methods.groups import groups, unilateral
 from ..methods.registry import METHODS, Options
 from ..methods.row import Array
@@ -19,13 +20,7 @@ from ..methods.row_builder import build_row
 from ..methods.run import MAX_EVENTS
 from ..methods.scales import largest, smallest, velocities_of
 from ..model import Absorbing, System
-from ..model.frozen import (
-    InvalidModel,
-    Problems,
-    invalid_argument,
-    nearest,
-    raise_if_problems,
-)
+from ..model.frozen import InvalidModel, Problems, invalid_argument, raise_if_problems
 from ..model.paths import (
     entries_by_path,
     field_at,
@@ -66,6 +61,7 @@ NUMBER_RTOL = 2.0**-52  # round-off of a number of the system
 PRINTED_RTOL = 1e-8  # relative error of a derivative printed with 8 digits
 
 
+@explain_missing()
 class Kink(NamedTuple):
     """A place where the derivative differs on both sides, or exists on one side only.
 
@@ -97,6 +93,7 @@ class Kink(NamedTuple):
     jump: Any
 
 
+@explain_missing()
 @dataclass(frozen=True)
 class Gradient:
     """Derivatives of a result of a collision; as an array, [..., path].
@@ -188,6 +185,7 @@ class Gradient:
         return text
 
 
+@explain_arguments
 def gradient(
     system: System,
     of: str = "restitution",

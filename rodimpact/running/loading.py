@@ -3,6 +3,7 @@
 import warnings
 from typing import Any
 
+from ..hints import explain_arguments
 from ..model.frozen import invalid_argument
 from ..results.saved import OutcomeDiffers, difference
 from ..results.solution import Solution
@@ -16,6 +17,7 @@ NPZ_START = b"PK"
 """First bytes of an NPZ file."""
 
 
+@explain_arguments
 def load(path: PathLike) -> Any:
     """Load what `Solution.save` or `SweepResult.save` wrote.
 

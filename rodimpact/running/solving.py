@@ -2,9 +2,11 @@
 
 from numpy.typing import ArrayLike
 
+from ..hints import explain_arguments
 from ..methods.registry import Options
 from ..methods.run import MAX_EVENTS
 from ..model import Body, ContactLaw, System
+from ..model.arguments import of_kind
 from ..model.frozen import Problems, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
 from ..results.outcome import Outcome, outcome_of
@@ -19,6 +21,7 @@ WORK_UNITS = {
 """Work that each method counts as it goes on, for a progress bar."""
 
 
+@explain_arguments
 def solve(
     system: System,
     until: float | None = None,
@@ -89,6 +92,7 @@ def solve(
     >>> round(float(solution.velocity(body=0, x=0.2, t=solution.t_end)), 12)
     0.0
     """
+    of_kind("system", system, System, "System([left, right])")
     options = Options(until, method, max_events, dt, rtol, cells, snapshots)
     chosen = options.method_for(system)
     problems: Problems = []
@@ -105,6 +109,7 @@ def solve(
     return Solution(run, options)
 
 
+@explain_arguments
 def collide(
     left: Body, right: Body, gap: float = 0.0, contact: ContactLaw | None = None
 ) -> Outcome:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hints import NamedItems, explain_missing
 from ..methods.family import Columns
 from ..methods.groups import unilateral
 from ..methods.registry import Options
@@ -41,6 +42,7 @@ from .readings import Readings
 LINES_PER_BLOCK = 4096  # lines of a table that are made at a time
 
 
+@explain_missing()
 class Axis(NamedTuple):
     """One dimension of a family: the path of the number that varies along it alone, and its values.
 
@@ -59,6 +61,7 @@ class Axis(NamedTuple):
     values: Any
 
 
+@explain_missing("contacts", "system")
 @dataclass(frozen=True, eq=False)
 class SweepResult(Shown, OnlyContact[Any]):
     """Outcomes of a family of collisions; every array has its `shape`.
@@ -284,7 +287,7 @@ class SweepResult(Shown, OnlyContact[Any]):
             if columns[name].shape != shape:
                 raise ValueError("columns do not have the family's shape")
         strain = columns.pop("strain", None)
-        return cls(system, Options(**options), columns, readings, strain)
+        return cls(system, Options(**options), NamedItems(columns), readings, strain)
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name.

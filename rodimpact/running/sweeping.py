@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..hints import NamedItems, explain_arguments
 from ..methods.registry import Options, count
 from ..methods.run import MAX_EVENTS
 from ..model import System
@@ -31,6 +32,7 @@ from .readings import Readings, check_also, check_readings
 from .sweep_result import SweepResult
 
 
+@explain_arguments
 def sweep(
     system: System,
     method: str = "auto",
@@ -180,7 +182,7 @@ def sweep(
         member_shape = column.shape[1:]
         columns[name] = column.reshape((*system.shape, *member_shape))
     strain = columns.pop("strain", None)
-    return SweepResult(system, options, columns, readings, strain)
+    return SweepResult(system, options, NamedItems(columns), readings, strain)
 
 
 def describe_sweep(

@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 
+from ..hints import explain_arguments
 from ..materials import steel
 from ..methods import kernels
 from ..methods.abilities import needs
@@ -17,6 +18,7 @@ from .sweeping import sweep
 WARMING_CELLS = 8  # cells of the grid with which its kernels are run
 
 
+@explain_arguments
 def warm() -> float:
     """Compile everything that can run compiled, and keep it on disk.
 

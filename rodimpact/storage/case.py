@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from ..hints import explain_missing, nearest
 from ..methods.registry import Options
 from ..model import System
 from ..model.arguments import of_kind
@@ -12,7 +13,6 @@ from ..model.frozen import (
     Problems,
     add_problem,
     defaults_of,
-    nearest,
     raise_if_problems,
 )
 from ..units import shown
@@ -37,6 +37,7 @@ class GaugePlace(NamedTuple):
     name: str = ""
 
 
+@explain_missing("system")
 @dataclass(frozen=True)
 class Case:
     """A collision, or a family of them, and what to do with it.

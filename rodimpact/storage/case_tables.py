@@ -14,14 +14,8 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 from .. import units
-from ..model.frozen import (
-    MOST_TOLD,
-    REQUIRED,
-    InvalidModel,
-    QuantityField,
-    listed,
-    nearest,
-)
+from ..hints import listed, nearest
+from ..model.frozen import MOST_TOLD, REQUIRED, InvalidModel, QuantityField
 from ..model.profiles import Polynomials, Samples, Steps
 from ..units import shown
 from .grids import Grid

@@ -5,6 +5,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from ..hints import explain_arguments
 from ..model import System
 from ..model.bodies import Material, Rod
 from ..model.frozen import invalid_argument
@@ -17,8 +18,9 @@ MAX_ITEMS_PER_LINE = 6
 """Items of a list in one line, at most."""
 
 
-def write_case(case: Case | System) -> str:
-    """Write a case, or just a system, as the text of a case file.
+@explain_arguments
+def format_case(case: Case | System) -> str:
+    """Return the text of the case file of a case, or just of a system.
 
     Every material is spelt out, so that the file means the same whatever the table says later.
 
@@ -34,8 +36,8 @@ def write_case(case: Case | System) -> str:
     Raises
     ------
     InvalidModel
-        For a family, for what is no case, for laws that are functions, and for names that UTF-8
-        cannot hold.
+        For a family, for an object that is no case, for laws that are functions, and for names
+        that UTF-8 cannot hold.
 
     Examples
     --------
@@ -43,7 +45,7 @@ def write_case(case: Case | System) -> str:
     >>> from rodimpact.model import Rod, System, Wall
     >>> from rodimpact.storage.casefile import parse_case
     >>> system = System([Rod(0.4, area=1e-4, material=steel, velocity=1.0), Wall()])
-    >>> parse_case(write_case(system)).system == system
+    >>> parse_case(format_case(system)).system == system
     True
     """
     if isinstance(case, System):
@@ -108,29 +110,41 @@ def _check_utf8(text: str) -> None:
         raise invalid_argument("case", message) from None
 
 
-def save_case(path: PathLike, case: Case, *, force: bool = False) -> None:
-    """Write a case file, whole or not at all.
+@explain_arguments
+def write_case(path: PathLike, case: Case | System, *, force: bool = False) -> None:
+    """Write a case, or just a system, as a case file: the whole file or none.
 
     Parameters
     ----------
     path : str or path
-        Ends in ``.toml``.
-    case : Case
+        Name of the file; it ends in ``.toml``.
+    case : Case or System
     force : bool
         Whether to replace an existing file.
 
     Raises
     ------
     InvalidModel
-        As `write_case`; also if the name does not end in ``.toml``, and if the file would have more
-        than `MAX_CASE_BYTES`.
+        As `format_case`; also if the name does not end in ``.toml``, and if the file would have
+        more than `MAX_CASE_BYTES`.
     FileExistsError
         If the file is there and `force` is false.
     OSError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "rod.toml")
+    ...     ri.write_case(path, ri.System([rod, ri.Wall()]))
+    ...     ri.read_case(path).system.bodies[0] == rod
+    True
     """
     check_case_name(path)
-    data = write_case(case).encode()
+    data = format_case(case).encode()
     if len(data) > MAX_CASE_BYTES:
         message = (
             f"has too many numbers for a case file: {len(data)} bytes, and at most "

@@ -65,17 +65,20 @@ import os
 import tomllib
 from collections.abc import Mapping
 
+from ..hints import explain_arguments
 from ..model.frozen import invalid_argument
 from ..units import shown
 from .case import MAX_CASE_BYTES
 from .case import Case as Case
 from .case import GaugePlace as GaugePlace
 from .case_reading import case_from as case_from
+from .case_writing import format_case as format_case
 from .case_writing import write_case as write_case
 from .reading import open_regular
 from .writing import file_name
 
 
+@explain_arguments
 def read_case(
     path: str | os.PathLike[str], vary: Mapping[str, str] | None = None
 ) -> Case:
@@ -104,7 +107,7 @@ def read_case(
     >>> import pathlib, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = pathlib.Path(folder, "case.toml")
-    ...     _ = path.write_text(ri.write_case(ri.System([rod, ri.Wall()])))
+    ...     ri.write_case(path, ri.System([rod, ri.Wall()]))
     ...     case = ri.read_case(path)
     >>> float(ri.solve(case.system, **case.solve).outcome.restitution)
     1.0
@@ -129,6 +132,7 @@ def read_case(
     return parse_case(text, name, vary)
 
 
+@explain_arguments
 def parse_case(
     text: str, source: str = "case", vary: Mapping[str, str] | None = None
 ) -> Case:
@@ -166,7 +170,7 @@ def parse_case(
     ... ''')
     >>> case.system.bodies[0].length, case.system.gaps
     (0.4, (0.0,))
-    >>> family = parse_case(write_case(case), vary={"bodies.0.length": "50 mm:1 m:20"})
+    >>> family = parse_case(format_case(case), vary={"bodies.0.length": "50 mm:1 m:20"})
     >>> family.system.shape, family.system[19].bodies[0].length
     ((20,), 1.0)
     """

@@ -36,8 +36,7 @@ BYTES_PER_CHARACTER = 24
 OLD_SOLUTION = (
     "holds the arrays of a single solution, as an earlier version of rodimpact saved them. A "
     'solution is saved as its case now: solve its system again, and save("run.toml"). Without the '
-    "system, load the file with the version that saved it, and write the text "
-    "rodimpact.write_case(solution.system) to a file"
+    "system, load the file with the version that saved it, and write solution.system as a case file"
 )
 COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """Compressions of arrays; others expand without bounds."""

@@ -7,6 +7,7 @@ what came out when it was saved.
 from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
+from ..hints import nearest
 from ..methods.run import (
     DURATION,
     IMPULSE,
@@ -15,7 +16,7 @@ from ..methods.run import (
     TIME,
     VELOCITY,
 )
-from ..model.frozen import Problems, add_problem, nearest, raise_if_problems
+from ..model.frozen import Problems, add_problem, raise_if_problems
 
 ENERGY = "energy"
 COUNT = "count"

@@ -92,11 +92,11 @@ def test_help_lists_exit_statuses_and_commands_with_their_own_help(output_of):
 @pytest.mark.parametrize(
     ("argv", "sentence"),
     [
-        ([], "unknown command ''; choose one of box, run"),
+        ([], "a command is missing; choose one of box, run"),
         (["verfy"], "unknown command 'verfy'; perhaps verify is meant"),
         (["zzz"], "choose one of box, run"),
         (["run"], "the following arguments are required: CASE.toml"),
-        (["verify", "--js"], "unrecognized arguments: --js"),
+        (["verify", "--js"], "unknown option --js; perhaps '--json' is meant"),
         (["help", "cases"], "invalid choice: 'cases'"),
         (["run", "missing.toml"], "missing.toml: cannot be read"),
         (["run", "."], ".: cannot be read"),

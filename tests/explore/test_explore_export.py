@@ -48,7 +48,7 @@ def case(tmp_path, monkeypatch):
     left = ri.Rod(0.4, area=1e-4, material=alloy, velocity=1.0)
     right = ri.Rod(1.0, area=1e-4, material=alloy)
     path = tmp_path / "two <b> rods.toml"
-    path.write_text(ri.write_case(ri.System([left, right])))
+    path.write_text(ri.format_case(ri.System([left, right])))
     return path
 
 

@@ -287,7 +287,7 @@ def rows(seeds):
     for seed in seeds:
         rng = np.random.default_rng(seed)
         system = random_system(seed, bodies=6 if seed % 2 else 3)
-        case = tomllib.loads(ri.write_case(system))
+        case = tomllib.loads(ri.format_case(system))
         if seed % 2 == 0:
             for body in case["bodies"]:
                 stretch_segments(body, rng)

@@ -36,7 +36,7 @@ def test_with_the_extra_a_notebook_shows_a_widget(explorer):
 def test_the_system_is_what_the_sliders_say(explorer):
     assert explorer.system == PAIR
     changed = PAIR.replace(bodies=[rod(0.7, 2.0), rod(1.0)], contacts=[ri.Hertz(2e10)])
-    explorer._widget.case = ri.write_case(changed)  # text that the page sends
+    explorer._widget.case = ri.format_case(changed)  # text that the page sends
     assert explorer.system == changed
     assert ri.solve(explorer.system).outcome == ri.solve(changed).outcome
     explorer._widget.case = ""  # undone

@@ -83,7 +83,7 @@ def random_segments(rng):
 
 
 def tables_of(case):
-    return {"solve": {}, **tomllib.loads(ri.write_case(case))}
+    return {"solve": {}, **tomllib.loads(ri.format_case(case))}
 
 
 def solved_by_the_page(cases, gauges=()):

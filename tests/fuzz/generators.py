@@ -44,7 +44,7 @@ def patience(seconds=PATIENCE):
 
 
 STEEL = ri.materials.steel
-SAVED = ri.write_case(
+SAVED = ri.format_case(
     case_of(
         ri.solve(
             ri.System(

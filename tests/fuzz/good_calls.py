@@ -519,7 +519,8 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "load": lambda: {"path": "saved.toml"},
     "parse_case": lambda: {"text": CASE},
     "read_case": lambda: {"path": "case.toml"},
-    "write_case": lambda: {"case": PAIR},
+    "format_case": lambda: {"case": PAIR},
+    "write_case": lambda: {"path": "new.toml", "case": PAIR, "force": True},
     # figures
     "plot.animation": lambda: {"solution": exact_solution(), "frames": 2},
     "plot.atlas": lambda: {"plane": atlas()},
@@ -687,4 +688,4 @@ def write_files(folder: Path) -> None:
     """Files that functions read."""
     (folder / "case.toml").write_text(CASE)
     (folder / "record.csv").write_text(RECORD)
-    (folder / "saved.toml").write_text(ri.write_case(case_of(piecewise_solution())))
+    (folder / "saved.toml").write_text(ri.format_case(case_of(piecewise_solution())))

@@ -84,6 +84,6 @@ def test_a_spoilt_case_is_refused_or_balances(capsys, monkeypatch, tmp_path, see
         ):
             with suppress(UnicodeDecodeError, ri.InvalidModel):
                 case = ri.parse_case(spoilt.decode())
-                assert ri.parse_case(ri.write_case(case)) == case
+                assert ri.parse_case(ri.format_case(case)) == case
         refused += status == 2
     assert EXAMPLES / 4 < refused < EXAMPLES

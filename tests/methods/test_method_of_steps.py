@@ -233,7 +233,7 @@ def test_a_state_is_written_and_read_again():
         touching_rods(ri.Hertz(30.0), ri.Hertz(30.0)), 2.0, "characteristics"
     )
     state = solution.system_at(1.0)
-    assert ri.parse_case(ri.write_case(state)).system == state
+    assert ri.parse_case(ri.format_case(state)).system == state
     assert state.mirrored().mirrored().bodies[0].velocity.at == pytest.approx(
         state.bodies[0].velocity.at
     )

@@ -393,7 +393,7 @@ def test_a_family_sweeps_what_yields(yielding_family):
 def test_a_case_file_names_what_yields(yielding_family):
     for i in range(2):
         member = yielding_family[i]
-        assert ri.parse_case(ri.write_case(member)).system == member
+        assert ri.parse_case(ri.format_case(member)).system == member
 
 
 def test_points_of_a_table_may_have_units_in_a_case_file():
@@ -401,7 +401,7 @@ def test_points_of_a_table_may_have_units_in_a_case_file():
     masses = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)]
     system = ri.System(masses, contacts=[law])
 
-    bare = ri.write_case(system)
+    bare = ri.format_case(system)
     text = bare.replace("[1e-05, 0.0001]", '["10 um", "0.1 mm"]')
 
     assert "10 um" in text

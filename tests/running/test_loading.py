@@ -232,7 +232,7 @@ def test_a_saved_solution_is_found_again_bit_for_bit(tmp_path, name):
     case = ri.read_case(tmp_path / "run.toml")
     assert case.system == system
     assert case.solve == options
-    assert ri.parse_case(ri.write_case(case)) == dataclasses.replace(case, path="case")
+    assert ri.parse_case(ri.format_case(case)) == dataclasses.replace(case, path="case")
 
 
 @pytest.mark.parametrize("name", ["inf", "nan"])
@@ -266,7 +266,7 @@ def test_the_state_of_a_smooth_wave_comes_back_equal(tmp_path):
 
 def test_a_case_that_no_reader_would_take_is_not_written(tmp_path, monkeypatch):
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
-    size = len(ri.write_case(case_of(solution)).encode())
+    size = len(ri.format_case(case_of(solution)).encode())
     monkeypatch.setattr("rodimpact.storage.case_writing.MAX_CASE_BYTES", size - 1)
     with pytest.raises(
         ri.InvalidModel, match=f"system: .* {size} bytes.*fewer samples"
@@ -321,7 +321,7 @@ def changed(result, name, change=another):
 
 
 def write_with(path, result):
-    text = ri.write_case(dataclasses.replace(saved_case(), result=result))
+    text = ri.format_case(dataclasses.replace(saved_case(), result=result))
     path.write_text(text, encoding="utf-8")
 
 
@@ -416,7 +416,7 @@ def test_other_files(tmp_path, name, content):
 
 def test_a_case_without_an_outcome_is_no_saved_solution(tmp_path):
     path = tmp_path / "case.toml"
-    path.write_text(ri.write_case(TWICE))
+    path.write_text(ri.format_case(TWICE))
     refused(path, r"no table \[result\].*read_case.*solve\(case\.system")
 
 
@@ -428,7 +428,7 @@ def test_a_solution_that_an_earlier_version_saved_as_arrays_names_the_remedy(
     head = {"format": "rodimpact", "schema": schema, "rodimpact": "0.1.0"}
     document = {**head, "kind": "solution", "content": {}, "arrays": {}}
     np.savez_compressed(path, document=np.array(json.dumps(document)))
-    refused(path, r'solve its system again, and save\("run\.toml"\).*write_case')
+    refused(path, r'solve its system again, and save\("run\.toml"\).*format_case')
 
 
 MISTAKES = [
@@ -460,7 +460,7 @@ MISTAKES = [
 
 
 def test_all_mistakes_of_a_result_are_reported_at_once():
-    text = ri.write_case(saved_case())
+    text = ri.format_case(saved_case())
     for right, wrong, *_ in MISTAKES:
         text = text.replace(right, wrong)
     with pytest.raises(ri.InvalidModel) as caught:
@@ -485,7 +485,7 @@ def test_all_mistakes_of_a_result_are_reported_at_once():
 )
 def test_results_of_other_types(result, said):
     with pytest.raises(ri.InvalidModel, match=said):
-        ri.parse_case(f"schema = 1\n{result}\n{ri.write_case(TWICE)[11:]}")
+        ri.parse_case(f"schema = 1\n{result}\n{ri.format_case(TWICE)[11:]}")
 
 
 def outcome_in(text):
@@ -498,7 +498,7 @@ def outcome_in(text):
 
 def test_a_file_that_ends_anywhere_is_refused_in_sentences():
     """Or it is a case without an outcome; or all is there but stated errors."""
-    text = ri.write_case(saved_case())
+    text = ri.format_case(saved_case())
     ends = range(0, len(text), 7)
     results = [outcome_in(text[:end]) for end in ends]
     sentences = [result for result in results if isinstance(result, str)]

@@ -20,7 +20,7 @@ from case_texts import (
 )
 
 import rodimpact as ri
-from rodimpact.storage.casefile import Case, parse_case, write_case
+from rodimpact.storage.casefile import Case, format_case, parse_case
 
 # What is right
 
@@ -158,7 +158,7 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
         ),
     )
     assert case.solve == {"dt": 1e-7, "method": "auto"}
-    assert parse_case(write_case(case)) == case
+    assert parse_case(format_case(case)) == case
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
 def test_ends(written, end):
     case = parse_case(HEAD + A_ROD + LEFT + written)
     assert case.system == ri.System([ROD], ends=(end, ri.Free()))
-    assert parse_case(write_case(case)).system == case.system
+    assert parse_case(format_case(case)).system == case.system
     case = parse_case(HEAD + A_ROD + "[ends.right]\nkind = " + written)
     assert case.system.ends == (ri.Free(), end)
 
@@ -236,7 +236,7 @@ def hertz(*bodies, entries):
     """Stiffness of the contact between two bodies, with these entries in the file."""
     text = HEAD + "".join(bodies) + LAW + "'hertz'\n" + "\n".join(entries)
     case = parse_case(text)
-    assert parse_case(write_case(case)).system == case.system
+    assert parse_case(format_case(case)).system == case.system
     return case.system.contacts[0].stiffness
 
 

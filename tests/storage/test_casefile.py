@@ -12,7 +12,7 @@ from case_texts import A_ROD, HEAD, ROD, STEEL
 from grid_rows import random_row
 
 import rodimpact as ri
-from rodimpact import parse_case, read_case, write_case
+from rodimpact import format_case, parse_case, read_case
 from rodimpact.storage.casefile import Case, GaugePlace, case_from
 
 CASES = Path(__file__).parents[2] / "validation" / "cases"
@@ -63,7 +63,7 @@ def test_what_is_no_case_at_all_is_refused(given):
     for refuse, name, kind in [
         (read_case, "path", "the name of a file"),
         (parse_case, "case", "the text of a case file"),
-        (write_case, "case", "a Case or a System"),
+        (format_case, "case", "a Case or a System"),
         (Case, "system", "a System, such as .*"),
     ]:
         with pytest.raises(ri.InvalidModel, match=f"^{name}: must be {kind}, got "):
@@ -108,13 +108,13 @@ def test_written_cases_read_back_equal():
         {"plot": 'a "b" \\ \x7f\n€.png'},
         gauges=(GaugePlace(0, 0.25), GaugePlace(0, 1.0)),
     )
-    assert parse_case(write_case(case), "") == case
+    assert parse_case(format_case(case), "") == case
 
 
 def test_written_systems_of_every_kind_read_back_equal():
     for seed in range(40):
         system = random_row(seed, driven=True)
-        again = parse_case(write_case(system)).system
+        again = parse_case(format_case(system)).system
         assert again == system, seed
         assert again.digest == system.digest
         assert ri.System.from_dict(json.loads(json.dumps(system.to_dict()))) == system
@@ -125,14 +125,14 @@ def test_written_systems_of_every_kind_read_back_equal():
 def test_materials_of_any_name(name):
     material = ri.Material(name, youngs_modulus=0.1, density=1e100, viscosity=3)
     system = ri.System([ri.Rod(0.4, area=1e-4, material=material, velocity=-1e-7)])
-    assert parse_case(write_case(system)).system == system
+    assert parse_case(format_case(system)).system == system
 
 
 def test_a_family_is_no_case():
     system = ri.System([ri.Rod([1.0, 2.0], area=1e-4, material=STEEL)])
     with pytest.raises(ri.InvalidModel, match=r"shape \(2,\).*system\[index\]"):
-        write_case(system)
-    assert parse_case(write_case(system[1])).system == system[1]
+        format_case(system)
+    assert parse_case(format_case(system[1])).system == system[1]
 
 
 def test_materials_of_one_name_have_a_table_each():
@@ -143,7 +143,7 @@ def test_materials_of_one_name_have_a_table_each():
     system = ri.System(
         [ROD, *(ri.Rod(1.0, area=1e-4, material=other) for other in (*others, STEEL))]
     )
-    text = write_case(system)
+    text = format_case(system)
     assert parse_case(text).system == system
     assert text.count("[materials.") == 4
 
@@ -152,7 +152,7 @@ def test_a_name_that_no_file_holds_is_refused():
     material = ri.Material("a\udcff", youngs_modulus=1e9, density=1e3)
     system = ri.System([ri.Rod(1.0, area=1e-4, material=material)])
     with pytest.raises(ri.InvalidModel, match=r"^case: .*udcff.*rename"):
-        write_case(system)
+        format_case(system)
 
 
 def test_functions_come_back_as_the_curves_that_they_became():
@@ -166,7 +166,7 @@ def test_functions_come_back_as_the_curves_that_they_became():
     system = ri.System([rod], ends=[push, ri.Free()])
     profiles = rod.segments[0].area, rod.velocity, push.value
     assert all(profile.smooth and profile.error > 0 for profile in profiles)
-    assert parse_case(write_case(system)).system == system
+    assert parse_case(format_case(system)).system == system
 
 
 @pytest.mark.parametrize(
@@ -197,7 +197,7 @@ def solved(name):
 @pytest.mark.parametrize("path", sorted(CASES.glob("*.toml")), ids=lambda p: p.stem)
 def test_every_worked_case_is_read_and_written(path):
     case = read_case(path)
-    assert parse_case(write_case(case), str(path)) == case
+    assert parse_case(format_case(case), str(path)) == case
     assert path.read_text().startswith("# ")
 
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rodimpact as ri
-from rodimpact import parse_case, write_case
+from rodimpact import format_case, parse_case
 from rodimpact.methods.run import MEASURES
 from rodimpact.model.bodies import BODIES
 from rodimpact.model.ends import ENDS
@@ -219,7 +219,7 @@ def test_no_class_of_the_model_is_left_out():
 
 @given(systems())
 def test_a_system_comes_back_equal(system):
-    again = parse_case(write_case(system)).system
+    again = parse_case(format_case(system)).system
     assert again == system
     assert again.digest == system.digest
     assert repr(again) == repr(system)
@@ -244,5 +244,5 @@ def test_an_outcome_comes_back_equal(numbers, errors, final, text):
     )
     rod = ri.Rod(1.0, area=1.0, material=ri.materials.steel)
     case = ri.Case(ri.System([rod, ri.Wall()]), result=result)
-    again = parse_case(write_case(case)).result
+    again = parse_case(format_case(case)).result
     assert repr(again) == repr(result)

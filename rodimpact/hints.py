@@ -1,0 +1,352 @@
+"""Hints on names that do not exist: the attribute, argument or function that is meant.
+
+`nearest` compares a wrong word with the names that exist. `explain_missing` lets the
+objects of a class answer a wrong attribute with such a hint, `explain_arguments` a
+function a wrong argument, `NamedItems` a dictionary a wrong key, and `missing_name`
+makes the error of a wrong name in a module.
+"""
+
+import difflib
+import inspect
+from collections.abc import Callable, Collection, Iterator
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+from .units import MOST_SHOWN, one_line, shown
+
+P = ParamSpec("P")
+R = TypeVar("R")
+C = TypeVar("C", bound=type)
+
+MOST_CHOICES = 12
+"""Choices that a message names."""
+MOST_LEVELS = 2
+"""Levels below an object that are searched for a missing attribute."""
+SYNONYMS: dict[str, tuple[str, ...]] = {
+    # letters of formulas
+    "A": ("area",),
+    "E": ("youngs_modulus",),
+    "F": ("force", "peak_force"),
+    "J": ("impulse",),
+    "L": ("length",),
+    "P": ("impulse",),
+    "T": ("transit_time",),
+    "Z": ("impedance",),
+    "c": ("damping", "wave_speed"),
+    "c0": ("wave_speed",),
+    "d": ("diameter",),
+    "e": ("restitution",),
+    "g": ("gravity",),
+    "k": ("stiffness",),
+    "l": ("length",),
+    "m": ("mass",),
+    "n": ("cells",),
+    "nu": ("poisson_ratio",),
+    "p": ("exponent",),
+    "r": ("diameter",),
+    "rho": ("density",),
+    "sigma": ("stress",),
+    "t": ("times", "until"),
+    "u": ("displacement",),
+    "v": ("velocity",),
+    "v1": ("velocity_1",),
+    "v2": ("velocity_2",),
+    # words for numbers and arguments
+    "bar_speed": ("wave_speed",),
+    "coefficient_of_restitution": ("restitution",),
+    "contact": ("contacts",),
+    "cor": ("restitution",),
+    "dia": ("diameter",),
+    "energy": ("energy", "kinetic_after"),
+    "energy_loss": ("energy_lost", "dissipated"),
+    "energy_lost": ("dissipated",),
+    "jobs": ("workers", "executor"),
+    "max_force": ("peak_force",),
+    "modulus": ("youngs_modulus",),
+    "n_jobs": ("workers", "executor"),
+    "position": ("x",),
+    "pressure": ("stress",),
+    "quantity": ("field",),
+    "radius": ("diameter",),
+    "rods": ("bodies",),
+    "sound_speed": ("wave_speed",),
+    "speed": ("velocity", "wave_speed"),
+    "t_end": ("until",),
+    "threads": ("workers", "executor"),
+    "time": ("times", "until", "t"),
+    "tol": ("rtol",),
+    "tolerance": ("rtol",),
+    # words for functions and classes
+    "ball": ("RigidMass",),
+    "bar": ("Rod",),
+    "beam": ("Rod",),
+    "collision": ("collide", "System"),
+    "convert": ("parse",),
+    "diagram": ("spacetime",),
+    "family": ("sweep",),
+    "film": ("animation",),
+    "floor": ("Wall",),
+    "force": ("contact",),
+    "forces": ("contact",),
+    "ground": ("Wall",),
+    "mass": ("RigidMass",),
+    "model": ("System",),
+    "movie": ("animation",),
+    "plot": ("overview",),
+    "problem": ("System",),
+    "run": ("solve", "run"),
+    "simulate": ("solve", "run"),
+    "solve": ("run",),
+    "xt": ("spacetime",),
+}
+"""Names of this package, by other names of the same thing."""
+ELSEWHERE = {
+    "contact_time": "it is opening - start of contacts[k].episodes; duration is the "
+    "time with force",
+    "plot": "functions of rodimpact.plot draw it, such as plot.overview",
+}
+"""What is said of attributes that an object has nowhere."""
+
+
+def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
+    """Hint at the choice that may be meant by a word, else at all choices.
+
+    `head` is put before the choices that are named.
+    """
+    meant = similar(word, choices)
+    if meant is not None:
+        return f"perhaps {shown(head + meant)} is meant"
+    all_names = []
+    for choice in choices:
+        all_names.append(one_line(head + choice))
+    return f"use one of {listed(all_names)}"
+
+
+def similar(word: Any, choices: Collection[str]) -> str | None:
+    """The choice that may be meant by a word: a synonym, or one that is spelt alike."""
+    text = word
+    if not isinstance(word, str):
+        text = shown(word)
+    for synonym in _synonyms(text):
+        if synonym in choices:
+            return synonym
+    names = {}  # without capitals, and cut
+    for choice in choices:
+        names[choice.casefold()[:MOST_SHOWN]] = choice
+    alike = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), names, n=1)
+    if alike:
+        return names[alike[0]]
+    return None
+
+
+def _synonyms(word: str) -> tuple[str, ...]:
+    """Other names of what a word means, with its capitals or without."""
+    return SYNONYMS.get(word, SYNONYMS.get(word.lower(), ()))
+
+
+def listed(names: list[str]) -> str:
+    """Names with commas between them, the first `MOST_CHOICES` if there are more."""
+    text = ", ".join(names[:MOST_CHOICES])
+    if len(names) > MOST_CHOICES:
+        text += ", ..."
+    return text
+
+
+# Attributes
+
+
+def explain_missing(*deeper: str) -> Callable[[C], C]:
+    """Class decorator: a missing attribute is answered by the one that may be meant.
+
+    Public methods of the class answer wrong arguments in the same way.
+
+    Parameters
+    ----------
+    *deeper : str
+        Attributes of the class whose own attributes may be meant, too: a solution has
+        none called ``restitution``, but its ``outcome`` has. Of a tuple, the first
+        item is asked.
+
+    Returns
+    -------
+    function
+        The decorator.
+    """
+
+    def decorated(kind: C) -> C:
+        def __getattr__(self: Any, name: str) -> Any:  # noqa: N807
+            if hasattr(type(self), name):  # a property failed: its own error is raised
+                return object.__getattribute__(self, name)
+            raise _missing_attribute(self, name)
+
+        open_kind: Any = kind  # whose attributes a type checker does not know
+        open_kind._deeper = deeper
+        open_kind.__getattr__ = __getattr__
+        for name, method in list(vars(kind).items()):
+            if inspect.isfunction(method) and name[0] != "_":
+                setattr(kind, name, explain_arguments(method))
+        return kind
+
+    return decorated
+
+
+def _missing_attribute(owner: Any, name: str) -> AttributeError:
+    """The error of an attribute that an object does not have."""
+    message = f"{type(owner).__name__!r} object has no attribute {name!r}"
+    if name[0] != "_":  # Python itself asks for such names
+        message = f"{message}; {_attribute_hint(owner, name)}"
+    return AttributeError(message, name=name)
+
+
+def _attribute_hint(owner: Any, name: str) -> str:
+    """Hint at the attribute of an object, or of one of its parts, that is meant."""
+    own_names = _public_names(owner)
+    paths: dict[str, str] = {}  # of attributes of the parts, the uppermost first
+    for path, part in _parts(owner):
+        for attribute in _public_names(part):
+            paths.setdefault(attribute, f"{path}.{attribute}")
+    if name in ELSEWHERE:
+        return ELSEWHERE[name]
+    if name in paths:
+        return f"perhaps {paths[name]!r} is meant"
+    for synonym in _synonyms(name):
+        if synonym in own_names:
+            return f"perhaps {synonym!r} is meant"
+        if synonym in paths:
+            return f"perhaps {paths[synonym]!r} is meant"
+    if similar(name, own_names) is None:
+        meant = similar(name, paths)
+        if meant is not None:
+            return f"perhaps {paths[meant]!r} is meant"
+    return nearest(name, own_names)
+
+
+def _public_names(owner: Any) -> list[str]:
+    """Attributes of an object that are its own subject."""
+    names = []
+    for name in dir(owner):
+        if name[0] != "_" and not hasattr(tuple, name):
+            names.append(name)
+    return names
+
+
+def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
+    """Parts of an object by their paths: first its own ones, then theirs."""
+    parts = []
+    for attribute in getattr(owner, "_deeper", ()):
+        path = attribute
+        try:
+            part = getattr(owner, attribute)
+        except Exception:  # a hint must not hide the mistake
+            continue
+        if isinstance(part, tuple) and not hasattr(part, "_fields"):
+            if not part:
+                continue
+            path = f"{attribute}[0]"
+            part = part[0]
+        parts.append((path, part))
+    yield from parts
+    if level < MOST_LEVELS:
+        for path, part in parts:
+            for end, below in _parts(part, level + 1):
+                yield f"{path}.{end}", below
+
+
+class NamedItems(dict[str, Any]):
+    """A dictionary that answers a missing key with the one that may be meant."""
+
+    def __missing__(self, name: Any) -> Any:
+        raise KeyError(f"there is no {shown(name)}; {nearest(name, self)}")
+
+
+def missing_name(
+    module: str, name: str, names: Collection[str], **modules: Collection[str]
+) -> AttributeError:
+    """The error of a name that a module does not have.
+
+    Parameters
+    ----------
+    module : str
+        Name of the module.
+    name : str
+        The name that was asked for.
+    names : collection of str
+        Names that the module has.
+    **modules : collection of str
+        Names in modules below it.
+    """
+    message = f"module {module!r} has no attribute {name!r}"
+    if name[0] == "_":  # Python itself asks for such names
+        return AttributeError(message, name=name)
+    for below, its_names in modules.items():
+        for meant in (name, name.lower()):
+            if meant in its_names and meant not in names:
+                message = f"{message}; perhaps {f'{below}.{meant}'!r} is meant"
+                return AttributeError(message, name=name)
+    return AttributeError(f"{message}; {nearest(name, names)}", name=name)
+
+
+# Arguments
+
+
+def explain_arguments(function: Callable[P, R]) -> Callable[P, R]:
+    """Decorator: a call with wrong arguments is refused with the ones that may be meant.
+
+    The error is a TypeError, as Python's own.
+    """
+
+    @wraps(function)
+    def explained(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return function(*args, **kwargs)
+        except TypeError as error:
+            signature = inspect.signature(function)
+            try:
+                signature.bind(*args, **kwargs)
+            except TypeError:
+                message = _refusal(function, signature, args, kwargs, str(error))
+                raise TypeError(message) from None
+            raise  # the arguments are right: the error is the function's own
+
+    return explained
+
+
+def _refusal(
+    function: Callable[..., Any],
+    signature: inspect.Signature,
+    args: tuple[Any, ...],
+    keywords: dict[str, Any],
+    otherwise: str,
+) -> str:
+    """What is wrong with the arguments of a call; `otherwise` if nothing is found."""
+    parameters = dict(signature.parameters)
+    if "self" in parameters:
+        del parameters["self"]
+        args = args[1:]
+    called = function.__qualname__.removesuffix(".__init__")
+    for keyword in keywords:
+        if keyword not in parameters:
+            return f"{called}() has no argument {keyword!r}; {nearest(keyword, parameters)}"
+    by_position = []
+    by_name = []
+    for name, parameter in parameters.items():
+        if parameter.kind is parameter.KEYWORD_ONLY:
+            by_name.append(f"{name}=")
+        else:
+            by_position.append(name)
+    if len(args) > len(by_position):
+        taken = "no argument"
+        if by_position:
+            taken = f"only {listed(by_position)}"
+        message = f"{called}() takes {taken} by position, got {len(args)} arguments"
+        if by_name:
+            message = f"{message}; name the others: {listed(by_name)}"
+        return message
+    missing = []
+    for i, (name, parameter) in enumerate(parameters.items()):
+        is_given = i < len(args) or name in keywords
+        if parameter.default is parameter.empty and not is_given:
+            missing.append(name)
+    if missing:
+        return f"{called}() needs {listed(missing)}; it takes {listed([*parameters])}"
+    return otherwise

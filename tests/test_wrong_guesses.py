@@ -1,0 +1,206 @@
+"""Guesses that a new user makes and that are wrong: each is answered by a remedy.
+
+A row holds a guess in Python, or a command, and the part of the answer that helps.
+"""
+
+import shlex
+
+import numpy as np
+import pytest
+from case_texts import UNEQUAL_RODS
+
+import rodimpact as ri
+from rodimpact.cli import main
+from rodimpact.hints import explain_arguments, explain_missing
+
+NAMES = [
+    ("ri.rod", "perhaps 'Rod' is meant"),
+    ("ri.Sytem", "perhaps 'System' is meant"),
+    ("ri.simulate", "perhaps 'solve' is meant"),
+    ("ri.Mass", "perhaps 'RigidMass' is meant"),
+    ("ri.steel", "perhaps 'materials.steel' is meant"),
+    ("ri.Steel", "perhaps 'materials.steel' is meant"),
+    ("ri.striker", "perhaps 'design.striker' is meant"),
+    ("ri.materials.steal", "perhaps 'steel' is meant"),
+    ("ri.plot.space_time", "perhaps 'spacetime' is meant"),
+    ("ri.plot.forces", "perhaps 'contact' is meant"),
+    ("ri.theory.stvenant", "perhaps 'saint_venant' is meant"),
+    ("ri.rigid.collision", "perhaps 'collide' is meant"),
+    ("ri.waves.mode", "use one of Bar, first_mode"),
+    ("ri.design.strikr", "perhaps 'striker' is meant"),
+    ("solution.restitution", "perhaps 'outcome.restitution' is meant"),
+    ("solution.e", "perhaps 'outcome.restitution' is meant"),
+    ("solution.force(1e-4)", "perhaps 'contacts[0].force' is meant"),
+    ("solution.gravity", "perhaps 'system.gravity' is meant"),
+    ("solution.plot()", "functions of rodimpact.plot draw it"),
+    ("solution.outcome.contact_time", "opening - start of contacts[k].episodes"),
+    ("solution.outcome.energy_lost", "perhaps 'dissipated' is meant"),
+    ("system.rods", "perhaps 'bodies' is meant"),
+    ("system.length", "perhaps 'bodies[0].length' is meant"),
+    ("system[0]", "its bodies are system.bodies"),
+    ("rod.area", "perhaps 'segments[0].area' is meant"),
+    ("rod.rho", "perhaps 'segments[0].material.density' is meant"),
+    ("steel.E", "perhaps 'youngs_modulus' is meant"),
+    ("family.velocity_after", "perhaps 'velocities_after' is meant"),
+    ("family.e", "perhaps 'restitution' is meant"),
+    ("family.columns['e']", "perhaps 'restitution' is meant"),
+    ("family.parameters['length']", "use one of bodies.0.length"),
+    ("rigid.v1", "perhaps 'velocity_1' is meant"),
+    ("rigid.energy_loss", "perhaps 'energy_lost' is meant"),
+    ("signal.time", "perhaps 'times' is meant"),
+    ("ri.gradient(system, wrt=['lenght'])", "use one that begins with bodies"),
+    ("ri.closed_form(system, ['lenght'])", "perhaps 'length' is meant"),
+]
+UNITS = [
+    ("ri.Rod('400 mm', area=1e-4, material=steel)", "units.parse reads text"),
+    ("ri.solve(system, until='1 ms')", "units.parse reads text with a unit"),
+    ("ri.units.parse('3 m', 'time')", "Use one of s, ms, us, ns"),
+    ("ri.units.parse('3 milimeter', 'length')", "Use one of m, cm, mm"),
+    ("ri.Rod(0.4, area=1e-4, material='steel')", "such as materials.steel"),
+]
+KEYWORDS = [
+    ("ri.Rod(0.4, A=1e-4, material=steel)", "perhaps 'area' is meant"),
+    ("ri.Rod(0.4, radius=1e-2, material=steel)", "perhaps 'diameter' is meant"),
+    ("ri.Rod(0.4, area=1e-4, material=steel, v=1.0)", "perhaps 'velocity' is meant"),
+    ("ri.Rod(0.4, area=1e-4, material=steel, sped=1)", "use one of length, area"),
+    ("ri.Rod(0.4, 1e-4, steel)", "name the others: area=, diameter=, material="),
+    ("ri.Material('x', E=2e11, rho=7800)", "perhaps 'youngs_modulus' is meant"),
+    ("ri.Material(youngs_modulus=2e11, density=7800)", "needs name; it takes name"),
+    ("ri.Hertz(k=1e10)", "perhaps 'stiffness' is meant"),
+    ("ri.SpringDashpot(1e6, c=1)", "perhaps 'damping' is meant"),
+    ("ri.RigidMass(m=1)", "perhaps 'mass' is meant"),
+    ("ri.System([rod, rod], gap=1e-3)", "perhaps 'gaps' is meant"),
+    ("ri.System([rod, rod], g=9.81)", "perhaps 'gravity' is meant"),
+    ("ri.solve(system, t_end=1e-3)", "perhaps 'until' is meant"),
+    ("ri.solve(system, tol=1e-3)", "perhaps 'rtol' is meant"),
+    ("ri.solve(system, dt=1e-6)", "leave it out, or give another"),
+    ("ri.solve(system, method='front')", "must be one of 'auto', 'fronts'"),
+    ("ri.sweep(family.system, threads=4)", "perhaps 'workers' is meant"),
+    ("ri.sweep(family.system, also=['stress'])", '"largest_stress"'),
+    ("ri.rigid.collide(1, 1, 1, 0, e=1)", "perhaps 'restitution' is meant"),
+    ("ri.rigid.collide(1, 1, 1, 0)", "needs restitution; it takes m1, v1"),
+    ("ri.plot.spacetime(solution, quantity='stress')", "perhaps 'field' is meant"),
+    ("ri.plot.spacetime(solution, field='pressure')", "must be one of 'velocity'"),
+    ("solution.velocity(body=1, position=0.5, t=0)", "perhaps 'x' is meant"),
+    ("solution.velocity(1, 0.5)", "needs t; it takes body, x, t"),
+    ("rod.replace(len=1)", "perhaps 'length' is meant"),
+    ("setattr(rod, 'length', 3)", "make a new one with another length"),
+    ("ri.format_case(system, 'x.toml')", "takes only case by position"),
+]
+SHAPES = [
+    ("ri.System(rod, rod)", "must be a list of at least one rod"),
+    ("ri.System([rod, ri.Wall])", "must be a Rod, a RigidMass or a Wall itself"),
+    ("ri.System([rod, ri.Wall(), rod])", "make two systems of this one"),
+    ("ri.System([rod, rod], gaps=1e-3)", "one entry for each neighbouring pair"),
+    ("ri.System([rod, rod], contacts=ri.Hertz(1e9))", "must be a list with one entry"),
+    ("ri.System([rod, rod], contacts=[ri.Hertz])", "must be a contact law itself"),
+    ("ri.Rod([1, 2], area=[1, 2, 3], material=steel)", "area has shape (3,)"),
+    ("ri.solve(rod, rod)", "must be a System, such as System([left, right])"),
+    ("ri.solve([rod, rod])", "must be a System, such as System([left, right])"),
+    ("ri.solve(family.system)", "solve all by sweep(system)"),
+    ("ri.collide([rod, rod])", "needs right; it takes left, right"),
+    ("solution.velocity(2, 0.5, 0)", "must be a whole number from 0 to 1"),
+    ("solution.velocity(1, 1.5, 0)", "must lie in body 1, 0 to 1 m"),
+    ("solution.stress(1, [0.1, 0.2], [0, 1e-4, 2e-4])", "ask for x[:, None] and t"),
+    ("ri.plot.sweep(solution)", "such as rodimpact.sweep(family)"),
+    ("ri.plot.energy(family)", "such as rodimpact.solve(system)"),
+    ("ri.Signal([0, 1, 2], [0, 1])", "must be as many as values"),
+]
+COMMANDS = [
+    ("", "choose one of box, run"),
+    ("solve case.toml", "perhaps run is meant"),
+    ("runn case.toml", "perhaps run is meant"),
+    ("run", "arguments are required: CASE.toml"),
+    ("run case.tml", "case.tml: cannot be read"),
+    ("run case.toml --plt x.png", "perhaps '--plot' is meant"),
+    ("run case.toml more.toml", "rodimpact run --help shows what it takes"),
+    ("run case.toml --plot x.bmp", "must end in one of .png, .svg, .pdf"),
+    ("run case.toml --until 1m", "'m' is a unit of length. Use one of s, ms"),
+    ("run case.toml --method front", "choose from 'auto', 'fronts'"),
+    ("run case.toml --dt 1us", "leave it out, or give another"),
+    ("run case.toml --gauge 1:0.5", "such as incident=1:0.5"),
+    ("sweep case.toml", "--vary bodies.0.length=0.05:1:200"),
+    ("sweep case.toml --vary length=1:2:3", "use one that begins with gravity"),
+    ("sweep case.toml --vary bodies.0.lenght=1:2:3", "perhaps 'bodies.0.length'"),
+    ("sweep case.toml --vary bodies.0.length=1:2", "must be start:stop:count"),
+    ("sweep case.toml --vary bodies.0.length=1s:2s:3", "Use one of m, cm, mm"),
+    ("rigid --m1 1 --v1 0 --m2 1 --v2 1 -e 1", "body 1 is on the left"),
+    ("rigid --m1 1 --v1 1 --m2 1 --v2 0 -e 2", "set --energy-release"),
+    ("box --material stel", "choose from 'steel', 'aluminium'"),
+    ("box --ratio 2", "must be above 0 and at most 1"),
+    ("formula case.toml --symbols lenght", "perhaps 'length' is meant"),
+    ("animate case.toml -o x.html", "must end in one of .gif, .mp4"),
+    ("materials steel", "rodimpact materials --help shows what it takes"),
+    ("doctor --warmup", "perhaps '--warm' is meant"),
+    ("--verison", "perhaps '--version' is meant"),
+]
+
+
+@pytest.fixture(scope="module")
+def known():
+    """Names that the guesses use."""
+    steel = ri.materials.steel
+    rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    right = ri.Rod(1.0, area=1e-4, material=steel)
+    system = ri.System([rod, right])
+    lengths = np.array([0.2, 0.4])
+    return {
+        "ri": ri,
+        "steel": steel,
+        "rod": rod,
+        "system": system,
+        "solution": ri.solve(system),
+        "family": ri.sweep(ri.System([rod.replace(length=lengths), right])),
+        "rigid": ri.rigid.collide(1.0, 1.0, 1.0, 0.0, 1.0),
+        "signal": ri.Signal([0.0, 1.0], [0.0, 1e-3]),
+    }
+
+
+@pytest.mark.parametrize(("guess", "remedy"), NAMES + UNITS + KEYWORDS + SHAPES)
+def test_a_wrong_guess_in_python_is_answered_by_a_remedy(guess, remedy, known):
+    with pytest.raises((AttributeError, LookupError, TypeError, ValueError)) as caught:
+        eval(guess, dict(known))
+    assert remedy in str(caught.value)
+
+
+@pytest.mark.parametrize(("guess", "remedy"), COMMANDS)
+def test_a_wrong_command_is_answered_by_a_remedy(
+    guess, remedy, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case.toml").write_text(UNEQUAL_RODS)
+    assert main(shlex.split(guess)) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert remedy in " ".join(err.split())
+    assert "Traceback" not in err
+
+
+def test_names_that_python_asks_for_need_no_hint(known):
+    solution = known["solution"]
+    assert not hasattr(solution, "__array__")
+    with pytest.raises(AttributeError) as caught:
+        _ = solution._private
+    assert "perhaps" not in str(caught.value)
+
+
+def test_a_property_that_fails_raises_its_own_error():
+    @explain_missing()
+    class Broken:
+        @property
+        def value(self):
+            raise AttributeError("the reason")
+
+    with pytest.raises(AttributeError, match=r"^the reason$"):
+        _ = Broken().value
+
+
+def test_errors_inside_a_function_are_its_own():
+    @explain_arguments
+    def half(x):
+        return x / 2
+
+    with pytest.raises(TypeError, match="unsupported operand"):
+        half("a")
+    with pytest.raises(TypeError, match=r"half\(\) has no argument 'y'; use one of x"):
+        half(y=1)
