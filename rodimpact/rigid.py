@@ -10,6 +10,8 @@ number. Velocities are positive to the right and body 1 is the left one. Equatio
 numbers and problems are those of the textbook section 10.5, "Collisions in 1D".
 """
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np

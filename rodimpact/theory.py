@@ -16,6 +16,8 @@ Arguments broadcast as in NumPy; results are floats where every argument is a si
 number.
 """
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np

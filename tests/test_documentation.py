@@ -222,3 +222,24 @@ def test_case_files_of_the_manual_are_read(block):
         assert rodimpact.parse_case(block).system.bodies
     else:
         assert tomllib.loads(block)
+
+
+def public_calls():
+    """Public functions, classes and methods, by name."""
+    for name, thing in public_names():
+        yield name, thing
+        if inspect.isclass(thing):
+            for method_name, method in vars(thing).items():
+                if method_name[0] != "_" and inspect.isfunction(method):
+                    yield f"{name}.{method_name}", method
+
+
+def test_help_shows_signatures_that_can_be_read():
+    """No annotation is longer than a line of a terminal."""
+    for name, call in public_calls():
+        if inspect.isclass(call) and issubclass(call, Exception):
+            continue  # Python knows no signature of its own errors
+        signature = inspect.signature(call)
+        for parameter in signature.parameters.values():
+            annotation = inspect.formatannotation(parameter.annotation)
+            assert len(annotation) <= 80, (name, parameter.name)

@@ -4,6 +4,8 @@ The search for the cells and their borders is in `plane_search`. Cells with the 
 formula and equal numbers of episodes make a region.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -43,7 +45,7 @@ def atlas(
     most_cells: int = MAX_CELLS,
     max_events: int = 1000,
     progress: bool | ProgressFunction = True,
-) -> "Atlas":
+) -> Atlas:
     """Divide the plane of two numbers of a case into regions with a formula each.
 
     Parameters

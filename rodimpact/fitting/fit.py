@@ -5,6 +5,8 @@ descends from each of them. If all searches end at the same point, the minimum i
 unique.
 """
 
+from __future__ import annotations
+
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence

@@ -1,5 +1,7 @@
 """A measured record, and the steps from the computed strain to its prediction."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 from ..methods.registry import check_function

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..records.signal import Signal
 from ..results.notebook import Shown
+from ..storage.extras import optional
 from ..storage.tables import align
 from ..storage.writing import PathLike, write_text
 from ..units import format_si
@@ -245,6 +246,27 @@ class Fit(Shown):
         misfits = ", ".join(f"{100 * misfit:.3g} %" for misfit in other.misfits)
         notes.append(f"Misfit of the other fit: {misfits}.")
         return replace(self, notes=(*self.notes, *notes))
+
+    def to_dataframe(self) -> Any:
+        """The fitted numbers as a pandas DataFrame, one a row (extra ``dataframe``).
+
+        The columns are the fields of `Fitted`: name, unit, value, standard error, bounds.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> steel = ri.materials.steel
+        >>> bar = ri.Rod(1.0, area=1e-4, material=steel)
+        >>> row = ri.System([bar.replace(length=0.2, velocity=10.0), bar])
+        >>> record = ri.solve(row, until=2e-4).gauge(1, 0.4).signal(1e-6)
+        >>> guess = ri.System([bar.replace(length=0.2, velocity=5.0), bar])
+        >>> found = ri.fit(guess, ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0),
+        ...                {"bodies.0.velocity": (1.0, 20.0)}, until=2e-4, starts=1)
+        >>> found.to_dataframe()[["name", "unit"]].values.tolist()
+        [['bodies.0.velocity', 'm/s']]
+        """
+        pandas = optional("pandas", "dataframe")
+        return pandas.DataFrame(self.fitted, columns=list(Fitted._fields))
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
         """Write value, standard error and bounds of each number, in its unit.

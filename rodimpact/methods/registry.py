@@ -1,5 +1,7 @@
 """The methods, the physics that each lacks, and what a run is asked for, checked in one place."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace

@@ -6,6 +6,8 @@ neighbouring values differ far more than around it. On a map each collision is a
 colour, without interpolation. Each count has its own colour; counts have no contour lines.
 """
 
+from __future__ import annotations
+
 from typing import Any, NamedTuple
 
 import numpy as np

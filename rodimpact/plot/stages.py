@@ -1,5 +1,7 @@
 """Snapshots: the row at chosen instants, one below the other, as in a textbook figure."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 

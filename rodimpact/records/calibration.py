@@ -6,6 +6,8 @@ the input gauge to the output gauge then gives c0 of the input bar. A striker of
 and cross-section with the speed V causes the strain V/(2 c0).
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -25,6 +25,7 @@ from ..storage.extras import optional
 from ..storage.tables import heading, misnamed, write_table
 from ..storage.writing import PathLike
 from ..units import shown
+from ..version import __version__
 from .signal import Signal
 
 
@@ -103,7 +104,7 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     variables = {}
     for name, signal in signals.items():
         variables[name] = signal.to_xarray()
-    return xarray.Dataset(variables)
+    return xarray.Dataset(variables, attrs={"version": __version__})
 
 
 @explain_arguments

@@ -1,5 +1,7 @@
 """Reduce a shot: from the gauges of two bars to stress, strain and energy of the specimen."""
 
+from __future__ import annotations
+
 import warnings
 from typing import Any, NamedTuple
 

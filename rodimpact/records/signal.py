@@ -515,6 +515,26 @@ class Signal(Frozen):
         headers = (heading("time", "s"), heading(name, self.unit))
         write_table(path, headers, [(self.times, self.values)], force=force)
 
+    def to_dataframe(self) -> Any:
+        """The signal as a pandas DataFrame (extra ``dataframe``).
+
+        The columns are ``time`` and the name of the signal, or ``signal``. The units of
+        both are in ``attrs["units"]``.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> force = ri.Signal([0.0, 5.0], [0.0, 1e-6], unit="N", name="force")
+        >>> frame = force.to_dataframe()
+        >>> frame["force"].tolist(), frame.attrs["units"]
+        ([0.0, 5.0], {'time': 's', 'force': 'N'})
+        """
+        pandas = optional("pandas", "dataframe")
+        name = self.name if self.name else "signal"
+        frame = pandas.DataFrame({"time": self.times, name: self.values})
+        frame.attrs["units"] = {"time": "s", name: self.unit}
+        return frame
+
     def to_xarray(self) -> Any:
         """Return an xarray DataArray over ``time``, with units (extra ``xarray``)."""
         xarray = optional("xarray", "xarray")

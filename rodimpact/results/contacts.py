@@ -1,16 +1,19 @@
 """What happened at each contact: force, gap, and the episodes of touching."""
 
+from __future__ import annotations
+
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..hints import explain_missing
-from ..methods.run import Run
+from ..methods.run import Episode, Run
 from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Plastic, Rigid
 from ..model.arguments import scalar
+from ..storage.extras import optional
 from .fields import Fields
 
 
@@ -150,6 +153,24 @@ class ContactHistory:
         yielded = self.gap(times) - between_faces
         growth = float(yielded[1] - yielded[0])
         return max(0.0, growth)
+
+    def to_dataframe(self) -> Any:
+        """The episodes as a pandas DataFrame, one a row (extra ``dataframe``).
+
+        The columns are ``start``, ``force_end`` and ``opening`` of `Episode`, s.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> steel = ri.materials.steel
+        >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+        >>> frame = ri.solve(ri.System([left, right])).contacts[0].to_dataframe()
+        >>> (frame * 1e6).round(1).values.tolist()      # us
+        [[0.0, 158.5, 396.2]]
+        """
+        pandas = optional("pandas", "dataframe")
+        return pandas.DataFrame(self.episodes, columns=list(Episode._fields))
 
     def __repr__(self) -> str:
         law = type(self.law).__name__

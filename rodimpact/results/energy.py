@@ -1,5 +1,7 @@
 """Where the energy is, and what brought it there: at any times, and over a whole run."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Stated errors of the fields of a grid: from the same collision on coarser meshes."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """Records of strain gauges, and the tables that Hopkinson-bar tools read."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

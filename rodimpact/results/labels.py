@@ -3,13 +3,16 @@
 A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset says of it.
 """
 
+import contextlib
 from typing import Any, NamedTuple
 
 from ..model import SIDES, System
-from ..model.frozen import QuantityField
+from ..model.frozen import InvalidModel, QuantityField
 from ..model.numbering import body_names, contact_names
 from ..model.paths import FIELDS
+from ..storage.case_writing import format_case
 from ..storage.extras import optional
+from ..version import __version__
 
 
 class Quantity(NamedTuple):
@@ -131,9 +134,20 @@ def dataset(
 ) -> Any:
     """An xarray Dataset with labels of all its variables and coordinates.
 
-    Both are (dimensions, values) by name; `attributes` are those of the Dataset.
+    Both are (dimensions, values) by name; `attributes` are those of the Dataset. It has
+    two more, of which the case is left out if it holds a law that is a function:
+    ``version`` of rodimpact, and ``case``, the text of the case file; of a family,
+    ``case_of_first_member``.
     """
     xarray = optional("xarray", "xarray")
+    attributes["version"] = __version__
+    case_name = "case"
+    member = system
+    if system.shape:
+        case_name = "case_of_first_member"
+        member = system[(0,) * len(system.shape)]
+    with contextlib.suppress(InvalidModel):  # a law that is a function
+        attributes[case_name] = format_case(member)
     labelled_variables = _labelled(system, variables)
     labelled_coordinates = _labelled(system, coordinates)
     return xarray.Dataset(labelled_variables, labelled_coordinates, attributes)

@@ -3,6 +3,7 @@
 Bodies joined together move, for an outcome, with their common velocity.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, cast
 
@@ -14,6 +15,7 @@ from ..methods.restitution import effective_restitution, no_restitution
 from ..methods.run import ContactTally, Run
 from ..model.frozen import json_ready
 from ..rigid import RigidCollision, collide
+from ..storage.extras import optional
 from .notebook import as_table
 
 MAX_SILENT_RESIDUAL = 1e-6
@@ -237,6 +239,36 @@ class Outcome(OnlyContact[float]):
             contacts.append(tally._asdict())
         entries["contacts"] = contacts
         return entries
+
+    def to_dataframe(self) -> Any:
+        """The outcome as a pandas DataFrame of one row (extra ``dataframe``).
+
+        The columns bear the names of `SweepResult.columns`, so that ``pandas.concat``
+        joins several outcomes to one table. An undefined restitution is nan.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+        >>> frame = ri.collide(left, right).to_dataframe()
+        >>> frame[["restitution", "velocity_after.1"]].round(12).values.tolist()
+        [[0.4, 0.4]]
+        """
+        pandas = optional("pandas", "dataframe")
+        row: dict[str, Any] = {"restitution": math.nan}
+        if not self.why_no_restitution():
+            row["restitution"] = self.restitution
+        for i, velocity in enumerate(self.velocities_after):
+            row[f"velocity_after.{i}"] = velocity
+        for k, tally in enumerate(self.contacts):
+            row[f"impulse.{k}"] = tally.impulse
+            row[f"peak_force.{k}"] = tally.peak_force
+            row[f"duration.{k}"] = tally.duration
+            row[f"episodes.{k}"] = tally.episodes
+        row["vibration"] = sum(self.vibration_after)
+        row["final"] = self.final
+        return pandas.DataFrame([row])
 
     def __str__(self) -> str:
         from ..storage.report import outcome_table

@@ -4,6 +4,8 @@ The two families of fronts cut each segment's strip of the plane into regions in
 strain are constant. Plots, page and animation draw these polygons.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

@@ -7,6 +7,8 @@ J. P. Henderson, Vibration Damping, Wiley 1985, ch. 3); so high modes go first a
 lowest one of the longest lasting rod remains.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

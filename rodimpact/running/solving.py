@@ -1,5 +1,7 @@
 """solve() and collide(): one collision, by the method that can do it."""
 
+from __future__ import annotations
+
 from numpy.typing import ArrayLike
 
 from ..hints import explain_arguments
