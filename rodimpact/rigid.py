@@ -1,13 +1,14 @@
 """Rigid-body collisions on a line, from momentum and a coefficient of restitution.
 
-One number sums up the collision of two bodies, the impulse P. The momentum balance
-leaves P open; the restitution e closes the equations by stating how fast the bodies
-part compared with how fast they met. Stacks of balls follow from repeating that one
-law, `collide`.
+The impulse P between the two bodies decides both velocities. The momentum balance does
+not determine P. The coefficient of restitution e does: it is the velocity at which the
+bodies part, divided by the velocity at which they met. `stack_drop` repeats this
+collision, `collide`, for each ball of a stack.
 
-Arguments broadcast as in NumPy; results are floats where every argument is a single
-number. Velocities are positive to the right and body 1 is the left one. Equation
-numbers and problems are those of the textbook section 10.5, "Collisions in 1D".
+Arguments broadcast as in NumPy. Results are floats if every argument is a single
+number. Velocities are positive to the right, and body 1 is the left one. Numbers of
+equations, samples and problems are those of the textbook section 10.5, "Collisions in
+1D".
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ __all__ = [
     "RigidCollision",
     "StackDrop",
     "collide",
-    "contact_mass",
+    "reduced_mass",
     "restitution_from_heights",
     "restitution_from_velocities",
     "stack_drop",
@@ -126,10 +127,11 @@ class StackDrop(NamedTuple):
 
 
 @explain_arguments
-def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
-    """Mass that stands for both bodies in their relative motion.
+def reduced_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
+    """Reduced mass of two bodies, ``mu = m1 m2/(m1 + m2)``.
 
-    ``m_coll = m1 m2/(m1 + m2)``, the reciprocal of the sum of reciprocals.
+    The kinetic energy of their relative motion is ``mu (v1 - v2)^2/2``. Beside a body
+    of infinite mass, mu is the mass of the other one.
 
     Parameters
     ----------
@@ -139,7 +141,7 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     Returns
     -------
     float or array
-        The contact mass; the other mass if one is infinite [kg].
+        The reduced mass mu [kg].
 
     Raises
     ------
@@ -148,7 +150,7 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
 
     Examples
     --------
-    >>> contact_mass(2.0, 6.0), contact_mass(2.0, float("inf"))
+    >>> reduced_mass(2.0, 6.0), reduced_mass(2.0, float("inf"))
     (1.5, 2.0)
     """
     M1, M2 = broadcast_arguments(m1=(m1, *_MASS), m2=(m2, *_MASS))
@@ -160,8 +162,8 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     demand(one_is_finite, "m2", message, M2)
     light = np.minimum(M1, M2)
     heavy = np.maximum(M1, M2)
-    m_coll = light / (1 + light / heavy)
-    return float_or_array(m_coll)
+    mu = light / (1 + light / heavy)
+    return float_or_array(mu)
 
 
 @explain_arguments
@@ -176,11 +178,12 @@ def collide(
 ) -> RigidCollision:
     """Collision of two rigid bodies.
 
-    The centre of mass keeps its velocity, and the relative velocity v2 - v1 turns into
-    -e times itself (eq. 10.56), so that ``P = (1 + e) m_coll (v1 - v2)`` and the energy
-    lost is ``(1 - e^2) m_coll (v1 - v2)^2/2``. With e = 0 the bodies stay together, as
-    when one captures the other; with e = 1 no energy is lost; a negative e lets them
-    pass through each other.
+    The centre of mass keeps its velocity. The relative velocity v2 - v1 is multiplied
+    by -e: this is Newton's law of restitution (the textbook's eq. 10.56). With the
+    reduced mass ``mu = m1 m2/(m1 + m2)``, the impulse is ``P = (1 + e) mu (v1 - v2)``,
+    and the energy lost is ``(1 - e^2) mu (v1 - v2)^2/2``. With e = 0 the bodies stay
+    together, with e = 1 no energy is lost, with a negative e they pass through each
+    other.
 
     Parameters
     ----------
@@ -227,7 +230,7 @@ def collide(
             "allow_energy_release=True if that is meant"
         )
         demand(np.abs(e) <= 1, "restitution", message, e)
-    M = np.asarray(contact_mass(M1, M2))
+    M = np.asarray(reduced_mass(M1, M2))
     mass_fraction_1 = M / M2  # m1/(m1 + m2)
     mass_fraction_2 = M / M1  # m2/(m1 + m2)
     V_cm = mass_fraction_1 * V1 + mass_fraction_2 * V2
@@ -257,10 +260,10 @@ def collide(
 def restitution_from_velocities(
     v1_before: ArrayLike, v2_before: ArrayLike, v1_after: ArrayLike, v2_after: ArrayLike
 ) -> Number:
-    """Coefficient of restitution measured from velocities (eq. 10.56).
+    """Coefficient of restitution from measured velocities.
 
-    ``e = (v2_after - v1_after)/(v1_before - v2_before)``; with abs(e) > 1 energy was
-    released.
+    ``e = (v2_after - v1_after)/(v1_before - v2_before)`` (the textbook's eq. 10.56).
+    With abs(e) > 1 energy was released.
 
     Parameters
     ----------
@@ -346,18 +349,18 @@ def stack_drop(
 ) -> StackDrop:
     """Stack of balls dropped on the floor, which collide one after another.
 
-    The balls fall hardly apart. The bottom ball bounces off the floor, meets the second
-    one, which is still falling, and so on upwards (sample 10.21 and problem 10.5.10).
-    One upward sweep is followed: a ball that comes back to the one below it does not
-    meet it again.
+    The gaps between the falling balls are very small. The bottom ball bounces off the
+    floor and meets the second ball, which is still falling. The second ball then meets
+    the third one, and so on upwards (sample 10.21 and problem 10.5.10). Each pair meets
+    once: later collisions of the same two balls are left out.
 
     Parameters
     ----------
     masses : array, shape (..., balls)
         Finite masses from the bottom to the top [kg].
     restitutions : array, shape (..., balls)
-        Coefficient of restitution of each ball with what is below it, from 0 to 1; the
-        floor's comes first [1].
+        Coefficient of restitution of each ball with the ball below it, from 0 to 1. The
+        first one is that of the bottom ball with the floor [1].
     height : float or array, shape (...)
         Height of the release [m].
     gravity : float or array, shape (...)
@@ -366,7 +369,7 @@ def stack_drop(
     Returns
     -------
     StackDrop
-        Velocities after the sweep, and how high the top ball flies.
+        Velocities after all collisions, and the height that the top ball reaches.
 
     Raises
     ------
@@ -391,8 +394,8 @@ def stack_drop(
     if n_balls != n_restitutions or n_balls == 0:
         raise ValueError(
             f"masses has {n_balls} balls and restitutions {n_restitutions}: give at "
-            "least one ball, and for each ball the restitution with what is below it, "
-            "the floor's first"
+            "least one ball, and for each ball its restitution with the ball below it, "
+            "first that of the bottom ball with the floor"
         )
     drop_speed = np.sqrt(2 * g * h)
     shape = np.broadcast_shapes(M.shape[:-1], e.shape[:-1], drop_speed.shape)

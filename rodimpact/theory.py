@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from .hints import explain_arguments, explain_missing, missing_name
 from .model.arguments import Array, Number, array, broadcast_arguments, float_or_array
-from .rigid import contact_mass
+from .rigid import reduced_mass
 
 __all__ = [
     "PairCollision",
@@ -177,7 +177,7 @@ def saint_venant(
     )
     numbers = pair_numbers(Z1, T1, Z2, T2)
     e = pair_restitution(numbers)
-    m = contact_mass(Z1 * T1, Z2 * T2)
+    m = reduced_mass(Z1 * T1, Z2 * T2)
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
     q = numbers.q
@@ -356,7 +356,7 @@ def mass_on_rod(
     # The fraction of its momentum that the mass hands over
     momentum_fraction = -np.expm1(-2 * mu)
     e = momentum_fraction / mu - 1 + momentum_fraction
-    m = contact_mass(M, rod_mass)
+    m = reduced_mass(M, rod_mass)
     return _collision(
         restitution=e,
         impulse=M * V * momentum_fraction,

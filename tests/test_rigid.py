@@ -129,7 +129,7 @@ def test_arrays_broadcast():
     assert {entry.shape for entry in after} == {(2, 3)}
     drop = rigid.stack_drop(np.ones((3, 2)), [0.9, 0.9], column)
     assert [entry.shape for entry in drop] == [(2, 3, 2), (2, 3)]
-    assert rigid.contact_mass(column, row + 1).shape == (2, 3)
+    assert rigid.reduced_mass(column, row + 1).shape == (2, 3)
 
 
 # Refusals

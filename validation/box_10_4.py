@@ -4,8 +4,8 @@
   rests, the second has its velocity, e = 1, and no vibration is left.
 - A rod on a rigid wall: the same from the wall's side, e = 1.
 - Rods of one material and different lengths: the short rod is left at rest, the long
-  one has the mean velocity (l1/l2) v, so e = l1/l2; the vibration keeps (1 - e^2)
-  m_coll v^2/2.
+  one has the mean velocity (l1/l2) v, so e = l1/l2; the vibration energy is
+  (1 - e^2) mu v^2/2 with the reduced mass mu = m1 m2/(m1 + m2).
 
 Where the text is loose:
 
@@ -116,7 +116,7 @@ def motion_left(solution: ri.Solution, length: float, since: float) -> float:
 
 
 def lost_energy(short: float, long: float) -> float:
-    """Energy that these rods lose to vibration: (1 - e^2) m_coll v^2/2, J."""
+    """Energy that these rods lose to vibration: (1 - e^2) mu v^2/2, J."""
     e = short / long
     m1 = DENSITY * AREA * short
     m2 = DENSITY * AREA * long
@@ -159,7 +159,7 @@ def different_lengths(case: Case, short: float, long: float) -> Rows:
         lost,
         vibration,
         1e-13,
-        source="(1 - e^2) m_coll v^2/2",
+        source="(1 - e^2) mu v^2/2",
     )
     last_force = outcome.contacts[0].last
     yield case.row("force ends at, s", force_end, last_force, 1e-16, detail="2 l1/c")

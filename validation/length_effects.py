@@ -78,7 +78,7 @@ def map_of_pairs() -> Rows:
     yield case.zero("e, largest difference", restitution_error, 1e-11)
     yield case.zero("impulse, largest relative difference", impulse_error, 1e-11)
     yield case.zero(
-        "vibration left - (1 - e^2) m_coll v_rel^2/2, relative to the kinetic energy",
+        "vibration left - (1 - e^2) mu v_rel^2/2, relative to the kinetic energy",
         vibration_error,
         1e-11,
         source="rigid bodies with this e",

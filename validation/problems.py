@@ -54,8 +54,8 @@ def eleven_questions() -> Rows:
     m2 = 2.0
     v2 = 5.0
     impulse = m1 * (v1 - w1)
-    contact_mass = rigid.contact_mass(m1, m2)
-    e = float(impulse / (contact_mass * (v1 - v2)) - 1)  # P = (1 + e) m_coll v_rel
+    reduced_mass = rigid.reduced_mass(m1, m2)
+    e = float(impulse / (reduced_mass * (v1 - v2)) - 1)  # P = (1 + e) mu v_rel
     after = rigid.collide(m1, v1, m2, v2, e)
     momentum_a = m1 * after.velocity_1
     momentum_b = m2 * after.velocity_2
@@ -543,5 +543,5 @@ def largest_loss() -> Rows:
         "energy before - after, largest difference over the energy before",
         loss_error,
         4e-15,
-        detail="(1 - e^2) m_coll (v1 - v2)^2/2",
+        detail="(1 - e^2) mu (v1 - v2)^2/2",
     )

@@ -115,8 +115,8 @@ class Differences(NamedTuple):
     """Differences between rods and the rigid bodies with the rods' e, dimensionless."""
 
     velocity: float  # largest, over the closing speed
-    impulse: float  # over contact mass times closing speed
-    energy: float  # vibration left - energy lost, over m_coll v_rel^2/2
+    impulse: float  # over reduced mass times closing speed
+    energy: float  # vibration left - energy lost, over mu v_rel^2/2
     restitution: float  # the rods' e
 
 
@@ -125,7 +125,7 @@ def differences_of(system: ri.System) -> Differences:
     solution = ri.solve(system)
     outcome = solution.outcome
     body = outcome.as_rigid()
-    mass = rigid.contact_mass(*outcome.masses)
+    mass = rigid.reduced_mass(*outcome.masses)
     closing = -body.relative_velocity_before
     velocity_1 = float(solution.mean_velocity(0, solution.t_end))
     velocity_2 = float(solution.mean_velocity(1, solution.t_end))
@@ -157,12 +157,12 @@ def as_rigid_bodies(kind: str, systems: Iterable[ri.System]) -> Rows:
         "velocity after, over the closing speed, largest difference", velocity, 1e-13
     )
     yield case.zero(
-        "impulse, over contact mass times closing speed, largest difference",
+        "impulse, over reduced mass times closing speed, largest difference",
         impulse,
         1e-13,
     )
     yield case.zero(
-        "vibration left - energy lost, over m_coll v_rel^2/2, largest difference",
+        "vibration left - energy lost, over mu v_rel^2/2, largest difference",
         energy,
         1e-13,
     )

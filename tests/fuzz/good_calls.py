@@ -543,7 +543,7 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "plot.sweep": lambda: {"result": family_result()},
     # closed forms and units
     "rigid.collide": lambda: {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5},
-    "rigid.contact_mass": lambda: {"m1": 1.0, "m2": 2.0},
+    "rigid.reduced_mass": lambda: {"m1": 1.0, "m2": 2.0},
     "rigid.restitution_from_heights": lambda: {"drop": 1.0, "rebound": 0.5},
     "rigid.restitution_from_velocities": lambda: {
         "v1_before": 1.0, "v2_before": 0.0, "v1_after": 0.0, "v2_after": 0.5

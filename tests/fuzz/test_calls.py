@@ -164,7 +164,7 @@ REFUSED = [
         "index: must pick one member",
     ),
     (
-        lambda: ri.rigid.contact_mass([1, 2], [1, 2, 3]),
+        lambda: ri.rigid.reduced_mass([1, 2], [1, 2, 3]),
         "m1 has shape (2,), m2 has shape (3,)",
     ),
     (

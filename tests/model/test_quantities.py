@@ -173,7 +173,7 @@ FIELDS = {
     "samples": (lambda q: ri.Samples([0.0, q]).values[1], "%"),
     "steps": (lambda q: ri.Steps([0.0, q], at=[1.0]).values[1], "%"),
     "places": (lambda q: ri.Steps([0.0, 1.0], at=[q]).at[0], "%"),
-    "rigid.contact_mass": (lambda q: ri.rigid.contact_mass(q, math.inf), "g"),
+    "rigid.reduced_mass": (lambda q: ri.rigid.reduced_mass(q, math.inf), "g"),
     "rigid.collide": (
         lambda q: -ri.rigid.collide(1.0, q, 1.0, 0.0, 1.0).relative_velocity_before,
         "km/s",
@@ -390,7 +390,7 @@ def test_what_has_a_unit_and_does_not_convert_is_refused():
     with pytest.raises(ri.InvalidModel, match=message):
         ri.Rod(Mute(), area=1e-4, material=STEEL)
     with pytest.raises(ValueError, match="m1: must be in a unit that converts to kg"):
-        ri.rigid.contact_mass(Mute(), 1.0)
+        ri.rigid.reduced_mass(Mute(), 1.0)
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
@@ -503,7 +503,7 @@ NO_NUMBERS = {
 }
 TAKERS = {
     "a field": lambda value: ri.RigidMass(1.0, velocity=value),
-    "an argument": lambda value: ri.rigid.contact_mass(value, 1.0),
+    "an argument": lambda value: ri.rigid.reduced_mass(value, 1.0),
     "theory": lambda value: ri.theory.rod_on_wall(value, 1.0, 1.0),
     "steps": lambda value: ri.Steps([0.0, value], at=[1.0]),
 }

@@ -1,0 +1,200 @@
+"""Every file and every name that the manual mentions exists.
+
+Words between backquotes are looked up: names of the package, names of files, commands
+with their options, and, on the page for contributors, every identifier.
+"""
+
+import importlib
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+import rodimpact
+from rodimpact.cli import COMMANDS
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+FOLDERS = ("", "rodimpact", "rodimpact/methods", "docs", "docs/_static", "validation")
+"""Folders from which the manual names files."""
+SUFFIXES = r"py|pyi|md|toml|css|js|cff|html"
+EXAMPLES = {
+    "CASE.toml",
+    "FILE.html",
+    "FILE.toml",
+    "PAGE.html",
+    "box/index.html",
+    "case.toml",
+    "plot/velocities.py",
+    "run.toml",
+    "tests/test_mine.py",
+}
+"""Files that a user makes."""
+OBJECTS = {
+    "solution": rodimpact.Solution,
+    "outcome": rodimpact.Outcome,
+    "result": rodimpact.SweepResult,
+    "plane": rodimpact.Atlas,
+    "fit": rodimpact.Fit,
+    "rod": rodimpact.Rod,
+}
+"""Classes of the variables that the pages use."""
+CONTRIBUTING = (ROOT / "docs" / "contributing.md").read_text("utf-8")
+
+
+def spans(text):
+    """Pieces of code between single backquotes, without blocks and roles."""
+    without_blocks = re.sub(r"```.*?```", "", text, flags=re.S)
+    without_roles = re.sub(r"\{\w+\}`[^`]+`", "", without_blocks)
+    return [" ".join(span.split()) for span in re.findall(r"`([^`]+)`", without_roles)]
+
+
+def attribute_exists(path):
+    """Whether a dotted path of the package leads to something."""
+    thing = rodimpact
+    for name in path.split("."):
+        fields = getattr(thing, "__annotations__", {})
+        if name in fields:
+            return True
+        if not hasattr(thing, name):
+            return is_set_by_constructor(thing, name)
+        thing = getattr(thing, name)
+    return True
+
+
+def is_set_by_constructor(thing, name):
+    """Whether the docstring of a class lists an attribute of this name."""
+    docstring = getattr(thing, "__doc__", None) or ""
+    return (
+        re.search(rf"^    [\w, ]*\b{name}\b[\w, ]*( :|$)", docstring, re.M) is not None
+    )
+
+
+def each_page(find):
+    """Pairs of page and what is found in it."""
+    cases = []
+    for page in PAGES:
+        for found in sorted(set(find(page.read_text("utf-8")))):
+            cases.append(pytest.param(found, id=f"{page.stem}: {found}"[:80]))
+    return cases
+
+
+def names_of_package(text):
+    roles = re.findall(r"\{(?:func|class|meth|mod|attr)\}`[^`<]*?<?~?([\w.]+)>?`", text)
+    names = [role.removeprefix("rodimpact.") for role in roles]
+    for span in spans(text):
+        for path in re.findall(r"\bri\.([A-Za-z_][\w.]*)", span):
+            names.append(path.rstrip("."))
+        named = re.match(r"rodimpact\.([A-Za-z_][\w.]*)", span)
+        if named and not span.endswith((".light", ".dark")):
+            names.append(named[1])
+    return names
+
+
+@pytest.mark.parametrize("path", each_page(names_of_package))
+def test_names_of_the_package_exist(path):
+    assert attribute_exists(path)
+
+
+def attributes_of_objects(text):
+    found = []
+    for span in spans(text):
+        if span.startswith("["):  # a table of a case file
+            continue
+        found += re.findall(rf"\b((?:{'|'.join(OBJECTS)})\.[a-z_]+)", span)
+    return found
+
+
+@pytest.mark.parametrize("path", each_page(attributes_of_objects))
+def test_attributes_of_objects_exist(path):
+    variable, name = path.split(".")
+    kind = OBJECTS[variable]
+    fields = getattr(kind, "__annotations__", {})
+    assert hasattr(kind, name) or name in fields or is_set_by_constructor(kind, name)
+
+
+def files(text):
+    found = []
+    for span in spans(text):
+        if re.fullmatch(rf"[\w./-]+\.({SUFFIXES})|[\w.-]+(/[\w.-]+)*/", span):
+            found.append(span)
+    links = re.findall(r"\]\(([^)#\s]+)", text)
+    found += [link for link in links if "://" not in link]
+    return found
+
+
+@pytest.mark.parametrize("name", each_page(files))
+def test_files_exist(name):
+    if name in EXAMPLES:
+        return
+    assert any((ROOT / folder / name).exists() for folder in FOLDERS)
+
+
+def commands(text):
+    return [span for span in spans(text) if re.match(r"rodimpact( |$)", span)]
+
+
+@pytest.mark.parametrize("span", each_page(commands))
+def test_commands_and_their_options_exist(span, capsys):
+    words = shlex.split(span)[1:]
+    if not words or words[0].startswith("-") or not words[0].isalpha():
+        return
+    if words[0].isupper():  # `rodimpact COMMAND`
+        return
+    assert words[0] in COMMANDS
+    command = importlib.import_module(f"rodimpact.cli.{words[0]}")
+    with pytest.raises(SystemExit):
+        parser_of(command).parse_args(["--help"])
+    text = capsys.readouterr().out
+    for word in words[1:]:
+        if word.startswith("-"):
+            assert word.partition("=")[0] in text
+
+
+def parser_of(command):
+    """Parser of a command."""
+    from rodimpact.cli import _new_parser
+
+    parser = _new_parser(prog="rodimpact", description="")
+    command.add_arguments(parser)
+    return parser
+
+
+def sources():
+    """All text in which a name of the page for contributors may stand."""
+    texts = []
+    for folder in ("rodimpact", "tests", "validation", "docs", ".ci"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            is_source = path.suffix in (".py", ".pyi", ".toml", ".css", ".js", "")
+            if path.is_file() and is_source and path.name != Path(__file__).name:
+                texts.append(path.read_text("utf-8"))
+    for name in ("pyproject.toml", ".git-blame-ignore-revs"):
+        texts.append((ROOT / name).read_text("utf-8"))
+    return "\n".join(texts)
+
+
+def test_identifiers_on_the_page_for_contributors_stand_in_the_sources():
+    words = set(re.findall(r"\w+", sources()))
+    unknown = []
+    for span in spans(CONTRIBUTING):
+        if re.match(r"(git|npx|pytest|rodimpact|python|grep|pip|playwright|\.)", span):
+            continue
+        if "*" in span or span in files(CONTRIBUTING):
+            continue
+        for identifier in re.findall(r"[A-Za-z_]\w{2,}", span):
+            if identifier not in words:
+                unknown.append(identifier)
+    assert unknown == []
+
+
+def test_the_table_of_files_names_modules_of_the_methods():
+    table = CONTRIBUTING.partition("Within `methods/`:")[2].partition("\n\n`ri.solve`")[
+        0
+    ]
+    rows = re.findall(r"^\| (`.*?) \|", table, re.M)
+    assert len(rows) > 5
+    for row in rows:
+        for name in re.findall(r"`(\w+)/?`", row):
+            path = ROOT / "rodimpact" / "methods" / name
+            assert path.is_dir() or path.with_suffix(".py").exists(), name

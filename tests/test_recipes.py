@@ -1,0 +1,343 @@
+"""The recipes of docs/contributing.md, carried out in a copy of the package.
+
+Each recipe touches the files that the table names, and no others but lists of tests; then
+the new thing works, and the tests that list all such things pass.
+"""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "contributing.md").read_text("utf-8")
+FOLDERS = ("rodimpact", "docs", "tests", "validation")
+FILES = ("README.md", "pyproject.toml")
+LISTS = (
+    "tests/test_documentation.py::test_the_manual_lists_every_public_name",
+    "tests/test_documentation.py::test_every_public_name_has_an_example",
+    "tests/fuzz/test_calls.py::test_every_public_name_has_good_arguments",
+    "tests/test_layers.py",
+)
+"""Tests that look at every public name."""
+
+NEW_FILE = ""
+"""Text in place of which a whole file is written."""
+
+UNIT = {
+    "units.py": [('"ft": "0.3048",', '"ft": "0.3048",\n        "yd": "0.9144",')],
+}
+CLOSED_FORM = {
+    "theory.py": [
+        ('    "rod_on_wall",\n', '    "first_force",\n    "rod_on_wall",\n'),
+        (
+            "@explain_arguments\ndef mass_on_rod(",
+            '''@explain_arguments
+def first_force(
+    impedance_1: ArrayLike, impedance_2: ArrayLike, closing_speed: ArrayLike
+) -> Number:
+    """Force of two rods that have just met, F = V Z1 Z2/(Z1 + Z2).
+
+    Parameters
+    ----------
+    impedance_1, impedance_2 : float or array
+        Impedances of the rods [kg/s].
+    closing_speed : float or array
+        Speed at which the rods approach each other [m/s].
+
+    Returns
+    -------
+    float or array
+        The force [N].
+
+    Examples
+    --------
+    >>> first_force(2.0, 2.0, 3.0)
+    3.0
+    """
+    Z1, Z2, V = _checked(
+        impedance_1=impedance_1, impedance_2=impedance_2, closing_speed=closing_speed
+    )
+    return float_or_array(V * Z1 * Z2 / (Z1 + Z2))
+
+
+@explain_arguments
+def mass_on_rod(''',
+        ),
+    ],
+    "docs/api.md": [
+        ("   theory.rod_on_wall\n", "   theory.rod_on_wall\n   theory.first_force\n")
+    ],
+    "tests/fuzz/good_calls.py": [
+        (
+            '    "theory.mass_on_rod"',
+            '    "theory.first_force": lambda: {\n'
+            '        "impedance_1": 1.0, "impedance_2": 1.0, "closing_speed": 1.0\n'
+            '    },\n    "theory.mass_on_rod"',
+        )
+    ],
+}
+FIGURE = {
+    "plot/velocities.py": [
+        (
+            NEW_FILE,
+            '''"""Velocities of the centres of mass over time."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..results.solution import Solution, check_solution
+from .panels import Draft, Picture, axes_or_new, finish, format_axes
+from .scales import time_scale
+from .style import styled
+
+
+@styled
+def velocities(solution: Solution, ax: Axes | None = None) -> Picture:
+    """Draw the velocity of each body over time.
+
+    Parameters
+    ----------
+    solution : Solution
+    ax : Axes, optional
+        By default a new figure is made.
+
+    Returns
+    -------
+    Picture
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> picture = ri.plot.velocities(ri.solve(ri.System([rod, ri.Wall()])))
+    >>> picture.ax.get_ylabel()
+    'velocity (m/s)'
+    """
+    check_solution(solution)
+    ax = axes_or_new(ax, 5.6, 3.2)
+    time = time_scale(solution.t_end)
+
+    # What is measured.
+    times = np.linspace(0.0, solution.t_end, 200)
+
+    # What is drawn.
+    curves = []
+    for body in range(len(solution.system.bodies)):
+        velocity = solution.mean_velocity(body, times)
+        curves += ax.plot(times * time.factor, velocity)
+    format_axes(ax, xlabel=time.label, ylabel="velocity (m/s)")
+    return finish(Draft(Picture(ax=ax, curves=curves), lambda: None))
+''',
+        )
+    ],
+    "plot/__init__.py": [
+        (
+            "from .style import look",
+            "from .style import look\nfrom .velocities import velocities",
+        ),
+        ('    "sweep",\n]', '    "sweep",\n    "velocities",\n]'),
+    ],
+    "docs/api.md": [("   plot.energy\n", "   plot.energy\n   plot.velocities\n")],
+    "tests/fuzz/good_calls.py": [
+        (
+            '    "plot.energy"',
+            '    "plot.velocities": lambda: {"solution": exact_solution()},\n    "plot.energy"',
+        )
+    ],
+    "tests/plot/test_plot_labels.py": [
+        (
+            '    "energy": plot.energy,',
+            '    "velocities": plot.velocities,\n    "energy": plot.energy,',
+        )
+    ],
+}
+LAW = {
+    "model/laws.py": [
+        (
+            "class SpringDashpot(_Linear",
+            '''class Bumper(_Linear, law="bumper"):
+    """A bumper: F = k d.
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m.
+
+    Examples
+    --------
+    >>> Bumper(stiffness=1e8)
+    Bumper(stiffness=100000000.0)
+    """
+
+    acts_as = "spring"
+    fills_link = ("stiffness",)
+    stiffness: Numeric = quantity("N/m", "positive")
+
+
+class SpringDashpot(_Linear''',
+        ),
+        ("    | Tabulated\n", "    | Tabulated\n    | Bumper\n"),
+    ],
+    "__init__.pyi": [
+        (
+            "from .model.laws import Cushion",
+            "from .model.laws import Bumper as Bumper\nfrom .model.laws import Cushion",
+        )
+    ],
+    "docs/api.md": [("   Cushion\n", "   Cushion\n   Bumper\n")],
+    "docs/input.md": [
+        (
+            '### `[ends.SIDE] kind = "free"`',
+            """### `[[contacts]] law = "bumper"`
+
+A bumper: F = k d. See {class}`rodimpact.Bumper`.
+
+| key | unit | takes | default |
+|---|---|---|---|
+| `stiffness` | N/m | > 0 | required |
+
+```toml
+[[contacts]]
+law = "bumper"
+stiffness = "20 kN/mm"
+```
+
+### `[ends.SIDE] kind = "free"`""",
+        )
+    ],
+    "tests/model/test_laws.py": [
+        ("    ri.Bonded(),\n", "    ri.Bonded(),\n    ri.Bumper(stiffness=1e6),\n"),
+        ("cushion tabulated", "cushion tabulated bumper"),
+    ],
+    "tests/model/test_quantities.py": [
+        ("    ri.Joint(1.0),\n", "    ri.Joint(1.0),\n    ri.Bumper(1.0),\n")
+    ],
+    "tests/storage/test_round_trip.py": [
+        (
+            '    "cushion": st',
+            '    "bumper": st.builds(ri.Bumper, sizes()),\n    "cushion": st',
+        )
+    ],
+    "tests/fuzz/good_calls.py": [
+        (
+            '    "Cushion": [',
+            '    "Bumper": [lambda: ri.Bumper(1e8)],\n    "Cushion": [',
+        ),
+        (
+            '    "Cushion": lambda',
+            '    "Bumper": lambda: {"stiffness": 1e8},\n    "Cushion": lambda',
+        ),
+        ('"Yielding", "SmithToe",', '"Yielding", "Bumper", "SmithToe",'),
+    ],
+}
+RECIPES = [
+    pytest.param(
+        "a unit",
+        UNIT,
+        "assert ri.units.parse('2 yd', 'length') == 1.8288\n"
+        "case = ri.format_case(ri.System([ri.RigidMass(1.0)]))\n",
+        (),
+        id="unit",
+    ),
+    pytest.param(
+        "a closed form",
+        CLOSED_FORM,
+        "assert ri.theory.first_force(1.0, 1.0, [2.0, 4.0]).tolist() == [1.0, 2.0]\n",
+        (*LISTS, "tests/test_documentation.py::test_examples_in_docstrings[theory]"),
+        id="closed form",
+        marks=pytest.mark.exhaustive,
+    ),
+    pytest.param(
+        "a figure",
+        FIGURE,
+        "rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)\n"
+        "picture = ri.plot.velocities(ri.solve(ri.System([rod, ri.Wall()])))\n"
+        "ri.plot.save(picture, 'velocities.png')\n",
+        (*LISTS, "tests/plot/test_plot_labels.py"),
+        id="figure",
+        marks=pytest.mark.exhaustive,
+    ),
+    pytest.param(
+        "a contact law that acts as one that is there",
+        LAW,
+        "rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)\n"
+        "results = []\n"
+        "for law in (ri.Bumper(1e8), ri.Spring(1e8)):\n"
+        "    system = ri.System([rod, ri.Wall()], contacts=[law])\n"
+        "    assert ri.parse_case(ri.format_case(system)).system == system\n"
+        "    results.append(ri.solve(system).outcome.velocities_after)\n"
+        "assert results[0] == results[1]\n",
+        (
+            *LISTS,
+            "tests/test_documentation.py::test_examples_in_docstrings[model]",
+            "tests/model/test_laws.py",
+            "tests/model/test_quantities.py",
+            "tests/storage/test_round_trip.py",
+            "tests/storage/test_case_keys.py",
+        ),
+        id="law",
+        marks=pytest.mark.exhaustive,
+    ),
+]
+
+
+def files_named_by(what):
+    """Files that the table of the page names for a new thing of this kind."""
+    row = re.search(rf"^\| {re.escape(what)} \| (\d+) \| (.*) \|$", PAGE, re.M)
+    files = re.findall(r"`([^`]+)`", row[2])
+    assert len(files) == int(row[1])
+    return set(files)
+
+
+def place_of(name):
+    """Path of a file of a recipe; those of the package are named without its folder."""
+    if name.startswith(("docs/", "tests/")):
+        return name
+    return f"rodimpact/{name}"
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A copy of the package with its manual and tests, without compiled code."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    for folder in FOLDERS:
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=ignored)
+    for file in FILES:
+        shutil.copy(ROOT / file, tmp_path)
+    return tmp_path
+
+
+def run_in(folder, *arguments):
+    """Run Python on the package in a folder; the result must be a success."""
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env={"PYTHONPATH": str(folder), "PATH": "", "HOME": str(folder)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+
+
+@pytest.mark.parametrize(("what", "edits", "program", "tests"), RECIPES)
+def test_a_recipe_gives_what_it_says(what, edits, program, tests, copy):
+    of_package = {name for name in edits if not name.startswith("tests/")}
+    assert of_package == files_named_by(what)
+    for name in edits:
+        if name.startswith("tests/"):
+            assert f"`{name}`" in PAGE, "the page names the lists of tests"
+        path = copy / place_of(name)
+        for before, after in edits[name]:
+            if before == NEW_FILE:
+                path.write_text(after, "utf-8")
+                continue
+            text = path.read_text("utf-8")
+            assert before in text, name
+            path.write_text(text.replace(before, after, 1), "utf-8")
+    run_in(copy, "-c", f"import rodimpact as ri\n{program}")
+    if tests:
+        run_in(copy, "-m", "pytest", "-n0", "-q", "-p", "no:cacheprovider", *tests)
