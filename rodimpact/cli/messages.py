@@ -60,9 +60,6 @@ PHRASES = {
     r"give youngs_modulus=": "give the bar youngs_modulus = ",
     r'save\("run\.toml"\)': "rodimpact run --save run.toml",
     r"solve its system again, and": "solve its case again by",
-    r", and write the text rodimpact\.write_case\(solution\.system\) to a file": (
-        ", and save its system as a case file"
-    ),
 }
 """What the command line says in place of calls of Python, by a pattern of their text."""
 
