@@ -33,7 +33,7 @@ Needs = list[tuple[str, str]]
 
 
 def needs(system: model.System) -> Needs:
-    """Path and name of all the physics of a system that not every method has."""
+    """List all physics of a system that not every method has: path and name of each."""
     physics: Needs = []
     if not vanishes(system.gravity):
         physics.append(("gravity", GRAVITY))
@@ -56,7 +56,7 @@ def needs(system: model.System) -> Needs:
 
 
 def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
-    """Path and name of the physics of a rod that not every method has."""
+    """List all physics of a rod at this path that not every method has: path and name of each."""
     physics: Needs = []
     if rod.shaft is not None:
         along = SOIL

@@ -57,7 +57,10 @@ class Batch(Generic[StateT]):
         return kernel(self.state)
 
     def choose_form(self, seconds: float) -> None:
-        """Go on in machine code if that pays for so many seconds in plain Python, else in that."""
+        """Bring the state to the form in which so many seconds in plain Python take less time.
+
+        These are arrays for machine code, or lists for plain Python.
+        """
         is_compiled = compiling.can_be(self.user_laws)
         is_compiled = is_compiled and kernels.worth_compiling(seconds, self.kernel)
         if is_compiled and not self.is_compiled:
@@ -66,13 +69,13 @@ class Batch(Generic[StateT]):
             self.to_lists()
 
     def to_arrays(self) -> None:
-        """Go on in machine code."""
+        """Make arrays of all fields of the state: from now on machine code runs on them."""
         arrays = {name: self.array(name) for name in self.state._fields}
         self.state = type(self.state)(**arrays)
         self.is_compiled = True
 
     def to_lists(self) -> None:
-        """Go on in plain Python."""
+        """Make lists of all fields of the state: from now on plain Python runs on them."""
         lists = {name: self.objects(name) for name in self.state._fields}
         self.state = type(self.state)(**lists)
         self.is_compiled = False
@@ -98,7 +101,7 @@ class Batch(Generic[StateT]):
         return objects
 
     def lengthen(self, *names: str) -> None:
-        """Make room for more records in these fields."""
+        """Make these fields of the state longer; their new records are not set yet."""
         longer = {}
         for name in names:
             longer[name] = lengthened(

@@ -1,5 +1,8 @@
 """The clock of a row: how time and velocities are measured, in whole ticks and in a moving frame.
 
+Lists by segment are of two kinds: `transits` has the segments alone, from 0 on; those "with the
+outside" have an entry for what lies left of the row in front, and one for what lies right behind.
+
 One class serves all methods, fields and the page. In a family its numbers are arrays.
 """
 
@@ -79,17 +82,17 @@ class Clock:
 
     @cached_property
     def ticks(self) -> list[int]:
-        """Transit times by segment with the outside, which has none."""
+        """Transit times by segment with the outside, ticks; 0 outside."""
         return [0, *self.transits, 0]
 
     @cached_property
     def wave_speed(self) -> list[float]:
-        """Wave speeds by segment with the outside, m/s."""
+        """Wave speeds by segment with the outside, m/s; 0 outside."""
         return [0.0, *(float(s.wave_speed) for s in self.row.segments), 0.0]
 
     @cached_property
     def length(self) -> list[float]:
-        """Lengths by segment with the outside, m."""
+        """Lengths by segment with the outside, m; 0 outside."""
         return [0.0, *(float(s.length) for s in self.row.segments), 0.0]
 
     @property
@@ -108,7 +111,10 @@ class Clock:
 
 
 def mass_of(clock: Clock, body: int) -> float:
-    """Mass of a rod with the transit times in use, kg; the page has this as JavaScript."""
+    """Mass of a rod with the transit times in use, kg: the sum of impedance times transit time.
+
+    The page has this as JavaScript.
+    """
     first, last = clock.row.spans[body]
     mass_in_ticks: float = 0
     for s in range(first, last + 1):
@@ -171,7 +177,7 @@ def crossing_time_of(row: Any) -> Any:
 
 
 def flight_time_of(row: Any, scale: Any) -> Any:
-    """Time to cross all gaps at the velocity scale, s."""
+    """Time to cross all gaps, one after the other, at the velocity scale, m/s; s."""
     flight_length = 0.0
     for link in row.links:
         flight_length = flight_length + np.maximum(link.gap, 0.0)
@@ -181,9 +187,10 @@ def flight_time_of(row: Any, scale: Any) -> Any:
 def count_ticks(
     durations: list[float], longest: float, end: float
 ) -> tuple[int, list[int]]:
-    """Ticks of the longest transit and of all durations of one member.
+    """Ticks of the longest transit, and of all durations, on the clock of one member.
 
-    There are none if the clock cannot count to the end.
+    `durations` and the `longest` transit are times, s; the clock must count to `end`, s. If it
+    cannot, 0 and an empty list are returned.
     """
     bits = rule.clock_bits(end / longest)
     if bits < rule.MIN_TRANSIT_BITS:
@@ -198,12 +205,13 @@ def count_ticks(
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
-    """Largest relative change of a transit time on the clock, and its path.
+    """Largest relative change of a transit time on the clock, and the path of its segment.
 
-    The page has this as JavaScript.
+    `ticks` are the transit times by segment, on a clock of this `tick`, s. The page has this as
+    JavaScript.
     """
     error = 0.0
-    worst = 0
+    worst = 0  # segment counted from 1; `paths` has "" for 0
     if len(row.segments) > 0:
         worst = 1
     for s, segment in enumerate(row.segments):

@@ -33,7 +33,10 @@ def family_columns(
     final: Any,
     status: Ints,
 ) -> Columns:
-    """Columns that every family has.
+    """Columns that every family has: restitution, vibration, final, status, and those by number.
+
+    Velocities after have the number of the body, such as "velocity_after.0", totals of contacts
+    that of the contact.
 
     Parameters
     ----------
@@ -71,7 +74,11 @@ def family_columns(
 
 
 def status_column(refused: Any, final: Any, capped: Any, until: float | None) -> Ints:
-    """Place in `STOPPED_BY` of each member: it was refused, is final, or had too many events."""
+    """Place in `STOPPED_BY` of each member, [member].
+
+    It was refused, is final in a run without a given end, or met the cap on events; else it ran to
+    `until`, or to the end of the clock. The first three are arrays of bool.
+    """
     reasons = {
         "refused": refused,
         "final": final & (until is None),

@@ -23,7 +23,10 @@ def unilateral(system: Any) -> list[int]:
 
 
 def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
-    """Velocities of the walls and fixed ends that hold a group, from left to right."""
+    """Velocities of the walls and fixed ends that hold a group, from left to right, m/s.
+
+    `group` has the numbers of its bodies; there are two velocities at most.
+    """
     velocities: list[Any] = []
     for side, i in enumerate([0, len(system.bodies) - 1]):
         if i in group and system.bodies[i].kind == "wall":
@@ -36,7 +39,7 @@ def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
 def velocities_in_group(
     system: Any, group: list[int], inside: list[int], mean: Any
 ) -> list[Any]:
-    """Velocities of bodies bonded together: that of the wall that holds them, or their mean.
+    """Velocities of the bodies of a group, m/s: that of the wall that holds them, or their mean.
 
     Between two walls of different velocities a group has its mean velocity: it swings about none.
 
@@ -57,7 +60,7 @@ def velocities_in_group(
         moving = inside
     shared = anchors[0]
     if len(anchors) == 2:
-        # adding 0 makes a number of an array of no dimension
+        # Adding 0 makes a number of an array of no dimension.
         shared = np.where(anchors[0] == anchors[1], anchors[0], mean) + 0.0
     velocities = []
     for i in group:
@@ -82,12 +85,15 @@ def movable(system: System) -> list[int]:
 
 
 def without_walls(system: Any, group: list[int]) -> list[int]:
-    """The bodies of a group that are no walls."""
+    """Numbers of the bodies of a group that are no walls."""
     return [i for i in group if system.bodies[i].kind != "wall"]
 
 
 def body_velocities(system: Any, means: list[Any]) -> list[Any]:
-    """Velocities of the bodies, m/s: the mean of their group, or that of its wall."""
+    """Velocities of all bodies, m/s: the mean of their group, or that of the wall that holds it.
+
+    `means` has the mean velocity of each group, m/s.
+    """
     velocities = []
     for g, group in enumerate(groups(system)):
         inside = without_walls(system, group)
@@ -115,17 +121,22 @@ def segments_of_groups(system: Any, spans: Any) -> list[int]:
 
 
 def fill_bonds(
-    system: System, forces: list[Any], spent: Callable[[int], Any], pushed: Any
+    system: System,
+    forces: list[Any],
+    inertia_force: Callable[[int], Any],
+    pushed: Any,
 ) -> list[Any]:
-    """Fill in the forces between bonded rigid bodies, from Newton's law for one after the other.
+    """Return the forces of all contacts, also those between bonded rigid bodies.
+
+    By Newton's law the force on the right of a rigid body is that on its left less m dv/dt.
 
     Parameters
     ----------
     system : System
     forces : list of signals
         By contact; None between rigid bodies.
-    spent : function
-        Mass times acceleration of a body.
+    inertia_force : function
+        Mass times acceleration of the body of this number.
     pushed : signal
         Force of what is outside the left end.
     """
@@ -136,9 +147,9 @@ def fill_bonds(
     if isinstance(system.bodies[0], Wall) and False in is_rigid:
         first = is_rigid.index(False)
     for k in range(first - 1, -1, -1):
-        filled[k] = filled[k + 1] + spent(k + 1)
+        filled[k] = filled[k + 1] + inertia_force(k + 1)
     for k in range(first, len(filled)):
         if is_rigid[k]:
             from_left = filled[k - 1] if k > 0 else pushed
-            filled[k] = from_left - spent(k)
+            filled[k] = from_left - inertia_force(k)
     return filled

@@ -17,7 +17,7 @@ from .compiling import ONE_AT_A_TIME, Kernel, compiled
 
 __all__ = ["Kernel", "compiled"]
 
-# Costs, s of processor time
+# Processor times, s
 STARTING = 0.4  # numba starts
 LOADING = 0.1  # machine code is read from disk
 COMPILING = 3.0
@@ -89,7 +89,10 @@ _ready: set[Kernel] = set()  # paid for by this process
 
 
 def _pays(seconds: float, kernel: Kernel) -> bool:
-    """Whether machine code of a kernel costs less than so many seconds."""
+    """Whether machine code of a kernel costs less than so many seconds, at least in the long run.
+
+    Who waits for it to be compiled is told.
+    """
     price = LOADING
     if not _ready:
         price = STARTING + LOADING
@@ -105,15 +108,19 @@ def _pays(seconds: float, kernel: Kernel) -> bool:
 
 def why_not() -> str:
     """Why nothing is compiled; empty if it can be, which is known once numba has started."""
-    return _fault() if _asked_for() else "disabled by NUMBA_DISABLE_JIT"
+    if not _asked_for():
+        return "disabled by NUMBA_DISABLE_JIT"
+    return _fault()
 
 
 def _asked_for() -> bool:
+    """Whether NUMBA_DISABLE_JIT does not say no."""
     return os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
 
 
 @functools.cache
 def _fault() -> str:
+    """Why numba does not start, with a remedy; empty if it does."""
     if not importlib.util.find_spec("numba"):
         return "numba is not installed"
     try:
@@ -133,7 +140,7 @@ def _fault() -> str:
 
 @functools.cache  # once is enough
 def _tell(reason: str) -> None:
-    """Tell why nothing is compiled, or else who waits that it takes time, but not a file."""
+    """Warn why nothing is compiled; without a reason, tell a terminal that compiling takes time."""
     if reason:
         message = f"{reason}; long runs go in plain Python, some fifty times slower"
         warnings.warn(message, NoCompiler, stacklevel=2)

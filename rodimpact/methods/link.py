@@ -82,7 +82,7 @@ def link_of_contact(law: Any, gap: Any) -> Any:
 
 
 def in_steps(links: Any, step: float) -> dict[str, Any]:
-    """Numbers of links that change where time is counted in steps of so many seconds.
+    """Fields of links that change where time is counted in steps, by name; `step` in s.
 
     Velocities stay in m/s, so that lengths d become x = d/step, m/s; forces stay in N. A number c
     of a force c d^q d' becomes c step^q.
@@ -94,7 +94,7 @@ def in_steps(links: Any, step: float) -> dict[str, Any]:
 
 
 def initial_gap(link: Any) -> Any:
-    """Gap of a contact or stretch of a joint at t = 0, m."""
+    """Gap of a contact, or stretch of a joint, at t = 0, m; below 0 an overlap."""
     if link.law == Law.JOINT:
         return link.stretch
     return link.gap

@@ -22,7 +22,7 @@ _thread = threading.local()  # its `share`, bytes, and whether it `has_turn`
 
 
 def _new_turns() -> None:
-    """In a forked child: the thread whose turn it was is not there."""
+    """Begin turns anew in a forked child, where the thread whose turn it was is missing."""
     global _turn
     _turn = threading.Lock()
     _thread.has_turn = False
@@ -50,16 +50,19 @@ def max_numbers() -> float:
 
 
 def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
-    """Raise TooLong where so many numbers of 8 bytes are too much.
+    """Raise TooLong where so many numbers of 8 bytes are too much; wait if they are a large share.
+
+    A thread that is limited to a share, see `limit_to_share`, waits here for its turn.
 
     Parameters
     ----------
     numbers : float
     field : str
-        To be changed.
+        Path of the error: the argument that is to be changed.
     work : str
-        What takes the memory.
+        What takes the memory, for the message.
     remedy : str
+        Advice, for the message.
 
     Raises
     ------
@@ -100,7 +103,7 @@ def limit_to_share(threads: int) -> None:
 
 
 def give_back() -> None:
-    """Let another thread take more than its share."""
+    """End the turn of this thread, if it has it: another may take more than its share."""
     if getattr(_thread, "has_turn", False):
         _thread.has_turn = False
         _turn.release()

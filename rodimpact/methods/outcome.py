@@ -64,7 +64,7 @@ class Totals(NamedTuple):
 
 
 def relative_residual(missing: float, scale: float) -> float:
-    """What is missing in a balance, relative to what took part in it; 0 where nothing did."""
+    """What is missing in a balance over what took part in it, `scale`; 0 where nothing did."""
     if scale > 0:
         return missing / scale
     return 0.0

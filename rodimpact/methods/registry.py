@@ -61,7 +61,7 @@ class Method(NamedTuple):
     also: tuple[str, ...] = ()
 
     def lacking(self, needs: Needs) -> Needs:
-        """What of these the method cannot do."""
+        """Those of these needs, path and name of physics, that the method lacks."""
         return [need for need in needs if need[1] in self.lacks]
 
 
@@ -254,13 +254,16 @@ class Options(FrozenDataclass):
         return run
 
     def _first_of(self, capable: list[str]) -> str:
-        """The first of some methods; if an accuracy is asked for, the first that has one."""
+        """The first of these methods; with `rtol`, the first that takes it."""
         if self.rtol is None:
             return capable[0]
         return next(name for name in capable if "rtol" in METHODS[name].takes)
 
     def _why(self, method: str, system: System) -> str:
-        """Sentence on what keeps a system from a faster method, if single entries do."""
+        """Sentence on what keeps a system from a faster method, if single entries do, else "".
+
+        Single entries switch on one of `abilities.SINGLE`.
+        """
         needs = abilities.needs(system)
         of_many = [need for need in needs if need[1] not in abilities.SINGLE]
         faster = self._first_of(capable_of(of_many))
@@ -278,19 +281,19 @@ class Options(FrozenDataclass):
 
 
 def capable_of(needs: Needs) -> list[str]:
-    """Names of the methods that have some physics."""
+    """Names of the methods that lack none of these needs, the fastest first."""
     return [name for name, method in METHODS.items() if not method.lacking(needs)]
 
 
 def _takers(option: str) -> str:
-    """Methods that take an option."""
+    """Names of the methods that take an option, for a message."""
     return " or ".join(
         f'"{name}"' for name, method in METHODS.items() if option in method.takes
     )
 
 
 def count(problems: Problems, name: str, value: Any) -> int:
-    """A positive whole number; 0 and a problem if it is none."""
+    """Return an option as a positive whole number; if it is none, note a problem and return 0."""
     counted = 0
     if is_integer(value):
         counted = int(value)
@@ -306,7 +309,7 @@ def count(problems: Problems, name: str, value: Any) -> int:
 
 
 def check_function(problems: Problems, name: str, value: Any) -> None:
-    """Note what cannot be called, if it is given."""
+    """Note a problem if a value is given that cannot be called."""
     if value is not None and not is_function(value):
         problems.append((name, f"must be a function, got {shown(value)}"))
 
@@ -314,7 +317,10 @@ def check_function(problems: Problems, name: str, value: Any) -> None:
 def _snapshots(
     problems: Problems, value: Any, until: float | None
 ) -> int | tuple[float, ...]:
-    """Number of states to keep, or their times, s; 0 and a problem if it is neither."""
+    """Return `snapshots` as a number of states or as their times, s.
+
+    If it is neither, note the problem, and return 0.
+    """
     number = count([], "snapshots", value)
     if number > 0:
         return number

@@ -71,7 +71,7 @@ class Row:
         return math.prod(self.system.shape)
 
     def of(self, value: Any) -> Array:
-        """A number for each member, [member] in C order."""
+        """`value`, a number or an array, as a number for each member, [member] in C order."""
         return np.array(np.broadcast_to(value, self.system.shape), dtype=float).ravel()
 
     @cached_property
@@ -104,13 +104,13 @@ class Row:
 
     @cached_property
     def by_law(self) -> dict[int, int]:
-        """Links of the contacts whose force follows from a law, all but the bonded, by contact."""
+        """Link of each contact that is not bonded, by contact: its force follows from a law."""
         links = {k: i for k, i in enumerate(self.contact_link) if i >= 0}
         return {k: i for k, i in links.items() if self.links[i].law > Law.BOND}
 
     @cached_property
     def unilateral_links(self) -> dict[int, int]:
-        """Links of the contacts that can open, by contact."""
+        """Link of each contact that can open, by contact."""
         return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 
     def boundary_name(self, side: int) -> str:
@@ -127,7 +127,7 @@ class Row:
 
 
 def squeezed(seconds: float) -> InvalidModel:
-    """What to raise where a rigid mass cannot move."""
+    """The error to raise where walls squeeze a rigid mass at this time."""
     message = (
         f"two walls squeeze a rigid mass at {seconds:.6g} s; give one of its contacts a compliant "
         "law"

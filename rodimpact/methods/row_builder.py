@@ -45,6 +45,7 @@ def build_row(system: Any) -> Row:
         add_end(row, 1, system.ends[1])
     row.first.append(len(row.masses))
     for i, body in enumerate(bodies):
+        # Numbers behind those of the masses stand for the left wall, and then for the right one.
         if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
             row.mass_of[i] = len(row.masses)
             if any(rods[:i]):  # the right wall
@@ -79,7 +80,10 @@ def split_at(cuts: list[bool]) -> list[list[int]]:
 
 
 def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
-    """Add a block of rigid bodies: one mass, or what stands outside if there is a wall in it."""
+    """Add a block of rigid bodies to a row: one mass, or the outside if there is a wall in it.
+
+    `block` has the numbers of its bodies. Their common velocity is momentum over mass.
+    """
     row.contact_link.extend([-1 for _ in block[1:]])
     row.spans.extend([(1, 0) for _ in block])
     walls = [i for i in block if bodies[i].kind == "wall"]
@@ -105,7 +109,7 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
 
 
 def add_rod(row: Row, path: str, rod: Any) -> None:
-    """Add the segments of a rod, bonded to each other."""
+    """Add a rod, whose path is `path`, to a row: its segments, bonded to each other."""
     row.mass_of.append(-1)
     count = len(rod.segments)
     row.spans.append((len(row.segments) + 1, len(row.segments) + count))
@@ -121,7 +125,7 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
 
 
 def add_end(row: Row, side: int, end: Any) -> None:
-    """Add the link at an end of the row."""
+    """Add the link at the left (side 0) or right (1) end of a row, and what acts there."""
     kind = BOUNDARIES[end.kind]
     value = 0.0
     if end.kind in DRIVEN:

@@ -36,7 +36,10 @@ largest stated relative error of velocities, impulses and peak forces."""
 
 
 def largest_error(accuracy: Mapping[str, float]) -> float:
-    """Largest stated error, but for times, which may hang on faint forces; 0 without any."""
+    """Largest stated error of velocities, impulses and peak forces; 0 if none is stated.
+
+    Those of durations and times do not count, as they may hang on faint forces.
+    """
     return max((accuracy.get(name, 0.0) for name in MEASURES[:3]), default=0.0)
 
 
@@ -73,7 +76,11 @@ class Episode(NamedTuple):
 
 
 def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
-    """Episodes with force, from when a contact took on each `Status`; `tick` in s."""
+    """Episodes with force, from the changes of a contact in order of time.
+
+    At each of the `ticks` the contact takes on a `Status`: PRESS, GRAZE or OPEN. `tick` is the
+    duration of a tick, s.
+    """
     episodes: list[Episode] = []
     start = math.nan  # nan while no episode is under way
     force_end = math.nan  # nan while the contact presses
@@ -303,7 +310,7 @@ class Run:
 
     @property
     def system(self) -> System:
-        """What was run."""
+        """The system that was run."""
         return self.clock.system
 
     @property
@@ -313,7 +320,7 @@ class Run:
 
     @cached_property
     def signals(self) -> Signals:
-        """All that is known of the motion."""
+        """All signals of the run, made when they are first asked for."""
         signals = self.make_signals()
         # From now on the same signals are handed out, so the records behind them may go.
         object.__setattr__(self, "make_signals", signals._replace)

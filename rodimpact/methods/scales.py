@@ -21,7 +21,7 @@ LARGEST_STIFFNESS = 2.0**80
 
 
 def largest(values: Any) -> Any:
-    """Largest of some numbers, for each member of a family."""
+    """Largest of some numbers; for each member, if any of them is an array of a family."""
     result = values[0]
     for value in values[1:]:
         if isinstance(value, float) and isinstance(result, float):
@@ -32,12 +32,12 @@ def largest(values: Any) -> Any:
 
 
 def smallest(values: Any) -> Any:
-    """Smallest of some numbers, for each member of a family."""
+    """Smallest of some numbers; for each member, if any of them is an array of a family."""
     return -largest([-value for value in values])
 
 
 def velocities_of(row: Any) -> list[Any]:
-    """Velocities of all that moves at t = 0 or is moved, m/s."""
+    """Velocities of all that moves at t = 0 or is moved, m/s: extremes, where they vary."""
     velocities = [*row.mass_velocity]
     for body in row.system.bodies:
         if body.kind != "mass":
@@ -49,7 +49,7 @@ def velocities_of(row: Any) -> list[Any]:
 
 
 def frame_of(row: Any) -> Any:
-    """Velocity of the frame, m/s: that of the walls, else the middle of all velocities."""
+    """Velocity of the frame, m/s: the mean of the walls, else the middle of all velocities."""
     walls = [body.velocity for body in row.system.bodies if body.kind == "wall"]
     if len(walls) == 0:
         velocities = velocities_of(row)
@@ -58,13 +58,16 @@ def frame_of(row: Any) -> Any:
 
 
 def wave_of_strain(row: Any, side: int) -> Any:
-    """The wave that comes in through an end is this, m/s, times its strain."""
+    """Wave, m/s, over strain of a wave that comes in through the left (0) or right (1) end.
+
+    A wave alone has v = -c strain to the right and c strain to the left, and the wave is 2 v.
+    """
     end_segment = row.segments[side * (len(row.segments) - 1)]
-    return (4 * side - 2) * end_segment.wave_speed
+    return (4 * side - 2) * end_segment.wave_speed  # -2 c, or 2 c on the right
 
 
 def least_impedance(row: Any) -> Any:
-    """Smallest impedance, kg/s."""
+    """Smallest impedance rho c A of all segments, kg/s."""
     impedances = []
     for s in row.segments:
         least_area = extremes(s.area)[0]
@@ -130,7 +133,7 @@ def scale_without_rods(row: Any, time: Any) -> Any:
             extension = np.maximum(-np.asarray(link.gap), 0.0)
         else:
             continue
-        # what the link stores at t = 0 moves a mass
+        # The energy that the link stores at t = 0, over k d^(p + 1), moves a mass.
         stored = link.stiffness * extension ** (link.exponent + 1)
         scale = scale + np.sqrt(stored / least_mass)
     return scale
@@ -140,7 +143,7 @@ def scale_without_rods(row: Any, time: Any) -> Any:
 
 
 def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
-    """Where energies or forces overflow or vanish, or a contact is as good as rigid.
+    """Possible problems: energies or forces overflow or vanish, or a contact is as good as rigid.
 
     A contact that is too stiff for its law to matter beside these rods loses its indentation in
     round-off. What is nan, as it comes of an overflow, counts as beyond.
@@ -148,7 +151,7 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
     Returns
     -------
     list of (bool or array, str, str)
-        Whether that is so, path and sentence.
+        Whether there is the problem, its path and its sentence.
     """
     scale: Any = row.scale
     segments = row.segments

@@ -97,9 +97,14 @@ class Pieces:
 
     @cached_property
     def _primitive(self) -> tuple[Floats, Floats]:
-        """Coefficients of the integral of each piece from its start, and that up to there.
+        """Integrals, value times ticks.
 
-        Value times ticks.
+        Returns
+        -------
+        [n, m + 1] array
+            Chebyshev coefficients of the integral of each piece from its start.
+        [n] array
+            Integral from the first start to the start of each piece.
         """
         from numpy.polynomial.chebyshev import chebint
 
@@ -111,7 +116,10 @@ class Pieces:
 
     @cached_property
     def bends(self) -> Floats:
-        """Bound of the second derivative of each piece by its own variable, [n]."""
+        """Bound of the second derivative of each piece by its own variable, [n].
+
+        That of the Chebyshev polynomial T_k is k^2 (k^2 - 1)/3 at most.
+        """
         k = np.arange(self.size)
         return np.asarray(np.abs(self.coefficients) @ (k**2 * (k**2 - 1) / 3))
 
@@ -124,31 +132,35 @@ class Pieces:
         if self.size == 1:
             return self.ticks
         middle = self.coefficients[:, 0]
-        swing = np.abs(self.coefficients[:, 1:]).sum(axis=1)
+        swing = np.abs(self.coefficients[:, 1:]).sum(axis=1)  # bound of value - middle
         low = float((middle - swing).min())
         high = float((middle + swing).max())
         error = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
         parts = np.ones(len(middle))
         if error > 0:
-            # a line over the n-th part of a piece is off by less than (2/n)^2/8 of its bend
+            # A line over the n-th part of a piece is off by less than (2/n)^2/8 of its bend.
             parts = np.ceil(np.sqrt(self.bends / (2 * error)))
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
-        firsts = np.cumsum(counts) - counts
+        firsts = np.cumsum(counts) - counts  # first mark of each piece
         index_in_piece = np.arange(counts.sum()) - np.repeat(firsts, counts)
         part_widths = np.repeat(self.widths // counts, counts)
         inside = np.repeat(self.ticks, counts) + part_widths * index_in_piece
         later_starts = self.ticks[1:]
         rises = self.values[1:] - self.at(later_starts, "left")
         jumps = later_starts[np.abs(rises) > error]
-        before_jumps = jumps - 1 - (jumps >> 51)  # floats tell both ticks apart
+        # Beyond 2^51 floats do not resolve ticks: the mark is far enough for them to differ.
+        before_jumps = jumps - 1 - (jumps >> 51)
         return each_once(inside, before_jumps, [self.end])
 
     def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
-        """Index of the piece in which ticks lie."""
+        """Index of the piece in which each of these ticks lies; 0 before the first piece.
+
+        A tick between two pieces lies in the later one ("right") or in the earlier one ("left").
+        """
         return np.maximum(self.ticks.searchsorted(ticks, side) - 1, 0)
 
     def _own_time(self, i: Ints, ticks: Ints) -> Floats:
-        """Variable y of pieces i at ticks; -1 or 1 outside."""
+        """Variable y of pieces i at these ticks; -1 before a piece, 1 behind it."""
         return np.clip((ticks - self.ticks[i]) / self.widths[i] * 2 - 1, -1.0, 1.0)
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
@@ -160,13 +172,21 @@ class Pieces:
         return _polynomials(self.coefficients, i, self._own_time(i, ticks))
 
     def at_own_time(self, pieces: Ints, y: Floats) -> Floats:
-        """Values of pieces at their own variable y, from -1 at the start to 1 at the stop."""
+        """Values of the pieces of these indices at their own variable y; both broadcast."""
         return _polynomials(self.coefficients, pieces, y)
 
     def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
-        """Values at shares of [n] intervals, each of which lies in one piece.
+        """Values at shares, from 0 to 1, of the widths of intervals, each inside of one piece.
 
-        [n, share]; of constants [n, 1].
+        Parameters
+        ----------
+        starts, stops : [n] int
+        shares : [share] float
+
+        Returns
+        -------
+        [n, share] array
+            [n, 1] if pieces are constant.
         """
         starts = np.asarray(starts)
         lengths = np.asarray(stops) - starts
@@ -178,7 +198,7 @@ class Pieces:
         return _polynomials(self.coefficients, i[:, None], y)
 
     def means(self, starts: ArrayLike, stops: ArrayLike) -> Floats:
-        """Means [n] over intervals, each of which lies in one piece."""
+        """Means over intervals from `starts` to `stops`, [n] each, which lie in one piece each."""
         shares, weights = quadrature((self.size + 1) // 2)
         return np.asarray(self.inside(starts, stops, shares) @ weights)
 
@@ -187,33 +207,38 @@ class Pieces:
         return self._from_first(stop) - self._from_first(start)
 
     def _from_first(self, ticks: ArrayLike) -> Floats:
-        """Integral from the start of the first piece, value times ticks."""
+        """Integral from the start of the first piece to these ticks, value times ticks."""
         ticks = np.asarray(ticks)
         i = self.piece(ticks)
         of_pieces, before = self._primitive
         if self.size == 1:
             return before[i] + self.values[i] * (ticks - self.ticks[i])
         in_piece = _polynomials(of_pieces, i, self._own_time(i, ticks))
-        outside = ticks - np.clip(ticks, self.ticks[0], self.end)
+        outside = ticks - np.clip(
+            ticks, self.ticks[0], self.end
+        )  # time beyond both ends
         if np.any(outside):
             in_piece = in_piece + outside * self.at(ticks)
         return before[i] + in_piece
 
     def integrated_twice(self, stop: Any) -> Floats:
-        """Integral of (stop - t) f(t) over t from 0 to `stop`, value times ticks squared."""
+        """Integral of (stop - t) f(t) over t from 0 to `stop`, value times ticks squared.
+
+        So it is the integral of the integral of the signal f.
+        """
         last = np.max(stop)
         time = Pieces.through([0, last], np.array([0.0, last]))
         twice: Floats = stop * self.integral(0, stop) - (self * time).integral(0, stop)
         return twice
 
     def breaks_in(self, start: int, stop: int) -> Ints:
-        """Breaks strictly between `start` and `stop`."""
+        """Those of `breaks` that are after `start` and before `stop`."""
         first = self.breaks.searchsorted(start, "right")
         after_last = self.breaks.searchsorted(stop, "left")
         return self.breaks[first:after_last]
 
     def within(self, start: int, stop: int) -> Pieces:
-        """The pieces that make up the signal from `start` to `stop`."""
+        """The signal of those pieces that hold somewhere from `start` to `stop`, uncut."""
         first = int(self.piece(start))
         after_last = max(int(self.ticks.searchsorted(stop, "right")), first + 1)
         end = self.end
@@ -223,7 +248,7 @@ class Pieces:
         return Pieces(ticks, self.coefficients[first:after_last], end)
 
     def plus(self, constant: float) -> Pieces:
-        """The signal and a constant."""
+        """The signal plus a constant."""
         coefficients = self.coefficients.copy()
         coefficients[:, 0] += constant
         return Pieces(self.ticks, coefficients, self.end)
@@ -238,7 +263,10 @@ class Pieces:
         return self._combined(other, np.multiply, self.size + other.size - 1)
 
     def _combined(self, other: Pieces, operation: Any, size: int) -> Pieces:
-        """What an operation makes of two signals, in pieces of `size` coefficients."""
+        """Apply an operation to two signals; the pieces of the result have `size` coefficients.
+
+        It is computed at as many points of each interval between breaks of either.
+        """
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])
         shares, to_coefficients = _interpolation(size)
@@ -251,11 +279,11 @@ class Pieces:
         return Pieces(self.ticks, self.coefficients * factor, self.end)
 
     def later(self, ticks: int) -> Pieces:
-        """The signal so many ticks later."""
+        """The signal delayed by so many ticks."""
         return Pieces(self.ticks + ticks, self.coefficients, self.end + ticks)
 
     def time_reversed(self, about: int) -> Pieces:
-        """The signal at `about` minus the time: backwards, with `about` in ticks."""
+        """The signal backwards: its value at tick t is that of this one at `about` - t."""
         starts = (about - self.ticks - self.widths)[::-1]
         mirrored = self.coefficients * (-1.0) ** np.arange(self.size)
         return Pieces(starts, mirrored[::-1], int(about - self.ticks[0]))
@@ -275,7 +303,10 @@ class Pieces:
 
 
 def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
-    """Values of the polynomials i at y, which broadcast, by Clenshaw's recurrence."""
+    """Values at y of the Chebyshev series in the rows i of `coefficients`; i and y broadcast.
+
+    By Clenshaw's recurrence b_k = c_k + 2 y b_(k+1) - b_(k+2) they are c_0 + y b_1 - b_2.
+    """
     before = np.zeros(())
     last = np.zeros(())
     for column in coefficients.T[:0:-1]:
@@ -288,9 +319,16 @@ def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
 
 @cache
 def _interpolation(size: int) -> tuple[Floats, Floats]:
-    """Shares of a piece, and the matrix that makes of values there the `size` coefficients.
+    """Points from which a series of `size` coefficients follows.
 
-    The shares are Chebyshev points, at which rounding errors of values are not enlarged.
+    They are Chebyshev points, at which rounding errors of values are not enlarged.
+
+    Returns
+    -------
+    [size] array
+        Points, as shares of the width of a piece, from 0 to 1.
+    [size, size] array
+        M, with coefficients = values @ M.
     """
     angles = np.pi * (np.arange(size)[::-1] + 0.5) / size
     to_coefficients = np.cos(angles[:, None] * np.arange(size)) * (2 / size)
@@ -311,7 +349,10 @@ def each_once(*ticks: ArrayLike) -> Ints:
 
 @cache
 def quadrature(points: int) -> tuple[Floats, Floats]:
-    """Shares and weights of Gauss and Legendre: exact up to degree 2 points - 1."""
+    """Gauss-Legendre quadrature: points from 0 to 1, and weights of a mean.
+
+    It is exact up to degree 2 `points` - 1.
+    """
     from numpy.polynomial.legendre import leggauss
 
     places, weights = leggauss(points)

@@ -13,6 +13,10 @@ ROUNDED = 2.0**-36
 """Relative change of a transit time by rounding from which a status states it."""
 
 
+ROUND_TRIP_RTOL = 1e-9
+"""Relative round-off of the time that a run has gone on after its last force."""
+
+
 class RunEnd(NamedTuple):
     """Why a run ended, in sentences."""
 
@@ -21,7 +25,7 @@ class RunEnd(NamedTuple):
 
 
 def is_held(system: Any) -> bool:
-    """Whether walls hold a row in: one at both ends, or one that is joined to it."""
+    """Whether walls hold a row in: one at both ends, or one that is joined to the row."""
     last = len(system.bodies) - 1
     wall_count = 0
     is_joined = False
@@ -53,7 +57,9 @@ def describe_end(
     if stopped_by == "until" and final != "":
         return RunEnd(f"Stopped at the time asked for. {final}", "")
     if stopped_by == "until":
-        asked = f"Stopped at the time asked for, {end}, before the collision was final"
+        statement = (
+            f"Stopped at the time asked for, {end}, before the collision was final"
+        )
         if has_external_drive(system):
             acting = "an end is driven"
             if system.has_shaft:
@@ -61,11 +67,11 @@ def describe_end(
             if system.gravity != 0:
                 acting = "gravity acts"
             reason = f"while {acting}, no contact is known to be the last"
-            return RunEnd(f"{asked}; {reason}.", "")
+            return RunEnd(f"{statement}; {reason}.", "")
         if is_held(system):
             reason = "a row between walls, or joined to one, may never come to an end"
-            return RunEnd(f"{asked}; {reason}.", "")
-        return RunEnd(f"{asked}.", "Leave out until= to run to the proof.")
+            return RunEnd(f"{statement}; {reason}.", "")
+        return RunEnd(f"{statement}.", "Leave out until= to run to the proof.")
     if final != "":
         return RunEnd(
             f"{final} The cap of {cap} ended the run at {end}.",
@@ -78,7 +84,7 @@ def describe_end(
 
 
 def with_advice(end: RunEnd) -> str:
-    """Statement and advice in one text."""
+    """Statement and advice on why a run ended, in one text."""
     if end.advice == "":
         return end.statement
     return f"{end.statement} {end.advice}"
@@ -87,7 +93,7 @@ def with_advice(end: RunEnd) -> str:
 def last_contact(
     ends: Sequence[Sequence[float]], t_end: float, round_trip: float
 ) -> float:
-    """When the last contact ended, s, in a run that is proved final.
+    """Time at which the last contact ended, s, in a run that is proved final.
 
     Bodies that touch without force part as soon as a wave that pulls arrives. If none has come in a
     round trip of the longest body, none will: they rest against each other, and the end of the
@@ -109,11 +115,11 @@ def last_contact(
     """
     latest = 0.0
     for force_end, opening in ends:
-        if force_end != force_end:
+        if force_end != force_end:  # nan: it presses on
             latest = math.inf
-        elif opening == opening:
+        elif opening == opening:  # not nan
             latest = max(latest, opening)
-        elif t_end - force_end >= round_trip * (1 - 1e-9):
+        elif t_end - force_end >= round_trip * (1 - ROUND_TRIP_RTOL):
             latest = max(latest, force_end)
         else:
             return math.nan
@@ -121,10 +127,13 @@ def last_contact(
 
 
 def proof_sentence(met: bool, t_final: float) -> str:
-    """What the proof of finality says; `t_final`, s, as of `last_contact`."""
+    """Sentence on what the proof of finality says.
+
+    `met` says whether anything collided; `t_final`, s, is that of `last_contact`.
+    """
     if not met:
         return "No collision happens, now or later."
-    if t_final != t_final:
+    if t_final != t_final:  # nan
         reason = "no new impact can happen. Bodies still touch at the end of the run"
     elif t_final == math.inf:
         reason = "bodies stay in contact"
@@ -134,14 +143,17 @@ def proof_sentence(met: bool, t_final: float) -> str:
 
 
 def rounding(error: float, path: str) -> str:
-    """What is told of transit times that the clock has changed by so much of themselves."""
+    """Sentence on the rounding of transit times to the clock; "" if it is too small to be told.
+
+    `error` is the largest relative change, of the segment with this path.
+    """
     if error <= ROUNDED:
         return ""
     return f" The clock rounds the transit time of {path}: relative change {error:.2g}."
 
 
 def strain_warning(strain: float) -> str:
-    """A warning of strains that are not small."""
+    """Sentence that warns of a strain that is not small; "" if it is small."""
     if strain <= LARGE_STRAIN:
         return ""
     return (

@@ -44,7 +44,7 @@ DURATION = dtype_of(Duration)
 
 
 def recognise(x: float) -> tuple[int, int]:
-    """Recover x = p/q by its continued fraction.
+    """Recover x = p/q by its continued fraction x = a0 + 1/(a1 + 1/(a2 + ...)).
 
     Parameters
     ----------
@@ -56,11 +56,11 @@ def recognise(x: float) -> tuple[int, int]:
     p, q : int
         With p, q <= 2^20 and abs(x - p/q) <= 4 * 2^-52 * x, or (0, 0) if there are none.
     """
-    p0 = 0
+    p0 = 0  # the convergent before the last one, p0/q0
     q0 = 1
-    p1 = 1
+    p1 = 1  # the last convergent, p1/q1
     q1 = 0
-    y = x
+    y = x  # rest of the fraction
     while y < MAX_TERM + 1:
         a = int(y)
         p2 = a * p1 + p0
@@ -80,7 +80,7 @@ def recognise(x: float) -> tuple[int, int]:
 
 
 def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int:
-    """Find the class of the longest duration that has no ticks yet.
+    """Find the class of the longest duration that has no ticks yet, its leader.
 
     Members of the class get their ratio p/q to the leader, other durations q = 0.
 
@@ -124,7 +124,9 @@ def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
     """
     n = len(durations)
     for i in range(n):
-        first = 0 if i < n - drive_count else n - drive_count
+        first = 0
+        if i >= n - drive_count:
+            first = n - drive_count
         j = i
         while j > first:
             previous = durations[j - 1].sorted_index
@@ -170,13 +172,13 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
             parts = find_class(durations, start, max_parts)
         unit = 0  # ticks of a part
         if start == 0:
-            unit = max(1, ((1 << bits) + parts // 2) // parts)
+            unit = max(1, ((1 << bits) + parts // 2) // parts)  # rounded 2^bits/parts
             if unit > DIVISIBLE * DIVISIBLE:  # shorter by 1/DIVISIBLE at most
                 unit -= unit % DIVISIBLE
             longest_ticks = unit * parts
         elif parts > 0:
             unit = int(exact_ticks / parts + 0.5)
-        if unit == 0:
+        if unit == 0:  # the class has no exact ratio: its leader is rounded singly
             leader.ticks = int(exact_ticks + 0.5)
             leader.q = -1
             continue
@@ -189,7 +191,10 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
 
 
 def clock_bits(ratio: float) -> int:
-    """Base-2 logarithm of the longest transit in ticks, for a run of `ratio` longest transits."""
+    """Base-2 logarithm of the longest transit in ticks, for a run of `ratio` longest transits.
+
+    The run must not be longer than 2^CLOCK_BITS ticks. 0 for a ratio that is no positive number.
+    """
     if ratio == 0:
         return MAX_TRANSIT_BITS
     if not 0 < ratio < math.inf:
