@@ -40,14 +40,52 @@ def reset_node(node: Node, zero: Amplitude) -> None:
     node.episodes = 0
 
 
+def update_status(
+    run: Run,
+    node: Node,
+    change: Front,
+    k: int,
+    tick: int,
+    dt: int,
+    closing: Amplitude,
+    mobility: Amplitude,
+) -> int:
+    """Decide the contact at node k after arrivals; return the number of rows logged, 0 or 1.
+
+    A row is logged if the status changes, or if a gap closes and opens again at once.
+
+    Parameters
+    ----------
+    run : Run
+    node : Node
+    change : Front
+        The next free row of the log.
+    k, tick : int
+    dt : int
+        Ticks since the node was solved last.
+    closing : float
+        a - b, the velocity at which the gap would close without a force.
+    mobility : float
+        Y1 + Y2.
+    """
+    tolerance = run.velocity_tolerance
+    status = resolve_contact(node, closing, dt, tolerance, run.closing_window)
+    is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
+    rows = 0
+    if status != node.status or is_touch:
+        log_contact_change(run, node, change, k, tick, status, mobility)
+        rows = 1
+    return rows
+
+
 def resolve_contact(
     node: Node, closing: Amplitude, dt: int, tolerance: Amplitude, window: int
 ) -> int:
-    """Decide a contact after arrivals; return its new status.
+    """Decide what status a contact has after arrivals, and return it; set its gap and gap rate.
 
     Signorini: gap >= 0, force >= 0, and one of them is 0. The closed contact carries
     F = max(0, (a - b)/(Y1 + Y2)), and its gap rate is exactly 0. Gap and gap rate of
-    the node are brought up to date.
+    the node become those of now; its status does not change yet.
 
     Parameters
     ----------
@@ -63,7 +101,9 @@ def resolve_contact(
     """
     gap = node.gap + node.gap_rate * dt
     status: int = node.status
-    if status == Status.OPEN and gap <= max(-node.gap_rate, closing) * window:
+    # Distance that the gap closes by in the window
+    closing_length = max(-node.gap_rate, closing) * window
+    if status == Status.OPEN and gap <= closing_length:
         gap = 0 * gap
         status = Status.TOUCH.value
     if status != Status.OPEN:
@@ -89,7 +129,9 @@ def log_contact_change(
     status: int,
     mobility: Amplitude,
 ) -> None:
-    """Change the status of the contact at node k, and enter that in the log.
+    """Change the status of the contact at node k, with its episodes, and log the change.
+
+    First and last force, the last opening and when to try the next proof are brought up to date.
 
     Parameters
     ----------
@@ -166,7 +208,11 @@ def solve_force(
 
 
 def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
-    """Add the effects of the force in the `dt` ticks since the node was solved last."""
+    """Add the effects of the force in the `dt` ticks since the node was solved last.
+
+    These are impulse, integral(F t dt), work, peak force, and the times with a force or a faint
+    one.
+    """
     if node.force != 0:
         impulse = node.force * dt
         node.impulse += impulse

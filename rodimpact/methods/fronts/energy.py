@@ -12,7 +12,7 @@ from .records import NONE, Amplitude, Log, Segment, State
 
 
 def update_motion(state: State) -> None:
-    """Find velocities of groups, and momenta and vibration of segments about them.
+    """Set velocities of groups, and momenta and vibration energies of segments, to those of now.
 
     The vibration at t = 0 is found for runs past the proof only.
     """
@@ -28,7 +28,7 @@ def update_motion(state: State) -> None:
 
 
 def measure_segments(state: State) -> None:
-    """Find momentum, and energy about `group_velocity`, of each segment."""
+    """Set momentum, and vibration energy about `group_velocity`, of each segment."""
     now = state.runs[0].now
     log = state.log
     for s in range(1, len(state.segments) - 1):
@@ -39,12 +39,15 @@ def measure_segments(state: State) -> None:
         energy = 0 * mean
         for l in range(2 * s, 2 * s + 2):
             line = state.lines[l]
+            # From the end where the waves arrive, back to the end where they are sent
             r = line.next_row
             wave = line.incoming_wave
-            edge = segment.transit  # ticks since the wave behind it was sent
+            edge = (
+                segment.transit
+            )  # ticks since this wave was first sent, as far as it counts
             while r != NONE:
                 front = log[r]
-                width = edge - now + front.tick
+                width = edge - now + front.tick  # ticks over which it was sent
                 momentum += wave * width
                 energy += (wave - mean) * (wave - mean) * width
                 edge = now - front.tick
@@ -78,15 +81,15 @@ def set_group_velocities(state: State) -> None:
         right = nodes[last]
         is_anchored = left.status == Status.BOND or right.status == Status.BOND
         if run.events > 0 and not is_anchored:
-            gained = (left.impulse - right.impulse) / mass
-            velocity = segments[first].initial_group_velocity + gained
+            change = (left.impulse - right.impulse) / mass
+            velocity = segments[first].initial_group_velocity + change
         for s in range(first, last + 1):
             segments[s].group_velocity = velocity
         first = last + 1
 
 
 def store_initial_motion(segments: Sequence[Segment]) -> None:
-    """Keep the motion at t = 0."""
+    """Copy the present motion of all segments to their fields of the motion at t = 0."""
     for segment in segments:
         segment.initial_group_velocity = segment.group_velocity
         segment.initial_momentum = segment.momentum
@@ -94,7 +97,7 @@ def store_initial_motion(segments: Sequence[Segment]) -> None:
 
 
 def find_wave_differences(state: State) -> None:
-    """Find the largest difference of the two waves in each segment, up to now."""
+    """Set `max_wave_difference` of each segment: that of its two waves, up to now."""
     run = state.runs[0]
     for s in range(1, len(state.segments) - 1):
         rightward = state.lines[2 * s].first_row
@@ -126,7 +129,7 @@ def largest_difference(
     largest = abs(0 * log[a].value)
     while a != NONE:
         wave_a = log[a]
-        a0 = wave_a.tick
+        a0 = wave_a.tick  # the wave was sent from a0 to a1
         a1 = end_tick
         if wave_a.next_row != NONE:
             a1 = min(log[wave_a.next_row].tick, end_tick)

@@ -17,13 +17,21 @@ def size_for(nodes: int) -> int:
 
 
 def schedule(queue: Queue, leaf: int, tick: int) -> None:
-    """Set the tick of a leaf."""
+    """Set the tick of a leaf, and the entries above it."""
     queue[leaf] = tick
     i = leaf
     while i > 1:
-        earlier = min(queue[i], queue[i ^ 1])
+        earlier = min(
+            queue[i], queue[i ^ 1]
+        )  # i ^ 1 is the other child of the same entry
         i //= 2
         queue[i] = earlier
+
+
+def bring_forward(queue: Queue, leaf: int, tick: int) -> None:
+    """Set the tick of a leaf if it is earlier than the one that the leaf has."""
+    if tick < queue[leaf]:
+        schedule(queue, leaf, tick)
 
 
 def first_leaf(queue: Queue) -> int:
@@ -39,6 +47,6 @@ def first_leaf(queue: Queue) -> int:
 
 
 def build_tree(queue: Queue) -> None:
-    """Fill the tree above its leaves."""
+    """Set all entries above the leaves."""
     for i in range(len(queue) // 2 - 1, 0, -1):
         queue[i] = min(queue[2 * i], queue[2 * i + 1])

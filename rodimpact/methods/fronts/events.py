@@ -68,7 +68,10 @@ def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
 
 
 def chain_initial_fronts(state: State) -> None:
-    """Put the fronts of the log at t = 0 on their lines."""
+    """Put the fronts of the log at t = 0 on their lines.
+
+    The first front of a line has just arrived: it is the incoming wave. The second arrives next.
+    """
     log = state.log
     for r in range(state.runs[0].initial_rows):
         front = log[r]
@@ -86,7 +89,7 @@ def chain_initial_fronts(state: State) -> None:
 
 
 def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> None:
-    """Find the first and the last segment of the bonded group of each segment."""
+    """Set the first and the last segment of the bonded group of each segment."""
     n = len(nodes) - 1
     for s in range(n + 2):
         segments[s].group_first = s
@@ -103,7 +106,7 @@ def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> No
 
 
 def build_event_queue(state: State) -> None:
-    """Schedule every node at t = 0.
+    """Fill the event queue: every node is due at t = 0, but for some free ends.
 
     A free end whose outgoing wave already equals the incoming one waits for its next
     arrival.
@@ -155,8 +158,8 @@ def advance(state: State, horizon: int) -> int:
         tick = queue[leaf]
         k = leaf - leaves
         node = nodes[k]
-        from_left = lines[2 * k]
-        from_right = lines[2 * k + 3]
+        from_left = lines[2 * k]  # through segment k, to the right
+        from_right = lines[2 * k + 3]  # through segment k + 1, to the left
         if from_left.arrival_tick == tick:
             receive(from_left, log, segments[k].transit)
         if from_right.arrival_tick == tick:
@@ -171,26 +174,22 @@ def advance(state: State, horizon: int) -> int:
         left_mobility = segments[k].mobility
         right_mobility = segments[k + 1].mobility
         if node.status >= Status.OPEN:
-            status = contact.resolve_contact(node, a - b, dt, tolerance, window)
-            is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
-            if status != node.status or is_touch:
-                mobility = left_mobility + right_mobility
-                contact.log_contact_change(
-                    run, node, log[rows], k, tick, status, mobility
-                )
-                rows += 1
+            mobility = left_mobility + right_mobility
+            rows += contact.update_status(
+                run, node, log[rows], k, tick, dt, a - b, mobility
+            )
         force_free_velocity = contact.solve_force(
             node, a, b, left_mobility, right_mobility, k == 0
         )
-        force = node.force
 
-        # A front is sent where the outgoing wave changes.
+        # A front is sent where the outgoing wave changes: on line 2 k + 1 to the left, or on line
+        # 2 k + 2 to the right.
         for side in range(2):
             l = 2 * k + 1 + side
             if side == 0:
-                wave = force_free_velocity - 2 * force * left_mobility
+                wave = force_free_velocity - 2 * node.force * left_mobility
             else:
-                wave = b + 2 * force * right_mobility
+                wave = b + 2 * node.force * right_mobility
             line = lines[l]
             last_row = line.last_row
             if last_row != NONE and abs(wave - log[last_row].value) > tolerance:
@@ -199,8 +198,7 @@ def advance(state: State, horizon: int) -> int:
                     line.next_row = rows
                     line.arrival_tick = tick + segments[k + side].transit
                     neighbour = leaf - 1 + 2 * side
-                    if line.arrival_tick < queue[neighbour]:
-                        event_queue.schedule(queue, neighbour, line.arrival_tick)
+                    event_queue.bring_forward(queue, neighbour, line.arrival_tick)
                 rows += 1
 
         if node.status == Status.OPEN:
@@ -215,7 +213,10 @@ def advance(state: State, horizon: int) -> int:
 
 
 def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> int:
-    """Why a run stops before its next event, that at `tick`, as `states.Stop`."""
+    """Why a run stops before its next event, that at `tick`, as `states.Stop`; NONE if it goes on.
+
+    `is_full` says that the log has no room for an event.
+    """
     if tick > horizon:
         return Stop.DONE.value
     if tick > run.next_proof_tick and events >= run.next_proof_event:
@@ -228,9 +229,9 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 
 
 def receive(line: Line, log: Log, transit: int) -> None:
-    """Let the value of the front that arrives replace the incoming wave, m/s.
+    """Take the front that arrives off a line: its value is the incoming wave from now on, m/s.
 
-    The front behind it in the line is next.
+    The front behind it is next; it arrives a transit time after it was sent.
     """
     front = log[line.next_row]
     line.incoming_wave = front.value
@@ -243,7 +244,7 @@ def receive(line: Line, log: Log, transit: int) -> None:
 def send(
     line: Line, log: Log, log_row: int, tick: int, l: int, wave: Amplitude
 ) -> None:
-    """Enter a front that leaves on line l in a row of the log, behind the last one."""
+    """Enter the front of a wave that leaves on line l in a row of the log, behind the last one."""
     front: Front = log[log_row]
     front.tick = tick
     front.next_row = NONE

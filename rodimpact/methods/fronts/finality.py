@@ -30,6 +30,7 @@ def finality_tick(state: State, now: int) -> int:
     for k in range(len(nodes)):
         node = nodes[k]
         if node.status >= Status.OPEN and longest < NEVER:
+            # First and last segment of the two groups beside the contact
             first = segments[k].group_first
             last = max(k, segments[k + 1].group_last)  # outside, `group_last` is 0
             is_steady = node.gap_rate >= 0 and no_front_in_flight(lines, first, last)
@@ -109,7 +110,10 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
 
 
 def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
-    """Find the mean motion of the group of segment s, on one side of contact k."""
+    """Set mean velocity and velocity bounds of the group of segment s, on one side of contact k.
+
+    The mean velocity is momentum over mass: sum of (1/Y) integral(a + b) over the sum of 2 T/Y.
+    """
     segments = state.segments
     nodes = state.nodes
     lines = state.lines
@@ -128,9 +132,10 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
         transit = segments[i].transit
         mass += 2 * impedance * transit
         for l in range(2 * i, 2 * i + 2):
+            # From the end where the waves arrive, back to the end where they are sent
             r = lines[l].next_row
             wave = lines[l].incoming_wave
-            edge = transit
+            edge = transit  # ticks since this wave was first sent, as far as it counts
             lowest = min(lowest, wave)
             highest = max(highest, wave)
             while r != NONE:
@@ -171,7 +176,7 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
 
 
 def bound_deviations(state: State, k: int, now: int) -> None:
-    """Find the deviations of the two ends at contact k, and their bounds.
+    """Set the deviations of the two ends at contact k, and their bounds.
 
     The end of a free body deviates from the motion of its centre of mass by
     d = integral(strain * g dx), g the mass fraction beyond x as seen from that end,
@@ -192,7 +197,13 @@ def bound_deviations(state: State, k: int, now: int) -> None:
 
 
 def bound_deviation(state: State, k: int, s: int, now: int) -> None:
-    """Bound the deviation of the group of segment s, on one side of contact k."""
+    """Set deviation and bound of the end of the group of segment s, on one side of contact k.
+
+    Segments are taken from the far end to the contact. g grows from g0 to g1 over a segment; its
+    part of integral(g^2 dx/(E A)) is Y T (g0^2 + g0 g1 + g1^2)/3. A wave w about the mean motion,
+    sent over `width` ticks, has the energy w^2 width/(4 Y), the momentum w width/(2 Y) and the
+    part w width g/2 of integral(strain g dx), with the sign of (b - a).
+    """
     segments = state.segments
     log = state.log
     group = segments[s]
@@ -213,7 +224,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     taken = zero  # momentum that waves bring to the far end
     compliance = mass * far_mobility * far_mobility
     for i in range(last - first + 1):
-        inner = from_far_end(first, last, i, is_right)
+        inner = from_far_end(first, last, i, is_right)  # segment
         transit = segments[inner].transit
         mobility = segments[inner].mobility
         g0 = mass_fraction
@@ -234,13 +245,15 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
             is_last = False
             while not is_last:
                 is_last = r == NONE
-                low = 0
+                low = 0  # ticks since this wave was last sent
                 if not is_last:
                     low = now - log[r].tick
                 width = edge - low
                 energy += wave * wave * width / (4 * mobility)
                 taken += wave * width / (2 * mobility)
-                middle = (edge + low) / (2 * transit)
+                middle = (edge + low) / (
+                    2 * transit
+                )  # part of the segment that it has crossed
                 g = fraction_at(middle, g0, g1, runs_to_contact)
                 deviation += sign * wave * width * g / 2
                 if not is_last:
@@ -260,7 +273,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
 def group_mass(
     segments: Sequence[Segment], first: int, last: int, zero: Amplitude
 ) -> Amplitude:
-    """Mass of the segments from `first` to `last`, kg over the tick."""
+    """Mass of the segments from `first` to `last`, kg over the tick, T/Y each; `zero` plus that."""
     mass = zero
     for s in range(first, last + 1):
         mass += segments[s].transit / segments[s].mobility
@@ -280,7 +293,7 @@ def from_far_end(first: int, last: int, i: int, is_right: bool) -> int:
 def fraction_at(
     covered: Amplitude, g0: Amplitude, g1: Amplitude, runs_to_contact: bool
 ) -> Amplitude:
-    """Mass fraction g where a wave has covered a part of a segment.
+    """Mass fraction g at the place to which a wave has covered a part of a segment, from 0 to 1.
 
     It is g0 at the end of the segment that is far from the contact, and g1 at the other.
     """

@@ -49,12 +49,12 @@ def frame_index(n: int) -> int:
 
 
 def scale_index(n: int) -> int:
-    """Index of the velocity scale."""
+    """Index of the velocity scale among the values of a row of n segments."""
     return 3 * n + 1
 
 
 def gap_index(n: int, contact: int) -> int:
-    """Index of a gap."""
+    """Index of the gap of a contact among the values of a row of n segments."""
     return 3 * n + 2 + contact
 
 
@@ -62,9 +62,9 @@ def gap_index(n: int, contact: int) -> int:
 
 
 def choose_clock(state: State, values: Values) -> None:
-    """Choose the frame, the clock, and the tolerances.
+    """Set the frame, the clock and the tolerances of a member, and the transits of its segments.
 
-    If there is no clock, `Run.stop_reason` says why.
+    `Run.stop_reason` becomes NONE, or says why there is no clock.
     """
     run = state.runs[0]
     durations = state.durations
@@ -179,7 +179,7 @@ def default_horizon(state: State, values: Values) -> float:
 
 
 def drive_jumps(outside: Segment) -> int:
-    """Number of jumps of what drives an end."""
+    """Number of jumps of what drives an end; 0 for what is steady."""
     if outside.boundary_kind == BoundaryKind.STEADY:
         return 0
     return int(outside.velocity_count - 1)
@@ -212,7 +212,7 @@ def set_drive_times(
 def same_durations(durations: Sequence[CachedDuration]) -> bool:
     """Whether all durations equal those of the previous member, whose ticks then hold.
 
-    Neighbours in a family often share lengths.
+    Neighbours in a family often share lengths. The durations are kept for the next member.
     """
     same = True
     for duration in durations:
@@ -227,7 +227,11 @@ def set_transits(
     durations: Sequence[CachedDuration],
     segments: Sequence[Segment],
 ) -> None:
-    """Set transit time and mobility of the segments, and find the shortest segment."""
+    """Set transit and mobility of the segments, and the number of the shortest one.
+
+    With `perturb_rounding` a transit that was rounded gets the next tick on the other side of the
+    exact one.
+    """
     n = len(segments) - 2
     run.shortest_segment = 1
     for s in range(1, n + 1):
@@ -291,6 +295,7 @@ def initialise_member(state: State, values: Values) -> None:
         line = state.lines[side * (2 * n + 3)]
         line.incoming_wave = 0.0
         if outside.velocity_count > 0 and outside.boundary_kind == BoundaryKind.STEADY:
+            # What is steady outside is a wall.
             line.incoming_wave = values[outside.profile_offset] - run.frame_velocity
         outside.mobility = 0.0
         if outside.boundary_kind == BoundaryKind.ENDLESS:
@@ -339,9 +344,12 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     stop = state.segments[s + 1].first_piece
     for leftward in range(2):
         start = run.log_rows
-        sign = 2 * leftward - 1
+        sign = 2 * leftward - 1  # of c eps: -1 in a, 1 in b
         for k in range(stop - first):
-            i = first + k if leftward else stop - 1 - k
+            # In order of time: what is nearest to the end where it arrives was sent first.
+            i = stop - 1 - k
+            if leftward:
+                i = first + k
             piece = pieces[i]
             x0 = 0
             x1 = transit
@@ -352,7 +360,9 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
             velocity = piece.velocity - run.frame_velocity
             wave = velocity + sign * wave_speed * piece.strain
             if x1 > x0:
-                tick = x0 - transit if leftward else -x1
+                tick = -x1
+                if leftward:
+                    tick = x0 - transit
                 append_front(run, state.log, start, tick, 2 * s + leftward, wave)
 
 
@@ -373,6 +383,7 @@ def append_driven_fronts(
     outside = state.segments[side * (n + 1)]
     end_segment = 1 + side * (n - 1)
     wave_speed = values[end_segment - 1]
+    # The line that leads inward from this end: 2, or 2 n + 1 on the right
     inward_line = 2 + side * (2 * n - 1)
     inward_wave = 0.0
     for r in range(run.log_rows):
