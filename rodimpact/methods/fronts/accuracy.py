@@ -73,7 +73,7 @@ def measures_of(finished: FrontRun) -> dict[str, Array]:
 
 
 def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
-    """Sentence that states the error by rounded transit times."""
+    """Sentence that states the largest error by rounded transit times; "" if there is none."""
     if not accuracy:
         return ""
     largest = max(accuracy.values())
@@ -93,9 +93,8 @@ def with_faint_forces(
     faint_ticks = 0
     for node in finished.contacts:
         faint_ticks = max(faint_ticks, node.faint_ticks)
-        if (
-            node.is_faint and finished.until is None
-        ):  # it grazes when the collision is over
+        grazes_in_the_end = node.is_faint and finished.until is None
+        if grazes_in_the_end:
             return {**errors, runs.DURATION: math.inf, runs.TIME: math.inf}
     if faint_ticks == 0:
         return errors

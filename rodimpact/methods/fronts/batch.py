@@ -87,7 +87,7 @@ class FrontBatch(Batch[State]):
             self.to_arrays()
 
     def load_members(self, values: Array) -> None:
-        """Take the values of other members, [member, value]."""
+        """Take the values of other members, [member, value], and make room for their results."""
         member_count = len(values)
         node_count = len(self.layout.closed_status)
         if self.is_compiled:
@@ -102,7 +102,7 @@ class FrontBatch(Batch[State]):
         self.state = self.state._replace(values=rows, results=results)
 
     def run_to_end(self, report: Report = no_report) -> None:
-        """Run the members to their ends.
+        """Run the members that were loaded to their ends, with a longer log as often as it is full.
 
         Raises
         ------
@@ -118,7 +118,7 @@ class FrontBatch(Batch[State]):
             self.lengthen("log")
 
     def _ask_for_log(self) -> None:
-        """Ask for the memory of a longer log; TooLong if that is too much."""
+        """Raise TooLong if a longer log takes too much memory."""
         rows = len(self.state.log)
         numbers = rows * NUMBERS_PER_LIST_ROW
         if self.is_compiled:
@@ -138,7 +138,7 @@ class FrontBatch(Batch[State]):
 
 
 def expected_events(run: Run) -> int | None:
-    """About how many events a run to a given time has; None where a proof ends it."""
+    """Estimated number of events of a run to a given time; None where a proof ends it."""
     if run.end_tick <= 0 or run.now <= 0:
         return None
     expected = int(run.events) * int(run.end_tick) // int(run.now)

@@ -30,11 +30,11 @@ class ResultColumns(NamedTuple):
     """Whether a member has no clock, so that its numbers mean nothing, [member]."""
 
     def of(self, name: str, node: int) -> Array:
-        """A column, nan where a member was refused."""
+        """Results of this name at a node, [member]; nan where a member was refused."""
         return self.masked(self.fields[name, node])
 
     def masked(self, column: Array) -> Array:
-        """A column of the same members, nan where a member was refused."""
+        """A column with nan where a member was refused, [member]."""
         if not self.is_refused.any():
             return column
         return np.where(self.is_refused, math.nan, column)
@@ -105,7 +105,10 @@ def solve_family(
 def body_columns(
     row: Row, results: ResultColumns, name: str, group_segments: list[int]
 ) -> list[Array]:
-    """Velocities of the bodies, m/s, [body][member]."""
+    """Velocities of the bodies, m/s, [body][member], from those of their groups.
+
+    `name` is the field of the velocities; `group_segments` are the first segments of the groups.
+    """
     shape = row.system.shape
     group_velocities = [results.fields[name, s].reshape(shape) for s in group_segments]
     columns = []
@@ -130,7 +133,7 @@ def wave_fields(segments: int) -> list[tuple[str, int]]:
 
 
 def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
-    """Displacement of each body, m, and the largest stress in each rod, Pa."""
+    """Displacement of each body, m, and the largest stress in each rod, Pa, by their names."""
     columns: dict[str, Array] = {}
     for i, body in enumerate(row.system.bodies):
         first, last = row.spans[i]

@@ -113,7 +113,7 @@ def lay_out_family(row: Any) -> FamilyLayout:
 
 
 def values_of(row: Any) -> list[Any]:
-    """The values of a row, without its profiles."""
+    """The values of a row in the order of `initial_state`, up to the gaps."""
     values: list[Any] = []
     for segment in row.segments:
         values.append(segment.wave_speed)
@@ -137,7 +137,7 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
         strain = 0.0
         if body.kind == "rod":
             strain = body.strain
-        elif last == 0:
+        elif last == 0:  # a wall is what lies outside
             first = 0 if i == 0 else outside
         profile = append_profile(
             values, first, body.velocity, strain, BoundaryKind.STEADY.value
@@ -160,7 +160,10 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
 def append_profile(
     values: list[Any], segment: int, velocity: Any, strain: Any, boundary_kind: int
 ) -> Profile:
-    """Append a velocity and a strain, each constant or in steps, to the values."""
+    """Append a velocity and a strain, each constant or in steps, to the values; return their place.
+
+    They belong to the body that begins with `segment`, or to what lies outside an end.
+    """
     offset = len(values)
     velocities = append_steps(values, velocity)
     strains = append_steps(values, strain)
@@ -168,7 +171,10 @@ def append_profile(
 
 
 def append_steps(values: list[Any], value: Any) -> int:
-    """Append a constant, or steps and their jumps; return the number of values, 1 or more."""
+    """Append a constant, or steps and then the places of their jumps, to the values.
+
+    Return the number of constants or steps, 1 or more.
+    """
     if isinstance(value, Steps):
         values.extend(value.values)
         values.extend(value.at)

@@ -98,7 +98,10 @@ def find_horizon(run: Run) -> int:
 
 
 def try_proof(state: State, stop: int) -> None:
-    """Try to prove the collision final, or find when to try again."""
+    """Try to prove the collision final; set `proved_tick`, or when to try again.
+
+    `stop` is why the run stopped, as `states.Stop`.
+    """
     run = state.runs[0]
     node_count = len(state.nodes)
     now = run.now
@@ -118,7 +121,7 @@ def try_proof(state: State, stop: int) -> None:
 
 
 def find_max_wave(state: State) -> None:
-    """Find the largest absolute wave, from which the largest strain follows."""
+    """Set `max_wave`, the largest absolute wave, from which the largest strain follows."""
     run = state.runs[0]
     log = state.log
     run.max_wave = 0 * run.tick_duration
@@ -128,7 +131,7 @@ def find_max_wave(state: State) -> None:
 
 
 def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
-    """Store the results of the member that has run, in SI units."""
+    """Set the results, [node], of the member that has run, in SI units."""
     run = state.runs[0]
     tick_duration = run.tick_duration
     time = run.now * tick_duration

@@ -59,7 +59,7 @@ def run_fronts(
     max_events: int = runs.MAX_EVENTS,
     report: Report = no_report,
 ) -> FrontRun:
-    """Follow every front of a collision."""
+    """Run a single collision, as `solve`, and return the run with its records."""
     request = RunRequest(until, max_events)
     return FrontRun(driver.solve_one(lay_out_family(row), request, report))
 
@@ -69,7 +69,7 @@ def make_run(
     until: float | None,
     rounding_errors: Mapping[str, float] = NO_ERRORS,
 ) -> Run:
-    """The form of a finished run that all methods return."""
+    """The `Run` that all methods return, of a finished run to `until`, s."""
     clock = finished.clock
     now = finished.run.now
     t_end = now * clock.tick

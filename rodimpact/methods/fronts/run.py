@@ -46,6 +46,7 @@ class FrontRun:
     """
 
     def __init__(self, batch: FrontBatch) -> None:
+        """Take the records of a batch whose only member has run."""
         self.batch = batch
         self.layout = batch.layout
         self.run = batch.progress
@@ -79,7 +80,7 @@ class FrontRun:
         return self.run.until
 
     def _clock(self) -> Clock:
-        """The clock; a semi-infinite bar has the impedance of the segment beside it."""
+        """The clock of the run; a semi-infinite bar has the impedance of the segment beside it."""
         row = self.layout.row
         impedance = [float(segment.impedance) for segment in row.segments]
         impedance = [0.0, *impedance, 0.0]

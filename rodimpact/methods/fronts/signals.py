@@ -26,7 +26,7 @@ Lines = list[Pieces | None]
 
 
 def signals_of(finished: FrontRun) -> Signals:
-    """Waves, contact signals, and what acts on the ends."""
+    """All signals of a finished run: waves by line, contacts, and what acts on the ends."""
     lines = waves_by_line(finished)
     changes = finished.log[finished.log["line"] == CHANGE]
     contacts = []
@@ -38,7 +38,10 @@ def signals_of(finished: FrontRun) -> Signals:
 
 
 def waves_by_line(finished: FrontRun) -> Lines:
-    """One signal for each line of a segment."""
+    """Waves that leave, as signals by line; None for the lines outside.
+
+    Lines are counted as in `records`: 2 s and 2 s + 1 belong to segment s.
+    """
     count = 2 * len(finished.segments) - 1
     log = finished.log
     inside = (log["line"] > 1) & (log["line"] < count - 1)
@@ -57,7 +60,7 @@ def waves_by_line(finished: FrontRun) -> Lines:
 def contact_signal(
     finished: FrontRun, lines: Lines, changes: Any, contact: int
 ) -> ContactSignal:
-    """Force, gap and closing velocity of a contact.
+    """Force, gap and closing velocity of a contact, in SI units, and its episodes.
 
     They follow from the waves that arrive and the changes of status. The status before
     any change holds from tick -1 on.
@@ -109,9 +112,10 @@ def contact_signal(
 def gaps_at_starts(
     ticks: Array, gap_rate: Array, changes: Array, first_gap: float
 ) -> Array:
-    """Gap at the start of each piece while the contact is open, velocity times ticks.
+    """Gap at each of `ticks` as if the contact were open, velocity times ticks.
 
-    After each of `changes` the gap is 0; before the first one it began as `first_gap`.
+    `gap_rate` is that from each tick to the next. At each of the ticks `changes` the gap is 0;
+    before the first one it began as `first_gap`. So it is what the faces have travelled since then.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
     travelled = np.concatenate(([0.0], np.cumsum(steps)))
@@ -139,7 +143,11 @@ def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
 def outside_signal(
     finished: FrontRun, lines: Lines, contacts: list[ContactSignal], side: int
 ) -> BoundaryAction | None:
-    """What acts on the left (0) or the right (1) end of the row."""
+    """What acts on the left (0) or the right (1) end of the row; None at a free or fixed end.
+
+    A driven end sends the wave w in, where u arrives: v = (w + u)/2, and the push into the row is
+    Z (w - u)/2 at the left end, Z (u - w)/2 at the right end.
+    """
     clock = finished.clock
     end_tick = finished.run.now
     wall = clock.system.bodies[-side]
@@ -148,7 +156,7 @@ def outside_signal(
         return BoundaryAction("wall", contacts[-side].force, velocity)
     if isinstance(clock.system.ends[side], Free | Fixed):
         return None
-    s = 1 if side == 0 else len(clock.ticks) - 2
+    s = 1 if side == 0 else len(clock.ticks) - 2  # first or last segment
     inward = lines[2 * s + side]
     outward = lines[2 * s + 1 - side]
     assert inward is not None

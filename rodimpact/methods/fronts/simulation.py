@@ -28,7 +28,7 @@ class Simulation(State):
         return [row for row in self.log[: self.run.log_rows] if row.line == CHANGE]
 
     def run_to_proof(self, max_events: int, tolerance: Amplitude = 0.0) -> Stop:
-        """Run to the proof of finality, and one tick more."""
+        """Run to the proof of finality, and one tick more; return why it stopped."""
         self.run.end_tick = NONE
         self.run.ticks_after_proof = 1
         return self._run(max_events, tolerance)
@@ -36,7 +36,7 @@ class Simulation(State):
     def run_to(
         self, end_tick: Any, max_events: int, tolerance: Amplitude = 0.0
     ) -> Stop:
-        """Run to a tick."""
+        """Run to a tick; return why it stopped."""
         self.run.end_tick = end_tick
         return self._run(max_events, tolerance)
 
@@ -46,6 +46,7 @@ class Simulation(State):
             self._grow_log()
 
     def _run(self, max_events: int, tolerance: Amplitude) -> Stop:
+        """Run to the end that is set, with longer logs as often as they are full."""
         run = self.run
         run.max_events = max_events
         run.velocity_tolerance = tolerance
@@ -58,6 +59,7 @@ class Simulation(State):
         return Stop(stop)
 
     def _grow_log(self) -> None:
+        """Make the log twice as long."""
         log: Any = self.log
         log.extend(blank(len(log), FRONT))
 

@@ -16,7 +16,7 @@ RESTING_FORCE_RTOL = 2.0**-40
 def end_of_run(
     run: Run, contacts: list[Node], system: Any, is_proved: bool, t_final: float
 ) -> RunEnd:
-    """Why a run ended.
+    """Sentences on why a run ended.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def end_of_run(
 
 
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
-    """Sentence on a collision that is proved final."""
+    """Sentence on a collision that is proved final; `t_final` is the end of the last contact, s."""
     pressing: list[int] = []
     has_pressed = False
     for i, node in enumerate(contacts):

@@ -15,7 +15,10 @@ from .run import FrontRun
 
 
 def tally_of(node: Node, tick_duration: float) -> ContactTally:
-    """Totals of the contact at a node; the page has this as JavaScript."""
+    """Totals of the contact at a node, in SI units; the page has this as JavaScript.
+
+    Times are nan if there was no force, and the last one while the first force acts on.
+    """
     first = math.nan
     if node.first_force_tick != NONE:
         first = node.first_force_tick * tick_duration
@@ -28,9 +31,9 @@ def tally_of(node: Node, tick_duration: float) -> ContactTally:
 
 
 def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float:
-    """When the last contact ended in a proved run, s, as `last_contact` says.
+    """Time at which the last contact ended in a proved run, s, by `status.last_contact`.
 
-    The page has this as JavaScript.
+    `round_trip` is the longest time in a body there and back, s. The page has this as JavaScript.
     """
     ends: list[list[float]] = []
     for node in contacts:
