@@ -25,7 +25,7 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
             series.set_series(node.scratch_values, node.scratch_series)
             error = series.remainder(node.scratch_values, False)
             # dg/dt, as y goes from -1 to 1 in the time h
-            rate = abs(series.slope(node.scratch_series, event.place)) * 2 / h
+            rate = abs(series.slope(node.scratch_series, event.position)) * 2 / h
             if error < rate * h:
                 lag = 1 / rate
                 if contact_laws.follows_overlap(link, which):

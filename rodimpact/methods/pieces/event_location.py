@@ -25,7 +25,7 @@ NOWHERE = 2.0
 class Event(NamedTuple):
     """The first event of a piece."""
 
-    place: float  # y; -1 if it is at the start, 1 if there is none
+    position: float  # y; -1 if it is at the start, 1 if there is none
     link: int  # number of the link, NONE if there is no event
     status: int  # `Status` of the link from then on
 
@@ -58,7 +58,7 @@ def evaluate_guard(run: Run, link: Link, node: Node, which: int, h: float) -> in
 
 def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
     """Return the first event in a piece of duration h, s, of any guard of any link of a node."""
-    place = 1.0
+    position = 1.0
     first = NONE
     first_status = 0
     for q in range(node.link_count):
@@ -66,11 +66,11 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
         for which in range(contact_laws.guard_count(links[i])):
             status = evaluate_guard(run, links[i], node, which, h)
             zero = find_event(run, links[i], node, which, h)
-            if zero <= 1 and (first == NONE or zero < place):
-                place = zero
+            if zero <= 1 and (first == NONE or zero < position):
+                position = zero
                 first = i
                 first_status = status
-    return Event(place, first, first_status)
+    return Event(position, first, first_status)
 
 
 def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:

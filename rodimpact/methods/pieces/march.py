@@ -164,7 +164,7 @@ def event_ticks(run: Run, status: int, result: PieceResult) -> int:
     rounding = 0.5
     if result.event.status == Status.PLASTIC:
         rounding = 0.0
-    ticks = max(1, int(0.5 * (result.event.place + 1) * full + rounding))
+    ticks = max(1, int(0.5 * (result.event.position + 1) * full + rounding))
     is_at_end = full - ticks <= run.event_window
     if is_at_end and status == Status.OPEN:
         ticks = (
@@ -333,7 +333,7 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
                 start_ticks = (
                     run.event_window
                 )  # it closes with what arrives at the start
-            if event.link == NONE or 0.5 * (event.place + 1) * ticks >= start_ticks:
+            if event.link == NONE or 0.5 * (event.position + 1) * ticks >= start_ticks:
                 return PieceResult(ticks, error, event)
             changes += 1
             if changes > MAX_STATUS_CHANGES:

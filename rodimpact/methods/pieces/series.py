@@ -255,8 +255,8 @@ def minimum(c: Values) -> float:
                 best = k
         low = max(-1.0, step * (best - 1) - 1.0)
         high = min(1.0, step * (best + 1) - 1.0)
-        place = place_of_minimum(c, low, high)
-        least = min(least, value(c, place))
+        y = place_of_minimum(c, low, high)
+        least = min(least, value(c, y))
     return least
 
 
