@@ -81,7 +81,7 @@ class Batch(Generic[StateT]):
         self.is_compiled = False
 
     def array(self, name: str) -> Any:
-        """A field of the state as an array."""
+        """A field of the state as an array of numbers or records; [member, i] of lists of lists."""
         values: Any = getattr(self.state, name)
         if self.is_compiled:
             return values

@@ -92,6 +92,7 @@ def optimised_for_kernels() -> Iterator[None]:
 
 
 def _call(function: Kernel, argument: Any) -> None:
+    """Call a function with an argument."""
     function(argument)
 
 
@@ -135,6 +136,7 @@ class Compiled:
     """
 
     def __init__(self, kernel: Any, user_functions: Functions = ()) -> None:
+        """Prepare the machine code of a kernel; it is compiled or read at the first call."""
         self._twin = _entry(kernel, user_functions)
         self._make(
             keep=not user_functions
@@ -155,7 +157,10 @@ class Compiled:
         self._ready = False
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run it."""
+        """Run the machine code with these arguments, and return what it returns.
+
+        Machine code on disk that cannot be read is deleted with a warning, and compiled anew.
+        """
         try:
             if not self._ready:
                 # A fork waits for this lock; numba's own is private.
@@ -247,6 +252,7 @@ def _twin(
     twin = ModuleType(module.__name__)
 
     def jit(function: Any, name: str = "") -> Any:
+        """A function of the twin, jitted if the twin is for machine code."""
         if once is None:
             return function
         return compiler().njit(**INNER, forceinline=name in once)(function)
@@ -310,6 +316,7 @@ def _one_of(functions: Functions, jit: Any) -> Any:
     call_later: Any = _one_of(later, jit)
 
     def chosen(which: int, d: float, rate: float) -> float:
+        """Force of the law of number `which`."""
         if which == number:
             return float(function(d, rate))
         return float(call_later(which, d, rate))

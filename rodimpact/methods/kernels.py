@@ -73,7 +73,7 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
 
 @contextlib.contextmanager
 def forced(compiling: bool) -> Iterator[None]:
-    """Compile everything, or nothing, whatever it costs."""
+    """Context in which everything is compiled (True), or nothing is (False), whatever it costs."""
     global _forced
     before = _forced
     _forced = compiling

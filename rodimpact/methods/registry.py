@@ -192,7 +192,7 @@ class Options(FrozenDataclass):
         return method
 
     def _check_options_of(self, method: str) -> None:
-        """Refuse options that are for other methods than this one."""
+        """Raise InvalidModel if an option is given that only other methods than this one take."""
         used = f'"{method}"'
         if self.method == "auto":
             used += ', which "auto" takes'

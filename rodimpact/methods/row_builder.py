@@ -23,7 +23,7 @@ DRIVEN = ["velocity", "force", "incoming"]
 
 
 def build_row(system: Any) -> Row:
-    """Make the row of a system, walking through it from left to right."""
+    """Make the `Row` of a system, walking through it from left to right."""
     bodies = system.bodies
     nothing = ("none", 0.0)
     row = Row(system, [], [""], [], [0], [], [], [], [], [], [nothing, nothing])

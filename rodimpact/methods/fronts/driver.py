@@ -148,7 +148,7 @@ class MemberValues:
     """The values of the members of a family, block by block."""
 
     def __init__(self, layout: FamilyLayout) -> None:
-        """Fill in the values that all members share."""
+        """Fill in the values that all members share; keep the others, [member] each, aside."""
         size = min(layout.row.members, MAX_BLOCK_SIZE)
         self._block = np.empty((size, len(layout.values)))
         self._varying: dict[int, Array] = {}

@@ -55,7 +55,10 @@ def start(state: State) -> None:
 
 
 def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
-    """Take all fronts off the lines; what arrives from outside stays."""
+    """Take all fronts off the lines, and set the waves that arrive inside the row to `zero`.
+
+    What arrives from outside, on the first two and the last two lines, stays.
+    """
     last = len(lines) - 1
     for l in range(len(lines)):
         line = lines[l]

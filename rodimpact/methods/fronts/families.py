@@ -147,7 +147,7 @@ def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
 
 
 def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) -> Array:
-    """Displacement of the centre of a rod, m.
+    """Displacement of the centre of a rod of the segments `first` to `last`, m [member].
 
     Newton's law integrated twice: m u = p0 t + integral(J1 - J2) dt in the frame, p0 the
     momentum at t = 0, J1 and J2 the impulses at the left and at the right end.
@@ -168,7 +168,10 @@ def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) ->
 
 
 def largest_stress(row: Row, results: ResultColumns, first: int, last: int) -> Array:
-    """Largest absolute stress in a rod, Pa: E/(2 c) times the wave difference."""
+    """Largest absolute stress in a rod, Pa [member]: E/(2 c) times the wave difference.
+
+    The rod has the segments `first` to `last`, counted from 1.
+    """
     stresses = []
     for s in range(first, last + 1):
         segment = row.segments[s - 1]

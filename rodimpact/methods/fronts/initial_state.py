@@ -251,7 +251,11 @@ def set_transits(
 def find_clock_fault(
     run: Run, values: Values, segments: Sequence[Segment], bits: int
 ) -> int:
-    """Why a member has no clock, as `states.Stop`; Stop.NONE if it has one."""
+    """Why a member has no clock, as `states.Stop`; Stop.NONE if it has one.
+
+    Energies would overflow (OVERFLOW), the run is too long (LONG: `bits`, the base-2 logarithm of
+    the longest transit, are too few), or a transit is too short (SHORT).
+    """
     n = len(segments) - 2
     max_impedance = 0.0
     for s in range(n):

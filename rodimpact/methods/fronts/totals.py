@@ -99,7 +99,11 @@ def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> 
 
 
 def totals_of(finished: FrontRun) -> Totals:
-    """Totals of a finished run."""
+    """Totals of a finished run: motion before and after, works, and what the balances miss.
+
+    Missing momentum is what the row gained, less the impulse from outside. Missing energy is what
+    it gained, less the work of walls and drives, plus what was radiated.
+    """
     clock = finished.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
     before = initial_motion(clock, masses, finished.segments)
@@ -158,6 +162,7 @@ class BoundaryEffects:
     def __init__(
         self, finished: FrontRun, masses: list[float], velocities: Sequence[float]
     ) -> None:
+        """Add up what acts on both ends of a run; masses and velocities are those of the bodies."""
         self.impulse = 0.0
         self.wall_work = 0.0
         self.drive_work = 0.0

@@ -156,6 +156,7 @@ def _run_to_end(run: GridRun, last: int, report: Report) -> None:
     """Run to step `last`, and try the proof of finality on the way, which sets `run.proved`."""
 
     def report_of(taken: int) -> None:
+        """Report the steps taken of all steps."""
         report(taken, last)
 
     _try_proofs(run, last, report_of)
@@ -166,6 +167,7 @@ def _run_to_proof(run: GridRun, last: int, report: Report) -> None:
     """Run to the proof of finality, but not beyond step `last`; set `run.stopped_by`."""
 
     def report_of(taken: int) -> None:
+        """Report the steps taken."""
         report(taken, None)  # nobody knows when a proof will succeed
 
     _try_proofs(run, last, report_of)

@@ -388,7 +388,11 @@ class GridRun:
         return np.ascontiguousarray(self.history.shafts[:, shaft][field])
 
     def _soil_forces(self, fields: dict[str, Array]) -> Array:
-        """Force of the soil, N, to the right [state, node that soil holds]."""
+        """Force of the soil to the right, N [state, node that soil holds], in states of these fields.
+
+        It is -(R + J abs(R) v) by Smith's law and -(R + J R_u v) by the viscous one, v the velocity
+        against the ground.
+        """
         soil = self.grid.soil
         t = fields["when"][:, None] * self.step
         velocity = fields["velocity"][:, soil["node"]] + self.row.frame
@@ -471,7 +475,10 @@ def step_time(mesh: Mesh, *, plain: bool) -> float:
 
 
 def clock_on(mesh: Mesh, step: float) -> Clock:
-    """Clock of a mesh; impedances are means, so that Z T is the mass."""
+    """Clock of a mesh with steps of `step`, s, each of which has `STEP_TICKS` ticks.
+
+    Impedances of segments are means, so that impedance times transit time is the mass.
+    """
     row = mesh.row
     tick = step / STEP_TICKS
     transits = []

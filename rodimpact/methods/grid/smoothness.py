@@ -47,7 +47,11 @@ def order_of(row: Row) -> float:
 
 
 def waves_jump(row: Row) -> bool:
-    """Whether any wave jumps: from t = 0 on, or later on."""
+    """Whether any wave jumps, from t = 0 on or later on.
+
+    A wave jumps if a profile has steps, if flat ends may meet, or if neighbours do not fit at t =
+    0.
+    """
     system = row.system
     for part in (*system.bodies, *system.ends):
         for name in ("velocity", "strain", "value"):
@@ -60,7 +64,11 @@ def waves_jump(row: Row) -> bool:
 
 
 def _jumps_at_joints(row: Row) -> bool:
-    """Whether neighbours move or press differently at t = 0."""
+    """Whether joined or touching neighbours move or press differently at t = 0.
+
+    Bonded bodies must have one velocity and one force; beside a joint or an open contact each has
+    the force of that.
+    """
     system = row.system
     for k, (left_body, right_body) in enumerate(pairwise(system.bodies)):
         law = system.contacts[k]
@@ -86,7 +94,7 @@ def _jumps_at_joints(row: Row) -> bool:
 
 
 def _jumps_at_ends(row: Row) -> bool:
-    """Whether what is outside moves or presses differently at t = 0."""
+    """Whether what is outside an end moves or presses differently at t = 0 from the body there."""
     bodies = row.system.bodies
     faces = _face(bodies[0], 0), _face(bodies[-1], -1)
     for face, end in zip(faces, row.system.ends, strict=True):

@@ -209,6 +209,7 @@ class InitialLines:
                 jump_ticks.append((share, tick))
 
         def ticks_of(x: Any) -> Ints:
+            """Ticks from the left end of the segment to places x in the rod, m."""
             shares = (x - begin) / segment.length
             ticks = np.rint(shares * transit).astype(np.int64)
             for share, tick in jump_ticks:
@@ -287,6 +288,7 @@ class InitialLines:
         stop = round(max(until, tick) / tick) + 1
 
         def ticks_of(t: Any) -> Ints:
+            """Ticks from t = 0 to times, s."""
             return np.rint(t / tick).astype(np.int64)
 
         drive = profile_pieces.signal_of(value, until, ticks_of)

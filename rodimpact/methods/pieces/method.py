@@ -169,7 +169,10 @@ def tolerance_of(rtol: float | None) -> float:
 
 
 def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run:
-    """The result of a single collision, a family of one that has run."""
+    """The `Run` of a single collision, a family of one that has run.
+
+    `accuracy` are the stated errors by measure, `goal` is the relative error that was aimed at.
+    """
     row = members.row
     until = members.request.until
     state = members.state()
@@ -252,7 +255,10 @@ def _tallies(
     now: int,
     signals: Callable[[], runs.Signals],
 ) -> tuple[ContactTally, ...]:
-    """Totals of every contact in SI units."""
+    """Totals of every contact, in SI units, of a run up to tick `now`; `tick` in s.
+
+    `signals` makes the signals of the run, which bonds between rigid bodies need.
+    """
     tallies = []
     for k, i in enumerate(row.contact_link):
         if i >= 0:
@@ -316,7 +322,11 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
 
 
 def vibration_of(family: Members) -> list[Any]:
-    """Energy of each body about the velocity of its group, J, [body] by member."""
+    """Vibration energy of each body about the velocity of its group, J, [body] by member.
+
+    That of a rod is the sum of its segments; a mass that is bonded to others has its share, by
+    mass, of the energy of the mass that they make together.
+    """
     row = family.row
     parts = family.parts
     kinds = parts["kind"][0].tolist()
@@ -338,7 +348,7 @@ def vibration_of(family: Members) -> list[Any]:
 
 
 def _columns_of(family: Members, refused: Any) -> Columns:
-    """Columns of members that have run; nan where a member is refused."""
+    """Columns of a family whose members have run; nan where a member is `refused`, [member]."""
     row = family.row
     run = family.runs[:, 0]
     zero_or_nan = np.where(refused, math.nan, 0.0)
@@ -357,7 +367,10 @@ def _columns_of(family: Members, refused: Any) -> Columns:
 
 
 def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
-    """Totals of every contact in SI units, [contact] by member."""
+    """Totals of every contact in SI units, [contact] by member, by the names of `CONTACT_COLUMNS`.
+
+    `zero_or_nan` is nan where a member is refused, else 0. Impacts have no peak force: nan.
+    """
     tick = family.runs[:, 0]["tick_duration"]
     contacts: dict[str, list[Any]] = {
         "impulse": [],

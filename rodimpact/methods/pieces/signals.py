@@ -49,6 +49,7 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     )
 
     def inertia_force(body: int) -> Pieces:
+        """Mass times acceleration of a rigid body, N."""
         return _rate(masses[body], float(bodies[body].mass) / clock.tick)
 
     forces: list[Pieces | None] = []
@@ -115,7 +116,7 @@ def _with_blows(
 
 
 def _lines(log: Any, count: int) -> list[Pieces]:
-    """Signals of all lines."""
+    """Signals of the first `count` lines from their pieces in the log; `NOTHING` if it has none."""
     log = log[np.argsort(log["line"], kind="stable")]
     bounds = np.searchsorted(log["line"], np.arange(count + 1))
     lines = []
@@ -167,7 +168,7 @@ def _rate(signal: Pieces, factor: float) -> Pieces:
 
 
 def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
-    """The signal with another value for one tick."""
+    """The signal with this value from `tick` to the next tick, and else as it was."""
     ticks = np.unique(np.concatenate((signal.ticks, [tick, tick + 1])))
     ticks = ticks[ticks >= min(signal.ticks[0], tick)]
     cut = signal.cut(ticks, max(signal.end, tick + 2))
@@ -180,7 +181,10 @@ def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
 def _outside(
     row: Row, side: int, lines: list[Pieces], frame: Pieces, state: Any
 ) -> BoundaryAction | None:
-    """Force on the left or right end of the row, and the velocity of that end."""
+    """Force on the left (0) or right (1) end of the row, and the velocity of that end.
+
+    None at a free end. `lines` are the signals of all lines, `frame` is the velocity of the frame.
+    """
     kind, value = row.boundaries[side]
     if kind == "none":
         return None
