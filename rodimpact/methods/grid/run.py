@@ -388,10 +388,10 @@ class GridRun:
         return np.ascontiguousarray(self.history.shafts[:, shaft][field])
 
     def _soil_forces(self, fields: dict[str, Array]) -> Array:
-        """Force of the soil to the right, N [state, node that soil holds], in states of these fields.
+        """Force of the soil to the right in states with these fields, N [state, node in soil].
 
-        It is -(R + J abs(R) v) by Smith's law and -(R + J R_u v) by the viscous one, v the velocity
-        against the ground.
+        It is -(R + c v) with the damping c = J abs(R) by Smith's law and a constant one else, v the
+        velocity against the ground.
         """
         soil = self.grid.soil
         t = fields["when"][:, None] * self.step
