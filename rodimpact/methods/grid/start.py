@@ -180,6 +180,9 @@ def _initial_push(grid: Grid, link: Any) -> float:
 def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     """Slow down ends that close before the first kick, as a step before t = 0 would have done.
 
+    Velocities, displacements of pieces, lost energy of cells, and `initial_force` and
+    `initial_loss` of the links are changed.
+
     An end that closes inside a step is stopped over two steps, so that the mean force is right from
     then on. Where ends touch at t = 0 the first of the two would begin before. It takes half of the
     velocity by which they close, or the part that closes beyond a small gap; `kick` is the velocity
@@ -193,14 +196,17 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     left = links["left_node"]
     right = links["right_node"]
     closing = v[left] - v[right]
-    parting = kick[right] - kick[left]
+    parting = (
+        kick[right] - kick[left]
+    )  # velocity at which the forces at t = 0 part the ends
+    # Overlap at the first kick, half a step behind t = 0
     overlap = (closing - parting) / 2 - links["gap"]
     is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
     is_late &= links["self_mobility"] > 0
     is_late &= overlap > grid.run["velocity_tolerance"]
     is_late &= closing > 2 * parting
-    retardation = quotient(mesh.viscous, mesh.stiffness)
-    retardation = retardation[[left, right + 1]].max(axis=0)
+    retardation = quotient(mesh.viscous, mesh.stiffness)  # eta/E of cells
+    retardation = retardation[[left, right + 1]].max(axis=0)  # beside each link
     share = retardation / (retardation + LITTLE_RETARDATION * step)
     is_late &= share > 0
     if not is_late.any():
@@ -211,22 +217,23 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     mobility = responses.by_last[left] / 2 + responses.by_first[right] / 2
     for i in np.flatnonzero(is_late):
         link = links[i]
-        before = v.copy()
+        v_before = v.copy()
         push = share[i] * overlap[i] / (2 * mobility[i])
         nodes = slice(link["leftmost_node"], link["left_node"] + 1)
         v[nodes] -= responses.by_last[nodes] * push
         nodes = slice(link["right_node"], link["rightmost_node"] + 1)
         v[nodes] += responses.by_first[nodes] * push
-        gained = v - before
-        grid.pieces["displacement"] += gained[mesh.starts] / 2
-        # The kinetic energy, and the strain energy of forces that are there, lose this.
-        mean = (v + before) / 2
+        dv = v - v_before
+        grid.pieces["displacement"] += dv[mesh.starts] / 2
+        # Changes of the kinetic energy, m v dv with the mean velocity v, and the same for lateral
+        # inertia; and work of the forces that are there on half a step of dv.
+        mean = (v + v_before) / 2
         stretching = np.diff(mean, prepend=0.0, append=0.0)
-        faster = np.diff(gained, prepend=0.0, append=0.0)
+        dv_stretching = np.diff(dv, prepend=0.0, append=0.0)
         stretching[[0, -1]] = 0.0
-        faster[[0, -1]] = 0.0
-        gain = mesh.mass @ (mean * gained) + mesh.lateral @ (stretching * faster)
-        gain = gain / step + grid.force @ faster / 2
+        dv_stretching[[0, -1]] = 0.0
+        kinetic = mesh.mass @ (mean * dv) + mesh.lateral @ (stretching * dv_stretching)
+        gain = kinetic / step + grid.force @ dv_stretching / 2
         heat = grid.viscous * stretching**2
         grid.lost[:] += heat
         link["initial_force"] = push
