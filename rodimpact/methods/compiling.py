@@ -138,9 +138,8 @@ class Compiled:
     def __init__(self, kernel: Any, user_functions: Functions = ()) -> None:
         """Prepare the machine code of a kernel; it is compiled or read at the first call."""
         self._twin = _entry(kernel, user_functions)
-        self._make(
-            keep=not user_functions
-        )  # what calls functions of the user is theirs
+        # Code that calls functions of the user is theirs, and is not kept.
+        self._make(keep=not user_functions)
 
     def _make(self, keep: bool) -> None:
         """Set the machine code, still to be compiled, and the place where it is kept.
@@ -245,9 +244,11 @@ def _once(module: ModuleType) -> frozenset[str]:
 def _twin(
     module: ModuleType, user_functions: Functions, once: frozenset[str] | None = None
 ) -> ModuleType:
-    """The same module with the user's functions; jitted if it is known what is called `once`.
+    """Copy a kernel module, with the functions of the user in place of `user_force`.
 
-    That becomes part of what calls it, which makes no more code: handing arrays over takes time.
+    Without `once` the copy is for plain Python. For machine code all its functions are jitted, and
+    lists become arrays; `once` has the names of functions that one function uses. These are made
+    part of it, which takes no more code, as handing arrays over takes time.
     """
     twin = ModuleType(module.__name__)
 
@@ -308,7 +309,7 @@ def _borrowing() -> Any:
 
 
 def _one_of(functions: Functions, jit: Any) -> Any:
-    """A function of a number and arguments that calls the function with that number."""
+    """A function of (number, d, rate) that calls the function of the user with this number."""
     number, function = functions[0]
     later = functions[1:]
     if not later:

@@ -26,12 +26,13 @@ def build_row(system: Any) -> Row:
     """Make the `Row` of a system, walking through it from left to right."""
     bodies = system.bodies
     nothing = ("none", 0.0)
+    # Lists are empty at first; segments are counted from 1, and no mass is left of node 0.
     row = Row(system, [], [""], [], [0], [], [], [], [], [], [nothing, nothing])
     rods = [body.kind == "rod" for body in bodies]
     for block in rigid_blocks(system):
         i = block[0]
         body = bodies[i]
-        if i > 0:
+        if i > 0:  # the contact between the block before and this one
             row.contact_link.append(len(row.links))
             link = link_of_contact(system.contacts[i - 1], system.gaps[i - 1])
             row.links.append(link)

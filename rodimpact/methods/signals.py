@@ -214,9 +214,8 @@ class Pieces:
         if self.size == 1:
             return before[i] + self.values[i] * (ticks - self.ticks[i])
         in_piece = _polynomials(of_pieces, i, self._own_time(i, ticks))
-        outside = ticks - np.clip(
-            ticks, self.ticks[0], self.end
-        )  # time beyond both ends
+        # Time beyond both ends
+        outside = ticks - np.clip(ticks, self.ticks[0], self.end)
         if np.any(outside):
             in_piece = in_piece + outside * self.at(ticks)
         return before[i] + in_piece

@@ -42,9 +42,8 @@ def measure_segments(state: State) -> None:
             # From the end where the waves arrive, back to the end where they are sent
             r = line.next_row
             wave = line.incoming_wave
-            edge = (
-                segment.transit
-            )  # ticks since this wave was first sent, as far as it counts
+            # Ticks since this wave was first sent, as far as it counts
+            edge = segment.transit
             while r != NONE:
                 front = log[r]
                 width = edge - now + front.tick  # ticks over which it was sent

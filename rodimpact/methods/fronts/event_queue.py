@@ -21,9 +21,8 @@ def schedule(queue: Queue, leaf: int, tick: int) -> None:
     queue[leaf] = tick
     i = leaf
     while i > 1:
-        earlier = min(
-            queue[i], queue[i ^ 1]
-        )  # i ^ 1 is the other child of the same entry
+        # Entry i ^ 1 is the other child of the same entry
+        earlier = min(queue[i], queue[i ^ 1])
         i //= 2
         queue[i] = earlier
 

@@ -251,9 +251,8 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
                 width = edge - low
                 energy += wave * wave * width / (4 * mobility)
                 taken += wave * width / (2 * mobility)
-                middle = (edge + low) / (
-                    2 * transit
-                )  # part of the segment that it has crossed
+                # Part of the segment that it has crossed
+                middle = (edge + low) / (2 * transit)
                 g = fraction_at(middle, g0, g1, runs_to_contact)
                 deviation += sign * wave * width * g / 2
                 if not is_last:

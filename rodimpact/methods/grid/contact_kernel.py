@@ -163,19 +163,20 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
     rigid contact, that condition takes its place. The equations are tridiagonal: they are
     eliminated from the first link to the last, and solved back.
 
-    The forces before it are stored in `force_before`. Contacts never pull.
+    The forces before it are stored in `force_before`. Contacts never pull. Indices count round: the
+    link behind i is i + 1 - len(links).
     """
     for i in range(first, last + 1):
         link = links[i]
         before = links[i - 1]
         s = link.force_slope
-        if (
-            s < 0
-        ):  # the closing is fixed: mobility F = closing without force - max_closing
+        # A slope of -1 says that the closing is fixed: mobility F = closing without F - max_closing.
+        # Else (1 + s mobility) F = F0 + s (closing without F - overlap - gap).
+        if s < 0:
             s = -s
             middle = link.self_mobility
             right = link.force_free_closing - link.max_closing
-        else:  # (1 + s mobility) F = F0 + s (closing without force - overlap - gap)
+        else:
             middle = 1 + s * link.self_mobility
             right = link.force + s * (link.force_free_closing - link.overlap - link.gap)
         right += s * link.coupling_mobility * before.force

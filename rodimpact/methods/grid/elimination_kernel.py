@@ -27,9 +27,8 @@ def factor(
     """
     n = len(diagonal)
     m = (n - 1) // 2
-    left_inverse = (
-        0.0  # `inverse_diagonal` and `upper` of the node before, in the left half
-    )
+    # `inverse_diagonal` and `upper` of the node before, in the left half
+    left_inverse = 0.0
     left_share = 0.0
     for i in range(m):
         lower[i] = 0.0

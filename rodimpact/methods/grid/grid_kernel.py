@@ -380,9 +380,8 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
         # The closing of a step is the mean of the closing velocities before and after it.
         link.force_free_closing = (link.initial_closing + left - right) / 2
         link.force_slope = 0.0
-        link.overlap = (
-            link.closing - link.gap
-        )  # guess: the closing of the last step goes on
+        # Guess: the closing of the last step goes on
+        link.overlap = link.closing - link.gap
         link.max_closing = math.inf  # an impact waits until it happens
         if link.law != Law.IMPACT:
             # A rigid contact that is closed closes no more at the end of the step. One that closes

@@ -141,7 +141,8 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
         last = float(force[j - 1])
         fall = third - second
         last_fall = second - last
-        if first_gap < 0:
+        if first_gap < 0:  # a dashpot lets go
+            # Force at the begin of the last step; it falls to 0 along a line.
             extrapolated = second - fall / 2
             if extrapolated <= 0:
                 return begin

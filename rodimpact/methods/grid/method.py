@@ -246,9 +246,8 @@ def _least_wasteful(transits: Array, until: float | None) -> int:
         least = max(least, math.ceil(of_short_run))
     candidates = min(least, 1 + MAX_CELLS // len(transits))
     numbers = float(least) + np.arange(candidates)
-    steps = numbers[:, None] * (
-        transits / longest
-    )  # cells of each segment, not yet whole
+    # Cells of each segment, not yet whole
+    steps = numbers[:, None] * (transits / longest)
     waste = (1 - np.floor(steps * STABLE_COURANT) / steps).max(axis=1)
     best = int(np.argmax(waste <= waste.min() + EQUAL_WASTE))
     return int(numbers[best])

@@ -80,9 +80,8 @@ def _jumps_at_joints(row: Row) -> bool:
             if left.force is not None and _forces_differ(row, right, left.force):
                 return True
         else:
-            force = (
-                0.0  # tension, as that of a face; a contact without overlap has none
-            )
+            # Tension, as that of a face; a contact without overlap has none
+            force = 0.0
             if isinstance(law, Joint):
                 rate = right.velocity - left.velocity
                 force = float(law.stiffness * law.stretch + law.damping * rate)

@@ -196,9 +196,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     left = links["left_node"]
     right = links["right_node"]
     closing = v[left] - v[right]
-    parting = (
-        kick[right] - kick[left]
-    )  # velocity at which the forces at t = 0 part the ends
+    # Velocity at which the forces at t = 0 part the ends
+    parting = kick[right] - kick[left]
     # Overlap at the first kick, half a step behind t = 0
     overlap = (closing - parting) / 2 - links["gap"]
     is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)

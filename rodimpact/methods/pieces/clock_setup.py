@@ -58,9 +58,8 @@ def contact_times(row: Row) -> dict[int, Any]:
     for i, link in enumerate(row.links):
         if np.any(np.asarray(link.stiffness) > 0):
             q = link.exponent + 1
-            depth = (q / 2 * largest(row.masses) / link.stiffness) ** (
-                1 / q
-            )  # d/v^(2/q)
+            # This is d/v^(2/q).
+            depth = (q / 2 * largest(row.masses) / link.stiffness) ** (1 / q)
             times[i] = 3 * depth * v ** (2 / q - 1)
     return times
 

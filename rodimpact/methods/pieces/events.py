@@ -36,7 +36,7 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     link = links[i]
     old = link.status
     link.status = status
-    link.break_order = 1
+    link.break_order = 1  # the force kinks, if it does not jump
     link.overlap_acceleration = 0.0
     if status == Status.OPEN or old == Status.OPEN:
         link.overlap = 0.0
@@ -195,9 +195,8 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         if run.keeps_history:
             keep_history(state, node, link, ticks)
         set_end_state(link, h)
-        touch = (
-            Status.GRAZE.value
-        )  # what the contact did in this piece, as it is logged
+        # What the contact did in this piece, as it is logged
+        touch = Status.GRAZE.value
         if link.status == Status.OPEN:
             touch = Status.OPEN.value
         start = node.now  # since when it did that

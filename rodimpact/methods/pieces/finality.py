@@ -231,9 +231,8 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
     """
     group = state.parts[first]
     is_anchored = group.anchor_line != NONE
-    sign = (
-        2 * side - 1
-    )  # stretching moves the left end to the left, the right one to the right
+    # Stretching moves the left end to the left, the right one to the right
+    sign = 2 * side - 1
     passed = 0.0  # mass of the parts so far
     deviation = 0.0
     compliance = 0.0

@@ -167,9 +167,8 @@ def event_ticks(run: Run, status: int, result: PieceResult) -> int:
     ticks = max(1, int(0.5 * (result.event.position + 1) * full + rounding))
     is_at_end = full - ticks <= run.event_window
     if is_at_end and status == Status.OPEN:
-        ticks = (
-            full  # the contact closes together with the waves that arrive at the end
-        )
+        # The contact closes together with the waves that arrive at the end
+        ticks = full
     return ticks
 
 
@@ -330,9 +329,8 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
             event = event_location.next_event(run, links, node, h)
             start_ticks = 0.5  # an event before is at the start
             if event.link != NONE and links[event.link].status == Status.OPEN:
-                start_ticks = (
-                    run.event_window
-                )  # it closes with what arrives at the start
+                # It closes with what arrives at the start
+                start_ticks = run.event_window
             if event.link == NONE or 0.5 * (event.position + 1) * ticks >= start_ticks:
                 return PieceResult(ticks, error, event)
             changes += 1
@@ -404,9 +402,8 @@ def send_outgoing(
     """
     run = state.runs[0]
     links = state.links
-    from_left = (
-        left_order  # order of the break in velocity behind the links that it has passed
-    )
+    # Orders of the breaks in velocity behind the links that they have passed
+    from_left = left_order
     from_right = right_order
     for q in range(node.link_count):
         link = links[node.first_link + q]
