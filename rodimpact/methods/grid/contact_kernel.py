@@ -170,7 +170,7 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
         link = links[i]
         before = links[i - 1]
         s = link.force_slope
-        # A slope of -1 says that the closing is fixed: mobility F = closing without F - max_closing.
+        # Slope -1: the closing is fixed, mobility F = closing without F - max_closing.
         # Else (1 + s mobility) F = F0 + s (closing without F - overlap - gap).
         if s < 0:
             s = -s
