@@ -25,6 +25,7 @@ COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
     "run": "solve a case file",
     "sweep": "map a family of collisions over one or more numbers of a case",
+    "bearing": "draw the bearing graph of a pile: blows against resistance",
     "compare": "compare a measured record with the gauges of a case",
     "reduce": "read stress and strain of a specimen off the gauges of two bars",
     "explore": "play with a collision in the browser",

@@ -359,7 +359,7 @@ def _status(aftermath: Aftermath, t_end: float) -> str:
         )
     return (
         f"Not over after {duration}: the {energy} of motion that are left can make the soil "
-        "yield again; give a longer until, or damping to soil and cushion."
+        "yield again; raise until=, or give damping to soil and cushion."
     )
 
 

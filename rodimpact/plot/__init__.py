@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 from ..hints import missing_name
 from .atlases import atlas
+from .bearing import bearing
 from .designs import design
 from .diagram import spacetime
 from .families import restitution, sweep
@@ -38,6 +39,7 @@ from .style import look
 __all__ = [
     "animation",
     "atlas",
+    "bearing",
     "comparison",
     "contact",
     "design",

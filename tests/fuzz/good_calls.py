@@ -30,7 +30,7 @@ FAMILY = ri.System(
 )
 PILE = ri.System([ROD.replace(shaft=ri.Soil(1e5, 2e-3))])
 DRIVEN = ri.System(
-    [ri.RigidMass(1.0, velocity=1.0), LONGER, ri.Wall()],
+    [ri.RigidMass(10.0, velocity=3.0), LONGER, ri.Wall()],
     contacts=[ri.Spring(1e8), ri.SmithToe(1e5, 2e-3)],
 )
 VOLTS = ri.Signal(np.hanning(50), dt=1e-6, unit="V", name="bridge")
@@ -78,6 +78,11 @@ def refined_solution():
 @cache
 def soil_solution():
     return ri.solve(PILE, UNTIL, cells=8)
+
+
+@cache
+def bearing():
+    return ri.bearing_graph(DRIVEN, [2e3], cells=4, until=LONG)
 
 
 @cache
@@ -183,6 +188,8 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Axis": [lambda: family_result().axes[0]],
     "BarGauge": [lambda: bar_gauges()[0]],
     "CutPulses": [lambda: ri.CutPulses(*[bar_gauges()[0]] * 3)],
+    "BearingGraph": [bearing],
+    "BearingPoint": [lambda: bearing().points[0]],
     "Blow": [lambda: ri.blows(DRIVEN, 1, cells=4, until=UNTIL)[0]],
     "Bonded": [ri.Bonded],
     "Bridge": [lambda: ri.Bridge("quarter", gauge_factor=2.0, excitation=5.0)],
@@ -500,6 +507,11 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "signals_to_xarray": lambda: {"signals": {"a": VOLTS}},
     "write_signals": lambda: {"signals": {"a": VOLTS}, **PATH},
     # piles
+    "bearing_graph": lambda: {
+        "system": DRIVEN, "resistances": [1e5], "cells": 4, "until": UNTIL
+    },
+    "BearingGraph.__getitem__": lambda: {"name": "set"},
+    "BearingGraph.to_csv": lambda: PATH,
     "blows": lambda: {"system": DRIVEN, "count": 1, "cells": 4, "until": UNTIL},
     "at_rest": lambda: {"system": ri.System([ROD.replace(velocity=0.0)])},
     # fitting and design
@@ -524,6 +536,7 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     # figures
     "plot.animation": lambda: {"solution": exact_solution(), "frames": 2},
     "plot.atlas": lambda: {"plane": atlas()},
+    "plot.bearing": lambda: {"graph": bearing()},
     "plot.comparison": lambda: {"measured": VOLTS, "predicted": VOLTS},
     "plot.contact": lambda: {"solution": exact_solution()},
     "plot.design": lambda: {"result": pulse_design()},

@@ -118,7 +118,7 @@ def test_a_pile_comes_to_rest_where_a_blow_says():
     toe = later.displacement(1, 15.0, [0.9 * until, until])
     assert toe == pytest.approx(blow.displacement, abs=1e-7)
     shares = np.array(blow.rest.bodies[1].shaft.mobilised.values)
-    assert later.soil(1, until).mobilised == pytest.approx(shares, abs=1e-5)
+    assert later.soil(1, until).mobilised == pytest.approx(shares, abs=2e-4)
 
 
 @needs_compiler
@@ -182,7 +182,7 @@ def test_a_blow_that_is_cut_short_says_so():
     assert blow.rest is None
     assert math.isnan(blow.displacement)
     assert "Not over after 5 ms" in blow.status
-    assert "longer until" in blow.status
+    assert "raise until=" in blow.status
 
 
 def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():

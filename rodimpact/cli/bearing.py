@@ -1,0 +1,96 @@
+"""Draw the bearing graph of a pile: blows for a metre of set against the resistance.
+
+rodimpact bearing CASE.toml --resistance 200kN:1000kN:5
+    --resistance "300 kN,500 kN" --shaft-share 0.3
+
+The case is a row of a ram that moves, masses such as a helmet, the pile, and a wall below
+its toe, whose contact is the law "smith-toe". Each resistance is shared between shaft and
+toe, as in the case or by --shaft-share; quakes and dampings stay. One blow is solved for
+each, until no soil can yield any more. Where gravity acts, the pile is at rest before.
+[solve] and [output] of the case are for other commands. Exit status 3 if a blow did not
+come to its end; the table says why.
+"""
+
+import argparse
+from typing import Any
+
+from .. import bearing_graph
+from ..piles.bearing_report import bearing_json, bearing_table
+from ..piles.resting import CELLS
+from ..storage.grids import grid_values
+from .arguments import Arguments, add_number, figure_writer
+from .exit_status import DONE, INCOMPLETE, CommandResult
+from .messages import as_options
+
+EXAMPLE = "200kN:1000kN:5"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The case, the resistances, how blows are solved, and the outputs."""
+    parser.add_argument("case", metavar="CASE.toml", help="the case file")
+    parser.add_argument(
+        "--resistance",
+        metavar="GRID",
+        help="ultimate resistances of shaft and toe together: start:stop:count, "
+        f"start:stop:count:log or a list, such as {EXAMPLE}",
+    )
+    add_number(
+        parser,
+        "--shaft-share",
+        "dimensionless",
+        "part of the resistance along the shaft; default that of the case",
+    )
+    add_number(parser, "--cells", "", f"cells of the longest rod; default {CELLS}")
+    add_number(parser, "--until", "time", "longest duration of a blow")
+    add_number(parser, "--workers", "", "threads; default one a processor")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument(
+        "--csv", action="store_true", help="print a row for each resistance"
+    )
+    form.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument("--force", action="store_true", help="replace existing files")
+
+
+def run(args: Arguments) -> CommandResult:
+    """Check all arguments, solve, write the figure; table, CSV or JSON."""
+    case = args.read_case()
+    resistances = _resistances(args)
+    args.check_outputs("plot", figure="plot")
+
+    options: dict[str, Any] = {}
+    if args.cells is not None:
+        options["cells"] = args.cells
+    names = {"resistances": "--resistance"}
+    for i in range(len(resistances)):
+        names[f"resistances[{i}]"] = "--resistance"
+    with args.naming(names=names):
+        graph = bearing_graph(
+            case.system,
+            resistances,
+            shaft_share=args.shaft_share,
+            until=args.until,
+            workers=args.workers,
+            **options,
+        )
+    status = args.write(plot=figure_writer(lambda plot: plot.bearing(graph)))
+    if status == DONE and not graph.is_over:
+        status = INCOMPLETE
+    if args.csv:
+        return CommandResult(graph.csv_lines(), status)
+    if args.json:
+        return CommandResult(bearing_json(graph), status)
+    return CommandResult(as_options(bearing_table(graph)), status)
+
+
+def _resistances(args: Arguments) -> Any:
+    """Resistances, N; None, with a mistake added, if they cannot be read."""
+    if args.resistance is None:
+        message = f"name the resistances: --resistance {EXAMPLE}"
+        args.problems.append(("--resistance", message))
+        return None
+    try:
+        return grid_values(args.resistance, "force")
+    except ValueError as error:
+        args.problems.append(("--resistance", str(error)))
+        return None

@@ -1,0 +1,95 @@
+"""rodimpact bearing: table, CSV, JSON, figure, and wrong calls."""
+
+import csv
+import io
+import json
+
+import pytest
+
+from rodimpact.cli import bearing as command
+from rodimpact.cli import main
+
+PILE = """\
+schema = 1
+bodies = [
+    {kind = "mass", mass = 4500, velocity = 3.5},
+    {kind = "rod", length = 15, area = 0.0094, material = "steel", shaft = \
+{resistance = "300 kN", quake = "2.5 mm", damping = 0.16}},
+    {kind = "wall"},
+]
+contacts = [
+    {law = "cushion", loading = "500 MN/m", restitution = 0.8},
+    {law = "smith-toe", resistance = "300 kN", quake = "2.5 mm", damping = 0.5},
+]
+"""
+SHORT = ("--cells", "8", "--until", "30 ms", "--workers", "1")
+GRID = ("--resistance", "300kN:500kN:2")
+
+
+@pytest.fixture
+def pile(case):
+    case.write_text(PILE)
+    return case
+
+
+def bearing(*argv):
+    return ["bearing", "case.toml", *argv]
+
+
+@pytest.mark.usefixtures("pile")
+def test_table_csv_json_and_figure_agree(output_of, tmp_path):
+    status = main(bearing(*GRID, *SHORT, "--plot", "graph.png"))
+    assert (tmp_path / "graph.png").stat().st_size > 10_000
+
+    table = output_of(*bearing(*GRID, *SHORT), status=status)
+    lines = output_of(*bearing(*GRID, *SHORT, "--csv"), status=status)
+    document = json.loads(output_of(*bearing(*GRID, *SHORT, "--json"), status=status))
+
+    rows = list(csv.DictReader(io.StringIO(lines)))
+    points = document["points"]
+    assert document["shaft_share"] == 0.5
+    assert [point["resistance"] for point in points] == [300e3, 500e3]
+    for row, point, line in zip(rows, points, table.splitlines()[1:], strict=False):
+        assert float(row["blow_count"]) == point["blow_count"]
+        assert f"{point['blow_count']:.4g} 1/m" in line
+
+
+@pytest.mark.usefixtures("pile")
+def test_a_blow_that_is_cut_short_ends_with_3_and_says_so(output_of):
+    text = output_of(
+        *bearing("--resistance", "300kN", "--cells", "8", "--until", "2 ms"), status=3
+    )
+
+    assert "At 300 kN: Not over after 2 ms" in text
+    assert "raise --until, or" in text
+
+
+@pytest.mark.usefixtures("pile")
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        ((), "--resistance: name the resistances: --resistance 200kN"),
+        (("--resistance", "1:2"), "--resistance: must be start:stop:count"),
+        (("--resistance", "3 mm"), "--resistance: "),
+        (("--resistance", "-3kN"), "--resistance: must be a finite positive"),
+        ((*GRID, "--shaft-share", "1"), "--shaft-share: must be below 1"),
+        ((*GRID, "--cells", "2"), "--cells: must be a whole number from 4"),
+        ((*GRID, "--plot", "graph.txt"), "--plot: must end in one of"),
+        ((*GRID, "--plot", "case.png"), "--plot: "),
+    ],
+)
+def test_a_wrong_call_is_refused_before_any_work(
+    argv, message, refuses, monkeypatch, tmp_path
+):
+    (tmp_path / "case.png").write_text("")
+    if message.endswith(("count", ": ", "200kN", "of")):
+        monkeypatch.setattr(
+            command, "bearing_graph", lambda *_, **__: pytest.fail("solved")
+        )
+
+    refuses(bearing(*argv), message)
+
+
+def test_a_case_that_is_no_pile_is_refused(case, refuses):
+    assert case.exists()
+    refuses(bearing(*GRID), "bodies: must end with a Wall")

@@ -1,0 +1,25 @@
+"""A steel pipe pile under a Vulcan 010 hammer, as it stands in the literature."""
+
+import math
+
+import rodimpact as ri
+
+STEEL = ri.Material("pile steel", youngs_modulus=200e9, density=78.5e3 / 9.81)
+AREA = math.pi * 0.009525 * (0.3239 - 0.009525)  # m^2
+LENGTH = 15.0
+QUAKE = 2.5e-3
+CUSHION = 5e8
+RAM = ri.RigidMass(4536.19, velocity=3.466251)
+
+
+def pipe_pile(law, helmet=None, head=None):
+    """The pile with half of its resistance along the shaft."""
+    soil = ri.Soil(300e3, QUAKE, damping=0.16, law=law)
+    pile = ri.Rod(LENGTH, area=AREA, material=STEEL, shaft=soil)
+    toe = ri.SmithToe(300e3, QUAKE, damping=0.5)
+    cushion = ri.Cushion(CUSHION, restitution=0.8)
+    if helmet is None:
+        return ri.System([RAM, pile, ri.Wall()], contacts=[cushion, toe])
+    return ri.System(
+        [RAM, helmet, pile, ri.Wall()], contacts=[cushion, head or ri.Rigid(), toe]
+    )
