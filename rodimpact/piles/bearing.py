@@ -24,7 +24,7 @@ from ..progress import Progress, ProgressFunction, check_progress
 from ..running.jobs import cut, pool_of, results_of
 from ..storage.checkpoint import Span
 from ..storage.writing import PathLike, open_for_writing
-from ..units import format_si
+from ..units import format_si, shown
 from .blows import (
     MIN_CELLS,
     Blow,
@@ -137,8 +137,9 @@ class BearingGraph:
         KeyError
             If the points have no such number.
         """
-        if name not in COLUMNS:
-            raise KeyError(f"name: must be one of {', '.join(COLUMNS)}, got {name!r}")
+        if not isinstance(name, str) or name not in COLUMNS:
+            wanted = f"must be one of {', '.join(COLUMNS)}"
+            raise KeyError(f"name: {wanted}, got {shown(name)}")
         return np.array([getattr(point, name) for point in self.points])
 
     @property
@@ -281,11 +282,12 @@ def _checked_share(system: System, row: PileRow, share: Any) -> float:
     on_shaft = shaft_resistance(system)
     if share is None:
         return on_shaft / (on_shaft + float(toe.resistance))
-    share = scalar("shaft_share", share, "", "non-negative")
-    demand(share < 1, "shaft_share", "must be below 1, got {0!r}", share)
+    part = scalar("shaft_share", share, "", "non-negative")
+    demand(part < 1, "shaft_share", "must be below 1, got {0!r}", part)
     message = "must be 0 for a pile without soil along its shaft, got {0!r}"
-    demand(share == 0 or on_shaft > 0, "shaft_share", message, share)
-    return share
+    is_possible = part == 0 or on_shaft > 0
+    demand(is_possible, "shaft_share", message, part)
+    return part
 
 
 def with_resistance(

@@ -291,7 +291,7 @@ def strike(
 
 def _usual_duration(system: System, row: PileRow) -> float:
     """Time in which the soil stops the ram, and waves run up and down the pile, s."""
-    ram = system.bodies[0]
+    ram: Any = system.bodies[0]
     momentum = float(ram.mass) * _velocity(ram)
     transit = 0.0
     for body in system.bodies[row.pile :]:
@@ -341,7 +341,7 @@ def _bodies_that_left(solution: Solution, state: System, row: PileRow) -> int:
 def _kinetic_energy(solution: Solution, body: int) -> float:
     """Kinetic energy of a body at the end of a run, J."""
     fields = solution.fields
-    description = solution.system.bodies[body]
+    description: Any = solution.system.bodies[body]
     if isinstance(description, Rod):
         return fields.energy(body, fields.end, 0.0).kinetic
     velocity = float(solution.velocity(body, 0.0, solution.t_end))

@@ -92,7 +92,7 @@ def resting_system(chain: Chain, rest: Rest) -> System:
     gaps = list(system.gaps)
     laws = list(system.contacts)
     for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
-        k = contact.index
+        k = contact.number
         law = laws[k]
         if isinstance(law, Joint):
             laws[k] = law.replace(stretch=-overlap)

@@ -41,7 +41,7 @@ YIELD_RTOL = 1e-9
 class Contact(NamedTuple):
     """A contact of two bodies as a spring between neighbouring nodes."""
 
-    index: int  # of the contact in the system
+    number: int  # of the contact in the system
     right_node: int  # the spring lies between this node and the one before
     stiffness: float  # N/m
     overlap: float  # m, minus the gap
@@ -115,8 +115,9 @@ def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
     for i, body in enumerate(system.bodies):
         is_moving.append(i < left_out or isinstance(body, Wall) or moves(body))
     held = (mesh.mass == 0) | (mesh.is_prescribed == 1)
-    for body in np.flatnonzero(is_moving):
-        held[nodes_of(row, mesh, int(body))] = True
+    for i, stays in enumerate(is_moving):
+        if stays:
+            held[nodes_of(row, mesh, i)] = True
     stiffness = mesh.cells.relaxed
     return Chain(
         system=system,
@@ -191,7 +192,7 @@ def _contacts(
     linear = []
     rigid = []
     for k, link in row.by_law.items():
-        law = system.contacts[k]
+        law: Any = system.contacts[k]
         if is_moving[k] and is_moving[k + 1]:
             continue
         if not isinstance(system.bodies[k], Wall) and is_moving[k]:
@@ -353,11 +354,11 @@ def yielding_places(chain: Chain, rest: Rest) -> list[tuple[str, str]]:
             x = cell_edges(chain.row, chain.mesh, i)[node - first_node]
             places.append((f"bodies.{i}.shaft", f"the soil yields at {x:.6g} m"))
     for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
-        law = chain.system.contacts[contact.index]
+        law: Any = chain.system.contacts[contact.number]
         force = contact.stiffness * overlap
         is_plastic = isinstance(law, Plastic) and law.hardening == 0
         if is_plastic and force > float(law.yield_force) * (1 + YIELD_RTOL):
-            places.append((f"contacts.{contact.index}", "the contact yields"))
+            places.append((f"contacts.{contact.number}", "the contact yields"))
     return places
 
 
@@ -421,7 +422,7 @@ def can_yield(chain: Chain, rest: Rest, energy: float) -> bool:
         if np.any(is_soil & (forces >= soil["ultimate"])):
             return True
     for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
-        law = chain.system.contacts[contact.index]
+        law: Any = chain.system.contacts[contact.number]
         if not isinstance(law, Plastic) or law.hardening > 0:
             continue  # a cushion may yield on
         left = float(law.yield_force) / contact.stiffness - max(0.0, overlap)

@@ -1,10 +1,12 @@
 """The bearing graph of a pile: blow count, and largest stresses, against the resistance."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
@@ -108,7 +110,7 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     )
 
 
-def _marks(label: str) -> dict[str, object]:
+def _marks(label: str) -> dict[str, Any]:
     """Full marks of computed points on a line, with a name for the legend."""
     marks = {**COMPUTED, "linewidth": 1.5, "label": label}
     marks.pop("markerfacecolor")
@@ -130,7 +132,7 @@ def _draw_stress(
 
 
 def _draw_unfinished(
-    ax: Axes, x: Floats, values: Floats, is_over: Floats
+    ax: Axes, x: Floats, values: Floats, is_over: NDArray[np.bool_]
 ) -> Line2D | None:
     """Draw open marks on points whose blow did not come to its end; None if all did."""
     if is_over.all():
