@@ -230,7 +230,7 @@ def slowest_velocity(system: Any, before: list[float]) -> float:
         if body.kind == "wall":
             velocities.append(body.velocity)
     for end in system.ends:
-        if end.kind in ("fixed", "velocity"):
+        if end.kind in ("fixed", "moved"):
             velocities.append(0.0)
     if len(velocities) == 0:
         velocities = before

@@ -89,7 +89,7 @@ def has_external_drive(system: Any) -> bool:
     for each in (*system.bodies, *system.ends):
         if each.kind in ("wall", "fixed", "absorbing"):
             is_held = True
-        elif each.kind in ("force", "velocity", "incoming"):
+        elif each.kind in ("pushed", "moved", "incoming"):
             is_pushed = True
     is_pulled = is_held and not vanishes(system.gravity)
     return is_pushed or is_pulled or system.has_shaft

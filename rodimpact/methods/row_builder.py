@@ -12,13 +12,13 @@ from .row import Row
 BOUNDARIES = {
     "free": "none",
     "fixed": "velocity",
-    "velocity": "velocity",
-    "force": "force",
+    "moved": "velocity",
+    "pushed": "force",
     "absorbing": "absorbing",
     "incoming": "absorbing",
 }
 """What acts on an end of the row, as `Row.boundaries` names it, by the kind of the end."""
-DRIVEN = ["velocity", "force", "incoming"]
+DRIVEN = ["moved", "pushed", "incoming"]
 """Kinds of ends that have a value."""
 
 

@@ -64,7 +64,7 @@ class _Driven(Frozen):
         self._set(value=in_time(value, self.fields["value"], duration))
 
 
-class Pushed(_Driven, kind="force"):
+class Pushed(_Driven, kind="pushed"):
     """A prescribed force on the end of a rod or on a mass.
 
     Parameters
@@ -92,7 +92,7 @@ class Pushed(_Driven, kind="force"):
     value: Profile = quantity("N", label="force", along="time")
 
 
-class Moved(_Driven, kind="velocity"):
+class Moved(_Driven, kind="moved"):
     """A prescribed velocity of the end of a rod, whatever force that takes.
 
     The force may be a tension.
@@ -154,4 +154,6 @@ class Incoming(_Driven, Absorbing, kind="incoming"):
 
 End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved | Incoming
 ENDS: dict[str, type[End]] = {end.kind: end for end in get_args(End)}
+EARLIER_KINDS = {"force": Pushed.kind, "velocity": Moved.kind}
+"""Kinds of ends as earlier versions wrote them, with their present names."""
 FREE = Free()

@@ -23,7 +23,7 @@ from ..units import shown
 from . import frozen
 from .arguments import demand
 from .bodies import BODIES, LEFT_OUT, Body, Material, RigidMass, Rod, Segment, Wall
-from .ends import ENDS, FREE, Absorbing, End, Free, Moved, Pushed
+from .ends import EARLIER_KINDS, ENDS, FREE, Absorbing, End, Free, Moved, Pushed
 from .frozen import (
     FrozenDataclass,
     Number,
@@ -380,6 +380,8 @@ def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
     """Make the body, the contact law or the end that `to_dict` described."""
     description = dict(data)
     kind = description.pop(tag)
+    if classes is ENDS:
+        kind = EARLIER_KINDS.get(kind, kind)
     return classes[kind](**_parameters_from(description))
 
 

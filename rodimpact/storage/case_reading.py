@@ -26,7 +26,7 @@ from ..model.bodies import (
     Wall,
 )
 from ..model.drag import COEFFICIENT_PER_LENGTH, Drag
-from ..model.ends import ENDS, FREE, End
+from ..model.ends import EARLIER_KINDS, ENDS, FREE, End
 from ..model.frozen import InvalidModel, QuantityField, defaults_of, invalid_argument
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Spring
@@ -388,9 +388,11 @@ def read_ends(sides: Table) -> list[End]:
         end: End | None = None
         if sides.has(side):
             table = sides.table(side)
-            kind = table.word("kind", ENDS)
-            if kind:
-                end = table.build(ENDS[kind])
+            kind = table.get("kind")
+            if kind not in EARLIER_KINDS:
+                kind = table.word("kind", ENDS)
+            if kind is not None:
+                end = table.build(ENDS[EARLIER_KINDS.get(kind, kind)])
         if end is None:
             end = FREE
         ends.append(end)

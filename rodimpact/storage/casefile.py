@@ -27,8 +27,8 @@
     stiffness = "3 kN/mm"
 
     [ends.left]              # of the row; free if left out
-    kind = "force"           # or "velocity", "incoming", "fixed", "absorbing", "free"
-    value = "1 kN"           # or a profile in time; for "force", "velocity" and "incoming" only
+    kind = "pushed"          # or "moved", "incoming", "fixed", "absorbing", "free"
+    value = "1 kN"           # or a profile in time; for "pushed", "moved" and "incoming" only
 
     [solve]                  # until, method, max_events, dt, rtol, cells, snapshots: as for
                              # `rodimpact.solve`; all but the last for `rodimpact.sweep` too

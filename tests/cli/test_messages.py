@@ -120,7 +120,7 @@ def said_by(capsys, text, command, *options, name="case.toml"):
         ),
         (TAPERED, ["run", "--dt", "1"], "--dt: must be"),
         (
-            HIT + '[ends.right]\nkind = "force"\nvalue = 1',
+            HIT + '[ends.right]\nkind = "pushed"\nvalue = 1',
             ["run"],
             "--until: must be given",
         ),

@@ -253,7 +253,7 @@ BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
         {
             "ends": {
                 "left": {
-                    "kind": "force",
+                    "kind": "pushed",
                     "value": {"samples": [1.0, 2.0], "step": 1e-4},
                 }
             },
@@ -305,7 +305,7 @@ STEPPED = {**ROD, "velocity": {"values": [1.0, 2.0], "at": [0.1]}}
                 "contacts": [HERTZ],
                 "ends": {
                     "left": {
-                        "kind": "velocity",
+                        "kind": "moved",
                         "value": {"values": [1.0, 2.0], "at": [1e-4]},
                     }
                 },

@@ -84,7 +84,7 @@ bodies = [
 contacts = [{restitution = 0.5, gap = 1e-4},
             {law = "hunt-crossley", stiffness = 1e9, damping = 0.1}]
 materials.lossy = {youngs_modulus = 2e11, density = 7850, loss_factor = 0.01, loss_frequency = 1e3}
-ends.right = {kind = "force", value = {values = [0, 100, 0], at = [1e-5, "50 us"]}}
+ends.right = {kind = "pushed", value = {values = [0, 100, 0], at = [1e-5, "50 us"]}}
 solve = {until = 1e-4, cells = 8, snapshots = 5}
 """,
     SAVED,
@@ -129,7 +129,7 @@ WORDS = [
     '"' + "1" * 20000 + '"',
     '"' + "m" * 20000 + '"', '"1' + "*" * 500 + 'm"', '""', '" "', '"\\u0000"', '"\\u001b[31m"',
     '"\u202e\U0001f600"', '"auto"', '"fronts"', '"finite-difference"', '"bonded"', '"hertz"',
-    '"spring"', '"circular"', '"fixed"', '"velocity"', '"force"',
+    '"spring"', '"circular"', '"fixed"', '"moved"', '"pushed"',
     "[]", "{}", "[1, 2]", "[[1]]", "{samples = [1, 2]}", "{values = [1, 2], at = [0.05]}",
     "{values = [1], at = []}", "{samples = [1, nan]}", "{samples = [1, 2], step = 1e-5}",
     "[" * 400 + "]" * 400, "{a = " * 90 + "1" + "}" * 90, "'''\n'''", '"""', "#", "=", "\n", ",",

@@ -20,6 +20,7 @@ from case_texts import (
 )
 
 import rodimpact as ri
+from rodimpact.model.ends import ENDS
 from rodimpact.storage.casefile import Case, format_case, parse_case
 
 # What is right
@@ -121,8 +122,8 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
             {law = "spring", stiffness = 1e6},
         ]
         [ends]
-        left = {kind = "force", value = {values = ["1 kN", 0], at = ["1 ms"]}}
-        right = {kind = "velocity", value = {samples = [0, "1 cm/s"], step = "10 us"}}
+        left = {kind = "pushed", value = {values = ["1 kN", 0], at = ["1 ms"]}}
+        right = {kind = "moved", value = {samples = [0, "1 cm/s"], step = "10 us"}}
         [solve]
         dt = "0.1 us"
         method = "auto"
@@ -167,7 +168,7 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
         ('"fixed"', ri.Fixed()),
         ('"absorbing"', ri.Absorbing()),
         ('"free"', ri.Free()),
-        ('"force"\nvalue = "-2 kN"', ri.Pushed(-2000)),
+        ('"pushed"\nvalue = "-2 kN"', ri.Pushed(-2000)),
         ('"velocity"\nvalue = 3', ri.Moved(3)),
         (
             '"incoming"\nvalue = {samples = [0, -1e-3], step = "2 us"}',
@@ -181,6 +182,25 @@ def test_ends(written, end):
     assert parse_case(format_case(case)).system == case.system
     case = parse_case(HEAD + A_ROD + "[ends.right]\nkind = " + written)
     assert case.system.ends == (ri.Free(), end)
+
+
+@pytest.mark.parametrize(
+    ("earlier", "end"), [("force", ri.Pushed(2.0)), ("velocity", ri.Moved(2.0))]
+)
+def test_kinds_of_ends_as_earlier_versions_wrote_them(earlier, end):
+    case = parse_case(HEAD + A_ROD + LEFT + f"'{earlier}'\nvalue = 2")
+    described = case.system.to_dict()
+    written = described["ends"]["left"]["kind"]
+
+    assert case.system.ends[0] == end
+    assert written == type(end).__name__.lower()
+    described["ends"]["left"]["kind"] = earlier
+    assert ri.System.from_dict(described) == case.system
+
+
+def test_kinds_of_ends_bear_the_names_of_python():
+    for kind, end in ENDS.items():
+        assert kind == end.__name__.lower()
 
 
 def test_a_material_of_a_wave_speed():
@@ -665,7 +685,7 @@ def test_a_case_is_frozen():
             "or text with one of N, mN",
         ),
         (
-            HEAD + A_ROD + LEFT + "'velocity'\nvalue = [1, 2]",
+            HEAD + A_ROD + LEFT + "'moved'\nvalue = [1, 2]",
             "ends.left.value",
             "is written {values = [...], at = [...]} or {samples = [...], step = ...}; vary=",
         ),
@@ -767,7 +787,7 @@ def test_all_mistakes_at_once_each_with_its_path():
         contacts = [{gap = -1}, {gap = "y", law = 7, stiffness = 3},
                     {law = "hertz", left_radius = "x", right_material = "y"},
                     {restitution = 0.5}, {}]
-        ends = {left = {kind = "force", value = "hard"}, right = {kind = "velocity"}}
+        ends = {left = {kind = "pushed", value = "hard"}, right = {kind = "moved"}}
         solve = {until = "never", method = "magic", max_events = -1, dt = 0, rtol = 0}
         output = {plot = 1}
     """)

@@ -72,8 +72,8 @@ contacts = [
     {law = "hertz", left_radius = 0.05, left_material = "ball"},
 ]
 [ends]
-left = {kind = "force", value = {values = [1, 0], at = [1e-3]}}
-right = {kind = "velocity", value = {samples = [0, 1], step = 1e-3}}
+left = {kind = "pushed", value = {values = [1, 0], at = [1e-3]}}
+right = {kind = "moved", value = {samples = [0, 1], step = 1e-3}}
 """
 
 

@@ -174,11 +174,11 @@ END_OF = {
     "free": st.just(ri.Free()),
     "fixed": st.just(ri.Fixed()),
     "absorbing": st.just(ri.Absorbing()),
-    "force": st.one_of(
+    "pushed": st.one_of(
         IN_TIME.map(ri.Pushed),
         st.builds(lambda t: ri.Pushed(np.cos, duration=t), shares(1e-3, 9)),
     ),
-    "velocity": IN_TIME.map(ri.Moved),
+    "moved": IN_TIME.map(ri.Moved),
     "incoming": IN_TIME.map(ri.Incoming),
 }
 
@@ -205,7 +205,7 @@ def systems(draw):
     links = [draw(laws_between(*pair)) for pair in pairwise(bodies)]
     ends = []
     for body in (bodies[0], bodies[-1]):
-        able = {ri.Rod: [*END_OF], ri.RigidMass: ["free", "force"], ri.Wall: ["free"]}
+        able = {ri.Rod: [*END_OF], ri.RigidMass: ["free", "pushed"], ri.Wall: ["free"]}
         ends.append(draw(st.one_of(*(END_OF[name] for name in able[type(body)]))))
     laws, gaps = [law for law, _ in links], [gap for _, gap in links]
     return ri.System(bodies, gaps, laws, gravity=draw(signed()), ends=ends)
