@@ -50,8 +50,12 @@ def needs(system: model.System) -> Needs:
             name = PHYSICS_OF_LAWS.get(law.law, COMPLIANCE)
             physics.append((f"contacts.{k}.law", name))
     for side, end in zip(model.SIDES, system.ends, strict=True):
-        if isinstance(getattr(end, "value", None), model.Samples):
-            physics.append((f"ends.{side}.value", SMOOTH_DRIVES))
+        value = getattr(end, "value", None)
+        if isinstance(value, model.Samples | model.Polynomials):
+            name = "value"
+            if getattr(end, "position", None) is not None:
+                name = "position"
+            physics.append((f"ends.{side}.{name}", SMOOTH_DRIVES))
     return physics
 
 

@@ -4,10 +4,11 @@ A prescribed force, a prescribed velocity and an incoming wave follow a profile 
 SI units; a number may be an array, which makes a family.
 """
 
-from typing import TypeAlias, get_args
+from typing import Any, ClassVar, TypeAlias, get_args
 
-from .frozen import Frozen, quantity
-from .profiles import Profile, ProfileLike, in_time
+from .frozen import Frozen, Problems, quantity, raise_if_problems
+from .positions import velocity_of
+from .profiles import Profile, ProfileLike, Steps, in_time
 
 
 class Free(Frozen, kind="free"):
@@ -93,7 +94,7 @@ class Pushed(_Driven, kind="pushed"):
 
 
 class Moved(_Driven, kind="moved"):
-    """A prescribed velocity of the end of a rod, whatever force that takes.
+    """A prescribed velocity or position of the end of a rod, whatever force that takes.
 
     The force may be a tension.
 
@@ -102,6 +103,11 @@ class Moved(_Driven, kind="moved"):
     value : float, array, Steps, Samples or function
         Velocity over time, m/s, positive to the right at both ends. `Steps` take times
         for `at`, `Samples` need their `step`; a function of time, s, is sampled.
+    position : Samples or function, optional
+        Position over time, m, in place of the velocity: only its changes count, so it
+        may have any origin. Straight lines between the samples make a velocity in
+        steps, a smooth curve makes a smooth velocity. After the last sample the end
+        stays where it is.
     duration : float, optional
         Time for which a function is sampled, s; no other value takes it. The function
         is sampled at 4097 times from 0 to the duration, and its last value holds on.
@@ -116,9 +122,54 @@ class Moved(_Driven, kind="moved"):
     >>> from rodimpact.model.profiles import Samples
     >>> Moved(Samples([0.0, 1.0, 0.0], step=1e-4))
     Moved(value=Samples(values=array(3,), step=0.0001))
+
+    An end that goes 1 mm to the right in 0.1 ms, and stops:
+
+    >>> Moved(position=Samples([0.0, 1e-3], step=1e-4)).value
+    Steps(values=(10.0, 0.0), at=(0.0001,))
     """
 
-    value: Profile = quantity("m/s", label="velocity", along="time")
+    _alternatives: ClassVar[dict[str, tuple[str, ...]]] = {
+        "value": ("position",),
+        "position": ("value",),
+    }
+    value: Profile = quantity("m/s", label="velocity", along="time", default=None)
+    position: "Profile | None" = quantity(
+        "m", label="position", along="time", default=None
+    )
+
+    def __init__(
+        self,
+        value: "ProfileLike | None" = None,
+        *,
+        position: "ProfileLike | None" = None,
+        duration: float | None = None,
+    ) -> None:
+        problems: Problems = []
+        if value is None and position is None:
+            problems.append(("value", "is missing; give a velocity, or a position"))
+        elif value is not None and position is not None:
+            problems.append(("position", "give either value or position, not both"))
+        elif isinstance(position, Steps):
+            message = (
+                "jumps, and an end cannot jump; give Samples of the position, or the "
+                "velocity as value"
+            )
+            problems.append(("position", message))
+        raise_if_problems(problems)
+        if value is not None:
+            super().__init__(value, duration=duration)
+            return
+        field = self.fields["position"]
+        profile = in_time(position, field, duration, "position")
+        velocity = velocity_of(problems, profile)
+        raise_if_problems(problems)
+        self._set(position=profile, value=velocity)
+
+    def _parameters(self) -> dict[str, Any]:
+        if self.position is not None:
+            return {"position": self.position}
+        return {"value": self.value}
 
 
 class Incoming(_Driven, Absorbing, kind="incoming"):

@@ -34,6 +34,8 @@ SAMPLES_ALONG_ROD = 1025
 """Number of places at which a function along a rod is sampled."""
 SAMPLES_IN_TIME = 4097
 """Number of times at which a function of time is sampled."""
+JUMP_RTOL = 1e-9
+"""Jump between polynomials that is no round-off, over their largest value."""
 SPLINE_DEGREE = 5
 """Degree of the spline through smooth samples."""
 ERROR = QuantityField(sign="non-negative", scalar=True)
@@ -339,7 +341,9 @@ def _check_inside(
     frozen.require(problems, is_inside, last_path, message, length, last)
 
 
-def in_time(value: Any, field: QuantityField, duration: Any) -> Profile:
+def in_time(
+    value: Any, field: QuantityField, duration: Any, name: str = "value"
+) -> Profile:
     """Check the value of a driven end as a profile from t = 0 on.
 
     Parameters
@@ -351,6 +355,8 @@ def in_time(value: Any, field: QuantityField, duration: Any) -> Profile:
         Unit and sign of the values.
     duration : float, optional
         Time for which a function is sampled, s; no other value has one.
+    name : str
+        Path of mistakes in the value.
 
     Returns
     -------
@@ -373,20 +379,37 @@ def in_time(value: Any, field: QuantityField, duration: Any) -> Profile:
         if not problems:
             times = np.linspace(0.0, end, SAMPLES_IN_TIME)
             step = end / (SAMPLES_IN_TIME - 1)
-            profile = _samples_of(
-                problems, "value", value, times, field=field, step=step
-            )
+            profile = _samples_of(problems, name, value, times, field=field, step=step)
     else:
         if duration is not None:
             message = "belongs to a function of time; leave it out"
             add_problem(problems, "duration", message, duration)
         if isinstance(value, Samples) and value.step is None:
             message = "is missing; give the seconds between two samples"
-            problems.append(("value.step", message))
+            problems.append((f"{name}.step", message))
         if not isinstance(value, Steps | Samples):
-            profile = field.checked(problems, "value", value)
+            profile = field.checked(problems, name, value)
     frozen.raise_if_problems(problems)
     return profile
+
+
+def latest_border(profile: Any) -> float:
+    """Time of the last border between the polynomials of a profile in time, s; else 0."""
+    if isinstance(profile, Polynomials):
+        return max(profile.inner, default=0.0)
+    return 0.0
+
+
+def jumps_inside(profile: Any) -> bool:
+    """Whether steps, or neighbouring polynomials, jump by more than round-off."""
+    if isinstance(profile, Steps):
+        return True
+    if not isinstance(profile, Polynomials):
+        return False
+    intervals = len(profile.inner) + 1
+    values = np.reshape(profile.values, (intervals, -1))
+    jumps = np.abs(values[1:, 0] - values[:-1, -1])
+    return bool(np.any(jumps > JUMP_RTOL * np.abs(values).max()))
 
 
 def negative(profile: Profile) -> Profile:

@@ -371,6 +371,8 @@ def _mirrored_body(body: Body) -> Body:
 
 def _mirrored_end(end: End) -> End:
     """End with left and right exchanged; a force keeps its sign: it pushes inwards."""
+    if isinstance(end, Moved) and end.position is not None:
+        return Moved(position=negative(end.position))
     if isinstance(end, Moved):
         return Moved(negative(end.value))
     return end

@@ -14,7 +14,7 @@ from ..methods.outcome import Totals
 from ..methods.registry import Options
 from ..methods.run import Run, Waves
 from ..methods.signals import Floats, Side, each_once
-from ..model import Rod, Samples, Soil, Steps, System
+from ..model import Polynomials, Rod, Samples, Soil, Steps, System
 from ..model.arguments import Array, array, demand, integer, of_kind, scalar
 from ..model.frozen import invalid_argument
 from ..model.numbering import body_names
@@ -38,6 +38,8 @@ from .wave_fields import WaveFields
 _ALLOW_UNDERFLOW = np.errstate(under="ignore")
 """Squares of round-off and of very slow motion may vanish, and strains ahead of waves."""
 
+IN_TIME = (Steps, Samples, Polynomials)
+"""What the value of an end is where it varies in time."""
 FIELDS_OF_ALL_BODIES = ("velocity", "displacement", "position")
 FIELDS_OF_RODS = ("strain", "stress", "axial_force")
 
@@ -552,7 +554,7 @@ class Solution(Shown):
         time = scalar("t", t, "s", "")
         tick = int(self.fields.to_ticks(time))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
-            if isinstance(getattr(end, "value", 0.0), Steps | Samples):
+            if isinstance(getattr(end, "value", 0.0), IN_TIME):
                 message = "is driven by a function of time; drive it anew"
                 raise invalid_argument(f"ends.{side}", message)
         error = self.accuracy.get("velocity", 0.0) * self.fields.clock.scale

@@ -55,7 +55,7 @@ LARGEST_STEP = {
 PROBING_CHANGE = 2.0**-6  # change over the number that shows what physics others take
 NOISE_AMPLIFICATION = 16.0  # error of a derivative, times the step, over that of values
 MAX_ERROR_OVER_NOISE = 10.0  # stated error over that by noise at which steps are kept
-SCALED_BY_MOTION = {"velocity", "strain", "value"}
+SCALED_BY_MOTION = {"velocity", "strain", "value", "position"}
 """Numbers whose changes are measured by the motion of the row, whatever their value."""
 NUMBER_RTOL = 2.0**-52  # round-off of a number of the system
 PRINTED_RTOL = 1e-8  # relative error of a derivative printed with 8 digits

@@ -43,6 +43,8 @@ OUTCOME_ENERGIES = (
     "gravity_work",
 )
 """Energies of the whole row, J, by their names in an `Outcome`."""
+LATER_ENERGIES = ("soil_work", "drag_work")
+"""Energies that files of earlier versions lack: they were 0."""
 MEASURE_OF = BY_BODY | BY_CONTACT | dict.fromkeys(OUTCOME_ENERGIES, ENERGY)
 """Measure of each number of an outcome."""
 
@@ -107,7 +109,10 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
     if not isinstance(table.get("final", True), bool):
         add_problem(problems, "final", "must be true or false", table["final"])
     names = names_of_numbers(bodies)
-    numbers = _read_numbers(problems, "numbers", table, names, required=names)
+    required = [name for name in names if name not in LATER_ENERGIES]
+    numbers = _read_numbers(problems, "numbers", table, names, required)
+    for name in LATER_ENERGIES:
+        numbers.setdefault(name, 0.0)
     accuracy = _read_numbers(problems, "accuracy", table, MEASURES)
     for name, error in accuracy.items():
         if not error >= 0:

@@ -229,7 +229,10 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "MeanCurve": [lambda: ri.mean_of_shots([reduction(), reduction()], 5)],
     "Measured": [measured],
     "Misfit": [lambda: VOLTS.misfit(VOLTS)],
-    "Moved": [lambda: ri.Moved(1.0)],
+    "Moved": [
+        lambda: ri.Moved(1.0),
+        lambda: ri.Moved(position=ri.Samples([0.0, 1e-3], step=1e-4)),
+    ],
     "Options": [ri.Options],
     "Outcome": [lambda: exact_solution().outcome],
     "Page": [page],

@@ -154,6 +154,10 @@ def test_units_signs_and_defaults_are_those_of_the_declared_numbers(title):
         expected = field_as_written(field)
         if name == "area":
             expected = expected._replace(default="required, or diameter")
+        elif name == "position":
+            expected = expected._replace(default="in place of value")
+        elif (title, name) == ('[ends.SIDE] kind = "moved"', "value"):
+            expected = expected._replace(default="required, or position")
         elif name == "youngs_modulus":
             expected = expected._replace(default="required, or wave_speed")
         elif name == "diameter":

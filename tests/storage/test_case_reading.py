@@ -203,6 +203,20 @@ def test_kinds_of_ends_bear_the_names_of_python():
         assert kind == end.__name__.lower()
 
 
+def test_an_end_that_is_moved_by_its_position():
+    position = 'position = {samples = ["0 mm", "1 mm"], step = "2 ms"}'
+    left = LEFT + f"'moved'\n{position}\n"
+
+    case = parse_case(HEAD + A_ROD + left)
+    vary = {"ends.left.position.step": "1 ms, 2 ms"}
+    family = parse_case(HEAD + A_ROD + left, vary=vary).system
+
+    assert case.system.ends[0].value == ri.Steps([0.5, 0.0], at=[2e-3])
+    assert parse_case(format_case(case)) == case
+    assert family[0].ends[0].value == ri.Steps([1.0, 0.0], at=[1e-3])
+    assert family[1] == case.system
+
+
 def test_a_material_of_a_wave_speed():
     text = """
         [materials.bar]
@@ -672,7 +686,7 @@ def test_a_case_is_frozen():
         (
             HEAD + A_ROD + "[ends.left]",
             "ends.left.kind",
-            "is missing; use one of free, fixed, absorbing, force, velocity, incoming",
+            "is missing; use one of free, fixed, absorbing, pushed, moved, incoming",
         ),
         (
             HEAD + A_ROD + LEFT + "'clamped'\nvalue = 1",
@@ -683,6 +697,16 @@ def test_a_case_is_frozen():
             HEAD + A_ROD + LEFT + "'force'",
             "ends.left.value",
             "or text with one of N, mN",
+        ),
+        (
+            HEAD + A_ROD + LEFT + "'moved'\n",
+            "ends.left.value",
+            "is missing; give a velocity, or a position",
+        ),
+        (
+            HEAD + A_ROD + LEFT + "'moved'\nposition = {values=[0, 1], at=[1]}",
+            "ends.left.position",
+            "jumps, and an end cannot jump; give Samples of the position",
         ),
         (
             HEAD + A_ROD + LEFT + "'moved'\nvalue = [1, 2]",

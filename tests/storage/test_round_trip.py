@@ -230,7 +230,7 @@ ERRORS = st.dictionaries(st.sampled_from(MEASURES), st.floats(0, np.inf))
 TEXTS = st.text(st.characters(exclude_categories=["Cs"]))
 
 
-@given(st.lists(FLOATS, min_size=20, max_size=20), ERRORS, st.booleans(), TEXTS)
+@given(st.lists(FLOATS, min_size=21, max_size=21), ERRORS, st.booleans(), TEXTS)
 def test_an_outcome_comes_back_equal(numbers, errors, final, text):
     numbers = dict(zip(names_of_numbers(2), numbers, strict=True))
     result = SavedResult(

@@ -32,6 +32,21 @@ def test_the_manual_names_every_key():
     assert keys_under("[result.accuracy]") == list(MEASURES)
 
 
+def test_files_of_earlier_versions_lack_later_energies(tmp_path):
+    rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    path = tmp_path / "run.toml"
+    ri.solve(ri.System([rod, ri.Wall()])).save(path)
+    lines = path.read_text().splitlines()
+    earlier = [line for line in lines if "soil_work" not in line]
+    earlier = [line for line in earlier if "drag_work" not in line]
+    path.write_text("\n".join(earlier))
+
+    case = ri.read_case(path)
+
+    assert len(earlier) == len(lines) - 2
+    assert case.result.numbers["drag_work"] == case.result.numbers["soil_work"] == 0.0
+
+
 def test_a_record_holds_all_that_an_outcome_finds():
     found = set(ri.Outcome.__dataclass_fields__) - FOLLOW - CHECKS
     found = {name for name in found if not name.endswith("_before")}

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...model.frozen import InvalidModel
-from ...model.profiles import averages
+from ...model.profiles import averages, latest_border
 from ..link import LINK, in_steps
 from ..record_lists import as_records
 from ..row import Array, Row
@@ -259,5 +259,7 @@ def boundary_velocity(row: Row, step: float, value: Any, t: Array) -> Array:
     Times t, s, are a step apart. Before t = 0 the value is that at t = 0.
     """
     edges = np.append(t - step / 2, t[-1:] + step / 2)
-    velocity = averages(value, np.maximum(edges, 0.0), 0.0)
+    # Behind their last border polynomials in time are constant.
+    end = max(edges.max(initial=0.0), 2 * latest_border(value))
+    velocity = averages(value, np.maximum(edges, 0.0), end)
     return np.asarray(velocity - row.frame - row.system.gravity * t)

@@ -20,7 +20,7 @@ from ...model import (
     Samples,
     Steps,
 )
-from ...model.profiles import extremes
+from ...model.profiles import extremes, jumps_inside
 from ..row import Row
 
 SMALL_JUMP_RTOL = 1e-6
@@ -55,7 +55,10 @@ def waves_jump(row: Row) -> bool:
     system = row.system
     for part in (*system.bodies, *system.ends):
         for name in ("velocity", "strain", "value"):
-            if isinstance(getattr(part, name, 0.0), Steps | Polynomials):
+            profile = getattr(part, name, 0.0)
+            if name == "value" and jumps_inside(profile):
+                return True
+            if name != "value" and isinstance(profile, Steps | Polynomials):
                 return True
     for law in system.contacts:
         if law.opens and not law.begins_from_zero:
@@ -134,7 +137,7 @@ def _face(body: Any, last: int) -> Face:
 
 def _value(profile: Any, last: int) -> float:
     """First value of a number or of samples (`last` = 0), or the last one (`last` = -1)."""
-    if isinstance(profile, Samples):
+    if isinstance(profile, Samples | Polynomials):
         return float(profile.values[last])
     return float(profile)
 

@@ -147,7 +147,12 @@ class InitialLines:
         return l
 
     def _fit_pieces(
-        self, signal: Pieces, start: int, stop: int, *profiles: tuple[Any, float]
+        self,
+        signal: Pieces,
+        start: int,
+        stop: int,
+        *profiles: tuple[Any, float],
+        is_drive: bool = False,
     ) -> Any:
         """Pieces, [piece], that fit a signal between two ticks; raise `fit` and `carried`.
 
@@ -156,7 +161,8 @@ class InitialLines:
         scale = float(self._clock.scale)
         tolerance = self._request.tolerance * scale / 4
         fit = tolerance
-        if any(isinstance(profile, Polynomials) for profile, _ in profiles):
+        is_state = any(isinstance(profile, Polynomials) for profile, _ in profiles)
+        if is_state and not is_drive:
             fit = EXACT_FIT * scale  # keeps the waves of an earlier run
         pieces, miss = profile_pieces.in_pieces(signal, start, stop, tolerance, fit)
         self.fit = max(self.fit, miss / scale)
@@ -300,4 +306,5 @@ class InitialLines:
         if kind == "force":  # F changes the velocity of a free end by 2 F/Z
             impedances = [float(segment.impedance) for segment in self._row.segments]
             velocity_per_value = 2 / min(impedances, default=math.inf)
-        return self._fit_pieces(drive, 0, stop, (value, velocity_per_value))[None]
+        profile = (value, velocity_per_value)
+        return self._fit_pieces(drive, 0, stop, profile, is_drive=True)[None]

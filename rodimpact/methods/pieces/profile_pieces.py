@@ -82,6 +82,7 @@ def _from_polynomials(
 ) -> Pieces:
     """Signal of polynomials along `length`, without those that are shorter than a tick."""
     ticks = ticks_of(np.array([0.0, *profile.inner, length]))
+    ticks = np.minimum(ticks, ticks[-1])  # polynomials in time may go beyond the run
     lasting = np.diff(ticks) > 0
     starts = ticks[:-1][lasting]
     return Pieces(starts, profile.coefficients()[lasting], int(ticks[-1]))

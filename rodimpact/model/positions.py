@@ -1,0 +1,84 @@
+"""Velocity of an end whose position is prescribed: the derivative, exact for the curve it has."""
+
+from typing import Any
+
+import numpy as np
+
+from .frozen import Problems, add_problem
+from .profiles import SPLINE_DEGREE, Polynomials, Profile, Samples, Steps
+
+VALUES_PER_INTERVAL = SPLINE_DEGREE
+"""Values of the velocity in an interval, a polynomial of one degree less than the position."""
+SHARES = (
+    1 - np.cos(np.pi * np.arange(VALUES_PER_INTERVAL) / (VALUES_PER_INTERVAL - 1))
+) / 2
+"""Places of these values in an interval, as shares of its width: Chebyshev points."""
+
+
+def velocity_of(problems: Problems, position: Profile) -> Any:
+    """Velocity over time of an end with this position, m/s; 0 after the last sample.
+
+    Parameters
+    ----------
+    problems : list of (path, message)
+        Mistakes are added.
+    position : float, array or Samples
+        m; only its changes count.
+
+    Returns
+    -------
+    float, array, Steps or Polynomials
+        Steps between straight lines, polynomials between samples of a smooth curve.
+    """
+    if not isinstance(position, Samples):
+        return 0.0 * position  # type: ignore[operator]
+    if position.smooth:
+        return _of_spline(problems, position)
+    return _of_lines(position)
+
+
+def _of_lines(position: Samples) -> Any:
+    """Velocity of straight lines: neighbouring lines of one slope are one step."""
+    step: Any = position.step
+    rises = np.diff(position.values)
+    is_new = np.append(True, rises[1:] != rises[:-1])
+    first = np.flatnonzero(is_new)
+    values = []
+    starts = []
+    for i in first.tolist():
+        values.append(float(rises[i]) / step)
+        starts.append(i * step)
+    if rises[-1] != 0:
+        values.append(0.0)
+        starts.append(len(rises) * step)
+    if len(values) == 1:
+        return values[0]
+    return Steps(values, starts[1:])
+
+
+def _of_spline(problems: Problems, position: Samples) -> Any:
+    """Velocity of the spline through smooth samples."""
+    from scipy.interpolate import make_interp_spline
+
+    samples = np.asarray(position.values)
+    if isinstance(position.step, np.ndarray):
+        message = "must be a single number for a smooth curve"
+        add_problem(problems, "position.step", message, position.step)
+        return 0.0
+    if len(samples) <= SPLINE_DEGREE:
+        message = f"must be more than {SPLINE_DEGREE} samples for a smooth curve"
+        add_problem(problems, "position.values", message, samples.tolist())
+        return 0.0
+    step: Any = position.step
+    times = step * np.arange(len(samples))
+    velocity = make_interp_spline(times, samples, SPLINE_DEGREE).derivative()
+    values = velocity(times[:-1, None] + step * SHARES)
+    # Neighbouring polynomials share the value between them: no round-off makes a jump.
+    values[:, 0] = velocity(times[:-1])
+    values[:, -1] = velocity(times[1:])
+    at_rest = np.zeros(VALUES_PER_INTERVAL)
+    # An error of the curve that is 0 at the samples is at most as steep as a sine.
+    error = np.pi * position.error / step
+    return Polynomials(
+        np.append(values.ravel(), at_rest).tolist(), times[1:].tolist(), error=error
+    )
