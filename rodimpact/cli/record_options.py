@@ -137,7 +137,8 @@ def add_case_and_record(parser: argparse.ArgumentParser) -> None:
         "record",
         metavar="RECORD.csv",
         nargs="+",
-        help="the record, a text table; or several, such as one for each channel",
+        help="the record: a text table, a workbook or a TDMS file; or several, such as "
+        "one for each channel",
     )
     add_gauge_option(parser, "a channel of the record and the place of its gauge")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -213,6 +214,9 @@ def _read_files(args: Arguments) -> dict[str, Signal]:
         except OSError as error:
             reason = error.strerror if error.strerror else error
             args.problems.append((path, f"cannot be read: {reason}"))
+            return {}
+        except ImportError as error:  # a package that reads workbooks or TDMS files
+            args.problems.append((path, str(error)))
             return {}
         if not channels:
             return {}

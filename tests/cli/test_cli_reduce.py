@@ -1,6 +1,7 @@
 """rodimpact reduce: what a specimen did, from the record of two bars."""
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -224,6 +225,25 @@ stiffness = 4e8
 yield_force = 5e3
 hardening = 1e7
 """
+
+
+def test_files_without_heads_are_channels_by_their_names(capsys):
+    """A scope writes a file for each channel, volts before time."""
+    for name, signal in ri.read_signals(RECORD).items():
+        lines = map("{!r},{!r}".format, signal.values.tolist(), signal.times.tolist())
+        Path(f"{name}.csv").write_text("\n".join(lines))
+    files = ["incident.csv", "transmitted.csv"]
+    form = ["--time-unit", "s", "--unit", "V"]
+    assert main(["reduce", "bars.toml", *files, *ALL, *form]) == 0
+    from_files = capsys.readouterr().out
+    assert reduced(*ALL) == 0
+    assert capsys.readouterr().out == from_files
+
+
+def test_a_missing_package_names_its_extra(monkeypatch, refuses):
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    Path("shot.xlsx").write_bytes(b"PK")
+    refuses(["reduce", "bars.toml", "shot.xlsx", *ALL], "shot.xlsx: openpyxl is not")
 
 
 def test_a_direct_impact_is_reduced_with_its_own_case(capsys):

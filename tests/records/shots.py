@@ -25,13 +25,14 @@ class Shot(NamedTuple):
     """A solved row of an input bar or a striker, a specimen and an output bar."""
 
     solution: ri.Solution
+    specimen: ri.Specimen = SPECIMEN
 
-    def gauge(self, body, distance, noise=0.002, seed=0):
+    def gauge(self, body, distance, noise=0.002, seed=0, dt=DT):
         """A gauge at a distance from the specimen; `noise` over the strain of the pulse."""
         x = distance
         if body == 0:
             x = float(self.solution.system.bodies[0].length) - distance
-        signal = self.solution.gauge(body, x).signal(DT).extended(before=1e-4)
+        signal = self.solution.gauge(body, x).signal(dt).extended(before=1e-4)
         rng = np.random.default_rng(seed)
         noisy = signal.values + noise * PULSE_STRAIN * rng.standard_normal(len(signal))
         return ri.BarGauge(signal.replace(values=noisy), distance)
@@ -42,13 +43,13 @@ class Shot(NamedTuple):
         input_rod = self.solution.system.bodies[0]
         input_face = self.solution.displacement(0, float(input_rod.length), times)
         output_face = self.solution.displacement(2, 0.0, times)
-        return (input_face - output_face) / SPECIMEN.length
+        return (input_face - output_face) / self.specimen.length
 
     def stress(self, times):
         """Mean of the nominal stresses at both faces, Pa."""
         times = np.maximum(times, 0.0)
         forces = [contact.force(times) for contact in self.solution.contacts]
-        return np.mean(forces, axis=0) / SPECIMEN.section
+        return np.mean(forces, axis=0) / self.specimen.section
 
 
 def rod(length, diameter=DIAMETER, material=STEEL, **changes):
@@ -136,10 +137,11 @@ class LawShot(NamedTuple):
     """A striker that hits a bar through a specimen without mass, a contact law."""
 
     solution: ri.Solution
+    specimen: ri.Specimen = SPECIMEN
 
-    def gauge(self, distance, noise=0.002, seed=0):
+    def gauge(self, distance, noise=0.002, seed=0, dt=DT):
         """A gauge of the bar; `noise` over `PULSE_STRAIN`."""
-        signal = self.solution.gauge(1, distance).signal(DT).extended(before=1e-4)
+        signal = self.solution.gauge(1, distance).signal(dt).extended(before=1e-4)
         rng = np.random.default_rng(seed)
         noisy = signal.values + noise * PULSE_STRAIN * rng.standard_normal(len(signal))
         return ri.BarGauge(signal.replace(values=noisy), distance)
@@ -151,13 +153,12 @@ class LawShot(NamedTuple):
         x = getattr(striker, "length", 0.0)
         approach = self.solution.displacement(0, x, times)
         approach = approach - self.solution.displacement(1, 0.0, times)
-        return approach / SPECIMEN.length
+        return approach / self.specimen.length
 
     def stress(self, times):
         """Nominal stress of the specimen, Pa."""
-        return (
-            self.solution.contacts[0].force(np.maximum(times, 0.0)) / SPECIMEN.section
-        )
+        force = self.solution.contacts[0].force(np.maximum(times, 0.0))
+        return force / self.specimen.section
 
 
 @cache
@@ -169,3 +170,56 @@ def direct_impact_on_law(is_rigid=False, until=7e-4, cells=1500):
     law = ri.Yielding(stiffness=1.5e8, yield_force=15e3, hardening=8e6)
     row = ri.System([striker, rod(1.5)], contacts=[law])
     return LawShot(solved(row, until, cells))
+
+
+# Shots whose rise the bars carry: thin bars, and 1 % of strain takes many of their diameters
+
+THIN_DIAMETER = 0.008
+THIN_BAR = ri.Rod(1.5, diameter=THIN_DIAMETER, material=STEEL)
+THIN_SPECIMEN = ri.Specimen(4e-3, diameter=0.006)
+SLOW_SPECIMEN = ri.Specimen(8e-3, diameter=0.006)
+SLOW_STRIKER = ri.Rod(0.4, diameter=THIN_DIAMETER, material=STEEL, velocity=3.0)
+SLOW_STRAIN = 3.0 / (2 * STEEL.wave_speed)
+"""Strain of the wave of the striker against a stiff specimen."""
+
+
+@cache
+def smooth_shot(duration, until, rise=80e-6):
+    """A pulse with smooth corners runs through a thin input bar to the specimen."""
+    times = np.arange(0, duration + 2 * rise, 1e-6)
+    up = np.clip(times / rise, 0, 1)
+    down = np.clip((duration + rise - times) / rise, 0, 1)
+    level = np.minimum(up, down)
+    wave = ri.Samples([*(-PULSE_STRAIN * level**2 * (3 - 2 * level)), 0.0], step=1e-6)
+    bodies = [
+        rod(1.5, THIN_DIAMETER),
+        rod(THIN_SPECIMEN.length, THIN_SPECIMEN.diameter, POLYMER),
+        rod(1.5, THIN_DIAMETER),
+    ]
+    row = ri.System(
+        bodies,
+        contacts=[ri.Rigid(), ri.Rigid()],
+        ends=[ri.Incoming(wave), ri.Free()],
+    )
+    return Shot(solved(row, until, cells=1500), THIN_SPECIMEN)
+
+
+@cache
+def slow_direct_impact(until=7e-4):
+    """A striker of 3 m/s hits a specimen without mass that yields at 1 % of strain."""
+    law = ri.Yielding(stiffness=2.1e7, yield_force=1.7e3, hardening=1e6)
+    bodies = [rod(0.4, THIN_DIAMETER, velocity=3.0), rod(1.5, THIN_DIAMETER)]
+    row = ri.System(bodies, contacts=[law])
+    return LawShot(solved(row, until, cells=1500), SLOW_SPECIMEN)
+
+
+@cache
+def slow_direct_impact_with_mass(until=7e-4):
+    """A striker of 3 m/s hits a specimen that is a short rod on the output bar."""
+    bodies = [
+        rod(0.4, THIN_DIAMETER, velocity=3.0),
+        rod(SLOW_SPECIMEN.length, SLOW_SPECIMEN.diameter, POLYMER),
+        rod(1.5, THIN_DIAMETER),
+    ]
+    row = ri.System(bodies, contacts=[ri.Rigid(), ri.Rigid()])
+    return Shot(solved(row, until, cells=1500), SLOW_SPECIMEN)
