@@ -28,7 +28,12 @@ NEW_FILE = ""
 """Text in place of which a whole file is written."""
 
 UNIT = {
-    "units.py": [('"ft": "0.3048",', '"ft": "0.3048",\n        "yd": "0.9144",')],
+    "units.py": [
+        (
+            '        "km": "1e3",\n',
+            '        "km": "1e3",\n        "furlong": "201.168",\n',
+        )
+    ],
 }
 CLOSED_FORM = {
     "theory.py": [
@@ -238,8 +243,7 @@ RECIPES = [
     pytest.param(
         "a unit",
         UNIT,
-        "assert ri.units.parse('2 yd', 'length') == 1.8288\n"
-        "case = ri.format_case(ri.System([ri.RigidMass(1.0)]))\n",
+        "assert ri.units.parse('2 furlong', 'length') == 402.336\n",
         (),
         id="unit",
     ),

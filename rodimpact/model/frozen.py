@@ -609,7 +609,8 @@ class Frozen:
 
 def _explain_constructor(kind: Any) -> None:
     """Let the constructor of a class answer wrong arguments with those that are meant."""
-    kind.__init__ = explain_arguments(kind.__init__)
+    if not hasattr(kind.__init__, "__wrapped__"):
+        kind.__init__ = explain_arguments(kind.__init__)
 
 
 @typing.dataclass_transform(eq_default=False, field_specifiers=(quantity,))
