@@ -3,6 +3,7 @@
 A row holds a guess in Python, or a command, and the part of the answer that helps.
 """
 
+import inspect
 import shlex
 
 import numpy as np
@@ -12,6 +13,7 @@ from case_texts import UNEQUAL_RODS
 import rodimpact as ri
 from rodimpact.cli import main
 from rodimpact.hints import explain_arguments, explain_missing
+from rodimpact.model.frozen import Frozen
 
 NAMES = [
     ("ri.rod", "perhaps 'Rod' is meant"),
@@ -174,6 +176,46 @@ def test_a_wrong_command_is_answered_by_a_remedy(
     assert out == ""
     assert remedy in " ".join(err.split())
     assert "Traceback" not in err
+
+
+def public_things():
+    """Public functions and classes but errors and warnings, by name."""
+    things = {}
+    for name in ri.__all__:
+        thing = getattr(ri, name)
+        if inspect.ismodule(thing):
+            for below in thing.__all__:
+                things[f"{name}.{below}"] = getattr(thing, below)
+        else:
+            things[name] = thing
+    for name, thing in things.items():
+        is_error = inspect.isclass(thing) and issubclass(thing, Exception)
+        if callable(thing) and not is_error and not name.startswith("units."):
+            yield name, thing
+
+
+def test_every_public_function_explains_a_wrong_argument():
+    silent = []
+    for name, call in public_things():
+        if inspect.isclass(call) and not issubclass(call, Frozen):
+            continue  # functions of the package make the objects of these classes
+        with pytest.raises(TypeError) as caught:
+            call(no_such_argument=1)
+        sentence = str(caught.value)
+        if (
+            "has no argument 'no_such" not in sentence
+            and "takes no arguments" not in sentence
+        ):
+            silent.append(name)
+    assert silent == []
+
+
+def test_every_public_class_explains_a_missing_attribute():
+    silent = []
+    for name, kind in public_things():
+        if inspect.isclass(kind) and not hasattr(kind, "__getattr__"):
+            silent.append(name)
+    assert silent == []
 
 
 def test_names_that_python_asks_for_need_no_hint(known):

@@ -101,6 +101,7 @@ class Descent(NamedTuple):
     complete: bool
 
 
+@explain_missing()
 class Addition(NamedTuple):
     """A fit with more unknown numbers, and whether they earn their place.
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..hints import explain_arguments, explain_missing
 from ..methods.registry import count
 from ..methods.signals import Floats
 from ..model import Rod, System
@@ -39,6 +40,7 @@ MAX_RESISTANCES = 10_000
 """Most resistances of a bearing graph."""
 
 
+@explain_missing()
 class BearingPoint(NamedTuple):
     """One blow on a pile against one resistance; a row of a bearing graph.
 
@@ -94,6 +96,7 @@ COLUMNS = {
 """Numbers of a `BearingPoint` with their units."""
 
 
+@explain_missing()
 @dataclass(frozen=True)
 class BearingGraph:
     """Blow count and stresses of a pile against its resistance.
@@ -176,6 +179,7 @@ class BearingGraph:
         return bearing_table(self)
 
 
+@explain_arguments
 def bearing_graph(
     system: System,
     resistances: ArrayLike,

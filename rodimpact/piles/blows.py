@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from ..hints import explain_arguments, explain_missing
 from ..model import Plastic, RigidMass, Rod, System, Wall
 from ..model.arguments import demand, integer, of_kind, scalar
 from ..model.ends import FREE
@@ -49,6 +50,7 @@ class PileRow(NamedTuple):
     toe: int  # the contact of the last rod with the wall below it
 
 
+@explain_missing()
 class Blow(NamedTuple):
     """What one blow did to a pile.
 
@@ -110,6 +112,7 @@ class Aftermath(NamedTuple):
     rest: Rest  # the equilibrium to which damping brings the pile
 
 
+@explain_arguments
 def blows(
     system: System,
     count: int,

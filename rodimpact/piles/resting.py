@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..hints import explain_arguments
 from ..methods.grid.method import mesh_size
 from ..methods.row_builder import build_row
 from ..model import Joint, Plastic, Rigid, Rod, Soil, Steps, System, Wall
@@ -27,6 +28,7 @@ MAX_CELLS = 10_000
 """Most cells that may be asked for."""
 
 
+@explain_arguments
 def at_rest(system: System, cells: int = CELLS) -> System:
     """A system whose resting bodies stay at rest: soil, rods and contacts carry their weights.
 

@@ -9,6 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 
 from ..fitting.result import Fit
+from ..hints import explain_arguments
 from ..methods.signals import Floats
 from ..model.arguments import integer, of_kind
 from ..model.frozen import invalid_argument
@@ -205,6 +206,7 @@ def _predicted(misfit: Misfit, measured: Signal, predicted: Signal) -> str:
     return name
 
 
+@explain_arguments
 def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Picture:
     """Draw a record over its prediction with a band of two standard errors, the residual below.
 

@@ -2,12 +2,14 @@
 
 from typing import NamedTuple
 
+from ..hints import explain_missing
 from ..methods.signals import Floats
 from ..model import Rod, Soil
 from .fields import Fields
 from .grid_fields import GridFields
 
 
+@explain_missing()
 class SoilProfile(NamedTuple):
     """Soil along a rod at one time, at the nodes of the mesh, [n] each.
 
