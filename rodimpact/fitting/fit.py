@@ -153,7 +153,9 @@ def fit(
     search_count = count(problems, "starts", starts)
     check_progress(problems, progress)
     check_executor(problems, executor, system)
-    gauges = [record.gauge for record in records]
+    gauges = []
+    for record in records:
+        gauges.append((record.place.body, record.place.x))
     check_readings(problems, system, gauges, np.zeros(1))
     raise_if_problems(problems)
 

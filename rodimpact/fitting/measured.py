@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal
 
 from ..methods.registry import check_function
 from ..model import Rod, System
-from ..model.arguments import integer, of_kind, scalar
+from ..model.arguments import integer, of_kind, one_of, scalar
 from ..model.frozen import FrozenDataclass, Problems, invalid_argument, quantity
 from ..records.comparison import Bounds
 from ..records.pulses import plateau
 from ..records.signal import Signal, bounds_of
 from ..units import shown
+from .images import Place
 
 
 class Measured(FrozenDataclass):
@@ -28,6 +30,12 @@ class Measured(FrozenDataclass):
         Distance from that place to the gauge of the record, m, negative if the pulse
         runs to the left. The strain is propagated over it by the exact first mode, as
         in `Signal.propagated`.
+    passages : {"first", "all"}
+        With "first" the strain at the place is a pulse that passes once. With "all" the
+        record may contain waves that come back from the ends: the strain at the gauge
+        of the record is that of images of the forces on both ends of the rod, each by
+        the exact first mode over its own distance, `rodimpact.fitting.images`. Each end
+        must be free or touch another body.
     radius : float, optional
         Radius of the round rod for this propagation, m; by default half the diameter of
         the rod.
@@ -68,6 +76,7 @@ class Measured(FrozenDataclass):
     signal: Signal
     gauge: tuple[int, float]
     distance: float = quantity("m", default=0.0, scalar=True)
+    passages: Literal["first", "all"] = "first"
     radius: float | None = quantity("m", "positive", default=None, scalar=True)
     shift: Bounds | None = None
     gain: Bounds | None = None
@@ -85,6 +94,7 @@ class Measured(FrozenDataclass):
             )
         body, x = self.gauge
         self._set(gauge=(body, scalar("gauge", x, "m")))
+        one_of("passages", self.passages, ("first", "all"))
         check_function(problems, "seen", self.seen)
         if self.level is not None:
             self._set(level=scalar("level", self.level, self.signal.unit, "positive"))
@@ -127,6 +137,14 @@ class Measured(FrozenDataclass):
         body, x = self.gauge
         return f"gauge {body}, {x:g} m"
 
+    @property
+    def place(self) -> Place:
+        """Where the strain is computed: at `gauge`, or by images beyond it."""
+        body, x = self.gauge
+        if self.passages == "first":
+            return Place(body, x)
+        return Place(body, x + self.distance, by_images=True, radius=self.radius)
+
     def overlapping_shifts(self, until: float, system: System) -> tuple[float, float]:
         """Smallest and largest shift of a prediction that overlaps the record, s.
 
@@ -137,7 +155,9 @@ class Measured(FrozenDataclass):
         return self.signal.start - (until + delay), self.signal.end + delay
 
     def _propagation_time(self, system: System) -> float:
-        """Time in which waves run over `distance`, s."""
+        """Time in which waves run on from the place where the strain is computed, s."""
+        if self.passages == "all":
+            return 0.0
         return abs(self.distance) / float(self._rod(system).segments[0].wave_speed)
 
     def _rod(self, system: System) -> Rod:
@@ -154,10 +174,10 @@ class Measured(FrozenDataclass):
         return rod
 
     def prediction(self, strain: Signal, system: System) -> Signal:
-        """The record as it follows from a strain, before shift, gain and blur."""
+        """The record as it follows from the strain at `place`, before shift to trend."""
         of_kind("strain", strain, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         rod = self._rod(system)
-        if self.distance:
+        if self.distance and self.passages == "first":
             margin = self._propagation_time(system)
             extended = strain.extended(margin, margin)
             strain = extended.propagated(self.distance, rod, radius=self.radius)

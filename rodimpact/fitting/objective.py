@@ -20,6 +20,7 @@ from ..records import filters
 from ..records.comparison import TimeSeries, misfit_of
 from ..records.signal import Signal
 from ..results.solution import Solution
+from .images import Place
 from .measured import Measured
 from .parameters import (
     BLUR,
@@ -41,10 +42,10 @@ CONSTANT_BEYOND = 1.0
 def compute_strains(
     system: System,
     options: Options,
-    gauges: Sequence[tuple[int, float]],
+    places: Sequence[Place],
     interval: float,
 ) -> list[Signal]:
-    """Strains at the gauges, sampled every `interval`, s.
+    """Strains at the places of the records, sampled every `interval`, s.
 
     Raises
     ------
@@ -55,7 +56,7 @@ def compute_strains(
     if solution.stopped_by != "until":
         raise InvalidModel([("until", f"is not reached: {solution.status}")])
     try:
-        return [solution.gauge(*gauge).signal(interval) for gauge in gauges]
+        return [place.strain(solution, interval) for place in places]
     except ValueError as error:
         message = f"the bounds put a gauge outside its rod ({error}); narrow the bounds"
         raise InvalidModel([("vary", message)]) from None
@@ -136,9 +137,9 @@ class Objective:
         self.initial_shares = [
             parameter.share(parameter.initial) for parameter in parameters
         ]
-        gauges = [record.gauge for record in measured]
+        places = [record.place for record in measured]
         self._compute_strains = partial(
-            compute_strains, options=options, gauges=gauges, interval=interval
+            compute_strains, options=options, places=places, interval=interval
         )
         self._map: Any = executor.map if executor else map
         self._recent_signals: dict[bytes, list[Signal]] = {}  # by the bytes of shares

@@ -268,9 +268,9 @@ def test_mistakes_in_additions_are_named(additions, says):
 def test_searches_on_a_grid_begin_with_half_of_its_cells(monkeypatch):
     cells_of_runs = []
 
-    def counted(system, options, gauges, interval):
+    def counted(system, options, places, interval):
         cells_of_runs.append(options.cells)
-        return compute_strains(system, options, gauges, interval)
+        return compute_strains(system, options, places, interval)
 
     monkeypatch.setattr(objective_module, "compute_strains", counted)
     settings = {"starts": 1, "method": "finite-difference", "cells": 240}

@@ -1,0 +1,111 @@
+"""Strain at a gauge over many passages, by images of the forces on both ends of a rod.
+
+A rod that is struck at its left end by the force F carries the strain -F/(E A) to the
+right. A free end turns a wave back with the other sign, so the strain at x is that of
+images of the force: at the distances x + 2 n L with this sign, and at 2 L - x + 2 n L
+with the other one, n = 0, 1, ... Forces on the right end have the same images, L - x in
+place of x. Each distance disperses a wave by the exact first mode. The forces are those
+of the solution; they hold whatever touches the ends, and when.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import waves
+from ..model import Free, Rod
+from ..model.frozen import invalid_argument
+from ..model.quantities import Floats
+from ..records import filters
+from ..records.signal import Signal
+from ..records.waveguide import SLOW_WAVE_RATIO
+from ..results.solution import Solution
+
+
+class Place(NamedTuple):
+    """Where the strain of a record is computed, and how."""
+
+    body: int
+    x: float  # from the left end, m
+    by_images: bool = False
+    radius: float | None = None  # m, of the round bar for the images
+
+    def strain(self, solution: Solution, interval: float) -> Signal:
+        """Strain at the steps of an `interval`, s.
+
+        Raises
+        ------
+        ValueError
+            If the place lies outside its rod.
+        """
+        signal = solution.gauge(self.body, self.x).signal(interval)
+        if not self.by_images:
+            return signal
+        return signal.replace(values=self._by_images(solution, signal))
+
+    def _by_images(self, solution: Solution, signal: Signal) -> Floats:
+        """Strain at the times of a signal by images of the forces on both ends."""
+        from scipy import fft
+
+        rod = solution.system.bodies[self.body]
+        assert isinstance(rod, Rod)
+        bar = waves.Bar.of(rod, self.radius)
+        segment = rod.segments[0]
+        stiffness = float(segment.material.youngs_modulus * segment.area)  # E A
+        length = float(rod.length)
+        farthest = signal.end * bar.wave_speed + 2 * length
+        travel_samples = farthest / bar.wave_speed / signal.dt
+        size = fft.next_fast_len(
+            2 * len(signal) + math.ceil(SLOW_WAVE_RATIO * travel_samples), real=True
+        )
+        frequencies = fft.rfftfreq(size, signal.dt)
+        spectrum = np.zeros(len(frequencies), complex)
+        distances = (self.x, length - self.x)  # from both ends
+        for side, distance in enumerate(distances):
+            force = _force_on_end(solution, self.body, side, signal.times)
+            if force is not None:
+                images = _images(frequencies, distance, length, farthest, bar)
+                spectrum -= images * fft.rfft(force / stiffness, size)
+        strain: Floats = fft.irfft(spectrum, size)[: len(signal)]
+        return strain
+
+
+def _force_on_end(solution: Solution, body: int, side: int, times: Floats) -> Any:
+    """Compressive force on the left end, side 0, or the right one, N; None: it is free."""
+    contact = body - 1 + side
+    if 0 <= contact < len(solution.contacts):
+        return solution.contacts[contact].force(times)
+    end = solution.system.ends[side]
+    if isinstance(end, Free):
+        return None
+    message = f"must be free, or touch another body, for passages='all', got {end}"
+    raise invalid_argument(f"ends.{side}", message)
+
+
+def _images(
+    frequencies: Floats, distance: float, length: float, farthest: float, bar: Any
+) -> Any:
+    """Complex gain from the strain that a force sends out at an end to that at a place.
+
+    Parameters
+    ----------
+    frequencies : [frequency] array
+        Hz.
+    distance : float
+        From this end to the place, m.
+    length : float
+        Length of the rod, m.
+    farthest : float
+        Waves of images beyond this distance, m, arrive too late.
+    bar : waves.Bar
+    """
+    gain = np.zeros(len(frequencies), complex)
+    turn = 0.0
+    while turn < farthest:
+        for path, sign in ((distance, 1.0), (2 * length - distance, -1.0)):
+            travelled = turn + path
+            shift = np.exp(-2j * np.pi * frequencies * travelled / bar.wave_speed)
+            gain += sign * shift * filters.first_mode(frequencies, travelled, bar)
+        turn += 2 * length
+    return gain
