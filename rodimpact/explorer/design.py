@@ -12,7 +12,7 @@ from ..storage.casefile import Case, GaugePlace, format_case
 
 
 def _library() -> dict[str, dict[str, Any]]:
-    """Tables of the materials of this package, by name."""
+    """Tables of the materials of this package, by name, without empty entries."""
     library = {}
     for name, material in materials.TABLE.items():
         table = material.to_dict()
@@ -26,7 +26,10 @@ LIBRARY = _library()
 
 
 def with_gauges(case: Case) -> Case:
-    """A case with gauges: without any it gets one in the middle of its last rod."""
+    """A case with gauges: without any it gets one in the middle of its last rod.
+
+    InvalidModel is raised for a case without rods.
+    """
     rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
     if not rods:
         raise InvalidModel([("bodies", "needs at least one rod")])
@@ -37,6 +40,9 @@ def with_gauges(case: Case) -> Case:
 
 def tables_of(case: Case) -> dict[str, Any]:
     """Tables of a case file, so that mistakes on the page have the path of their field.
+
+    Output options and the materials of the library are left out; diameters become
+    areas.
 
     Returns
     -------

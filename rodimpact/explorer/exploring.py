@@ -126,6 +126,7 @@ class Page:
         return self._widget._repr_mimebundle_(**options)
 
     def _repr_html_(self) -> str:
+        """A frame for a notebook, with the page in it."""
         page = html.escape(self.html)
         return (
             f'<iframe srcdoc="{page}" style="{FRAME_STYLE}" title="{DEFAULT_TITLE}">'
@@ -188,7 +189,7 @@ def explore(case: System | Case) -> Page:
 
 
 def preset_tables() -> list[dict[str, Any]]:
-    """Presets as the page takes them."""
+    """Presets as the page takes them: key, title, remark and the tables of the case."""
     tables = []
     for preset in presets():
         tables.append(
@@ -220,6 +221,7 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     if "problem" in solution:
         path, message = solution["problem"]
         raise invalid_argument(path, f"{message} {solution['advice']}".strip())
+    # The solution does not tell which limit its run hit, so it is run once more.
     collision = new_run(lay_out_family(build_row(system)))
     run = run_to_end(request, run_past_proof=True, run=collision).record
     is_cap_of_page = request.max_events < case.solve.get("max_events", MAX_EVENTS)
@@ -233,7 +235,10 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
 
 
 def check_options(case: Case) -> None:
-    """Raise InvalidModel with each option that no method takes for this system."""
+    """Raise InvalidModel with each option that no method takes for this system.
+
+    Paths of options begin with ``solve.``, as in a case file.
+    """
     try:
         Options(**case.solve).method_for(case.system)
     except InvalidModel as error:

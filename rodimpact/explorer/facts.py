@@ -62,11 +62,14 @@ def facts_of_outcome(
     restitution = None
     error = 0.0
     if why == "":
+        # e = (V2 - V1)/(v1 - v2): both V have an error, the v are given.
         k = can_open[0]
-        closing = before.velocities[k : k + 2]
-        parting = after.velocities[k : k + 2]
-        restitution = effective_restitution(True, 1, closing, parting) + 0.0
-        error = 2 * summary.errors["velocity"] / (closing[0] - closing[1])
+        pair_before = before.velocities[k : k + 2]
+        pair_after = after.velocities[k : k + 2]
+        closing = pair_before[0] - pair_before[1]
+        # Adding 0 makes 0 of -0.
+        restitution = effective_restitution(True, 1, pair_before, pair_after) + 0.0
+        error = 2 * summary.errors["velocity"] / closing
     return {
         "before": before.velocities,
         "after": after.velocities,
@@ -86,10 +89,13 @@ def facts_of_outcome(
 def errors_of(relative: list[float], speed: float, contacts: list[Any]) -> Any:
     """Stated error of each kind of number, in its unit.
 
+    It is the relative error times the scale of the velocities, or times the largest
+    impulse, peak force or duration of all contacts.
+
     Parameters
     ----------
     relative : list of float
-        Those of velocities, impulses, peak forces and durations.
+        Relative errors of velocities, impulses, peak forces and durations.
     speed : float
         Scale of the velocities, m/s.
     contacts : list of ContactTally
@@ -156,7 +162,7 @@ def facts_of_body(body: Any, number: str, path: Any) -> Any:
 
 
 def facts_of_segment(segment: Any) -> Any:
-    """Numbers of a segment, with the largest area and impedance of a tapered one."""
+    """Numbers of a segment by name; largest area and impedance of a tapered one."""
     area = extremes(segment.area)[1]
     density = segment.material.density
     return {
@@ -170,11 +176,11 @@ def facts_of_segment(segment: Any) -> Any:
 
 
 def derived_quantities(segment: Any) -> Any:
-    """Name and text of what follows from the numbers of a segment."""
-    factor = segment.material.density * segment.wave_speed
+    """Name and text of bar speed, impedance, transit time and mass of a segment."""
+    impedance_by_area = segment.material.density * segment.wave_speed  # Z/A = rho c
     smallest, largest = extremes(segment.area)
-    impedance = f"{smallest * factor:.4g}"
-    largest_impedance = f"{largest * factor:.4g}"
+    impedance = f"{smallest * impedance_by_area:.4g}"
+    largest_impedance = f"{largest * impedance_by_area:.4g}"
     if impedance != largest_impedance:
         impedance = f"{impedance} to {largest_impedance}"
     return [
@@ -204,11 +210,14 @@ def initial_offsets(system: Any, tiling: Any) -> list[float]:
 
 
 def initial_elongation(tiling: Any, i: int) -> float:
-    """Displacement of the right end of a body at t = 0, m."""
+    """Displacement of the right end of body i at t = 0, m.
+
+    It is that of the point of the tiling with the largest x at t = 0, else 0.
+    """
     right_end = 0.0
     elongation = 0.0
     for g, body in enumerate(tiling["body"]):
-        if body == i:
+        if body == i:  # grid or polygon g, with the points k
             for k in range(tiling["start"][g], tiling["start"][g + 1]):
                 if tiling["t"][k] == 0 and tiling["x"][k] > right_end:
                     right_end = tiling["x"][k]
@@ -218,6 +227,8 @@ def initial_elongation(tiling: Any, i: int) -> float:
 
 def slowest_velocity(system: Any, before: list[float]) -> float:
     """Velocity of the slowest wall, held end or, without any, body, m/s.
+
+    The slowest one has the velocity of the smallest magnitude.
 
     Parameters
     ----------
@@ -242,7 +253,9 @@ def slowest_velocity(system: Any, before: list[float]) -> float:
 
 
 def locate_gauge(system: Any, gauge: Any) -> GaugeLocation:
-    """Find the segment of a gauge.
+    """Segment of a gauge, its place in the segment, and its name, "rod 2 at 0.5 m".
+
+    Where two segments meet it is in the right one.
 
     Parameters
     ----------

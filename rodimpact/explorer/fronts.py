@@ -65,7 +65,10 @@ def new_run(layout: Any) -> PageRun:
 
 
 def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
-    """Run a collision to its end.
+    """Run a collision to its given end, or to its proof of finality; return the run.
+
+    Without a given end, the clock first counts a share of its longest horizon. A run
+    that outlasts it begins again on a clock that counts further.
 
     Parameters
     ----------
@@ -82,7 +85,7 @@ def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
         run_from_start(run)
         return run
     share = FIRST_HORIZON_SHARE
-    record.until = -share
+    record.until = -share  # a negative one asks for this share of the horizon
     run_from_start(run)
     while record.stop_reason == Stop.CLOCK and share < 1:
         share = min(4 * share, 1.0)
@@ -92,7 +95,7 @@ def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
 
 
 def run_from_start(run: PageRun) -> None:
-    """Run from t = 0 on, on the clock that `until` asks for."""
+    """Run from t = 0 on, on the clock that `until` asks for; a full log grows."""
     log = run.state.log
     while not members.run_members(run.state):
         log.extend(blank(3 * len(log), FRONT))
@@ -104,8 +107,8 @@ def run_from_start(run: PageRun) -> None:
 def motion_of(run: PageRun) -> Any:
     """The motion of a run as `motion` describes it; its waves are constant pieces.
 
-    It ends earlier than the run if the page could not draw all regions. The entry
-    ``rods`` has the same waves in the form of `polygons_of`.
+    If the page could not draw all regions, its end ``now`` is a half, a quarter and so
+    on of the run. The entry ``rods`` has the same waves in the form of `polygons_of`.
     """
     record = run.record
     row = run.layout.row
@@ -132,18 +135,22 @@ def motion_of(run: PageRun) -> Any:
 
 def transits_of(run: PageRun) -> list[Any]:
     """Transit times of the segments, ticks."""
+    # The first and the last segment of the state lie outside the row.
     inside = run.state.segments[1 : len(run.layout.row.segments) + 1]
     return [segment.transit for segment in inside]
 
 
 def waves_of_fronts(run: PageRun) -> list[Any]:
-    """Waves of all segments: each front begins a piece, and the next one ends it."""
+    """Waves of all segments in the form of `reading.waves_of`, two for each segment.
+
+    Each front begins a constant piece, and the next front of its line ends it.
+    """
     state = run.state
     pieces: list[Any] = []
     for front in state.log[: run.record.log_rows]:
         if front.line > 1:  # neither a change of a contact nor a line outside
             piece = piece_of(front.tick, NEVER, [front.value])
-            piece.line = front.line - 2
+            piece.line = front.line - 2  # the first line inside the row becomes 0
             piece.break_order = 0
             pieces.append(piece)
     return reading.waves_of(pieces, len(state.lines) - 2)
@@ -181,9 +188,10 @@ def constant_wave(wave: Any) -> Any:
 
 
 def contact_curves(run: PageRun, stop: int) -> list[Any]:
-    """Force, N, and gap, m, of each contact, at the times at which the contact changes.
+    """Curves of force, N, and gap, m, of each contact, with points where it changes.
 
-    The kernel runs again, event by event, to the tick `stop`.
+    There is a point at t = 0 and at the tick `stop`, too. The kernel runs again, event
+    by event, to this tick.
     """
     again = new_run(run.layout)
     state = again.state
@@ -200,10 +208,11 @@ def contact_curves(run: PageRun, stop: int) -> list[Any]:
     now = 0
     while now <= stop:
         for i, node in enumerate(contacts_of(again)):
-            if node.solved_tick == now or now in (0, stop):
+            has_changed = node.solved_tick == now
+            if has_changed or now in (0, stop):
                 add_change(curves[i], node, now, run.record.tick_duration)
         if now < stop:
-            now = min(state.queue[1], stop)
+            now = min(state.queue[1], stop)  # tick of the next event
         else:
             now = stop + 1
         while events.advance(state, min(now, stop)) == Stop.FULL:
@@ -220,10 +229,10 @@ def empty_curves(contact: Any) -> Any:
 
 
 def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
-    """Add the force and the gap of a contact at a tick.
+    """Add a point with the force and the gap of a contact, at the tick `now`.
 
     The force is a step curve: each change has a point with the force before it, and one
-    with the force after it.
+    with the force after it. The gap grows evenly since the node was solved.
     """
     t = now * tick_duration
     force = curves["force"]
@@ -234,6 +243,7 @@ def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
     force["y"].append(node.force)
     gap = curves["gap"]
     if gap is not None:
+        # Gaps of nodes are m/s times ticks.
         width = max(node.gap + node.gap_rate * (now - node.solved_tick), 0.0)
         gap["t"].append(t)
         gap["y"].append(width * tick_duration)
@@ -248,6 +258,7 @@ def outcome_of(run: PageRun, status: str) -> Any:
     row = run.layout.row
     segments = run.state.segments
     clock = clock_of(run)
+    # A transit time is rounded by the part `rounded` of itself, an event by a tick.
     rounded, _ = most_rounded(row, clock.transits, clock.tick)
     error_of_event = (rounded + 1 / max(clock.transits)) * record.velocity_scale
     summary = RunSummary(
@@ -263,7 +274,7 @@ def outcome_of(run: PageRun, status: str) -> Any:
 
 
 def clock_of(run: PageRun) -> Clock:
-    """The clock of a run."""
+    """The clock of a run, with its ticks, transit times, frame and impedances."""
     record = run.record
     row = run.layout.row
     transits = transits_of(run)
@@ -273,12 +284,15 @@ def clock_of(run: PageRun) -> Clock:
 
 
 def contacts_of(run: PageRun) -> list[Any]:
-    """The nodes of the contacts."""
+    """The nodes of the contacts, from left to right."""
     return [run.state.nodes[k] for k in run.layout.contacts]
 
 
 def is_proved(run: PageRun) -> bool:
-    """Whether the outcome is final."""
+    """Whether the outcome is proved to be final.
+
+    No outcome is where a driven end acts on to a given end of the run.
+    """
     record = run.record
     has_proof: bool = record.proved_tick != NONE
     is_driven_to_end = record.until >= 0 and has_external_drive(run.layout.row.system)
@@ -286,7 +300,7 @@ def is_proved(run: PageRun) -> bool:
 
 
 def why_ended(run: PageRun) -> RunEnd:
-    """Why the run ended."""
+    """Why the run ended: a statement, and advice to users of Python."""
     record = run.record
     contacts = contacts_of(run)
     longest_trip = round_trip(run.state.segments) * record.tick_duration
@@ -353,6 +367,9 @@ def solve_by_fronts(system: Any, request: Any) -> Any:
 def closed_form_of(system: Any, before: list[float]) -> Any:
     """e of a pair in closed form, and its source; None for a row without one.
 
+    It is there for two bodies that approach each other, uniform rods or a rod and a
+    wall, in a contact that opens, with free ends, one velocity each and no strain.
+
     Parameters
     ----------
     system : System
@@ -360,7 +377,9 @@ def closed_form_of(system: Any, before: list[float]) -> Any:
         Velocities of the bodies before the collision, m/s.
     """
     bodies = system.bodies
-    if len(bodies) != 2 or not system.contacts[0].opens or before[0] <= before[1]:
+    if len(bodies) != 2 or not system.contacts[0].opens:
+        return None
+    if before[0] <= before[1]:
         return None
     for body in bodies:
         has_one_velocity = isinstance(body.velocity, float)
@@ -376,5 +395,5 @@ def closed_form_of(system: Any, before: list[float]) -> Any:
     numbers = pair_numbers(
         left.impedance, left.transit_time, right.impedance, right.transit_time
     )
-    e = pair_restitution(numbers)
-    return {"restitution": e * 1.0, "source": "Saint-Venant 1867"}
+    e = float(pair_restitution(numbers))
+    return {"restitution": e, "source": "Saint-Venant 1867"}

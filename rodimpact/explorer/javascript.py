@@ -25,7 +25,6 @@ import textwrap
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Mapping
 from enum import Enum, EnumType
-from functools import reduce
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -206,6 +205,7 @@ class _Program:
     def __init__(
         self, constants: Mapping[str, float], calls: Mapping[Any, str]
     ) -> None:
+        """Begin with no function to be translated."""
         self.constants = constants  # values in the page, by name
         self.calls = calls  # JavaScript of functions that are not translated
         self.functions: list[FunctionType] = []
@@ -233,7 +233,7 @@ class _Program:
 
 
 def _plain_table(value: Any) -> Any:
-    """A list or dictionary as it is; a record with zeros for a dtype."""
+    """A list or dictionary as it is; for a dtype a record: zeros by field name."""
     if not isinstance(value, np.dtype):
         return value
     record = {}
@@ -252,6 +252,7 @@ class _Translator(ast.NodeVisitor):
     """Translation of one function of a program."""
 
     def __init__(self, function: FunctionType, program: _Program) -> None:
+        """Parse the source of the function, and give its variables short names."""
         self.function = function
         self.program = program
         lines, self.line = inspect.getsourcelines(function)
@@ -270,12 +271,13 @@ class _Translator(ast.NodeVisitor):
     def text(self) -> str:
         """Return the function in JavaScript.
 
-        Its variables have short names, as long ones would take a tenth of the page: a letter, a
-        number if letters do not suffice, and an underscore, so that none is a word of JavaScript.
+        Its variables have short names, as long ones would take a tenth of the page: a
+        letter, a number if letters do not suffice, and an underscore, so that none is a
+        word of JavaScript.
         """
         arguments = [self.local[name] for name in self.arguments]
         for k, default in enumerate(reversed(self.tree.args.defaults), 1):
-            arguments[-k] += f"={self.visit(default)}"
+            arguments[-k] += f"={self.visit(default)}"  # the last arguments have them
         variables = list(self.local.values())[len(arguments) :]
         declaration = ""
         if variables:
@@ -290,7 +292,7 @@ class _Translator(ast.NodeVisitor):
         return f"function {name}({','.join(arguments)}){{\n{declaration}{body}}}"
 
     def visit(self, node: ast.AST) -> str:
-        """Text of a node."""
+        """Text of a node; Untranslatable is raised with its file and line."""
         self.line = getattr(node, "lineno", self.line)
         try:
             return str(super().visit(node))
@@ -309,7 +311,11 @@ class _Translator(ast.NodeVisitor):
         return self.filled(kind, node)
 
     def filled(self, kind: str, node: Any) -> str:
-        """Template of a kind of nodes with the parts of a node."""
+        """Template of a kind of nodes, filled with the parts of a node.
+
+        A placeholder such as {body} takes the part of this name, {?test} the part as a
+        condition.
+        """
 
         def text(placeholder: re.Match[str]) -> str:
             is_condition, name = placeholder.groups()
@@ -321,7 +327,7 @@ class _Translator(ast.NodeVisitor):
         return re.sub(r"\{(\??)(\w+)\}", text, TEMPLATES[kind])
 
     def part(self, name: str, value: Any) -> str:
-        """Text of the part that a node has under a name."""
+        """Text of a part of a node: of all its items, of one node, or a name as it is."""
         if isinstance(value, list):
             return SEPARATORS.get(name, "").join(map(self.visit, value))
         if isinstance(value, ast.AST):
@@ -349,6 +355,7 @@ class _Translator(ast.NodeVisitor):
                 pass
             case _:
                 return self.generic_visit(node)
+        # range(stop), range(start, stop) or range(start, stop, step)
         target = self.visit(node.target)
         bounds = list(map(self.visit, arguments))
         start = "0"
@@ -384,13 +391,18 @@ class _Translator(ast.NodeVisitor):
         return f"{{const {','.join(constants)};{assignments}}}\n"
 
     def visit_AugAssign(self, node: ast.AugAssign) -> str:
+        """Text of `x += y`, or with another operator: x=(x+y)."""
         value = self.visit(ast.BinOp(node.target, node.op, node.value))
         return f"{self.visit(node.target)}={value};\n"
 
     # Expressions ----------------------------------------------------------------------
 
     def known(self, node: ast.expr) -> Any:
-        """Value of a name of a module, or of an attribute of a module or enum."""
+        """Value of a name of a module, or of an attribute of a module or enum.
+
+        A constant of the program with this name goes first. None for anything else,
+        such as a variable of the function.
+        """
         constants = self.program.constants
         match node:
             case ast.Name(name) if name not in self.local:
@@ -409,7 +421,11 @@ class _Translator(ast.NodeVisitor):
         return getattr(owner, name)
 
     def literal(self, name: str, value: Any) -> str:
-        """Text of a value of a module: lists and tables by name, others as literals."""
+        """Text of a value of a module: lists and tables by name, others as literals.
+
+        KeyError is raised for a whole number that doubles do not hold, and for values
+        of other kinds.
+        """
         if isinstance(value, list | dict | np.dtype):
             return self.program.name(value, name, self.function.__module__)
         if isinstance(value, type):
@@ -421,16 +437,19 @@ class _Translator(ast.NodeVisitor):
         return json.dumps(value)  # Infinity and NaN are those of JavaScript
 
     def visit_Constant(self, node: ast.Constant) -> str:
+        """Text of a number, a text, or null."""
         if node.value is None:
             return "null"
         return self.literal(repr(node.value), node.value)
 
     def visit_Name(self, node: ast.Name) -> str:
+        """Short name of a variable, or text of a value of the module."""
         if node.id in self.local:
             return self.local[node.id]
         return self.literal(node.id, self.known(node))
 
     def visit_Attribute(self, node: ast.Attribute) -> str:
+        """Text of a value of a module or enum, or of a field of a record."""
         value = self.known(node)
         if value is not None:
             return self.literal(node.attr, value)
@@ -439,6 +458,7 @@ class _Translator(ast.NodeVisitor):
         return self.generic_visit(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> str:
+        """Text of x[i]; x.slice(i,j) for x[i:j], and x.at(-i) for x[-i]."""
         match node.slice:
             case ast.Slice(lower, upper):
                 start = self.visit(lower or ast.Constant(0))
@@ -449,10 +469,12 @@ class _Translator(ast.NodeVisitor):
         return self.generic_visit(node)
 
     def visit_BoolOp(self, node: ast.BoolOp) -> str:
+        """Text of conditions joined by `and` or `or`: true or false."""
         sign = TEMPLATES[type(node.op).__name__]
         return f"({sign.join(map(self.truth, node.values))})"
 
     def visit_Compare(self, node: ast.Compare) -> str:
+        """Text of a comparison; of a < b < c as a<b && b<c."""
         comparisons = []
         left = node.left
         for operator, right in zip(node.ops, node.comparators, strict=True):
@@ -462,6 +484,7 @@ class _Translator(ast.NodeVisitor):
         return f"({' && '.join(comparisons)})"
 
     def visit_Dict(self, node: ast.Dict) -> str:
+        """Text of a dictionary as an object, also with `**` in it."""
         entries = []
         for key, value in zip(node.keys, node.values, strict=True):
             if key is None:
@@ -487,6 +510,10 @@ class _Translator(ast.NodeVisitor):
     visit_GeneratorExp = visit_ListComp  # noqa: N815 - a name of ast
 
     def visit_Call(self, node: ast.Call) -> str:
+        """Text of a call of a method, of min and max, of a record, or of a function.
+
+        A record becomes an object with its fields. Arguments by name are refused.
+        """
         called = self.known(node.func)
         arguments = list(map(self.visit, node.args))
         for keyword in node.keywords:
@@ -497,7 +524,10 @@ class _Translator(ast.NodeVisitor):
             return METHODS[node.func.attr].format(owner, ",".join(arguments))
         name = ast.unparse(node.func)
         if called in (min, max) and len(arguments) > 1:
-            return reduce(lambda left, right: f"py.{name}({left},{right})", arguments)
+            text = arguments[0]
+            for argument in arguments[1:]:  # min(a, b, c) is min(min(a, b), c)
+                text = f"py.{name}({text},{argument})"
+            return text
         fields = field_names(called)
         if fields:
             entries = []  # the last fields may have defaults
@@ -510,7 +540,11 @@ class _Translator(ast.NodeVisitor):
         return f"{text}({','.join(arguments)})"
 
     def name_of_function(self, function: Any, name: str) -> str:
-        """Name in JavaScript of a function that is called, or its template."""
+        """Name in JavaScript of a function that is called, or its template.
+
+        A function of this package is queued for translation. KeyError is raised for a
+        function that the page does not have.
+        """
         if function in self.program.calls:
             return self.program.calls[function]
         if not isinstance(function, FunctionType):

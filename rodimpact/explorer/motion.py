@@ -50,7 +50,10 @@ KINDS = [
 
 
 def grids_of(run: Any) -> Any:
-    """Grids of displacements of all segments, in the form of `tiling`."""
+    """Grids of displacements of all segments, in the form of `tiling`.
+
+    Each has `ROWS` equal steps of time from 0 to the end of the run.
+    """
     row = run["row"]
     end = run["now"] * run["tick"]
     grids = no_cells()
@@ -58,7 +61,7 @@ def grids_of(run: Any) -> Any:
         left = 0.0
         initial_displacement = 0.0  # the left end's, by the initial strain
         for j, segment in enumerate(body.segments):
-            s = row.spans[i][0] - 1 + j
+            s = row.spans[i][0] - 1 + j  # spans count the segments from 1
             n_cells = across_of(row.system, segment)
             displacements: list[list[float]] = []
             for k in range(ROWS + 1):
@@ -75,10 +78,12 @@ def grids_of(run: Any) -> Any:
 def displacements_at(
     run: Any, s: int, now: float, n_cells: int, initial_displacement: float
 ) -> list[float]:
-    """Displacements of a segment at a tick, from its left to its right end, m.
+    """Displacements of segment s at the tick `now`, from its left to its right end, m.
 
     A point of the segment has u = integral((a + b)/2 dt), with the right-going wave a
-    as it left the left end and the left-going wave b as it left the right end.
+    as it left the left end and the left-going wave b as it left the right end. At the
+    fraction m/n_cells of the segment, a is late by the delay T m/n_cells, and b by the
+    rest of the transit time T.
     """
     tick = run["tick"]
     frame = run["frame"]
@@ -97,7 +102,10 @@ def displacements_at(
 
 
 def path_of(run: Any, i: int) -> Any:
-    """Times, s, and displacements of a body without inside, m; None for a rod."""
+    """Times, s, and displacements, m, of a wall or a mass; None for a rod.
+
+    The displacement of a mass is the integral of its velocity.
+    """
     body = run["row"].system.bodies[i]
     tick = run["tick"]
     if body.kind == "rod":
@@ -173,7 +181,10 @@ def breaks_of(terms: Any, now: float) -> list[float]:
 
 
 def sum_of_waves(terms: Any, since: float, tick: float) -> float:
-    """Sum of waves at a tick, from the pieces that they have since another tick."""
+    """Sum of waves at a tick, from the pieces that hold at the earlier tick `since`.
+
+    So a sum just before a jump can be taken at the tick of the jump.
+    """
     values = []
     for wave, delay, factor in terms:
         values.append(factor * value_held(wave, since - delay, tick - delay))
@@ -182,7 +193,7 @@ def sum_of_waves(terms: Any, since: float, tick: float) -> float:
 
 
 def value_held(wave: Any, since: float, tick: float) -> float:
-    """Value at a tick of the piece that a wave has since another tick."""
+    """Value at a tick of the piece of a wave that holds at the tick `since`."""
     piece = wave["piece"][reading.place_of(wave, since)]
     return float(lines.at(piece, reading.share_of(piece, tick)))
 
@@ -228,7 +239,10 @@ def energy_curves(run: Any, corners: list[float]) -> Any:
 
 
 def energy_times(run: Any, corners: list[float]) -> list[float]:
-    """Times of the curves of energy, s: corners and times at equal distances."""
+    """Times of the curves of energy, s: corners and times at equal distances.
+
+    Corners are left out if there would be too many times.
+    """
     n_intervals = ENERGY_INTERVALS
     if run["draft"]:
         n_intervals = DRAFT_ENERGY_INTERVALS
@@ -251,7 +265,13 @@ def energy_times(run: Any, corners: list[float]) -> list[float]:
 
 
 def energies_at(run: Any, now: float) -> list[float]:
-    """Energies at a tick, J, in the order of `KINDS`."""
+    """Energies at a tick, J, in the order of `KINDS`.
+
+    A segment of mass m has the energy m (mean(a^2 + b^2)/4 + V (mean((a + b)/2) +
+    V/2)) with the waves a and b in the frame of velocity V; the first term is that in
+    the frame. A compressed contact has k d^(p + 1)/(p + 1). The kinetic part of
+    vibration is what is left of the total.
+    """
     row = run["row"]
     frame = run["frame"]
     momenta = []
@@ -264,16 +284,16 @@ def energies_at(run: Any, now: float) -> list[float]:
             momentum += mass * mean
             energy += mass * (square + frame * (mean + frame / 2))
         m = row.mass_of[i]
-        if m >= 0:
+        if m >= 0:  # the body is a mass
             v = reading.value_at(run["masses"][m], now)
             momentum += body.mass * v
             energy += body.mass * (v + frame) ** 2 / 2
         momenta.append(momentum)
     contact_energy = 0.0
     for link, overlap in run["springs"]:
-        d = max(0.0, reading.value_at(overlap, now))
+        compression = max(0.0, reading.value_at(overlap, now))
         power = 1 + link.exponent
-        contact_energy += link.stiffness * d**power / power
+        contact_energy += link.stiffness * compression**power / power
     whole = energy_as_a_whole(row.system, momenta)
     strain = strain_energy(run, now)
     vibration = max(0.0, clean(energy - whole - strain, energy))
@@ -281,7 +301,11 @@ def energies_at(run: Any, now: float) -> list[float]:
 
 
 def means_of(run: Any, s: int, now: float) -> Any:
-    """Mean velocity of a segment in the frame, and energy over mass, (m/s)^2."""
+    """Mean velocity of segment s in the frame, and energy over mass, (m/s)^2.
+
+    They are mean((a + b)/2) and mean(a^2 + b^2)/4 of the waves a and b under way in the
+    segment, those that left its ends in the last transit time T.
+    """
     T = run["transits"][s]
     mean = 0.0
     square = 0.0
@@ -294,7 +318,11 @@ def means_of(run: Any, s: int, now: float) -> Any:
 
 
 def strain_energy(run: Any, now: float) -> float:
-    """Strain energy of all rods at a tick, J, by the midpoint rule between jumps."""
+    """Strain energy of all rods at a tick, J, by the midpoint rule between jumps.
+
+    A segment of mass m and wave speed c with the strain (b - a)/(2 c) has the energy m
+    mean((b - a)^2)/8.
+    """
     total = 0.0
     for s, segment in enumerate(run["row"].segments):
         T = run["transits"][s]
@@ -313,12 +341,17 @@ def strain_energy(run: Any, now: float) -> float:
                 a = reading.value_at(right_going, now - delay)
                 squares.append((b - a) ** 2)
             square = sum(squares)
+            # segment.mass * width / T: the mass between the two jumps
             total += segment.mass * width / T * square / count / 8
     return total
 
 
 def jump_delays(run: Any, s: int, now: float) -> list[float]:
-    """Delays from the left end, ticks, between which a segment has no jump."""
+    """Delays from the left end, ticks, between which segment s has no jump at `now`.
+
+    They go from 0 to T. What left the left end at a tick has come to the delay now -
+    tick; what left the right end has come to T - (now - tick).
+    """
     T = run["transits"][s]
     right_going = run["waves"][2 * s]
     left_going = run["waves"][2 * s + 1]
@@ -331,7 +364,10 @@ def jump_delays(run: Any, s: int, now: float) -> list[float]:
 
 
 def jumps_between(run: Any, wave: Any, start: float, stop: float) -> list[float]:
-    """Ticks between two at which a wave jumps; none if a smooth run has too many."""
+    """Ticks from `start` to `stop` at which a wave jumps.
+
+    None are told if a smooth run has too many of them.
+    """
     first = reading.place_of(wave, start) + 1
     last = reading.place_of(wave, stop)
     ticks = []
@@ -344,7 +380,10 @@ def jumps_between(run: Any, wave: Any, start: float, stop: float) -> list[float]
 
 
 def energy_as_a_whole(system: Any, momenta: list[float]) -> float:
-    """Energy of the centre-of-mass motions, J, from the momenta of the bodies."""
+    """Energy of the centre-of-mass motions, J, from the momenta of the bodies.
+
+    It is sum(p^2/(2 m)) over groups of bonded bodies.
+    """
     energy = 0.0
     for group in groups(system):
         mass = sum(system.bodies[i].mass for i in group)

@@ -68,9 +68,13 @@ def lean(text: str) -> str:
 
     A comment behind code stays if it has a quotation mark: it may be part of a text.
     """
-    comments = r"^(\s+|\s*//.*\n|\s*/\*\*(.|\n)*?\*/\n)"
-    text = re.sub(comments, "", text, flags=re.MULTILINE)
-    return re.sub(r"[ \t]+// [^\"'`\n]*$", "", text, flags=re.MULTILINE)
+    line_comment = r"\s*//.*\n"
+    block_comment = r"\s*/\*\*(.|\n)*?\*/\n"
+    indentation = r"\s+"  # the last choice, as it stands before comments, too
+    left_out = f"^({line_comment}|{block_comment}|{indentation})"
+    text = re.sub(left_out, "", text, flags=re.MULTILINE)
+    comment_behind_code = r"[ \t]+// [^\"'`\n]*$"
+    return re.sub(comment_behind_code, "", text, flags=re.MULTILINE)
 
 
 def compact(text: str) -> str:

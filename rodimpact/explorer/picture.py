@@ -86,7 +86,7 @@ def page_data(
 
 
 def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
-    """Data of each body."""
+    """Facts of each body, with its number and its path."""
     bodies = []
     for i, body in enumerate(system.bodies):
         bodies.append(facts_of_body(body, numbers[i], paths[i]))
@@ -94,7 +94,7 @@ def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
 
 
 def contacts_of_page(system: Any, names: list[str], curves: Any) -> list[Any]:
-    """Data of each contact, with its curves."""
+    """Index, name, kind and curves of each contact."""
     contacts = []
     for i, law in enumerate(system.contacts):
         contacts.append(
@@ -111,7 +111,7 @@ def contacts_of_page(system: Any, names: list[str], curves: Any) -> list[Any]:
 
 
 def energy_plot(energies: Any) -> Any:
-    """Curves of the energies over time."""
+    """Plot of the energies over time: its texts, and one curve for each energy."""
     series = []
     for name, values in energies.items():
         if name != "t":
@@ -120,7 +120,7 @@ def energy_plot(energies: Any) -> Any:
 
 
 def gauge_plot(records: Any) -> Any:
-    """Curves of the strain gauges over time, in 1e-6."""
+    """Plot of the strain gauges over time: its texts, and a curve, 1e-6, for each."""
     series = []
     for record in records:
         microstrain = [1e6 * strain for strain in record["y"]]
@@ -133,10 +133,11 @@ def gauge_plot(records: Any) -> Any:
 
 
 def layout_of_row(system: Any, facts: Any) -> Any:
-    """Layout of the row in the moving picture.
+    """Layout of the row in the moving picture: offsets, magnification, frame, notes.
 
     A point is drawn at X = left + x + magnification * (offset + displacement - frame t).
-    Bodies lie side by side, a mass with its `mass_width`.
+    Bodies lie side by side, a mass with its `mass_width`. The picture moves with the
+    slowest body if the row drifts.
     """
     length = 0.0
     for body in facts["bodies"]:
@@ -166,7 +167,10 @@ def layout_of_row(system: Any, facts: Any) -> Any:
 
 
 def spread(facts: Any, offsets: list[float], frame: float) -> float:
-    """Range of the displacements of all bodies in a moving frame, with gaps, m."""
+    """Largest less smallest displacement of all bodies, with gaps, m.
+
+    Displacements are those seen from a frame that moves at the velocity `frame`.
+    """
     tiling = facts["tiling"]
     displacements: list[float] = []
     for g, i in enumerate(tiling["body"]):
@@ -258,14 +262,17 @@ def rows_of_contact(facts: Any, i: int) -> Any:
 
 def text_of(value: float, error: float, unit: str) -> str:
     """Text of a quantity with its stated error; "-" for NaN."""
-    is_number = value == value
-    if not is_number:
+    is_nan = value != value  # only NaN differs from itself
+    if is_nan:
         return NO_VALUE
     return with_error(format_quantity(value, unit, 5), value, 5, error, unit)
 
 
 def rows_by_contact(facts: Any) -> Any:
-    """Rows of the table of several contacts: the name, and the texts of its numbers."""
+    """Rows of the table of contacts: the name, and the texts of its numbers.
+
+    There are no rows if at most one contact can open.
+    """
     unilateral = facts["outcome"]["unilateral"]
     rows: list[Any] = []
     if len(unilateral) > 1:
@@ -278,7 +285,10 @@ def rows_by_contact(facts: Any) -> Any:
 
 
 def results_of(facts: Any) -> Any:
-    """Name and text of each result; `rows_by_contact` has those of several contacts."""
+    """Name and text of each result: velocities, the contact, energies.
+
+    The numbers of several contacts are left to `rows_by_contact`.
+    """
     outcome = facts["outcome"]
     after = "at the end"
     if outcome["final"]:

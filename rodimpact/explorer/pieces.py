@@ -68,7 +68,7 @@ def clock_of(row: Any, until: Any, share: float) -> Any:
     transit_times = [segment.transit_time for segment in row.segments]
     reference = largest(transit_times)
     scale = scale_of(row)
-    if not scale > 0:
+    if not scale > 0:  # nothing moves
         scale = 1.0
     end = until
     if until is None:
@@ -108,6 +108,7 @@ def initial_lines(row: Any, clock: Clock) -> Any:
     outside : list of int
         Line of what acts on the left and on the right end, or NONE.
     """
+    # Line 2 s is the wave of segment s to the right, line 2 s + 1 the one to the left.
     pieces: list[Any] = []
     for i, body in enumerate(row.system.bodies):
         velocity = body.velocity - clock.frame
@@ -118,8 +119,9 @@ def initial_lines(row: Any, clock: Clock) -> Any:
     n_segments = len(row.segments)
     outside = []
     for side, (kind, value) in enumerate(row.boundaries):
-        k = side * n_segments
-        if kind == "none" and row.first[k] == row.first[k + 1]:
+        k = side * n_segments  # node at this end of the row
+        has_mass = row.first[k] != row.first[k + 1]
+        if kind == "none" and not has_mass:
             outside.append(NONE)
             continue
         wave = value
@@ -182,14 +184,17 @@ def run_of(
 
 
 def until_of(request: Any) -> Any:
-    """The given end of a run, s, or None."""
+    """The given end of a run, s; None if there is none."""
     if request.until >= 0:
         return request.until
     return None
 
 
 def horizon_shares(until: Any) -> list[float]:
-    """Shares of the longest horizon to be tried one after the other, up to 1."""
+    """Shares of the longest horizon to be tried one after the other, up to 1.
+
+    Only 1 with a given end; else each is four times the one before it.
+    """
     if until is not None:
         return [1.0]
     shares = [FIRST_HORIZON_SHARE]
@@ -199,7 +204,10 @@ def horizon_shares(until: Any) -> list[float]:
 
 
 def outlasts_clock(run: Any) -> bool:
-    """Whether a run without a given end came to the end of its clock without a proof."""
+    """Whether a run without a given end came to the end of its clock without a proof.
+
+    A run that failed with a problem did not.
+    """
     if "problem" in run or run["until"] >= 0:
         return False
     record = run["ended"].run
@@ -228,6 +236,7 @@ def run_on_clock(
     contact_events = blank(INITIAL_LOG_ROWS + march.MAX_STATUS_CHANGES, CONTACT_EVENT)
     log.extend(blank(INITIAL_LOG_ROWS, PIECE))
     if earlier is not None:
+        # This run is to end as the earlier one did.
         accuracy.prepare_second_run(earlier["ended"].run, run)
     matrix = empty_matrix(nodes)
     state = State(runs, nodes, links, masses, lines, parts, log, contact_events, matrix)
@@ -252,7 +261,10 @@ def run_on_clock(
 
 
 def empty_matrix(nodes: list[Any]) -> list[list[float]]:
-    """Matrix of zeros for the forces of the node with the most links."""
+    """Matrix of zeros for the forces of the node with the most links.
+
+    It has N rows for each link, and a column more for the right side of the equations.
+    """
     size = N * max([node.link_count for node in nodes])
     matrix = []
     for _ in range(size):
@@ -263,7 +275,9 @@ def empty_matrix(nodes: list[Any]) -> list[list[float]]:
 def run_with_errors(row: Any, request: Any, tolerance: float, deadline: float) -> Any:
     """A run of `run_of` with the stated ``errors`` of the `MEASURES` and its ``goal``.
 
-    The errors come from its difference to a coarser run in other pieces.
+    The errors are its difference to a coarser run in other pieces, what is left open at
+    its end, and the rounding of the transit times. A problem of either run is returned
+    in its place.
     """
     fine = run_of(row, request, tolerance, True, None, deadline)
     if "problem" in fine:
@@ -326,7 +340,11 @@ def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
 
 
 def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
-    """Motion of the bodies when it was measured last; vibration is that of the parts."""
+    """Motion of the bodies when it was measured last.
+
+    The vibration energies are those of the parts. The kinetic energy is not measured,
+    so it is NaN.
+    """
     velocities = []  # one for each group of bonded bodies
     vibration = []
     for part in ended.parts:
@@ -358,9 +376,10 @@ def status_of(run: Any) -> str:
 
 
 def largest_strain(row: Any, log: list[Any]) -> float:
-    """Bound of the strain in all segments: that of one wave, v/c.
+    """Bound of the strain of a single wave in all segments: the largest v/c.
 
-    A piece of a wave is a series, so that v = sum(abs(coefficients)).
+    A piece of a wave is a series in functions between -1 and 1, so that v is at most
+    sum(abs(coefficients)).
     """
     strains = []
     for piece in log:
@@ -414,7 +433,7 @@ def motion_of(run: Any) -> Any:
     waves = reading.waves_of(run["log"], run["lines"])
     springs = []
     for i in row.contact_link:
-        if links[i].law >= Law.SPRING:
+        if links[i].law >= Law.SPRING:  # the link has an overlap
             springs.append((links[i], waves[links[i].history_line + 1]))
     return {
         "row": row,
@@ -431,7 +450,10 @@ def motion_of(run: Any) -> Any:
 
 
 def contact_curves(run: Any, motion: Any) -> list[Any]:
-    """Curves of the force, N, and of the gap, m, of each contact; no gap for a bond."""
+    """Curves of the force, N, and of the gap, m, of each contact; no gap for a bond.
+
+    The line `history_line` of a link has its force, the next line its overlap.
+    """
     row = run["row"]
     waves = motion["waves"]
     curves = []

@@ -76,11 +76,11 @@ def presets() -> list[Preset]:
 
 
 def case_of(bodies: list[Rod | Wall], gauges: list[int]) -> Case:
-    """Case with a gauge in the middle of some rods."""
+    """Case of these bodies, with a gauge in the middle of each rod in `gauges`."""
     places = tuple(GaugePlace(body, 0.5) for body in gauges)
     return Case(System(bodies), gauges=places)
 
 
 def steel_rod(length: float, velocity: float = 0.0) -> Rod:
-    """A rod of the box."""
+    """A rod of the box: uniform, of steel, with the cross-sectional area `AREA`."""
     return Rod(length, area=AREA, material=steel, velocity=velocity)

@@ -70,6 +70,9 @@ def value_at(series: Any, t: float) -> float:
 def spells_of(contact: Any) -> list[Any]:
     """Spells of a contact, each with its state and its times, s.
 
+    Force and gap in the middle between two points of their curves tell the state there;
+    neighbouring intervals with the same state are one spell.
+
     Returns
     -------
     list of dict
@@ -84,6 +87,7 @@ def spells_of(contact: Any) -> list[Any]:
     spells: list[Any] = []
     before = force["t"][0]
     for t in sorted([*force["t"], *gap["t"]]):
+        # The state from `before` to t
         middle = (before + t) / 2
         state = "touching"
         if abs(value_at(force, middle)) > zero_force:
@@ -120,7 +124,7 @@ def bodies_of(facts: Any, contact: Any) -> Any:
 
 
 def pair_of(facts: Any, contact: Any) -> str:
-    """Names of the bodies of a contact."""
+    """Names of the bodies of a contact: "rod 1 and rod 2"."""
     left, right = bodies_of(facts, contact)
     return f"{left['name']} and {right['name']}"
 
@@ -147,7 +151,10 @@ def events_of_chain(facts: Any, pressed: list[Any]) -> str:
 
 
 def events_of_contact(facts: Any, contact: Any) -> str:
-    """Sentence on the force of the only contact that can open: begin, falls and end."""
+    """Sentence on the force of the only contact that can open: begin, falls and end.
+
+    In an exact run it adds when the bodies part, if that is after the last force.
+    """
     spells = spells_of(contact)
     presses = presses_of(contact)
     if len(presses) == 0:
@@ -178,7 +185,7 @@ def events_of_contact(facts: Any, contact: Any) -> str:
 
 
 def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
-    """Words on a force that falls to zero smoothly."""
+    """Words on a force that falls to zero smoothly: its duration, and its weak tail."""
     start = presses[0]["from"]
     duration = presses[-1]["to"] - start
     if len(presses) == 1:  # the outcome has it more exactly than the curve
@@ -207,7 +214,7 @@ def end_by_wave(facts: Any, contact: Any, start: float, end: float) -> str:
     times = contact["force"]["t"]
     values = contact["force"]["y"]
     edge = NEGLIGIBLE * (end - start)
-    falls = []
+    falls = []  # points of the curve just after the force has fallen
     for k, t in enumerate(times):
         is_inside = start + edge < t < end - edge
         if is_inside and values[k] < (1 - NEGLIGIBLE) * values[k - 1]:
@@ -226,7 +233,11 @@ def end_by_wave(facts: Any, contact: Any, start: float, end: float) -> str:
 
 
 def main_impulse_time(force: Any) -> float:
-    """Time at which `MAIN_IMPULSE` of the impulse of a force has come, s."""
+    """Time at which `MAIN_IMPULSE` of the impulse of a force has come, s.
+
+    It is a point of the curve of the force; the impulse up to each point is taken by
+    the trapezoidal rule.
+    """
     times = force["t"]
     values = force["y"]
     impulses = [0.0]
@@ -273,7 +284,10 @@ def round_trips(body: Any, time: float) -> int:
 
 
 def in_transits(facts: Any, contact: Any, duration: float) -> str:
-    """Words on a duration in transit times of the shorter rod of a contact."""
+    """Words on a duration, in transit times of the rod of a contact that has less.
+
+    They are ", 2 transit times of rod 1"; "" without a rod.
+    """
     shortest = 0.0
     text = ""
     for body in bodies_of(facts, contact):
@@ -329,7 +343,7 @@ def velocities_of(facts: Any) -> list[str]:
 
 
 def kinetic_energy(facts: Any) -> float:
-    """Energy of the centre-of-mass motions of all bodies after the collision, J."""
+    """Energy of the centre-of-mass motions after the collision, J: sum(m V^2/2)."""
     after = facts["outcome"]["after"]
     energy = 0.0
     for i, body in enumerate(facts["bodies"]):

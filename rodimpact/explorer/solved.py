@@ -91,9 +91,10 @@ def scene_of_solution(system: Any, gauges: Any, solution: Any) -> Any:
 
 
 def restitution_of_case(case: Any, library: Any, seconds: float = math.inf) -> Any:
-    """e of a case, as quickly as a curve needs it.
+    """e of a case, without its stated error, as quickly as a curve needs it.
 
-    It is None where there is no e, and where its run takes longer than so many seconds.
+    It is None where there is no e, where the page cannot solve the case, and where its
+    run takes longer than so many seconds.
     """
     row = build_row(system_of(case, library))
     request = request_of(case)

@@ -86,7 +86,8 @@ def _rules_of(fields: dict[str, QuantityField], names: list[str]) -> dict[str, R
         smallest, largest = RANGES[field.sign]
         wanted = field._replace(unit="").wanted.removesuffix(VALUE)
         unit = ""
-        if field.wanted.removesuffix(VALUE) != wanted:
+        names_unit = field.wanted.removesuffix(VALUE) != wanted
+        if names_unit:
             unit = number_of(field.unit)
         rules[name] = Rule(smallest, largest, wanted, unit)
     return rules
@@ -107,9 +108,10 @@ for _law in LAWS:
 
 
 def is_smooth(case: Any) -> bool:
-    """Whether characteristics solve a case.
+    """Whether characteristics solve a case, and not fronts.
 
-    Fronts carry no masses and no compliant contacts.
+    The method that the case names decides. With "auto" it is characteristics if there
+    is a mass or a compliant contact, which fronts do not have.
     """
     method = case.get("solve", {}).get("method", "auto")
     if method != "auto":
@@ -127,7 +129,7 @@ def contacts_in(case: Any) -> Any:
 
 
 def rods_in(case: Any) -> list[int]:
-    """Numbers of the bodies that are rods."""
+    """Indices of the bodies that are rods."""
     return [i for i, body in enumerate(case["bodies"]) if body["kind"] == "rod"]
 
 
@@ -152,7 +154,7 @@ class Entries(NamedTuple):
 
 
 def lacking(case: Any) -> tuple[str, str]:
-    """Path and name of the first physics that the page cannot solve; "" if none."""
+    """Path and name of the first physics that the page cannot solve; "", "" if none."""
     path, name = lacking_in_options(case)
     if name == "":
         path, name = lacking_in_bodies(case)
@@ -164,7 +166,7 @@ def lacking(case: Any) -> tuple[str, str]:
 
 
 def lacking_in_options(case: Any) -> tuple[str, str]:
-    """A method that the page does not have, or gravity."""
+    """Path and name of a method that the page does not have, or of gravity."""
     method = case.get("solve", {}).get("method", "auto")
     if method not in ("auto", "fronts", "characteristics"):
         return "solve.method", f'the method "{method}"'
@@ -174,7 +176,7 @@ def lacking_in_options(case: Any) -> tuple[str, str]:
 
 
 def lacking_in_bodies(case: Any) -> tuple[str, str]:
-    """A rigid mass, if fronts shall solve the case."""
+    """Path and name of a rigid mass, if fronts shall solve the case."""
     smooth = is_smooth(case)
     for i, body in enumerate(case["bodies"]):
         if body["kind"] == "mass" and not smooth:
@@ -183,7 +185,7 @@ def lacking_in_bodies(case: Any) -> tuple[str, str]:
 
 
 def lacking_in_contacts(case: Any) -> tuple[str, str]:
-    """A contact law that the page does not have, or not for this contact."""
+    """Path and name of a contact law that the page does not have for this contact."""
     smooth = is_smooth(case)
     for i, contact in enumerate(case.get("contacts", [])):
         path = f"contacts.{i}"
@@ -203,7 +205,10 @@ def has_rod(case: Any, i: int) -> bool:
 
 
 def lacking_in_entries(case: Any) -> tuple[str, str]:
-    """An entry of a table with a number or a profile that the page cannot solve."""
+    """Path of an entry that the page cannot solve, and name of its physics.
+
+    This is a number or a profile in any table of the case.
+    """
     smooth = is_smooth(case)
     for entries in entries_of(case):
         for key, value in entries.table.items():
@@ -214,7 +219,10 @@ def lacking_in_entries(case: Any) -> tuple[str, str]:
 
 
 def lacking_entry(key: str, value: Any, allowed: list[str], smooth: bool) -> str:
-    """Name of the physics that an entry needs and the page lacks; "" if none."""
+    """Name of the physics that an entry needs and the page lacks; "" if none.
+
+    An entry that is 0 needs none. Of profiles the page has steps, for fronts only.
+    """
     if value is None or value == 0:
         return ""
     if isinstance(value, dict) and "samples" in value:
@@ -295,7 +303,7 @@ def mistakes(case: Any, gauges: Any, library: Any) -> list[Mistake]:
 
 
 def mistakes_of_row(case: Any) -> list[Any]:
-    """A row without rods, and a wrong number of contacts."""
+    """Mistakes (path, message): a row without rods, a wrong number of contacts."""
     problems = []
     n_pairs = len(case["bodies"]) - 1
     if len(rods_in(case)) == 0:
@@ -307,7 +315,7 @@ def mistakes_of_row(case: Any) -> list[Any]:
 
 
 def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
-    """Gauges on no rod, and an end of the run before which there is nothing to show."""
+    """Mistakes (path, message): gauges on no rod, and an end of the run at or before 0."""
     problems = []
     rods = rods_in(case)
     for i, gauge in enumerate(gauges):
@@ -320,7 +328,7 @@ def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
 
 
 def mistakes_of_bodies(case: Any, library: Any) -> list[Any]:
-    """Walls inside the row, and materials that nobody declared."""
+    """Mistakes (path, message): walls inside the row, and materials not declared."""
     problems = []
     bodies = case["bodies"]
     declared = case.get("materials", {})
@@ -345,14 +353,14 @@ def segment_path(body: Any, i: int, j: int) -> str:
 
 
 def mistakes_of_contacts(case: Any) -> list[Any]:
-    """Impacts of rigid bodies without restitution, and bonds with a gap."""
+    """Mistakes (path, message): rigid impacts without restitution, bonds with a gap."""
     problems = []
     kinds = [body["kind"] for body in case["bodies"]]
     for i, contact in enumerate(case.get("contacts", [])):
         law = contact.get("law", "rigid")
         pair = kinds[i : i + 2]
-        is_determined = "rod" in pair or "mass" not in pair
-        if law == "rigid" and not is_determined and contact.get("restitution") is None:
+        is_rigid_impact = law == "rigid" and "rod" not in pair and "mass" in pair
+        if is_rigid_impact and contact.get("restitution") is None:
             message = (
                 "no wave decides this contact: give its restitution, or a compliant law"
             )
@@ -382,7 +390,11 @@ def ruled_tables(case: Any, gauges: Any) -> list[RuledTable]:
 
 
 def mistakes_of_number(path: str, value: Any, rule: Any) -> list[Mistake]:
-    """The mistake of a wrong number; none if it is right, or a profile."""
+    """List with the mistake of a wrong number; empty if it is right, or a profile.
+
+    Numbers are wrong outside the range of their rule, and so are those other than 0
+    whose size is out of scale.
+    """
     if isinstance(value, dict):
         return []
     smallest, largest, wanted, unit = rule
@@ -470,7 +482,11 @@ class RunRequest(NamedTuple):
 
 
 def system_of(case: Any, library: Any) -> PageSystem:
-    """System of a case without mistakes that the page can solve."""
+    """System of a case without mistakes that the page can solve.
+
+    Ends that the case does not name are free; materials of the case go before those of
+    the library.
+    """
     materials = {**library, **case.get("materials", {})}
     bodies = [body_of(body, materials) for body in case["bodies"]]
     gaps = []
@@ -486,14 +502,14 @@ def system_of(case: Any, library: Any) -> PageSystem:
 
 
 def request_of(case: Any) -> RunRequest:
-    """Options of the run of a case."""
+    """Options of the run of a case; the cap on events is at most that of the page."""
     solve = case.get("solve", {})
     max_events = solve.get("max_events", MAX_PAGE_EVENTS)
     return RunRequest(solve.get("until", -1.0), min(max_events, MAX_PAGE_EVENTS))
 
 
 def body_of(table: Any, materials: Any) -> PageBody:
-    """Body from its table."""
+    """Body from its table; the mass of a rod is that of its segments."""
     segments = []
     mass = table.get("mass", 0.0)
     for segment_table in segments_of(table):
@@ -506,7 +522,7 @@ def body_of(table: Any, materials: Any) -> PageBody:
 
 
 def segment_of(table: Any, materials: Any) -> PageSegment:
-    """Segment from its table."""
+    """Segment from its table, with c = sqrt(E/rho), Z = rho A c, T = l/c, m = Z T."""
     name = table["material"]
     density = materials[name]["density"]
     youngs_modulus = materials[name]["youngs_modulus"]
@@ -520,7 +536,7 @@ def segment_of(table: Any, materials: Any) -> PageSegment:
 
 
 def law_of(contact: Any) -> PageContact:
-    """Contact law from its table."""
+    """Contact law from its table; the exponent is 1 for springs, else 1.5 by default."""
     law = contact.get("law", "rigid")
     exponent = contact.get("exponent", 1.5)
     if law in ("spring", "spring-dashpot"):
@@ -536,7 +552,7 @@ def law_of(contact: Any) -> PageContact:
 
 
 def end_of(table: Any) -> PageEnd:
-    """End of the row from its table."""
+    """End of the row from its table; its value is 0 by default."""
     return PageEnd(table["kind"], profile_of(table.get("value", 0.0)))
 
 

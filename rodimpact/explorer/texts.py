@@ -6,14 +6,14 @@ from ..units import format_si
 
 
 def name_of(kind: str, number: str) -> str:
-    """The name of a body in a sentence."""
+    """The name of a body in a sentence: "the wall", or its kind and its number."""
     if number == "wall":
         return "the wall"
     return f"{kind} {number}"
 
 
 def capital(word: str) -> str:
-    """The word at the head of a line."""
+    """The word with a capital letter."""
     return f"{word[:1].upper()}{word[1:]}"
 
 
@@ -25,7 +25,7 @@ def as_sentence(text: str) -> str:
 
 
 def format_quantity(value: float, unit: str, digits: int) -> str:
-    """A quantity for people, with a µ."""
+    """A quantity with an SI prefix, such as "12.5 µs", in so many digits."""
     number, _, prefixed = format_si(value, unit, digits).partition(" ")
     if prefixed.startswith("u"):
         prefixed = f"µ{prefixed[1:]}"
@@ -36,6 +36,7 @@ def error_text(value: float, digits: int, error: float, unit: str) -> str:
     """Text of the error of a value, if it is above half of the last digit; else ""."""
     if value == 0:
         return ""
+    # The last of the digits that are shown stands for 10^last_digit.
     last_digit = math.floor(math.log10(abs(value))) + 1 - digits
     if error <= 0.5 * 10.0**last_digit:
         return ""

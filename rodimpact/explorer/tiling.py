@@ -18,7 +18,7 @@ ROWS = 50
 
 
 def no_cells() -> Any:
-    """Grids without any cell."""
+    """Grids without any cell: empty lists, and the start 0 of the first points."""
     return {
         "start": [0],
         "body": [],
@@ -32,14 +32,17 @@ def no_cells() -> Any:
     }
 
 
-def across_of(system: Any, piece: Any) -> int:
-    """Number of cells along a segment; all cells have about the same width."""
-    length = 0.0
+def across_of(system: Any, segment: Any) -> int:
+    """Number of cells along a segment, its share of the length of all rods.
+
+    All cells have about the same width; each segment has at least one.
+    """
+    length_of_rods = 0.0
     for body in system.bodies:
         if body.kind == "rod":
-            for segment in body.segments:
-                length += segment.length
-    across: int = round(CELLS / ROWS * piece.length / length)
+            for other in body.segments:
+                length_of_rods += other.length
+    across: int = round(CELLS / ROWS * segment.length / length_of_rods)
     return max(1, across)
 
 
@@ -79,12 +82,16 @@ def add_cells(
 def add_row_of_cells(
     grids: Any, segment: Any, before: list[float], now: list[float], step: float
 ) -> None:
-    """Add the mean states of the cells between two rows of displacements, s apart."""
+    """Add the mean states of the cells between two rows of displacements.
+
+    The rows are `step` seconds apart. A cell with the displacements u at its corners
+    has the strain du/dx and the velocity du/dt, each the mean over its two edges.
+    """
     across = len(now) - 1
     for k in range(across):
         stretch = (now[k + 1] - now[k] + before[k + 1] - before[k]) / 2
-        strain = stretch * across / segment.length
-        rise = now[k] + now[k + 1] - before[k] - before[k + 1]
-        grids["velocity"].append(rise / 2 / step)
+        strain = stretch * across / segment.length  # a cell is length/across wide
+        both_rises = now[k] + now[k + 1] - before[k] - before[k + 1]
+        grids["velocity"].append(both_rises / 2 / step)
         grids["strain"].append(strain)
         grids["stress"].append(strain * segment.material.youngs_modulus)

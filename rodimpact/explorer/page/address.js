@@ -7,9 +7,11 @@ let addressTimer = 0;
 
 // Trees as texts --------------------------------------------------------------------------
 
+/** A path as text: its keys with dots between them, none within. */
 const pathText = (path) =>
   path.map((key) => encodeURIComponent(key).replace(/\./g, "%2E")).join(".");
 
+/** A value from its text: JSON, or else the text itself. */
 function readValue(text) {
   try {
     return JSON.parse(text);
@@ -20,7 +22,9 @@ function readValue(text) {
 
 /** A value as text: a string has quotes only where it would be read as something else. */
 function valueText(value) {
-  if (typeof value === "string" && readValue(value) === value) return value;
+  if (typeof value === "string" && readValue(value) === value) {
+    return value;
+  }
   return JSON.stringify(value);
 }
 
@@ -60,27 +64,36 @@ function withLists(tree) {
     return tree;
   }
   const keys = Object.keys(tree);
-  for (const key of keys) tree[key] = withLists(tree[key]);
+  for (const key of keys) {
+    tree[key] = withLists(tree[key]);
+  }
   const isList = keys.length > 0 && keys.every((key, i) => key === String(i));
   return isList ? keys.map((key) => tree[key]) : tree;
 }
 
 // State -----------------------------------------------------------------------------------
 
+/** The design and the view as an address, without the #. */
 function addressOfState() {
   const view = {
     quantity: page.quantity,
     time: Number(page.fraction.toFixed(3)),
   };
-  if (!page.isDisplaced) view.displaced = false;
+  if (!page.isDisplaced) {
+    view.displaced = false;
+  }
   const question = byId("question").textContent.trim();
-  if (question) view.question = question;
+  if (question) {
+    view.question = question;
+  }
   return itemsOf({ ...design, view }).join("&");
 }
 
 /** Write the state into the address when nothing has changed for a while. */
 function keepAddress() {
-  if (location.protocol === "about:") return; // a frame of a notebook has no address
+  if (location.protocol === "about:") {
+    return;
+  } // a frame of a notebook has no address
   clearTimeout(addressTimer);
   addressTimer = setTimeout(() => {
     history.replaceState(null, "", `#${addressOfState()}`);
@@ -97,13 +110,19 @@ function readAddress() {
     showProblems([{ path: "", message }]);
   }
   const view = tree.view || {};
-  if (view.time >= 0 && view.time <= 1) page.fraction = view.time;
-  if (view.quantity) setQuantity(view.quantity);
+  if (view.time >= 0 && view.time <= 1) {
+    page.fraction = view.time;
+  }
+  if (view.quantity) {
+    setQuantity(view.quantity);
+  }
   page.isDisplaced = view.displaced !== false;
   byId("displaced").checked = page.isDisplaced;
   const hasQuestion = view.question !== undefined;
   byId("question").textContent = hasQuestion ? String(view.question) : "";
   byId("asking").hidden = !byId("question").textContent;
-  if (!tree.case || typeof tree.case !== "object") return null;
+  if (!tree.case || typeof tree.case !== "object") {
+    return null;
+  }
   return { case: tree.case, gauges: listOf(tree.gauges) };
 }

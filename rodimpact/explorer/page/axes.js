@@ -14,8 +14,12 @@ function frameOf(pen, view, size, scene = null) {
   let top = 0.6;
   let rightEdge = 0.8;
   let beside = 0;
-  if (scene && pen.hasNames) top = 1.6;
-  if (scene && scene.marks.length > 0) rightEdge = 2.9;
+  if (scene && pen.hasNames) {
+    top = 1.6;
+  }
+  if (scene && scene.marks.length > 0) {
+    rightEdge = 2.9;
+  }
   if (scene && pen.width > FORCE_PANEL.minWidth * size) {
     beside = FORCE_PANEL.width * size;
   }
@@ -78,6 +82,7 @@ function drawAxes(pen, frame, theme, { x, y }) {
   });
 }
 
+/** The horizontal axis: ticks, labels, and as much of its name and notes as there is room. */
 function drawAxisOfPlaces(pen, frame, theme, axis, style) {
   const { low, high, notes = [] } = axis;
   const { size } = theme;

@@ -9,10 +9,16 @@ function centresOf(scene) {
   const pathsOfRods = grids ? null : centresOfPolygons(scene);
   const paths = [];
   bodies.forEach(({ kind, path }, i) => {
-    if (kind === "wall") return;
-    if (path) paths.push(pathOf(scene, i, lengths[i] / 2, path));
-    else if (grids) paths.push(centreOfGrids(scene, i));
-    else paths.push(pathsOfRods[i]);
+    if (kind === "wall") {
+      return;
+    }
+    if (path) {
+      paths.push(pathOf(scene, i, lengths[i] / 2, path));
+    } else if (grids) {
+      paths.push(centreOfGrids(scene, i));
+    } else {
+      paths.push(pathsOfRods[i]);
+    }
   });
   return paths;
 }

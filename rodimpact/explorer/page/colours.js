@@ -75,7 +75,9 @@ function readTheme() {
     inkChannels: channels("ink"),
     paperChannels: channels("paper"),
   };
-  if (page.scene) showLegend();
+  if (page.scene) {
+    showLegend();
+  }
 }
 
 /** Colour and dash of curve k in a figure. */
@@ -96,8 +98,12 @@ function showLegend() {
     return sign + quantity(value, UNITS[name], 3);
   };
   let lowest = "";
-  if (low < high) lowest = label(low);
-  if (low < high && low < 0 && name === "stress") lowest += ", compressed";
+  if (low < high) {
+    lowest = label(low);
+  }
+  if (low < high && low < 0 && name === "stress") {
+    lowest += ", compressed";
+  }
   setText(byId("least"), lowest);
   setText(byId("most"), label(high));
   const colours = [];

@@ -2,6 +2,7 @@
 // Two collisions beside each other: the one shown, and one that was kept. They have one
 // time and one scale of colours. Begin with `keepScene`.
 
+/** The scene that is shown, and the one that was kept. */
 const scenesShown = () =>
   page.keptScene ? [page.scene, page.keptScene] : [page.scene];
 
@@ -42,7 +43,9 @@ function keepScene(isKept) {
   if (isKept) {
     const { restitution, events } = page.scene;
     let text = `e = ${minus(restitution.text)}`;
-    if (restitution.value === null) ({ text } = events.at(-1));
+    if (restitution.value === null) {
+      ({ text } = events.at(-1));
+    }
     byId("other-text").textContent = unbroken(`Kept: ${text}`);
   }
   shareScale();
@@ -53,7 +56,9 @@ function keepScene(isKept) {
 /** Draw the collision that was kept, at time t of the film. */
 function drawKeptScene(t, theme) {
   const { keptScene: scene } = page;
-  if (!scene) return;
+  if (!scene) {
+    return;
+  }
   const { left, right } = wholeView(scene);
   const { from, to } = page.view;
   const look = { ...page, view: { left, right, from, to } };

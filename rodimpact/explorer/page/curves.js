@@ -13,7 +13,9 @@ const solvedCurves = {}; // the last curve that was solved, by its key in the sc
 
 /** e of a case with numbers at some paths, pairs of both; null where there is none. */
 function restitutionWith(tables, ...numbers) {
-  for (const [path, number] of numbers) setAt(tables, path, number);
+  for (const [path, number] of numbers) {
+    setAt(tables, path, number);
+  }
   return solver.restitution_of_case(
     tables,
     embedded.materials,
@@ -25,7 +27,9 @@ function restitutionWith(tables, ...numbers) {
 function restingPoint() {
   let lastRest = performance.now();
   return async () => {
-    if (performance.now() - lastRest < AWAKE_INTERVAL) return;
+    if (performance.now() - lastRest < AWAKE_INTERVAL) {
+      return;
+    }
     await new Promise((resolve) => {
       setTimeout(resolve);
     });
@@ -38,7 +42,9 @@ async function solveCurves(curves) {
   const startedFor = sceneCount;
   for (const [key, curve] of curves) {
     const values = await curve.solveAwake(() => startedFor !== sceneCount);
-    if (values === null) return;
+    if (values === null) {
+      return;
+    }
     const { ratios } = curve;
     solvedCurves[key] = { row: curve.row, points: ratios, values };
     Object.assign(page.scene[key], {
@@ -89,7 +95,9 @@ function curveToSolve(ratios, noun, tables, path, numberAt) {
       for (const ratio of ratios) {
         values.push(restitutionAt(ratio));
         await rest();
-        if (isOver()) return null;
+        if (isOver()) {
+          return null;
+        }
       }
       return values;
     },
@@ -148,13 +156,17 @@ function curveOverRoundness(tables, contact, closing, { bodies }) {
 
 /** Curves of e of two uniform rods, by their keys in the scene. */
 function curvesOf(tables, scene) {
-  if (scene.ratio === null) return {};
+  if (scene.ratio === null) {
+    return {};
+  }
   const [left, right] = tables.bodies;
   const curves = {};
   const hasProfile = [left.velocity, left.strain].some(
     (value) => typeof value === "object",
   );
-  if (!hasProfile) curves.curve = curveOverLengths(tables, scene); // profiles have a length
+  if (!hasProfile) {
+    curves.curve = curveOverLengths(tables, scene);
+  } // profiles have a length
   const [contact = {}] = listOf(tables.contacts);
   const { law = "rigid" } = contact;
   const closing = (left.velocity || 0) - (right.velocity || 0); // NaN for a profile
@@ -186,7 +198,9 @@ function addCurves(scene, { case: tables }) {
         scene[key].values = last.values;
       }
     }
-    if (scene[key].isOutdated) unsolved.push([key, curve]);
+    if (scene[key].isOutdated) {
+      unsolved.push([key, curve]);
+    }
   }
   return unsolved;
 }

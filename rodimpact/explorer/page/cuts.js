@@ -29,9 +29,14 @@ function rangeAt({ tiling }, polygon, t, values) {
     const next = k + 1 < end ? k + 1 : first;
     const before = tiling.t[k];
     const after = tiling.t[next];
-    if ((before - t) * (after - t) > 0) continue;
+    const isOnOneSide = (before - t) * (after - t) > 0; // the edge does not cross t
+    if (isOnOneSide) {
+      continue;
+    }
     let fraction = 0;
-    if (before !== after) fraction = (t - before) / (after - before);
+    if (before !== after) {
+      fraction = (t - before) / (after - before);
+    }
     const value = values[k] + (values[next] - values[k]) * fraction;
     low = Math.min(low, value);
     high = Math.max(high, value);
@@ -61,7 +66,9 @@ function endsAt(scene, t, { view, isDisplaced }) {
     ends.set(body, [Math.min(left, low), Math.max(right, high)]);
   }
   scene.bodies.forEach(({ path }, i) => {
-    if (path) ends.set(i, endsOfSolid(scene, i, t, view, isDisplaced));
+    if (path) {
+      ends.set(i, endsOfSolid(scene, i, t, view, isDisplaced));
+    }
   });
   return ends;
 }
@@ -70,8 +77,12 @@ function endsAt(scene, t, { view, isDisplaced }) {
 function endsOfSolid(scene, i, t, view, isDisplaced) {
   const { kind, path } = scene.bodies[i];
   let face = scene.row.left[i];
-  if (isDisplaced) face = valueAt(pathOf(scene, i, 0, path), t);
-  if (kind === "mass") return [face, face + scene.lengths[i]];
+  if (isDisplaced) {
+    face = valueAt(pathOf(scene, i, 0, path), t);
+  }
+  if (kind === "mass") {
+    return [face, face + scene.lengths[i]];
+  }
   const depth = WALL_DEPTH * (view.right - view.left);
   return i > 0 ? [face, face + depth] : [face - depth, face];
 }
@@ -82,7 +93,9 @@ function segmentAt(scene, body, x) {
   let end = 0;
   for (const segment of segments) {
     end += segment.length;
-    if (end > x) return segment;
+    if (end > x) {
+      return segment;
+    }
   }
   return segments.at(-1);
 }

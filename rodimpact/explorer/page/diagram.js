@@ -35,14 +35,20 @@ function drawDiagram(pen, scene, look, t, mark, theme) {
   pen.inside(frame.x, frame.y, frame.width, frame.height, () => {
     drawBodies(pen, scene, frame, name, theme);
     drawContacts(pen, scene, frame, theme);
-    if (isDisplaced) drawCentres(pen, scene, frame, theme);
+    if (isDisplaced) {
+      drawCentres(pen, scene, frame, theme);
+    }
     if (scene.tiling.body.length <= MAX_POLYGONS_WITH_VALUES) {
       writeValues(pen, scene, frame, name, theme);
     }
-    if (mark) drawReadingMark(pen, frame, mark, theme);
+    if (mark) {
+      drawReadingMark(pen, frame, mark, theme);
+    }
   });
   const hasForces = frame.force && !page.isGuessing;
-  if (hasForces) drawForces(pen, scene, frame, view, theme);
+  if (hasForces) {
+    drawForces(pen, scene, frame, view, theme);
+  }
   const hasTime = t !== null && !page.isPrinting;
   if (hasTime && t >= view.from && t <= view.to) {
     const y = frame.up(t);
@@ -72,32 +78,44 @@ function drawDiagram(pen, scene, look, t, mark, theme) {
     drawMarks(pen, scene, frame, view, theme);
     drawEvents(pen, scene, frame, view, theme);
   }
-  if (hasTime) drawGrip(pen, frame.x, frame.up(t), theme);
+  if (hasTime) {
+    drawGrip(pen, frame.x, frame.up(t), theme);
+  }
   return frame;
 }
 
+/** Notes on the axis of places: what the picture has not true to scale. */
 function notesOfDiagram({ row, contacts }, isDisplaced) {
   const notes = ["before it moves"];
   if (isDisplaced) {
     notes.splice(0, 1, ...row.notes, "dashed: centres of mass");
   }
-  if (contacts.some(({ room }) => room)) notes.push("springs drawn wide");
+  if (contacts.some(({ room }) => room)) {
+    notes.push("springs drawn wide");
+  }
   return notes;
 }
 
 // Bodies ----------------------------------------------------------------------------------
 
+/** All bodies through space and time, in the colours of the quantity of this name. */
 function drawBodies(pen, scene, frame, name, theme) {
   drawSolids(pen, scene, frame, theme);
-  if (scene.grids) drawGrids(pen, scene, frame, name, theme);
+  if (scene.grids) {
+    drawGrids(pen, scene, frame, name, theme);
+  }
   drawPolygons(pen, scene, frame, name, theme);
-  if (!frame.isDisplaced) outlineRods(pen, scene, frame, theme);
+  if (!frame.isDisplaced) {
+    outlineRods(pen, scene, frame, theme);
+  }
 }
 
 /** Paths of walls and masses through space and time. */
 function drawSolids(pen, scene, frame, theme) {
   scene.bodies.forEach(({ path, kind }, i) => {
-    if (!path) return;
+    if (!path) {
+      return;
+    }
     const pointsOf = (x) =>
       pathOf(scene, i, x, path).y.map((place, k) => {
         const shown = frame.isDisplaced ? place : scene.row.left[i] + x;
@@ -115,6 +133,7 @@ function drawSolids(pen, scene, frame, theme) {
   });
 }
 
+/** Corners of a polygon in pixels [x, y]. */
 function cornersOf({ tiling }, polygon, frame) {
   const corners = [];
   const end = tiling.start[polygon + 1];
@@ -149,7 +168,9 @@ function outlineRods(pen, scene, frame, theme) {
   const first = frame.up(scene.begin);
   const last = frame.up(scene.end);
   scene.bodies.forEach(({ path }, i) => {
-    if (path) return;
+    if (path) {
+      return;
+    }
     const left = frame.across(scene.row.left[i]);
     const right = frame.across(scene.row.left[i] + scene.lengths[i]);
     const corners = [
@@ -188,7 +209,9 @@ function writeValues(pen, scene, frame, name, theme) {
       const right = frame.across(high);
       return left <= x - halfWidth && right >= x + halfWidth;
     });
-    if (!hasRoom) return;
+    if (!hasRoom) {
+      return;
+    }
     const colour = colourOf(fractionOf(scene, name, polygon), theme);
     const topLeft = [x - halfWidth, y - halfHeight];
     const bottomRight = [x + halfWidth, y + halfHeight];
@@ -213,7 +236,9 @@ function middleOf(points) {
 /** Contacts over time: thick lines where they press, none where they are open; springs. */
 function drawContacts(pen, scene, frame, theme) {
   for (const contact of scene.contacts) {
-    if (contact.bonded) continue;
+    if (contact.bonded) {
+      continue;
+    }
     const faces = facesInFrame(scene, contact, frame);
     for (const spell of contact.spells) {
       if (!contact.room) {
@@ -230,14 +255,18 @@ function facesInFrame(scene, contact, frame) {
   const rightPlace = scene.row.left[contact.index + 1];
   const restPlaces = [rightPlace - (contact.room || 0), rightPlace];
   return contact.faces.map((face, side) => (t) => {
-    if (!frame.isDisplaced) return frame.across(restPlaces[side]);
+    if (!frame.isDisplaced) {
+      return frame.across(restPlaces[side]);
+    }
     return frame.across(valueAt(face, t));
   });
 }
 
 /** A contact without a spring in one of its states. */
 function drawSpell(pen, contact, rightFace, { from, to, state }, frame, theme) {
-  if (state === "open" && frame.isDisplaced) return; // the gap itself is seen
+  if (state === "open" && frame.isDisplaced) {
+    return;
+  } // the gap itself is seen
   const inside = contact.faces[1].t.filter((t) => t > from && t < to);
   const line = [from, ...inside, to].map((t) => [rightFace(t), frame.up(t)]);
   if (state === "open") {
@@ -320,7 +349,9 @@ function hideFuture(pen, { contacts }, frame, theme) {
   );
   const y = frame.up(Math.min(...touches));
   pen.rectangle([frame.x, -1], [pen.width, y], theme.paper);
-  if (page.isPrinting) return; // pupils draw the waves there
+  if (page.isPrinting) {
+    return;
+  } // pupils draw the waves there
   pen.text((frame.x + frame.right) / 2, (frame.y + y) / 2, "?", {
     size: 5 * theme.size,
     colour: theme.faint,
@@ -332,7 +363,9 @@ function hideFuture(pen, { contacts }, frame, theme) {
 function drawMarks(pen, { marks }, frame, view, theme) {
   let labelY = Infinity;
   for (const { t, text } of marks) {
-    if (t < view.from || t > view.to) continue;
+    if (t < view.from || t > view.to) {
+      continue;
+    }
     const y = frame.up(t);
     pen.segment([frame.right - 6, y], [frame.right + 3, y], theme.ink, 1.4);
     const isNearLast = Math.abs(y - labelY) < theme.size;

@@ -8,14 +8,18 @@ const POINT_REACH = 15; // px, to take hold of a gauge or of the tip of an arrow
 /** Write a number into its box, as if it were typed. */
 function enterNumber(path, number) {
   const box = byId(path);
-  if (!box) return;
+  if (!box) {
+    return;
+  }
   box.value = number;
   box.dispatchEvent(new Event("input"));
 }
 
 /** Path of the number that a part of a body changes: its velocity, or a length at an end. */
 function draggedPath(body, part, side) {
-  if (part === "arrow") return `bodies.${body}.velocity`;
+  if (part === "arrow") {
+    return `bodies.${body}.velocity`;
+  }
   const segments = listOf(getAt(design.case.bodies, [body, "segments"]));
   const outermost = side < 0 ? 0 : segments.length - 1;
   const segment = segments.length > 0 ? `.segments.${outermost}` : "";
@@ -35,7 +39,9 @@ function partAt(x, y) {
   const arrow = arrows.find(
     (candidate) => Math.hypot(candidate.tip - x, candidate.y - y) < POINT_REACH,
   );
-  if (arrow) return { body: arrow.body, part: "arrow", side: 1 };
+  if (arrow) {
+    return { body: arrow.body, part: "arrow", side: 1 };
+  }
   const gauge = gauges.findIndex(
     ([gaugeX, gaugeY]) => Math.hypot(gaugeX - x, gaugeY - y) < POINT_REACH,
   );
@@ -43,14 +49,24 @@ function partAt(x, y) {
     return { body: page.scene.gauges[gauge].body, part: "gauge", gauge };
   }
   const body = bodyAt(x);
-  if (body === undefined) return null;
+  if (body === undefined) {
+    return null;
+  }
   const { kind } = page.scene.bodies[body];
-  if (kind === "wall") return null;
-  if (kind !== "rod") return { body, part: "body" };
+  if (kind === "wall") {
+    return null;
+  }
+  if (kind !== "rod") {
+    return { body, part: "body" };
+  }
   const [left, right] = ends.get(body).map(frame.across);
   const isNear = (end) => Math.abs(end - x) < END_REACH;
-  if (isNear(right)) return { body, part: "end", side: 1 };
-  if (isNear(left)) return { body, part: "end", side: -1 };
+  if (isNear(right)) {
+    return { body, part: "end", side: 1 };
+  }
+  if (isNear(left)) {
+    return { body, part: "end", side: -1 };
+  }
   return { body, part: "body" };
 }
 
@@ -100,21 +116,28 @@ function swapWithNeighbour(held, place) {
   const middle = (body) => (ends.get(body)[0] + ends.get(body)[1]) / 2;
   const direction = Math.sign(place - middle(held.body));
   const next = held.body + direction;
-  if (!ends.has(next) || page.scene.bodies[next].kind === "wall") return;
+  if (!ends.has(next) || page.scene.bodies[next].kind === "wall") {
+    return;
+  }
   const isBeyond = (place - middle(next)) * direction > 0;
-  if (!isBeyond) return;
+  if (!isBeyond) {
+    return;
+  }
   swapBodies(design, held.body, next);
   held.body = next;
   held.scene = page.scene; // no other change before this one is seen
   designChanged(true);
 }
 
+/** Let pointers drag the parts of the picture of the rods. */
 function connectDragging() {
   const strip = byId("rods");
   let held = null;
   strip.addEventListener("pointerdown", ({ offsetX, offsetY, pointerId }) => {
     held = page.strip && partAt(offsetX, offsetY);
-    if (!held) return;
+    if (!held) {
+      return;
+    }
     strip.setPointerCapture(pointerId);
     undoHistory.endChange();
     held.x = offsetX;
@@ -123,7 +146,9 @@ function connectDragging() {
     page.isDragging = true;
   });
   strip.addEventListener("pointermove", ({ offsetX, offsetY }) => {
-    if (!page.strip) return;
+    if (!page.strip) {
+      return;
+    }
     if (held) {
       drag(held, offsetX);
       return;

@@ -7,10 +7,13 @@ const byId = (id) => document.getElementById(id);
 /** Set the text of an element; returns whether it was another. */
 function setText(element, text) {
   const differs = element.textContent !== text;
-  if (differs) element.textContent = text;
+  if (differs) {
+    element.textContent = text;
+  }
   return differs;
 }
 
+/** A new element with attributes and children, elements or texts. */
 function makeElement(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -22,8 +25,9 @@ function makeElement(tag, attributes = {}, ...children) {
 
 /** Fill a table with rows of a name and values. */
 function fillTable(table, entries) {
-  while (table.children.length > entries.length)
+  while (table.children.length > entries.length) {
     table.lastElementChild.remove();
+  }
   entries.forEach(([name, ...values], i) => {
     let row = table.children[i];
     if (!row) {
@@ -42,10 +46,16 @@ function fillTable(table, entries) {
   });
 }
 
-/** Replace the children of an element, if their texts differ from those it has. */
+/**
+ * Replace the children of an element, if their texts differ from those it has.
+ *
+ * Each child is made by `makeChild(text, k)`. Returns whether they were replaced.
+ */
 function replaceTexts(element, texts, makeChild) {
   const joined = texts.join();
-  if (element.dataset.texts === joined) return false;
+  if (element.dataset.texts === joined) {
+    return false;
+  }
   element.dataset.texts = joined;
   element.replaceChildren(...texts.map(makeChild));
   return true;

@@ -126,6 +126,7 @@ const listOf = (value) => (Array.isArray(value) ? value : []);
 const getAt = (tables, path) =>
   path.reduce((table, key) => table?.[key], tables);
 
+/** Set the entry of nested tables at a path. */
 function setAt(tables, path, value) {
   const table = getAt(tables, path.slice(0, -1));
   table[path.at(-1)] = value;
@@ -148,6 +149,8 @@ function segmentsWithPaths(body) {
       path: ["segments", j],
     }));
   }
-  if (body.kind !== "rod") return [];
+  if (body.kind !== "rod") {
+    return [];
+  }
   return [{ segment: body, path: [] }];
 }

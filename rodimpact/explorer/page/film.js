@@ -10,8 +10,12 @@ const INPUTS = "button, input, select, textarea, summary, [contenteditable]";
 function filmSeconds() {
   const { begin, end } = filmSpan();
   const { value: pace } = byId("pace");
-  if (pace === "real") return (end - begin) * REAL_PACE;
-  if (pace === "step") return STEP_SECONDS;
+  if (pace === "real") {
+    return (end - begin) * REAL_PACE;
+  }
+  if (pace === "step") {
+    return STEP_SECONDS;
+  }
   return Number(pace);
 }
 
@@ -20,7 +24,9 @@ function namePaces() {
   const { begin, end } = filmSpan();
   for (const option of byId("pace").options) {
     const seconds = Number(option.value);
-    if (!seconds) continue;
+    if (!seconds) {
+      continue;
+    }
     const factor = Number((seconds / (end - begin)).toPrecision(2));
     const grouped = String(factor).replace(/\B(?=(\d{3})+$)/g, ",");
     setText(option, `${seconds} s: ${grouped} × slower`);
@@ -39,6 +45,7 @@ function fractionAt(t) {
   return (t - begin) / (end - begin);
 }
 
+/** Show the collision at a fraction of the film. */
 function setFraction(fraction) {
   page.fraction = clamp(fraction, 0, 1);
   page.isFresh = false;
@@ -53,37 +60,50 @@ function goTo(t) {
   setFraction(fractionAt(t));
 }
 
+/** Play the film from where it is, from its begin if it has ended; or pause it. */
 function play(isPlaying) {
   page.isPlaying = isPlaying;
   byId("play").textContent = isPlaying ? "Pause" : "Play";
   byId("play").setAttribute("aria-pressed", String(isPlaying));
-  if (!isPlaying) return;
-  if (page.fraction >= 1 || page.isFresh) page.fraction = 0;
+  if (!isPlaying) {
+    return;
+  }
+  if (page.fraction >= 1 || page.isFresh) {
+    page.fraction = 0;
+  }
   page.isFresh = false;
   page.mark = null;
   const stop = stopOfFilm();
   let lastMoment = performance.now();
   const advance = (moment) => {
-    if (!page.isPlaying || !page.scene) return;
+    if (!page.isPlaying || !page.scene) {
+      return;
+    }
     const seconds = Math.max(0, moment - lastMoment) / 1000;
     lastMoment = moment;
     const fraction = page.fraction + seconds / filmSeconds();
     page.fraction = Math.min(stop, fraction);
     draw();
-    if (page.fraction >= stop) play(false);
-    else requestAnimationFrame(advance);
+    if (page.fraction >= stop) {
+      play(false);
+    } else {
+      requestAnimationFrame(advance);
+    }
   };
   requestAnimationFrame(advance);
 }
 
 /** Fraction of the film at which it stops: its end, or the next event. */
 function stopOfFilm() {
-  if (byId("pace").value !== "step") return 1;
+  if (byId("pace").value !== "step") {
+    return 1;
+  }
   const { scene } = page;
   const next = scene.events[eventIndexAt(scene, currentTime()) + 1];
   return next ? fractionAt(next.t) : 1;
 }
 
+/** Let the button and the space bar play and pause, and the slider set the time. */
 function connectFilm() {
   byId("play").addEventListener("click", () => play(!page.isPlaying));
   byId("time").addEventListener("input", () => {
@@ -91,7 +111,9 @@ function connectFilm() {
     setFraction(byId("time").valueAsNumber / 1000);
   });
   addEventListener("keydown", (event) => {
-    if (event.key !== " " || event.target.closest(INPUTS)) return;
+    if (event.key !== " " || event.target.closest(INPUTS)) {
+      return;
+    }
     event.preventDefault();
     play(!page.isPlaying);
   });

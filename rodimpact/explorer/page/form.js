@@ -6,9 +6,15 @@ const DEFAULT_LAW = "rigid";
 
 /** The part of a body that is folded away, in short. */
 function summaryOfBody({ kind, segments, area, material }) {
-  if (kind === "wall") return "velocity, place";
-  if (kind !== "rod") return "place";
-  if (segments) return `${segments.length} segments`;
+  if (kind === "wall") {
+    return "velocity, place";
+  }
+  if (kind !== "rod") {
+    return "place";
+  }
+  if (segments) {
+    return `${segments.length} segments`;
+  }
   let areaText = "area";
   if (typeof area === "number") {
     areaText = `${toShown(area, FIELDS.area.power)} mm²`;
@@ -22,6 +28,7 @@ function fieldName(path) {
   return inCase.join(".");
 }
 
+/** Empty line for the problem of a field. */
 const makeProblem = (name) =>
   makeElement("span", {
     class: "problem",
@@ -40,6 +47,7 @@ class Form {
     element.addEventListener("submit", (event) => event.preventDefault());
   }
 
+  /** Make the form anew for a design; the element with the focus keeps it. */
   build(design) {
     const { activeElement } = document;
     const hasFocus = this.element.contains(activeElement);
@@ -51,17 +59,24 @@ class Form {
     const blocks = [];
     bodies.forEach((body, i) => {
       blocks.push(this.makeBody(body, i));
-      if (i + 1 < bodies.length) blocks.push(this.makeContact(i));
+      if (i + 1 < bodies.length) {
+        blocks.push(this.makeContact(i));
+      }
     });
-    if (listOf(design.gauges).length > 0) blocks.push(this.makeGauges());
+    if (listOf(design.gauges).length > 0) {
+      blocks.push(this.makeGauges());
+    }
     blocks.push(toolsOfRow(design));
     this.element.replaceChildren(...blocks);
     this.updateSummaries();
-    if (focusedId) byId(focusedId)?.focus();
+    if (focusedId) {
+      byId(focusedId)?.focus();
+    }
   }
 
   // Blocks --------------------------------------------------------------------------------
 
+  /** Block of body i; what is changed rarely is folded away. */
   makeBody(body, i) {
     const path = ["case", "bodies", i];
     const name = solver.name_of(String(body.kind), this.names.numbers[i]);
@@ -96,6 +111,7 @@ class Form {
     return this.fold(block, capital(name), folded, summary);
   }
 
+  /** Block of the contact of the bodies i and i + 1. */
   makeContact(i) {
     const path = ["case", "contacts", i];
     const contact = getAt(this.design, path) || {};
@@ -118,20 +134,25 @@ class Form {
       }
     }
     const summary = () => {
-      if (!contact.gap) return "gap";
+      if (!contact.gap) {
+        return "gap";
+      }
       return `gap ${toShown(contact.gap, FIELDS.gap.power)} µm`;
     };
     const name = `Contact ${this.names.contacts[i]}`;
     return this.fold(block, name, folded, summary);
   }
 
+  /** Block of all gauges. */
   makeGauges() {
     const { numbers } = this.names;
     const block = makeElement("fieldset", { class: "gauges" });
     const folded = makeElement("div", { id: "rest:gauges" });
     const rods = [];
     listOf(this.design.case.bodies).forEach((body, i) => {
-      if (body.kind === "rod") rods.push(numbers[i]);
+      if (body.kind === "rod") {
+        rods.push(numbers[i]);
+      }
     });
     const { gauges } = this.design;
     gauges.forEach((gauge, k) => {
@@ -172,7 +193,9 @@ class Form {
       button.setAttribute("aria-expanded", String(!folded.hidden));
     };
     button.addEventListener("click", () => {
-      if (!this.unfolded.delete(id)) this.unfolded.add(id);
+      if (!this.unfolded.delete(id)) {
+        this.unfolded.add(id);
+      }
       show();
     });
     show();
@@ -182,8 +205,11 @@ class Form {
     return block;
   }
 
+  /** Write the short texts of the folded parts anew. */
   updateSummaries() {
-    for (const [label, summary] of this.summaries) setText(label, summary());
+    for (const [label, summary] of this.summaries) {
+      setText(label, summary());
+    }
   }
 
   // Fields --------------------------------------------------------------------------------
@@ -195,12 +221,16 @@ class Form {
     const ownNames = Object.keys(this.design.case.materials || {});
     const [, , body, , segment] = segmentPath;
     const numbers = [this.names.numbers[body]];
-    if (segment !== undefined) numbers.push(segment + 1);
+    if (segment !== undefined) {
+      numbers.push(segment + 1);
+    }
     const newName = `own ${numbers.join("-")}`;
     const names = new Set([...Object.keys(this.library), ...ownNames, newName]);
     const choose = (chosen) => {
       const isNew = chosen === newName && !ownNames.includes(newName);
-      if (isNew) this.copyMaterial(name, newName);
+      if (isNew) {
+        this.copyMaterial(name, newName);
+      }
       setAt(this.design, path, chosen);
     };
     const label = `material${where}`;
@@ -223,6 +253,7 @@ class Form {
     materials[name] = { youngs_modulus, density };
   }
 
+  /** A list of values to choose from; `choose` changes the design to the value chosen. */
   makeChoice(path, label, values, chosen, choose) {
     const name = fieldName(path);
     const select = makeElement("select", { id: name, "data-path": name });
@@ -271,7 +302,9 @@ class Form {
     });
     slider.addEventListener("input", () => {
       let entered = slider.valueAsNumber;
-      if (field.isLog) entered = Number((10 ** entered).toPrecision(3));
+      if (field.isLog) {
+        entered = Number((10 ** entered).toPrecision(3));
+      }
       box.value = entered;
       apply(entered);
     });
@@ -343,7 +376,9 @@ class Form {
     const keys = path.split(".");
     for (let count = keys.length; count > 0; count -= 1) {
       const field = byId(keys.slice(0, count).join("."));
-      if (field && this.element.contains(field)) return field;
+      if (field && this.element.contains(field)) {
+        return field;
+      }
     }
     return null;
   }
@@ -351,6 +386,7 @@ class Form {
 
 // Numbers ---------------------------------------------------------------------------------
 
+/** The box of a number, which keeps the unit of its field for the texts of problems. */
 const makeBox = ({ power, unit }, number, name) =>
   makeElement("input", {
     type: "number",
@@ -369,7 +405,9 @@ function makeSlider(field, number, name) {
   const value = Number(number) || 0;
   let { low } = field;
   let high = Math.max(field.high, value);
-  if (value > 0 || !isLog) low = Math.min(low, value);
+  if (value > 0 || !isLog) {
+    low = Math.min(low, value);
+  }
   let position = value;
   if (isLog) {
     low = Math.log10(low);
@@ -392,22 +430,33 @@ function makeSlider(field, number, name) {
 
 /** Let the range of a slider grow where its position reaches an end. */
 function growRange(slider, field, position) {
-  if (field.isBounded || !Number.isFinite(position)) return;
+  if (field.isBounded || !Number.isFinite(position)) {
+    return;
+  }
   const low = Number(slider.min);
   const high = Number(slider.max);
   const growth = field.isLog ? 1 : (high - low) / 2;
-  if (position >= high) slider.max = position + growth;
-  if (position > low) return;
+  if (position >= high) {
+    slider.max = position + growth;
+  }
+  if (position > low) {
+    return;
+  }
   const canBeNegative = field.isLog || field.low < 0;
-  if (canBeNegative) slider.min = position - growth;
-  else slider.min = clamp(position, 0, low);
+  if (canBeNegative) {
+    slider.min = position - growth;
+  } else {
+    slider.min = clamp(position, 0, low);
+  }
 }
 
 // Problems --------------------------------------------------------------------------------
 
 /** A problem in words, with a wrong number in SI units. */
 function problemInSiUnits({ message, unit, value }) {
-  if (typeof value !== "number") return message;
+  if (typeof value !== "number") {
+    return message;
+  }
   return `${message}${unit}, got ${plainNumber(value, 6)}`;
 }
 

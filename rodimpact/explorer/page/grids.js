@@ -72,7 +72,9 @@ function displacedImage(scene, grid, image, frame) {
   const { places } = scene;
   for (let y = 0; y < canvas.height; y += 1) {
     const fraction = frame.timeAt(frame.y + y + 0.5) / scene.end;
-    if (fraction < 0 || fraction >= 1) continue;
+    if (fraction < 0 || fraction >= 1) {
+      continue;
+    }
     const position = fraction * grid.rows;
     const row = Math.floor(position);
     const first = 4 * (grid.first + row * grid.across); // corner of the first cell

@@ -36,6 +36,7 @@ function offeredHandles({ arrows, ends, frame, middle }) {
   return handles.filter(({ path }) => byId(path));
 }
 
+/** A new handle for the number at a path. */
 function makeHandle(path) {
   const handle = makeElement("span", {
     role: "slider",
@@ -50,11 +51,15 @@ function makeHandle(path) {
 /** Change the number of a handle by a key, as its slider would. */
 function moveHandle(event, path) {
   const steps = KEY_STEPS[event.key];
-  if (!steps || isShortcut(event)) return;
+  if (!steps || isShortcut(event)) {
+    return;
+  }
   event.preventDefault();
   const step = Number(byId(`slider:${path}`).step);
   let number = byId(path).valueAsNumber + steps * step;
-  if (path.endsWith("length")) number = Math.max(step, number);
+  if (path.endsWith("length")) {
+    number = Math.max(step, number);
+  }
   enterNumber(path, Number(number.toFixed(6)));
 }
 
@@ -69,10 +74,14 @@ function updateHandle(handle, { path, name, x, y }) {
     "aria-valuetext": minus(slider.getAttribute("aria-valuetext")),
   };
   for (const [key, text] of Object.entries(attributes)) {
-    if (handle.getAttribute(key) !== text) handle.setAttribute(key, text);
+    if (handle.getAttribute(key) !== text) {
+      handle.setAttribute(key, text);
+    }
   }
   const transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-  if (handle.style.transform !== transform) handle.style.transform = transform;
+  if (handle.style.transform !== transform) {
+    handle.style.transform = transform;
+  }
 }
 
 /** Keep one handle for each end and arrow that the strip offers; one with the focus stays. */
@@ -82,7 +91,9 @@ function placeHandles(strip) {
   const paths = offered.map(({ path }) => path);
   for (const handle of [...holder.children]) {
     const isOffered = paths.includes(handle.dataset.handle);
-    if (!isOffered && handle !== document.activeElement) handle.remove();
+    if (!isOffered && handle !== document.activeElement) {
+      handle.remove();
+    }
   }
   let before = null; // handles are in the order of the bodies
   for (const offer of offered) {

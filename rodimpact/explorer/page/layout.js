@@ -7,6 +7,7 @@ const CLOSED_GAP_RTOL = 1e-12; // smaller gaps, as parts of the row, are closed
 const SAME_PLACE_RTOL = 1e-6; // part of the length of a body
 const APPROACH = { way: 0.12, time: 0.2 }; // limits, as parts of the row and of the film
 
+/** Largest magnitude of some values; 0 without any. */
 const largestOf = (values) =>
   values.reduce((largest, value) => Math.max(largest, Math.abs(value)), 0);
 
@@ -59,7 +60,9 @@ function prepareScene(scene) {
   }
   scene.length = left;
   scene.begin = 0;
-  if (!scene.exact) scene.grids = cutGrids(tiling);
+  if (!scene.exact) {
+    scene.grids = cutGrids(tiling);
+  }
   scene.cellCount = tiling.body.length;
   scene.plots = [...plotsOfContacts(scene), ...scene.plots].filter(
     ({ series }) => series.length > 0,
@@ -96,7 +99,9 @@ function setPlaces(scene) {
   scene.restSpan = [row.left[0], row.left.at(-1) + scene.lengths.at(-1)];
   const places = [...scene.places];
   scene.bodies.forEach(({ path }, i) => {
-    if (!path) return;
+    if (!path) {
+      return;
+    }
     places.push(...pathOf(scene, i, 0, path).y);
     places.push(...pathOf(scene, i, scene.lengths[i], path).y);
   });
@@ -106,13 +111,17 @@ function setPlaces(scene) {
 /** Path of the face at x of a body. */
 function faceOf(scene, body, x) {
   const { path } = scene.bodies[body];
-  if (path) return pathOf(scene, body, x, path);
+  if (path) {
+    return pathOf(scene, body, x, path);
+  }
   const { tiling } = scene;
   const { start } = tiling;
   const tolerance = SAME_PLACE_RTOL * scene.lengths[body];
   const places = new Map(); // place at each time
   tiling.body.forEach((owner, i) => {
-    if (owner !== body) return;
+    if (owner !== body) {
+      return;
+    }
     for (let k = start[i]; k < start[i + 1]; k += 1) {
       if (Math.abs(tiling.x[k] - x) < tolerance) {
         places.set(tiling.t[k], scene.places[k]);
@@ -125,14 +134,22 @@ function faceOf(scene, body, x) {
 
 /** Times at which the wave that a contact sends into a uniform rod is back: 2 l/c later. */
 function marksOf({ bodies, contacts, end }) {
-  if (contacts.length !== 1) return [];
+  if (contacts.length !== 1) {
+    return [];
+  }
   const first = contacts[0].spells.find(({ state }) => state === "pressing");
-  if (!first) return [];
+  if (!first) {
+    return [];
+  }
   const marks = [];
   for (const { number, segments } of bodies) {
-    if (segments.length !== 1) continue;
+    if (segments.length !== 1) {
+      continue;
+    }
     const t = first.from + 2 * segments[0].transit_time;
-    if (t <= end) marks.push({ t, text: `2l${subscript(number)}/c` });
+    if (t <= end) {
+      marks.push({ t, text: `2l${subscript(number)}/c` });
+    }
   }
   marks.sort((a, b) => a.t - b.t);
   const isOneTime =
@@ -167,7 +184,9 @@ function plotsOfContacts({ contacts }) {
       gap.name = force.name;
       gaps.push(gap);
     }
-    if (contact.compliant) gapTitle = "Gap, below 0 overlap";
+    if (contact.compliant) {
+      gapTitle = "Gap, below 0 overlap";
+    }
   }
   return [
     { key: "force", title: "Contact force", unit: "N", series: forces },
@@ -179,7 +198,9 @@ function plotsOfContacts({ contacts }) {
 function addSpringRoom(scene, contacts) {
   const { row } = scene;
   for (const contact of contacts) {
-    if (!contact.compliant) continue;
+    if (!contact.compliant) {
+      continue;
+    }
     const overlap = Math.max(0, -Math.min(...contact.gap.y));
     contact.room = row.magnification * overlap + SPRING_ROOM * scene.length;
     for (let i = contact.index + 1; i < row.left.length; i += 1) {
@@ -193,13 +214,19 @@ function addSpringRoom(scene, contacts) {
 /** Let the film begin before bodies meet, if each comes unstrained with one velocity. */
 function addApproach(scene, contacts) {
   const { bodies, row } = scene;
-  if (bodies.some(({ approach }) => approach === null)) return;
+  if (bodies.some(({ approach }) => approach === null)) {
+    return;
+  }
   const closing = contacts.map(({ index, gap }) => {
-    if (Math.abs(gap.y[0]) >= CLOSED_GAP_RTOL * scene.length) return 0;
+    if (Math.abs(gap.y[0]) >= CLOSED_GAP_RTOL * scene.length) {
+      return 0;
+    }
     return bodies[index].approach - bodies[index + 1].approach;
   });
   const fastest = Math.max(0, ...closing);
-  if (fastest === 0 || Math.min(...closing) < 0) return;
+  if (fastest === 0 || Math.min(...closing) < 0) {
+    return;
+  }
   const way = (APPROACH.way * scene.length) / (row.magnification * fastest);
   scene.begin = -Math.min(way, APPROACH.time * scene.end);
   bodies.forEach((body, i) => addApproachOfBody(scene, body, i));
@@ -235,6 +262,7 @@ function addApproachOfBody({ begin, lengths, tiling }, { approach, path }, i) {
   tiling.start.push(tiling.x.length);
 }
 
+/** Add the gap of a contact before t = 0, which closes evenly. */
 function addApproachOfGap({ begin, bodies }, { index, gap }) {
   const opening = bodies[index + 1].approach - bodies[index].approach;
   const gapAtContact = gap.y[0];
@@ -254,6 +282,7 @@ function cutGrids(tiling) {
     const rows = (tiling.start[g + 1] - first) / (across + 1) - 1;
     const firstCell = cells.body.length;
     for (let i = 0; i < rows * across; i += 1) {
+      // Point at the lower left corner of cell i: a row has one point more than cells.
       const k = first + i + Math.floor(i / across);
       cells.body.push(body);
       for (const corner of [k, k + 1, k + across + 2, k + across + 1]) {

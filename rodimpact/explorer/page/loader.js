@@ -5,7 +5,7 @@
 const LETTERS =
   "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;,=>?@^_`{|}~";
 
-// Bytes of a text in base 85: five letters are four bytes, the last n letters n - 1 bytes.
+/** Bytes of a text in base 85: five letters are four bytes, the last n letters n - 1. */
 function bytesOf(text) {
   const missing = (5 - (text.length % 5)) % 5;
   const digits = text + "~".repeat(missing);
@@ -20,6 +20,7 @@ function bytesOf(text) {
   return new Uint8Array(bytes.buffer, 0, bytes.byteLength - missing);
 }
 
+/** The text that was compressed. */
 function unpack(text) {
   const packed = new Blob([bytesOf(text)]).stream();
   const unpacked = packed.pipeThrough(new DecompressionStream("deflate"));

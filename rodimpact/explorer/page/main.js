@@ -38,12 +38,18 @@ let afterScene = null; // called once when the next scene is shown
 
 /** Draw in the next frame. If a scene is due, solve it first, once for all changes. */
 function redraw() {
-  if (page.isRedrawDue) return;
+  if (page.isRedrawDue) {
+    return;
+  }
   page.isRedrawDue = true;
   requestAnimationFrame(() => {
     try {
-      if (page.isSceneDue) showSolution(sceneOf(design, page.isDraft));
-      if (page.scene) draw();
+      if (page.isSceneDue) {
+        showSolution(sceneOf(design, page.isDraft));
+      }
+      if (page.scene) {
+        draw();
+      }
     } finally {
       page.isRedrawDue = false;
     }
@@ -60,6 +66,7 @@ function requestScene(isDraft = false) {
   redraw();
 }
 
+/** Draw all pictures of the scene at the time of the film, and the texts beside them. */
 function draw() {
   const { scene, theme } = page;
   const time = currentTime();
@@ -86,20 +93,27 @@ function showSolution({ scene, problems = [] }) {
   document.documentElement.removeAttribute("data-solving");
   showProblems(problems);
   document.documentElement.toggleAttribute("data-stale", !scene);
-  if (!scene) return;
+  if (!scene) {
+    return;
+  }
   showScene(scene);
   const callback = afterScene;
   afterScene = null;
-  if (callback) callback();
+  if (callback) {
+    callback();
+  }
   form.showDerived(scene.bodies);
   showMap();
   postCase();
 }
 
+/** Show a newly solved scene: its pictures in the next frame, its texts now. */
 function showScene(scene) {
   page.scene = prepareScene(scene);
   shareScale();
-  if (!page.isZoomed && !page.isDragging) page.view = wholeView(scene);
+  if (!page.isZoomed && !page.isDragging) {
+    page.view = wholeView(scene);
+  }
   scene.events = eventsOf(scene);
   showResults(scene);
   showLegend();
@@ -108,6 +122,7 @@ function showScene(scene) {
   redraw();
 }
 
+/** Show problems beside their fields, those without a field above the form. */
 function showProblems(problems) {
   const others = form ? form.showProblems(problems) : problems;
   byId("message").hidden = others.length === 0;
@@ -124,7 +139,9 @@ function showProblems(problems) {
 /** Solve the design that has changed; `isWhole` is false for a number of the form. */
 function designChanged(isWhole) {
   undoHistory.keep(design, isWhole);
-  if (isWhole) form.build(design);
+  if (isWhole) {
+    form.build(design);
+  }
   showPreset();
   requestScene(!isWhole);
   keepAddress();
@@ -150,6 +167,7 @@ function showPreset() {
   byId("remark").textContent = preset ? unbroken(preset.remark) : "";
 }
 
+/** Offer the presets, and show the one that is chosen. */
 function connectPresets() {
   const select = byId("preset");
   select.append(new Option("your own", ""));
@@ -158,20 +176,26 @@ function connectPresets() {
   }
   select.addEventListener("change", () => {
     const preset = embedded.presets.find(({ key }) => key === select.value);
-    if (preset) showDesign(preset.design);
+    if (preset) {
+      showDesign(preset.design);
+    }
   });
 }
 
 // The view --------------------------------------------------------------------------------
 
+/** Let colours show a quantity of `UNITS`; velocities for any other name. */
 function setQuantity(name) {
   page.quantity = name in UNITS ? name : "velocity";
   const selector = `input[name="quantity"][value="${page.quantity}"]`;
   document.querySelector(selector).checked = true;
-  if (page.scene) showLegend();
+  if (page.scene) {
+    showLegend();
+  }
   redraw();
 }
 
+/** Take the light or the dark theme. */
 function setTheme(name) {
   document.documentElement.dataset.theme = name;
   byId("theme").setAttribute("aria-pressed", String(name === "dark"));
@@ -191,6 +215,7 @@ function connectTheme() {
   });
 }
 
+/** Let the controls of the view change it. */
 function connectView() {
   byId("displaced").addEventListener("change", ({ target }) => {
     page.isDisplaced = target.checked;
@@ -213,10 +238,14 @@ function connectView() {
 function connectMenu() {
   const menu = byId("menu");
   addEventListener("click", ({ target }) => {
-    if (!menu.contains(target) || target.closest("button")) menu.open = false;
+    if (!menu.contains(target) || target.closest("button")) {
+      menu.open = false;
+    }
   });
   addEventListener("keydown", ({ key }) => {
-    if (key === "Escape") menu.open = false;
+    if (key === "Escape") {
+      menu.open = false;
+    }
   });
 }
 
@@ -234,14 +263,19 @@ function connectWindow() {
   sizeOfOutcome.observe(byId("outcome"));
   matchMedia("print").addEventListener("change", ({ matches }) => {
     page.isPrinting = matches;
-    if (matches) page.screenTheme = document.documentElement.dataset.theme;
+    if (matches) {
+      page.screenTheme = document.documentElement.dataset.theme;
+    }
     setTheme(matches ? "light" : page.screenTheme);
-    if (page.scene) draw();
+    if (page.scene) {
+      draw();
+    }
   });
 }
 
 // Beginning -------------------------------------------------------------------------------
 
+/** Connect all parts of the page, and show the design of the address, or of Python. */
 function beginPage() {
   connectTheme();
   connectView();

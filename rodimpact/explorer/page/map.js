@@ -45,7 +45,9 @@ function numbersOf(tables) {
     places.forEach((segment, j) => {
       const segmentPath = [...path, ...segment.path];
       const where = body.segments ? `${name}, segment ${j + 1}` : name;
-      if (!hasProfile) add("length", [...segmentPath, "length"], where); // profiles have a length
+      if (!hasProfile) {
+        add("length", [...segmentPath, "length"], where);
+      } // profiles have a length
       add("area", [...segmentPath, "area"], where);
     });
     add("mass", [...path, "mass"], name);
@@ -97,6 +99,7 @@ function offerNumbers(numbers) {
 
 // Solving ---------------------------------------------------------------------------------
 
+/** Stop the map that is being solved. */
 function stopMap() {
   clearTimeout(map.timer);
   map.turn += 1;
@@ -105,7 +108,9 @@ function stopMap() {
 /** Solve the map of the design as it is now, if the map is open. */
 function showMap() {
   stopMap();
-  if (!byId("map").open) return;
+  if (!byId("map").open) {
+    return;
+  }
   const numbers = numbersOf(design.case);
   offerNumbers(numbers);
   const canSolve = page.scene && problemsOf(design).length === 0;
@@ -118,6 +123,7 @@ function showMap() {
   }
 }
 
+/** Solve the map of the two numbers that are chosen, row by row, and draw it as it grows. */
 async function solveMap(numbers, turn) {
   map.x = numbers[byId("map-x").value];
   map.y = numbers[byId("map-y").value];
@@ -136,7 +142,9 @@ async function solveMap(numbers, turn) {
     inSiUnits(map.y, map.ys),
   );
   for await (const row of rows) {
-    if (turn !== map.turn) return;
+    if (turn !== map.turn) {
+      return;
+    }
     map.values.push(row);
     if (performance.now() - lastDrawing >= MAP_REDRAW_INTERVAL) {
       lastDrawing = performance.now();
@@ -154,13 +162,18 @@ async function solveMap(numbers, turn) {
 
 /** Pixel of e: from dark at 0 to light at 1. */
 function pixelOf(e) {
-  if (e === null) return NO_RESTITUTION;
+  if (e === null) {
+    return NO_RESTITUTION;
+  }
   return [...colourOf(2 * e - 1, { stops: MAP_STOPS }), 255];
 }
 
+/** Draw the rows of the map that are solved, and the design as a dot. */
 function drawMap() {
   const { x, y, xs, ys, values } = map;
-  if (values.length === 0) return;
+  if (values.length === 0) {
+    return;
+  }
   const { theme } = page;
   const xField = FIELDS[x.key];
   const yField = FIELDS[y.key];
@@ -189,12 +202,16 @@ function drawMap() {
 /** Numbers, to three digits, and e under a pointer; null beside the map. */
 function cellAt({ offsetX, offsetY }) {
   const { frame, xs, ys, values } = map;
-  if (!frame) return null;
+  if (!frame) {
+    return null;
+  }
   const indexOf = (fraction) => Math.round(fraction * (MAP_CELLS - 1));
   const i = indexOf((offsetX - frame.x) / frame.width);
   const j = indexOf((frame.bottom - offsetY) / frame.height);
   const e = getAt(values, [j, i]);
-  if (e === undefined) return null;
+  if (e === undefined) {
+    return null;
+  }
   const x = Number(xs[i].toPrecision(3));
   const y = Number(ys[j].toPrecision(3));
   return { x, y, e };
@@ -208,6 +225,7 @@ function cellText({ x, y, e }) {
   return `${textOf(map.x, x)}, ${textOf(map.y, y)}: ${result}`;
 }
 
+/** Let the map show e under the pointer, and a click take the numbers there. */
 function connectMap() {
   const colours = [0, 0.5, 1].map((e) => css(pixelOf(e).slice(0, 3)));
   byId("map-colours").style.background = gradient(colours);
@@ -221,7 +239,9 @@ function connectMap() {
   });
   picture.addEventListener("click", (event) => {
     const cell = cellAt(event);
-    if (!cell) return;
+    if (!cell) {
+      return;
+    }
     const take = ({ key, path }, value) =>
       setAt(design.case, path, fromShown(value, FIELDS[key].power));
     take(map.x, cell.x);

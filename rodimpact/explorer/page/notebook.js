@@ -3,6 +3,7 @@
 
 const SEND_DELAY = 100; // ms without a message before the case is sent
 
+/** Show the page in an element; returns a function that ends the listening. */
 function render({ model, el }) {
   const frame = document.createElement("iframe");
   frame.srcdoc = model.get("page");
@@ -15,7 +16,9 @@ function render({ model, el }) {
   };
   const receive = ({ source, data }) => {
     const text = data?.rodimpact;
-    if (source !== frame.contentWindow || typeof text !== "string") return;
+    if (source !== frame.contentWindow || typeof text !== "string") {
+      return;
+    }
     clearTimeout(timer);
     timer = setTimeout(send, SEND_DELAY, text);
   };

@@ -20,7 +20,9 @@ const clamp = (value, low, high) => Math.max(low, Math.min(high, value));
 
 /** Power of ten of the SI prefix for numbers of a size: a multiple of three. */
 function powerFor(size, unit) {
-  if (!UNITS_WITH_PREFIX.includes(unit) || !(size > 0)) return 0;
+  if (!UNITS_WITH_PREFIX.includes(unit) || !(size > 0)) {
+    return 0;
+  }
   const power = Math.log10(size * (1 + ROUNDING_RTOL));
   return clamp(3 * Math.floor(power / 3), -9, 9);
 }
@@ -52,7 +54,9 @@ function plainNumber(value, digits) {
 function quantity(value, unit, digits = 4) {
   const power = powerFor(Math.abs(value), unit);
   const number = plainNumber(value / 10 ** power, digits);
-  if (UNITS_WITHOUT_SPACE.includes(unit)) return number + unit;
+  if (UNITS_WITHOUT_SPACE.includes(unit)) {
+    return number + unit;
+  }
   return `${number}\u00a0${PREFIXES[power]}${unit}`;
 }
 
@@ -64,14 +68,18 @@ function multiplesBetween(low, high, step) {
   const first = Math.ceil(low / step - ROUNDING_RTOL);
   const last = Math.floor(high / step + ROUNDING_RTOL);
   const multiples = [];
-  for (let k = first; k <= last; k += 1) multiples.push(k * step);
+  for (let k = first; k <= last; k += 1) {
+    multiples.push(k * step);
+  }
   return multiples;
 }
 
 /** About `count` round numbers from low to high, no less than three. */
 function ticksBetween(low, high, count) {
   const width = (high - low) / count;
-  if (!(width > 0) || !Number.isFinite(width)) return [low];
+  if (!(width > 0) || !Number.isFinite(width)) {
+    return [low];
+  }
   const decade = 10 ** Math.floor(Math.log10(width));
   const steps = [10, 5, 2, 1, 0.5, 0.2].map((factor) => factor * decade);
   const widest = steps.findLastIndex(
@@ -80,7 +88,9 @@ function ticksBetween(low, high, count) {
   let ticks = [];
   for (const step of steps.slice(widest)) {
     ticks = multiplesBetween(low, high, step);
-    if (ticks.length > 2) return ticks;
+    if (ticks.length > 2) {
+      return ticks;
+    }
   }
   return ticks;
 }

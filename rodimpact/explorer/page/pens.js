@@ -9,7 +9,9 @@ const PRINT_PIXELS = 3; // pixels of a canvas on paper for each CSS pixel
 // browser lay out the page again.
 const sizes = new WeakMap();
 const sizeWatch = new ResizeObserver((entries) => {
-  for (const { target } of entries) sizes.set(target, clientSize(target));
+  for (const { target } of entries) {
+    sizes.set(target, clientSize(target));
+  }
   redraw();
 });
 
@@ -20,7 +22,9 @@ const clientSize = ({ clientWidth, clientHeight }) => [
 
 /** Size of a canvas. On paper it is another, which the style fixes for its texts. */
 function sizeOf(canvas) {
-  if (page.isPrinting) return clientSize(canvas);
+  if (page.isPrinting) {
+    return clientSize(canvas);
+  }
   if (!sizes.has(canvas)) {
     sizes.set(canvas, clientSize(canvas));
     sizeWatch.observe(canvas);
@@ -57,7 +61,9 @@ class Pen {
   }
 }
 
+/** Draws on a canvas. */
 class CanvasPen extends Pen {
+  /** Clears the canvas, and fits its pixels to its size on the screen or on paper. */
   constructor(canvas) {
     super();
     const ratio = page.isPrinting ? PRINT_PIXELS : window.devicePixelRatio || 1;
@@ -75,10 +81,13 @@ class CanvasPen extends Pen {
     this.context.clearRect(0, 0, width, height);
   }
 
+  /** Begin a path along points [x, y]. */
   trace([[x0, y0], ...points]) {
     this.context.beginPath();
     this.context.moveTo(x0, y0);
-    for (const [x, y] of points) this.context.lineTo(x, y);
+    for (const [x, y] of points) {
+      this.context.lineTo(x, y);
+    }
   }
 
   polygon(points, fill, stroke, width = 1) {
@@ -86,11 +95,15 @@ class CanvasPen extends Pen {
     this.context.closePath();
     this.context.fillStyle = fill;
     this.context.fill();
-    if (stroke) this.strokePath(stroke, width);
+    if (stroke) {
+      this.strokePath(stroke, width);
+    }
   }
 
   line(points, colour, width = 1, dash = []) {
-    if (points.length === 0) return;
+    if (points.length === 0) {
+      return;
+    }
     this.trace(points);
     this.context.setLineDash(dash);
     this.strokePath(colour, width);
@@ -111,6 +124,7 @@ class CanvasPen extends Pen {
     this.context.fill();
   }
 
+  /** A text at a point; its style has `size`, `colour`, `align`, `baseline`, `isUpright`. */
   text(x, y, text, style) {
     const { size, colour, align = "left", baseline = "middle" } = style;
     this.context.font = `${size}px ${FONT}`;
@@ -119,7 +133,9 @@ class CanvasPen extends Pen {
     this.context.textBaseline = baseline;
     this.context.save();
     this.context.translate(x, y);
-    if (style.isUpright) this.context.rotate(-Math.PI / 2);
+    if (style.isUpright) {
+      this.context.rotate(-Math.PI / 2);
+    }
     this.context.fillText(text, 0, 0);
     this.context.restore();
   }
@@ -148,6 +164,7 @@ class CanvasPen extends Pen {
 
 const escapeXml = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
 
+/** Collects the parts of an SVG drawing, with the methods of `CanvasPen`. */
 class SvgPen extends Pen {
   constructor(width, height) {
     super();
@@ -158,6 +175,7 @@ class SvgPen extends Pen {
     this.clipCount = 0;
   }
 
+  /** Path data of a line through points [x, y]: M moves, L draws. */
   path(points) {
     return points
       .map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`)
@@ -174,7 +192,9 @@ class SvgPen extends Pen {
 
   line(points, colour, width = 1, dash = []) {
     let dashes = "";
-    if (dash.length) dashes = ` stroke-dasharray="${dash.join(" ")}"`;
+    if (dash.length) {
+      dashes = ` stroke-dasharray="${dash.join(" ")}"`;
+    }
     this.parts.push(
       `<path d="${this.path(points)}" fill="none" stroke="${colour}" stroke-width="${width}"${dashes}/>`,
     );
@@ -189,6 +209,7 @@ class SvgPen extends Pen {
   text(x, y, text, style) {
     const { size, colour, align = "left", baseline = "middle" } = style;
     const anchor = { left: "start", center: "middle", right: "end" }[align];
+    // SVG draws from the base line of the letters, which lies so far below the point.
     const drop = { middle: 0.35, top: 0.8, bottom: -0.1 }[baseline] * size;
     const turn = style.isUpright ? " rotate(-90)" : "";
     this.parts.push(

@@ -15,8 +15,12 @@ function plotRange(curves) {
     }
   }
   const margin = PLOT_MARGIN * (high - low) || 1;
-  if (low < 0) low -= margin;
-  if (high > 0 || low === 0) high += margin;
+  if (low < 0) {
+    low -= margin;
+  }
+  if (high > 0 || low === 0) {
+    high += margin;
+  }
   return [low, high];
 }
 
@@ -37,7 +41,9 @@ function scrubOn(canvas) {
     follow(event);
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (event.buttons) follow(event);
+    if (event.buttons) {
+      follow(event);
+    }
   });
 }
 
@@ -52,7 +58,9 @@ function setCaption(element, title, entries) {
   setText(element.firstChild, title);
   entries.forEach(([text, colour], k) => {
     const { firstChild: swatch, lastChild: label } = element.children[k + 1];
-    if (label.data !== text) label.data = text;
+    if (label.data !== text) {
+      label.data = text;
+    }
     swatch.style.borderColor = colour;
   });
 }
@@ -75,6 +83,7 @@ function drawPlots(holder, scene, t, theme) {
   });
 }
 
+/** A new figure with a caption and a canvas. */
 function makeFigure({ key, title }) {
   const canvas = makeElement("canvas", {
     role: "img",
@@ -89,9 +98,13 @@ function labelsOfCurves({ series, unit }, t, theme) {
   const zero = ROUNDING_OF_CURVES * largestOf(series.flatMap(({ y }) => y));
   return series.map((curve, k) => {
     const { colour } = styleOfCurve(k, theme);
-    if (page.isPrinting) return [curve.name, colour];
+    if (page.isPrinting) {
+      return [curve.name, colour];
+    }
     let value = valueAt(curve, t);
-    if (Math.abs(value) < zero) value = 0;
+    if (Math.abs(value) < zero) {
+      value = 0;
+    }
     return [`${curve.name}: ${quantity(value, unit, 3)}`, colour];
   });
 }
@@ -115,7 +128,9 @@ function drawPlot(pen, { series, unit }, { begin, end }, t, theme) {
       ]);
       pen.line(points, colour, 2, dash);
     });
-    if (page.isPrinting) return;
+    if (page.isPrinting) {
+      return;
+    }
     const x = frame.across(t);
     pen.segment([x, frame.y], [x, frame.bottom], theme.accent, 2);
   });
@@ -163,7 +178,9 @@ function drawRestitution(id, curve, texts, { restitution }, theme) {
   const caption = byId(`plot-${id}`).firstElementChild;
   setCaption(caption, texts.title, [[texts.label, theme.accent]]);
   const pen = new CanvasPen(byId(id));
-  if (points.length === 0) return;
+  if (points.length === 0) {
+    return;
+  }
   const high = points.at(-1);
   const largest = Math.max(1, ...values.filter((e) => e !== null));
   const axes = {
@@ -208,7 +225,9 @@ function connectRoundness() {
     const { gap = 0, law: lawBefore = "rigid" } = contact;
     if (target.value === target.max) {
       design.case.contacts = [{ gap, law: "rigid" }];
-      if (lawBefore !== "rigid") designChanged(true);
+      if (lawBefore !== "rigid") {
+        designChanged(true);
+      }
       return;
     }
     const kappa = 10 ** target.valueAsNumber;

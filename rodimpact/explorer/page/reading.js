@@ -16,7 +16,9 @@ function showReading() {
   const { mark } = page;
   document.documentElement.toggleAttribute("data-marked", Boolean(mark));
   let text = READING_HELP;
-  if (mark) text = unbroken(`t = ${quantity(mark.t, "s")}: ${readingAt(mark)}`);
+  if (mark) {
+    text = unbroken(`t = ${quantity(mark.t, "s")}: ${readingAt(mark)}`);
+  }
   setText(byId("readout"), text);
 }
 
@@ -24,7 +26,9 @@ function showReading() {
 function readingAt({ place, t }) {
   const { scene, frame } = page;
   const point = pointAt(scene, place, t, frame.places);
-  if (point === null) return "no rod here";
+  if (point === null) {
+    return "no rod here";
+  }
   const { tiling, bodies } = scene;
   const { title } = bodies[point.body];
   const velocity = quantity(tiling.velocity[point.polygon], "m/s");
@@ -40,7 +44,9 @@ function pointAt(scene, place, t, places) {
   const cut = cutPolygons(scene, t, places).find(
     ({ low, high }) => low <= place && place <= high,
   );
-  if (!cut) return null;
+  if (!cut) {
+    return null;
+  }
   const { polygon, low, high } = cut;
   const [left, right] = rangeAt(scene, polygon, t, scene.tiling.x);
   const x = left + ((right - left) * (place - low)) / (high - low);
@@ -50,7 +56,9 @@ function pointAt(scene, place, t, places) {
 /** Mark the point of the diagram under a pointer. */
 function markAt({ offsetX, offsetY }) {
   const { frame } = page;
-  if (!frame) return;
+  if (!frame) {
+    return;
+  }
   const isAcross = offsetX >= frame.x && offsetX <= frame.right;
   const isUp = offsetY >= frame.y && offsetY <= frame.bottom;
   page.mark = null;
@@ -60,8 +68,11 @@ function markAt({ offsetX, offsetY }) {
   redraw();
 }
 
+/** Take the reading mark away. */
 function removeMark() {
-  if (!page.frame) return;
+  if (!page.frame) {
+    return;
+  }
   page.mark = null;
   redraw();
 }
@@ -118,6 +129,7 @@ function zoomAtMark(factor) {
   zoom(factor, place, t);
 }
 
+/** Show the whole scene. */
 function zoomAll() {
   page.isZoomed = false;
   page.view = wholeView(page.scene);
@@ -152,13 +164,19 @@ const ARROWS = {
 const isShortcut = ({ ctrlKey, altKey, metaKey }) =>
   ctrlKey || altKey || metaKey;
 
+/** Move the mark or the view, or magnify, by a key. */
 function useDiagramKey(event) {
   const { key, shiftKey } = event;
-  if (isShortcut(event) || !page.scene) return;
+  if (isShortcut(event) || !page.scene) {
+    return;
+  }
   if (key in ARROWS) {
     const [across, up] = ARROWS[key];
-    if (shiftKey) pan(across / 10, up / 10);
-    else moveMark(across / 50, up / 50);
+    if (shiftKey) {
+      pan(across / 10, up / 10);
+    } else {
+      moveMark(across / 50, up / 50);
+    }
   } else if (key === "+" || key === "=") {
     zoomAtMark(ZOOM_STEP);
   } else if (key === "-") {
@@ -176,7 +194,9 @@ function useDiagramKey(event) {
 /** Magnify by the wheel, with a key or where the view is magnified; else the page scrolls. */
 function useWheel(event) {
   const isMeant = event.ctrlKey || event.metaKey || page.isZoomed;
-  if (!page.frame || !isMeant) return;
+  if (!page.frame || !isMeant) {
+    return;
+  }
   event.preventDefault();
   const place = page.frame.placeAt(event.offsetX);
   const t = page.frame.timeAt(event.offsetY);
@@ -186,7 +206,9 @@ function useWheel(event) {
 /** Whether a pointer is on the line of the time, or in the panel of the forces. */
 function isOnTime({ offsetX, offsetY }) {
   const { frame } = page;
-  if (!frame) return false;
+  if (!frame) {
+    return false;
+  }
   const distance = Math.abs(frame.up(currentTime()) - offsetY);
   const isOnForces = frame.force && offsetX > frame.force.x;
   return distance < TIME_LINE_REACH || isOnForces;
@@ -197,7 +219,9 @@ function goToNearest(y) {
   const distanceOf = ({ t }) => Math.abs(page.frame.up(t) - y);
   let nearest = page.scene.events[0];
   for (const event of page.scene.events) {
-    if (distanceOf(event) < distanceOf(nearest)) nearest = event;
+    if (distanceOf(event) < distanceOf(nearest)) {
+      nearest = event;
+    }
   }
   goTo(nearest.t);
 }
@@ -247,7 +271,9 @@ function connectDiagram() {
   diagram.addEventListener("pointerup", release);
   diagram.addEventListener("pointerleave", ({ pointerType }) => {
     release();
-    if (pointerType === "mouse") removeMark(); // the mark of a finger stays
+    if (pointerType === "mouse") {
+      removeMark();
+    } // the mark of a finger stays
   });
   diagram.addEventListener("keydown", useDiagramKey);
   byId("zoom-in").addEventListener("click", () => zoomAtMark(ZOOM_STEP));

@@ -4,6 +4,7 @@
 
 const CLOSED_FORM_ATOL = 1e-12; // an e that is nearer to its closed form agrees with it
 
+/** Write all numbers and sentences of a scene; without an e, its velocities in its place. */
 function showResults(scene) {
   const { restitution } = scene;
   const hasE = restitution.value !== null;
@@ -18,7 +19,9 @@ function showResults(scene) {
   setText(byId("after"), hasE ? "" : velocitiesText(scene));
   const now = hasE ? `Now: e = ${minus(restitution.text)}` : "Now";
   setText(byId("now-text"), unbroken(now));
-  if (!hasE) setGuessing(false);
+  if (!hasE) {
+    setGuessing(false);
+  }
   updateGuess(scene);
   setText(byId("given"), unbroken(setupText(design.case)));
   byId("theory").textContent = theoryText(restitution);
@@ -33,7 +36,9 @@ function showResults(scene) {
 
 /** The velocities after the collision, short; "" for a run that ends before. */
 function velocitiesText({ final, velocities }) {
-  if (!final) return "";
+  if (!final) {
+    return "";
+  }
   const texts = velocities.map(
     ({ number, value }) => `v${subscript(number)}\u00a0=\u00a0${minus(value)}`,
   );
@@ -43,7 +48,9 @@ function velocitiesText({ final, velocities }) {
 /** Why there is no e, or its closed form. */
 function theoryText({ why, closed_form: closedForm }) {
   const sentences = [];
-  if (why) sentences.push(unbroken(why));
+  if (why) {
+    sentences.push(unbroken(why));
+  }
   if (closedForm) {
     const number = plainNumber(closedForm.restitution, 6);
     sentences.push(`Closed form (${closedForm.source}): ${number}`);
@@ -63,7 +70,9 @@ function notesOf({ notes, method, restitution, curve, roundness }) {
     }
     sentences.push(agreement);
   }
-  if (curve) sentences.push(`The curve of e over l₁/l₂ is ${curve.source}.`);
+  if (curve) {
+    sentences.push(`The curve of e over l₁/l₂ is ${curve.source}.`);
+  }
   if (roundness) {
     sentences.push(`The curve of e over κ is ${roundness.source}.`);
   }
@@ -91,26 +100,34 @@ function setupText({ bodies, contacts }) {
 /** A number of a design with its unit. */
 function fieldText(key, value) {
   const { name, unit, power } = FIELDS[key];
-  if (typeof value !== "number") return `${name}: a profile`;
+  if (typeof value !== "number") {
+    return `${name}: a profile`;
+  }
   return `${toShown(value, power)} ${unit}`;
 }
 
+/** Numbers of a body in words. */
 function bodyText(body) {
   const texts = segmentsWithPaths(body).map(({ segment }) => {
     const { length, area, material } = segment;
     const lengthText = fieldText("length", length);
     return `${lengthText} long, ${fieldText("area", area)}, ${material}`;
   });
-  if (body.kind === "mass") texts.push(fieldText("mass", body.mass));
+  if (body.kind === "mass") {
+    texts.push(fieldText("mass", body.mass));
+  }
   texts.push(fieldText("velocity", body.velocity || 0));
   return texts.join("; ");
 }
 
+/** Law and numbers of a contact in words. */
 function contactText({ law = "rigid", gap = 0, stiffness }) {
   const texts = [LAW_NAMES[law] || law];
   if (stiffness !== undefined) {
     texts.push(fieldText(stiffnessField(law), stiffness));
   }
-  if (gap) texts.push(`gap ${fieldText("gap", gap)}`);
+  if (gap) {
+    texts.push(`gap ${fieldText("gap", gap)}`);
+  }
   return texts.join(", ");
 }

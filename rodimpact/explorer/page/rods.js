@@ -26,13 +26,17 @@ function drawRods(pen, scene, look, t, theme) {
   pen.inside(frame.x, 0, frame.width, pen.height, () => {
     const isSmooth = scene.grids && t > 0;
     drawCuts(pen, scene, strip, look, t, theme);
-    if (isSmooth) drawRodsOfGrids(pen, scene, strip, name, t, theme);
+    if (isSmooth) {
+      drawRodsOfGrids(pen, scene, strip, name, t, theme);
+    }
     outlineBodies(pen, scene, strip, theme);
     const textOf = t <= 0 ? velocityText : () => "";
     const names = { frame, ends: strip.ends, y: 0.7 * theme.size };
     nameBodies(pen, scene, names, theme, textOf);
     drawArrows(pen, scene, strip, t, theme);
-    if (t <= 0) drawLengths(pen, scene, strip, theme);
+    if (t <= 0) {
+      drawLengths(pen, scene, strip, theme);
+    }
     for (const contact of scene.contacts) {
       drawContactOfRods(pen, strip, contact, t, theme);
     }
@@ -62,7 +66,9 @@ function drawCuts(pen, scene, strip, look, t, theme) {
     const steps = outlines.get(body) || [];
     steps.push([left, height], [right, height]);
     outlines.set(body, steps);
-    if (hasGrids) continue;
+    if (hasGrids) {
+      continue;
+    }
     const value = fractionOf(scene, look.quantity, polygon);
     const fill = css(colourOf(value, theme));
     const topLeft = [left, middle - height];
@@ -96,12 +102,18 @@ function nameBodies(pen, scene, { frame, ends, y }, theme, textOf = () => "") {
   const centres = seen.map(([left, right]) => (left + right) / 2);
   scene.bodies.forEach((body, i) => {
     const [seenLeft, seenRight] = seen[i];
-    if (seenRight < seenLeft) return;
+    if (seenRight < seenLeft) {
+      return;
+    }
     const isLast = i === centres.length - 1;
     let left = 0;
     let right = pen.width;
-    if (i > 0) left = (centres[i - 1] + centres[i]) / 2;
-    if (!isLast) right = (centres[i] + centres[i + 1]) / 2;
+    if (i > 0) {
+      left = (centres[i - 1] + centres[i]) / 2;
+    }
+    if (!isLast) {
+      right = (centres[i] + centres[i + 1]) / 2;
+    }
     const { kind, title, number } = body;
     const whole = kind === "wall" ? title : title + textOf(body);
     for (const text of [whole, title, number]) {
@@ -128,7 +140,9 @@ function drawArrows(pen, scene, strip, t, theme) {
   }
   const bodies = [];
   scene.bodies.forEach(({ kind }, body) => {
-    if (kind !== "wall") bodies.push(body);
+    if (kind !== "wall") {
+      bodies.push(body);
+    }
   });
   bodies.forEach((body, k) => {
     const { approach } = scene.bodies[body];
@@ -140,7 +154,9 @@ function drawArrows(pen, scene, strip, t, theme) {
     const x = frame.across((left + right) / 2);
     const tip = x + page.arrowScale * velocity;
     drawArrow(pen, x, tip, y, t <= 0, theme);
-    if (canDrag) arrows.push({ body, tip, y });
+    if (canDrag) {
+      arrows.push({ body, tip, y });
+    }
   });
 }
 
@@ -158,7 +174,9 @@ function drawArrow(pen, x, tip, y, hasDot, theme) {
   const [colour] = theme.series;
   const size = 0.36 * theme.size;
   if (Math.abs(tip - x) < 3) {
-    if (hasDot) pen.disc(x, y, size, colour);
+    if (hasDot) {
+      pen.disc(x, y, size, colour);
+    }
     return;
   }
   const head = Math.sign(tip - x) * size;
@@ -173,7 +191,9 @@ function drawLengths(pen, scene, strip, theme) {
   const head = 0.3 * theme.size;
   const size = 0.8 * theme.size;
   scene.bodies.forEach(({ kind, number }, body) => {
-    if (kind !== "rod") return;
+    if (kind !== "rod") {
+      return;
+    }
     const [left, right] = ends.get(body).map(frame.across);
     const length = quantity(scene.lengths[body], "m");
     const texts = [`l${subscript(number)} = ${length}`, length];
@@ -182,7 +202,9 @@ function drawLengths(pen, scene, strip, theme) {
     pen.segment([left, y], [right, y], theme.faint);
     pen.triangle(left, left + 2 * head, y, head, theme.faint);
     pen.triangle(right, right - 2 * head, y, head, theme.faint);
-    if (!text) return;
+    if (!text) {
+      return;
+    }
     const half = 0.32 * size * text.length + 0.3 * size;
     const centre = (left + right) / 2;
     const topLeft = [centre - half, y - size];
@@ -193,7 +215,9 @@ function drawLengths(pen, scene, strip, theme) {
 
 /** A contact: arrow heads where it presses, and its spring. */
 function drawContactOfRods(pen, strip, contact, t, theme) {
-  if (contact.bonded) return;
+  if (contact.bonded) {
+    return;
+  }
   const { frame, middle, radius, ends } = strip;
   const leftFace = ends.get(contact.index)[1];
   const rightFace = ends.get(contact.index + 1)[0];
@@ -208,7 +232,9 @@ function drawContactOfRods(pen, strip, contact, t, theme) {
     const spring = [[left, middle], ...turns, [reach, middle]];
     pen.line(spring, theme.ink, 1.4);
   }
-  if (stateAt(contact, t) !== "pressing") return;
+  if (stateAt(contact, t) !== "pressing") {
+    return;
+  }
   const x = (left + right) / 2;
   const y = middle + radius * (1 + SWELLING) + 0.45 * theme.size;
   const size = 0.4 * theme.size;

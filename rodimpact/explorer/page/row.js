@@ -26,8 +26,11 @@ function rearrange(design, order) {
   for (let i = 0; i + 1 < row.length; i += 1) {
     const areNeighbours = order[i + 1] - order[i] === 1; // and were before
     let contact = null;
-    if (isPermutation) contact = contacts[i];
-    else if (areNeighbours) contact = contacts[order[i]];
+    if (isPermutation) {
+      contact = contacts[i];
+    } else if (areNeighbours) {
+      contact = contacts[order[i]];
+    }
     newContacts.push(contactBetween(row[i], row[i + 1], contact));
   }
   design.case.contacts = newContacts;
@@ -44,10 +47,13 @@ function rearrange(design, order) {
 /** The contact that two bodies had, or a new one where this cannot be. */
 function contactBetween(left, right, contact) {
   const hasRod = left.kind === "rod" || right.kind === "rod";
-  if (contact && (hasRod || contact.law !== "rigid")) return contact;
+  if (contact && (hasRod || contact.law !== "rigid")) {
+    return contact;
+  }
   return hasRod ? { gap: 0, law: "rigid" } : { ...NEW_SPRING };
 }
 
+/** Indices of the bodies as they are now, for `rearrange`. */
 const orderOf = (design) => listOf(design.case.bodies).map((_, i) => i);
 
 /** Add a body at the right end; walls stay outermost. */
@@ -56,16 +62,20 @@ function addBody(design, kind) {
   const last = design.case.bodies.at(-1);
   const endsWithWall = last && last.kind === "wall";
   let position = order.length;
-  if (endsWithWall) position = kind === "wall" ? 0 : order.length - 1;
+  if (endsWithWall) {
+    position = kind === "wall" ? 0 : order.length - 1;
+  }
   order.splice(position, 0, structuredClone(NEW_BODIES[kind]));
   rearrange(design, order);
 }
 
+/** Remove body i. */
 function removeBody(design, i) {
   const order = orderOf(design).filter((k) => k !== i);
   rearrange(design, order);
 }
 
+/** Let bodies i and j change places. */
 function swapBodies(design, i, j) {
   const order = orderOf(design);
   order[i] = j;
@@ -78,7 +88,9 @@ function addStep(body) {
   if (!body.segments) {
     const { length, area, material } = body;
     body.segments = [{ length, area, material }];
-    for (const key of ["length", "area", "material"]) delete body[key];
+    for (const key of ["length", "area", "material"]) {
+      delete body[key];
+    }
   }
   const last = body.segments.at(-1);
   const hasNumber = typeof last.area === "number";
@@ -89,7 +101,9 @@ function addStep(body) {
 /** Remove the last segment of a rod. */
 function removeStep(body) {
   body.segments.pop();
-  if (body.segments.length > 1) return;
+  if (body.segments.length > 1) {
+    return;
+  }
   Object.assign(body, body.segments[0]);
   delete body.segments;
 }

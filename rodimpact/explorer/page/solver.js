@@ -27,7 +27,9 @@ function problemsOf({ case: tables, gauges }) {
 function sceneOf(design, isDraft = false) {
   try {
     const problems = problemsOf(design);
-    if (problems.length > 0) return { problems };
+    if (problems.length > 0) {
+      return { problems };
+    }
     return solveScene(design, isDraft);
   } catch (error) {
     const message = `The design cannot be read: ${error.message}`;

@@ -62,8 +62,11 @@ function showStep(step) {
   showDesign(preset.design, () => goTo(timeOfMoment(page.scene, moment)));
 }
 
+/** Time of a moment of a step: before contact, or a fraction of the first force. */
 function timeOfMoment({ begin, contacts }, moment) {
-  if (moment === BEFORE_CONTACT) return begin;
+  if (moment === BEFORE_CONTACT) {
+    return begin;
+  }
   const { from, to } = contacts[0].spells.find(
     ({ state }) => state === "pressing",
   );
@@ -72,7 +75,9 @@ function timeOfMoment({ begin, contacts }, moment) {
 
 /** End the tour: the design and the time before it come back. */
 function endTour() {
-  if (!isTouring()) return;
+  if (!isTouring()) {
+    return;
+  }
   tour.step = NO_STEP;
   showTourBar();
   const { design: designBefore, fraction } = tour.before;
@@ -80,23 +85,33 @@ function endTour() {
   byId("tour-open").focus();
 }
 
+/** Show the bar of the tour, or hide it when the tour has ended. */
 function showTourBar() {
   byId("tour").hidden = !isTouring();
   byId("tour-open").setAttribute("aria-pressed", String(isTouring()));
 }
 
+/** Let the buttons begin and end the tour and go through its steps; Escape ends it. */
 function connectTour() {
   byId("tour-open").addEventListener("click", () => {
-    if (isTouring()) endTour();
-    else showStep(0);
+    if (isTouring()) {
+      endTour();
+    } else {
+      showStep(0);
+    }
   });
   byId("tour-back").addEventListener("click", () => showStep(tour.step - 1));
   byId("tour-next").addEventListener("click", () => {
-    if (tour.step + 1 < TOUR.length) showStep(tour.step + 1);
-    else endTour();
+    if (tour.step + 1 < TOUR.length) {
+      showStep(tour.step + 1);
+    } else {
+      endTour();
+    }
   });
   byId("tour-end").addEventListener("click", endTour);
   addEventListener("keydown", ({ key }) => {
-    if (key === "Escape") endTour();
+    if (key === "Escape") {
+      endTour();
+    }
   });
 }

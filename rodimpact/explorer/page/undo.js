@@ -15,7 +15,9 @@ class UndoHistory {
     addEventListener("keydown", (event) => {
       const isUndo = (event.ctrlKey || event.metaKey) && event.key === "z";
       const isText = event.target.isContentEditable;
-      if (!isUndo || isText || this.earlier.length === 0) return;
+      if (!isUndo || isText || this.earlier.length === 0) {
+        return;
+      }
       event.preventDefault();
       restore(this.back());
     });
@@ -27,7 +29,9 @@ class UndoHistory {
     const moment = performance.now();
     const isPause = moment - this.lastChange > CHANGE_PAUSE;
     const isOther = this.current !== null && text !== this.current;
-    if (isOther && (isWholeChange || isPause)) this.earlier.push(this.current);
+    if (isOther && (isWholeChange || isPause)) {
+      this.earlier.push(this.current);
+    }
     this.earlier.splice(0, this.earlier.length - MAX_UNDO);
     this.current = text;
     this.lastChange = isWholeChange ? -Infinity : moment;
