@@ -26,6 +26,7 @@ from ..running.jobs import cut, pool_of, results_of
 from ..storage.checkpoint import Span
 from ..storage.writing import PathLike, open_for_writing
 from ..units import format_si, shown
+from .bearing_report import COLUMNS, bearing_table
 from .blows import (
     MIN_CELLS,
     Blow,
@@ -78,22 +79,6 @@ class BearingPoint(NamedTuple):
     stress_error: float
     is_over: bool
     status: str
-
-
-COLUMNS = {
-    "resistance": "N",
-    "shaft": "N",
-    "toe": "N",
-    "set": "m",
-    "blow_count": "1/m",
-    "compression": "Pa",
-    "compression_x": "m",
-    "tension": "Pa",
-    "tension_x": "m",
-    "set_error": "",
-    "stress_error": "",
-}
-"""Numbers of a `BearingPoint` with their units."""
 
 
 @explain_missing()
@@ -174,8 +159,6 @@ class BearingGraph:
                 file.write(f"{line}\n".encode())
 
     def __str__(self) -> str:
-        from .bearing_report import bearing_table
-
         return bearing_table(self)
 
 

@@ -386,7 +386,7 @@ def _next_state(
     InvalidModel
         If nothing holds the pile, or soil yields when a ram that lay on the pile is lifted.
     """
-    is_held = system.has_soil or system.gravity > 0
+    is_held = system.has_shaft or system.gravity > 0
     demand(is_held, "gravity", "must be positive for a pile that no soil holds")
     after = resting_system(aftermath.chain, aftermath.rest)
     pile = row.pile

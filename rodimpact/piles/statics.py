@@ -193,11 +193,7 @@ def _contacts(
     rigid = []
     for k, link in row.by_law.items():
         law: Any = system.contacts[k]
-        if is_moving[k] and is_moving[k + 1]:
-            continue
-        if not isinstance(system.bodies[k], Wall) and is_moving[k]:
-            continue
-        if not isinstance(system.bodies[k + 1], Wall) and is_moving[k + 1]:
+        if not _can_bear(system, is_moving, k):
             continue
         _, right_node = mesh.touching[link]
         stiffness = 0.0
@@ -224,6 +220,17 @@ def _contacts(
         stiffness = RIGID_STIFFNESS * largest_stiffness
         linear.append(contact._replace(stiffness=stiffness))
     return linear
+
+
+def _can_bear(system: System, is_moving: list[bool], contact: int) -> bool:
+    """Whether a contact joins two bodies at rest, or one of them and a wall."""
+    count = 0
+    for i in (contact, contact + 1):
+        if not is_moving[i]:
+            count += 1
+        elif not isinstance(system.bodies[i], Wall):
+            return False
+    return count > 0
 
 
 # Equilibrium --------------------------------------------------------------------------------------

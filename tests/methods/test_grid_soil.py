@@ -147,6 +147,23 @@ def test_damping_takes_energy_from_a_rod_and_gives_none(law):
     assert ledger.total[-1] < kept.total[-1]
 
 
+def test_soil_resists_alike_in_both_directions():
+    """A rod that is thrown to the left makes soil yield as one that is thrown to the right."""
+    soil = ri.Soil(ri.Steps([3.0, 1.0], [0.3]), quake=0.05, damping=0.4)
+    rod = ri.Rod(1.0, area=1.0, material=SOFT, velocity=1.0, shaft=soil)
+    system = ri.System([rod])
+
+    right = ri.solve(system, until=0.4, cells=20)
+    left = ri.solve(system.mirrored(), until=0.4, cells=20)
+
+    of_right = right.soil(0, 0.4)
+    of_left = left.soil(0, 0.4)
+    assert of_left.mobilised[::-1] == pytest.approx(-of_right.mobilised)
+    assert of_left.plastic_set[::-1] == pytest.approx(-of_right.plastic_set)
+    assert of_right.plastic_set.min() > 0.1
+    assert left.outcome.soil_work == pytest.approx(right.outcome.soil_work)
+
+
 def test_errors_fall_with_the_square_of_the_cells():
     soil = ri.Soil(3.0, quake=0.5, damping=0.4)
     rod = ri.Rod(
