@@ -235,6 +235,37 @@ Use one of s, ms, us, ns, or a bare number in SI units.
     return value
 
 
+class Amount(NamedTuple):
+    """A number with its unit."""
+
+    value: float  # in the SI unit
+    unit: str  # SI unit; "" of a bare number
+
+
+def read_amount(text: str) -> Amount:
+    """Read a number with any unit of `UNITS`, or a bare number in SI units.
+
+    Raises
+    ------
+    ValueError
+        If the text is no number, or its unit is unknown.
+
+    Examples
+    --------
+    >>> read_amount("2.5 mm"), read_amount("0.5")
+    (Amount(value=0.0025, unit='m'), Amount(value=0.5, unit=''))
+    """
+    quantity = _QUANTITY.fullmatch(text.strip())
+    dimension = "dimensionless"
+    if quantity is not None and quantity["unit"] is not None:
+        unit = _spelt(quantity["unit"])
+        if unit not in DIMENSION_OF_UNIT:
+            hint = _hint(unit, DIMENSION_OF_UNIT)
+            raise ValueError(f"unknown unit {shown(unit)}{hint}")
+        dimension = DIMENSION_OF_UNIT[unit]
+    return Amount(parse(text, dimension), si_unit(dimension))
+
+
 def _exact_value(text: Any, units: UnitFactors) -> float:
     """Value of a number with one of these units; ValueError says why there is none."""
     exact: Any = text

@@ -4,7 +4,12 @@ rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
     --vary "contacts.0.gap=0,1 um,10 um"
 
 A grid is start:stop:count, start:stop:count:log for equal ratios, or a list; a number
-may have a unit. The first --vary is the first axis. Every collision runs as [solve] of
+may have a unit. The first --vary is the first axis. A number may be tied to another one
+that varies, or to a variable, by factors; it has no axis of its own:
+    --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
+    --vary "contacts.1.stiffness=0.5*R/2.5mm"
+
+Every collision runs as [solve] of
 the case says, or what is given here instead, and without an end in time to its proof;
 [output] is for `rodimpact run`. Exit status 3 if some did not come to their end; the
 status of each says why.
@@ -35,7 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH=GRID",
         action="append",
         default=[],
-        help=f"a number and its values, {EXAMPLE}; once for each axis",
+        help=f"a number and its values, {EXAMPLE}, once for each axis; or a number that "
+        "is tied to another one, PATH=FACTOR*OTHER",
     )
     add_number(parser, "--workers", "", "threads; default one a processor")
     parser.add_argument(
@@ -91,7 +97,10 @@ def run(args: Arguments) -> CommandResult:
             **options,
         )
     # A quantity that no collision has is refused here; the table tells why.
-    draw = figure_writer(lambda plot: plot.sweep(result, quantity=args.quantity))
+    quantity = args.quantity
+    draw = figure_writer(
+        lambda plot: plot.sweep(result, quantity=quantity, varied=case.varied)
+    )
     status = args.write(save=result.save, plot=draw)
     if result.incomplete.any():
         status = INCOMPLETE

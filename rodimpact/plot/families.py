@@ -8,6 +8,7 @@ colour, without interpolation. Each count has its own colour; counts have no con
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,9 +26,10 @@ from ..results.labels import outcome
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
 from ..running.columns import STATUS
 from ..running.sweep_result import SweepResult
+from ..storage.grids import Varied
 from ..units import shown as in_few_words
 from .contours import draw_contours, label_contours
-from .family_axes import FamilyAxis, family_axis, format_family_axis
+from .family_axes import FamilyAxis, check_varied, family_axis, format_family_axis
 from .jumps import broken_at_jumps
 from .panels import (
     Draft,
@@ -92,7 +94,10 @@ class Quantity(NamedTuple):
 
 @styled
 def sweep(
-    result: SweepResult, ax: Axes | None = None, quantity: str = "restitution"
+    result: SweepResult,
+    ax: Axes | None = None,
+    quantity: str = "restitution",
+    varied: Sequence[Varied] | None = None,
 ) -> Picture:
     """Draw one quantity of a family of collisions: a curve over one axis, a map over two.
 
@@ -111,6 +116,9 @@ def sweep(
     quantity : str
         A name of ``result.columns``, such as ``"restitution"``, ``"duration.0"`` of contact 0 or
         ``"velocity_after.1"`` of body 1.
+    varied : sequence of Varied, optional
+        What the user varied along each axis, as the `varied` of a case from `read_case`: it names
+        the axes. By default they bear the names of the numbers in which the systems differ.
 
     Returns
     -------
@@ -137,6 +145,7 @@ def sweep(
     """
     # What is measured.
     column = _column(result, quantity)
+    names = check_varied(result, varied)
     varied_axes = [i for i, count in enumerate(result.shape) if count > 1]
     if not 1 <= len(varied_axes) <= 2:
         raise invalid_argument(
@@ -145,7 +154,7 @@ def sweep(
             "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
             "or draw part of the family, such as sweep(system[0])",
         )
-    axes = [family_axis(result, i) for i in varied_axes]
+    axes = [family_axis(result, i, names) for i in varied_axes]
     sorted_members = np.ix_(*(axis.order for axis in axes))
     shape = [axis.order.size for axis in axes]
 

@@ -1,5 +1,6 @@
 """Axes of a family: along each of them one number varies, or several together."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,9 +9,11 @@ from matplotlib.axis import Axis
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..results.labels import parameter
+from ..model.frozen import invalid_argument
+from ..results.labels import Quantity, parameter
 from ..running.sweep_result import SweepResult
-from ..units import format_factor
+from ..storage.grids import Varied
+from ..units import format_factor, shown
 from .scales import Scale, scale_of
 
 MIN_LOG_RANGE = 3.0  # last over first value from which an axis may be logarithmic
@@ -60,22 +63,56 @@ class FamilyAxis(NamedTuple):
         return edges
 
 
-def family_axis(result: SweepResult, dimension: int) -> FamilyAxis:
-    """What lies along a dimension of the family; members are counted if that is all the same."""
+def check_varied(result: SweepResult, varied: Any) -> Sequence[tuple[str, Any, str]]:
+    """What the user varied along each axis of a family; InvalidModel for anything else."""
+    if varied is None:
+        return ()
+    sizes = []
+    is_list = isinstance(varied, list | tuple)
+    for axis in varied if is_list else ():
+        if not isinstance(axis, Varied):
+            break
+        sizes.append(axis.values.size)
+    if not is_list or tuple(sizes) != result.shape:
+        message = f"must be the `varied` of the case of this family, {result.shape}"
+        raise invalid_argument("varied", f"{message}; got {shown(varied)}")
+    return tuple(varied)
+
+
+def family_axis(
+    result: SweepResult, dimension: int, varied: Sequence[tuple[str, Any, str]] = ()
+) -> FamilyAxis:
+    """What lies along a dimension of the family; members are counted if that is all the same.
+
+    Parameters
+    ----------
+    result : SweepResult
+    dimension : int
+    varied : sequence of Varied
+        What the user varied along each axis, and follows on the axis alone; () if unknown.
+    """
     name, values = result.axes[dimension]
+    quantity = parameter(result.system, name)
+    if varied:
+        name, values, unit = varied[dimension]
+        quantity = parameter(result.system, name)
+        if quantity.name == name:  # no number of the system
+            quantity = Quantity(name, unit or "1")
     values = np.asarray(values, dtype=float)
     if values.min() == values.max():
         name = f"axis {dimension}"
         values = np.arange(values.size, dtype=float)
+        quantity = parameter(result.system, name)
     order = np.argsort(values, kind="stable")
-    scale = scale_of(parameter(result.system, name), float(np.abs(values).max()))
+    scale = scale_of(quantity, float(np.abs(values).max()))
 
     companions = []
     is_ordered = True
     for path, numbers in _varying_along(result, dimension).items():
         if path == name:
             continue
-        companions.append(parameter(result.system, path).name)
+        if not varied:
+            companions.append(parameter(result.system, path).name)
         if not _is_monotonic(numbers[order]):
             is_ordered = False
     label = scale.label

@@ -36,7 +36,7 @@ from ..model.soil import DAMPING_LAWS, RESISTANCE_PER_LENGTH, Soil
 from ..units import shown
 from .case import CASE_SCHEMA, Case, GaugePlace
 from .case_tables import Reading, Table
-from .grids import read_grids
+from .grids import read_grids, variables_of
 from .saved_result import read_result
 
 DAMPING = {
@@ -107,7 +107,7 @@ def case_from(
     if system is None or reading.mistakes:
         raise InvalidModel(list(reading.mistakes.items()))
     varied = []
-    for grid in reading.grids.values():
+    for grid in reading.axes:
         if grid.varied is not None:
             varied.append(grid.varied)
     return Case(system, options, output, source, tuple(varied), tuple(gauges), result)
@@ -453,15 +453,21 @@ def check_grids(top: Table, system: System | None) -> None:
     reading = top.reading
     # The numbers of a table that could not be read are unknown.
     unread = [re.sub(r"\.(kind|law)$", "", path) + "." for path in reading.mistakes]
+    variables = variables_of(reading.grids, reading.numbers)
     for path in reading.grids:
+        if path in variables:
+            continue
         if path not in reading.numbers and not path.startswith(tuple(unread)):
             near = suggestion(path, reading.numbers)
             top.note(path, f"is no number that can vary; {near}")
     if system is None or reading.mistakes:  # stand-ins may not vary
         return
+    for name in variables:
+        reading.grids[name].varied = reading.grids[name].amounts()
+    grids = reading.axes
     shape = system.shape
     if not shape:
-        shape = (0,) * len(reading.grids)
-    for size, grid in zip(shape, reading.grids.values(), strict=True):
+        shape = (0,) * len(grids)
+    for size, grid in zip(shape, grids, strict=True):
         if grid.varied is None or size != grid.varied.values.size:
             top.note(grid.path, "changes nothing in this row")

@@ -18,7 +18,7 @@ from ..hints import listed, nearest
 from ..model.frozen import MOST_TOLD, REQUIRED, InvalidModel, QuantityField
 from ..model.profiles import Polynomials, Samples, Steps
 from ..units import shown
-from .grids import Grid
+from .grids import Grid, Tie
 
 PROFILES = {  # how a profile is written along a rod, and in time
     "length": " A profile is written {values = [...], at = [...]} or {samples = [...]};",
@@ -44,7 +44,7 @@ class Reading:
 
     Attributes
     ----------
-    grids : dict of str to Grid
+    grids : dict of str to Grid or Tie
         By the path of the number that varies.
     numbers : dict of str to None
         Paths of all numbers that can vary, in the order of reading.
@@ -52,9 +52,14 @@ class Reading:
         The first mistake at each path.
     """
 
-    grids: dict[str, Grid]
+    grids: dict[str, Grid | Tie]
     numbers: dict[str, None] = dataclasses.field(default_factory=dict)
     mistakes: dict[str, str] = dataclasses.field(default_factory=dict)
+
+    @property
+    def axes(self) -> list[Grid]:
+        """The grids in the order of their axes, without the ties."""
+        return [grid for grid in self.grids.values() if isinstance(grid, Grid)]
 
 
 class Table:
@@ -94,8 +99,8 @@ class Table:
         self.keys[key] = None
         return self.data.get(key, default)
 
-    def grid(self, key: str) -> Grid | None:
-        """The grid that stands in for this number, which can vary."""
+    def grid(self, key: str) -> Grid | Tie | None:
+        """The grid or the tie that stands in for this number, which can vary."""
         path = self.where(key)
         self.reading.numbers[path] = None
         return self.reading.grids.get(path)
@@ -145,7 +150,7 @@ class Table:
     def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
         """Float of a number or a text with unit, array of a grid; nan of anything else."""
         try:
-            if isinstance(value, Grid):
+            if isinstance(value, Grid | Tie):
                 return value.array(dimension)
             return units.parse(value, dimension)
         except ValueError as error:

@@ -58,7 +58,8 @@ material of their rods; those of a mass or a wall are rigid, unless left_materia
 right_material names what they are made of.
 
 Any number but samples may be varied: the grid given for its path stands in for the entry, which
-may then be absent, and the case becomes a family with one axis a grid.
+may then be absent, and the case becomes a family with one axis a grid. Numbers that are tied to
+another one follow it along its axis.
 """
 
 import os
@@ -148,7 +149,10 @@ def parse_case(
         For each number to vary its path, such as ``bodies.0.length`` or
         ``materials.NAME.density``, and the text of a grid: ``start:stop:count`` for equal steps,
         ``start:stop:count:log`` for equal ratios, both with both ends, or a list ``a,b,c``. Each
-        number may have a unit. The k-th of them becomes axis k of the family.
+        number may have a unit. The k-th of them becomes axis k of the family. A number may be
+        tied to another one that varies, ``FACTOR*PATH`` or ``FACTOR*PATH/DIVISOR``, and has no axis
+        of its own; factors may have units, too. Several numbers may be tied to a variable: a name
+        of your own, such as ``R``, with a grid.
 
     Returns
     -------
@@ -173,6 +177,9 @@ def parse_case(
     >>> family = parse_case(format_case(case), vary={"bodies.0.length": "50 mm:1 m:20"})
     >>> family.system.shape, family.system[19].bodies[0].length
     ((20,), 1.0)
+    >>> tied = {"L": "50 mm:1 m:20", "bodies.0.length": "L", "bodies.0.velocity": "2 1/s*L"}
+    >>> parse_case(format_case(case), vary=tied).system[19].bodies[0].velocity
+    2.0
     """
     if not isinstance(source, str):
         raise invalid_argument(

@@ -1,16 +1,26 @@
-"""Numbers of a case that vary: the text "0.1:1:200" becomes an array along an axis of its own."""
+"""Numbers of a case that vary: the text "0.1:1:200" becomes an array along an axis of its own.
+
+A number may be tied to another one that varies, by a factor: "2.5 mm*contacts.1.stiffness". It has
+no axis of its own. A name that is no number of the case, such as R, is a variable if another number
+is tied to it.
+"""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .. import units
+from ..hints import listed
 from ..model.frozen import MOST_MEMBERS, Number, invalid_argument
 from ..model.quantities import MAX_AXES, Floats
 from ..units import shown
 
+VARIABLE = re.compile(r"[A-Za-z]\w*")
+"""Name of a variable to which numbers may be tied."""
+NUMBER_OF_CASE = re.compile(r"\b(bodies|contacts|ends|materials|gravity)\b")
+"""What begins the path of a number in the text of a tie."""
 FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"
 SPACED = re.compile(
     r"(?P<start>[^:]*):(?P<stop>[^:]*):\s*(?P<count>[0-9]{1,20})\s*(?P<log>:\s*log\s*)?"
@@ -18,10 +28,10 @@ SPACED = re.compile(
 
 
 class Varied(NamedTuple):
-    """A number of a case that runs through a grid.
+    """A number of a case, or a variable, that runs through a grid.
 
-    path : such as ``bodies.0.length``; values : array of shape (n,), in `unit`;
-    unit : of SI, "" for a pure number.
+    path : such as ``bodies.0.length``, or the name of a variable; values : array of shape (n,), in
+    `unit`; unit : of SI, "" for a pure number.
     """
 
     path: str
@@ -52,9 +62,97 @@ class Grid:
         self.varied = Varied(self.path, values, units.si_unit(dimension))
         return values.reshape(self._shape)
 
+    def along_axis(self, values: Floats) -> Number:
+        """Values of a number that is tied to this one, along its axis."""
+        return values.reshape(self._shape)
 
-def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid]:
-    """Return the grids by their paths, the k-th along axis k; InvalidModel for anything else."""
+    def amounts(self) -> Varied:
+        """Values of the grid by the units that its text has; ValueError if it is no grid."""
+        first, *_ = re.split("[:,]", self.text, maxsplit=1)
+        unit = units.read_amount(first).unit
+        values = grid_values(self.text, units.dimension_of(unit))
+        return Varied(self.path, values, unit)
+
+
+class Tie:
+    """The text of a number that is tied to one that varies, and stands in for it.
+
+    Attributes
+    ----------
+    path : str
+    source : Grid
+        Grid of the number, or of the variable, to which it is tied.
+    """
+
+    def __init__(self, path: str, text: str, source: Grid) -> None:
+        self.path = path
+        self.source = source
+        self._text = text
+
+    def array(self, dimension: str) -> Number:  # noqa: ARG002
+        """Values of the number along the axis of its source; ValueError without a factor."""
+        parts = _split_at(self._text, self.source.path)
+        assert parts is not None
+        values = self.source.amounts().values
+        if parts.factor:
+            values = values * units.read_amount(parts.factor).value
+        if parts.operator == "*":
+            values = values * units.read_amount(parts.operand).value
+        elif parts.operator == "/":
+            divisor = units.read_amount(parts.operand).value
+            if divisor == 0:
+                raise ValueError(f"divides by 0, got {shown(self._text)}")
+            values = values / divisor
+        return self.source.along_axis(values)
+
+
+class TieParts(NamedTuple):
+    """Parts of the text of a tie, factor * name operator operand; "" where one is missing."""
+
+    factor: str
+    operator: str
+    operand: str
+
+
+def _split_at(text: str, name: str) -> TieParts | None:
+    """Parts of a text around the name of another number; None if it is no product with it."""
+    pattern = (
+        rf"\s*(?:(?P<factor>[^*]+)\*)?\s*{re.escape(name)}"
+        r"\s*(?:(?P<operator>[*/])(?P<operand>.+))?"
+    )
+    parts = re.fullmatch(pattern, text)
+    if parts is None:
+        return None
+    return TieParts(
+        parts["factor"] or "", parts["operator"] or "", parts["operand"] or ""
+    )
+
+
+def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
+    """Path of the number to which a text ties another one; "" if it is a grid.
+
+    InvalidModel if it is tied to a number that does not vary.
+    """
+    if not isinstance(text, str):
+        return ""
+    others = [name for name in paths if name != path]
+    for name in others:
+        if _split_at(text, name) is not None:
+            return name
+    if NUMBER_OF_CASE.search(text):
+        hint = "vary the number to which it is tied, too"
+        if others:
+            hint = f"write FACTOR*NAME with one of {listed(others)}"
+        message = f"is tied to nothing that varies, got {shown(text)}; {hint}"
+        raise invalid_argument(path, message)
+    return ""
+
+
+def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
+    """Return grids and ties by their paths; InvalidModel for anything else.
+
+    The k-th grid runs along axis k; a tie runs along the axis of its source.
+    """
     texts: Any = vary
     if vary is None:
         texts = {}
@@ -62,15 +160,37 @@ def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid]:
     if not is_mapping or not all(isinstance(path, str) for path in texts):
         message = "must name numbers by their paths, each with a grid"
         raise invalid_argument("vary", f"{message}, got {shown(texts)}")
-    if len(texts) > MAX_AXES:
-        message = f"is one of {len(texts)} numbers; at most {MAX_AXES} vary at once"
-        raise invalid_argument(list(texts)[MAX_AXES], message)
-    grids = {}
-    for axis, path in enumerate(texts):
-        shape = [1] * len(texts)
+    sources = {path: _source_of(path, texts[path], texts) for path in texts}
+    axes = [path for path, source in sources.items() if source == ""]
+    if len(axes) > MAX_AXES:
+        message = f"is one of {len(axes)} numbers; at most {MAX_AXES} vary at once"
+        raise invalid_argument(axes[MAX_AXES], message)
+    grids: dict[str, Grid] = {}
+    for axis, path in enumerate(axes):
+        shape = [1] * len(axes)
         shape[axis] = -1
         grids[path] = Grid(path, texts[path], shape)
-    return grids
+    stand_ins: dict[str, Grid | Tie] = {}
+    for path, source in sources.items():
+        if source == "":
+            stand_ins[path] = grids[path]
+        elif source in grids:
+            stand_ins[path] = Tie(path, texts[path], grids[source])
+        else:
+            message = f"is tied to {source}, which is tied itself; tie it to a grid"
+            raise invalid_argument(path, message)
+    return stand_ins
+
+
+def variables_of(stand_ins: Mapping[str, Grid | Tie], numbers: Collection[str]) -> Any:
+    """Names of the grids that are variables: no numbers, and others are tied to them."""
+    names = set()
+    for tie in stand_ins.values():
+        if isinstance(tie, Tie):
+            name = tie.source.path
+            if name not in numbers and VARIABLE.fullmatch(name):
+                names.add(name)
+    return names
 
 
 def grid_values(text: Any, dimension: str) -> Floats:

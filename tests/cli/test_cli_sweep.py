@@ -471,6 +471,26 @@ contacts = [{law = "yielding", stiffness = 1e8, yield_force = 1e3, hardening = 1
 """
 
 
+def test_tied_numbers_and_the_axis_of_a_figure(case, capsys):
+    argv = [
+        *["sweep", str(case), "--vary", "L=100mm:400mm:4"],
+        *["--vary", "bodies.0.length=L", "--vary", "bodies.1.length = 2*L"],
+    ]
+
+    assert main([*argv, "--csv"]) == 0
+    header, *rows = capsys.readouterr().out.splitlines()
+    assert main([*argv, "--plot", "e.svg", "--quantity", "impulse.0"]) == 0
+    table = capsys.readouterr().out
+
+    columns = header.split(",")
+    lengths = [columns.index(f"bodies.{i}.length") for i in (0, 1)]
+    for row in rows:
+        first, second = [float(row.split(",")[k]) for k in lengths]
+        assert second == 2 * first
+    assert table.splitlines()[1].split() == ["L", "4", "100", "mm", "400", "mm"]
+    assert ">L (mm)<" in Path("e.svg").read_text(encoding="utf-8")
+
+
 def test_a_figure_of_an_extra_quantity(case, swept, refused):
     case.write_text(YIELDING)
     vary = ["--vary", "bodies.0.velocity=1,2", "--until", "0.2 ms"]

@@ -15,6 +15,7 @@ import numpy as np
 
 import rodimpact as ri
 from rodimpact.results.saved import case_of
+from rodimpact.storage.grids import Varied
 
 STEEL = ri.materials.steel
 METAL = ri.Material("metal", youngs_modulus=2e11, density=8000.0, poisson_ratio=0.3)
@@ -88,6 +89,12 @@ def bearing():
 @cache
 def family_result():
     return ri.sweep(FAMILY, gauges=[(0, 0.05)], times=[1e-5])
+
+
+def varied_lengths():
+    """What varies along the axes of `family_result`."""
+    axes = family_result().axes
+    return tuple(Varied(axis.name, axis.values, "m") for axis in axes)
 
 
 @cache
@@ -556,7 +563,7 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "plot.show": lambda: {"picture": ri.plot.energy(exact_solution())},
     "plot.snapshots": lambda: {"solution": exact_solution(), "times": [1e-5]},
     "plot.spacetime": lambda: {"solution": exact_solution()},
-    "plot.sweep": lambda: {"result": family_result()},
+    "plot.sweep": lambda: {"result": family_result(), "varied": varied_lengths()},
     # closed forms and units
     "rigid.collide": lambda: {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5},
     "rigid.reduced_mass": lambda: {"m1": 1.0, "m2": 2.0},

@@ -11,6 +11,7 @@ from rodimpact.methods.registry import Options
 from rodimpact.plot.scales import scale_of
 from rodimpact.results import labels
 from rodimpact.running.sweep_result import SweepResult
+from rodimpact.storage.casefile import parse_case
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
@@ -282,6 +283,58 @@ def test_parameters_that_vary_together_are_named():
 
 
 # Maps
+
+
+def varied_case(**vary):
+    text = """
+schema = 1
+materials.bar = {wave_speed = 5000, density = 8000}
+bodies = [
+    {kind = "rod", length = 0.4, area = 1e-4, material = "bar", velocity = 1},
+    {kind = "rod", length = 1.0, area = 1e-4, material = "bar"},
+]
+"""
+    return parse_case(text, vary=vary)
+
+
+@pytest.mark.parametrize(
+    ("vary", "label"),
+    [
+        (
+            {"materials.bar.wave_speed": "4 km/s:6 km/s:3"},
+            "wave speed of material bar (km/s)",
+        ),
+        (
+            {"L": "20cm:60cm:3", "bodies.0.length": "L", "bodies.1.length": "2.5*L"},
+            "L (m)",
+        ),
+        (
+            {"n": "1,2,3", "bodies.0.length": "n*100mm", "bodies.1.length": "0.3*n"},
+            "n",
+        ),
+    ],
+)
+def test_an_axis_is_what_the_user_varied(vary, label):
+    case = varied_case(**vary)
+    result = ri.sweep(case.system, workers=1)
+
+    picture = ri.plot.sweep(result, quantity="impulse.0", varied=case.varied)
+    of_system = ri.plot.sweep(result, quantity="impulse.0")
+
+    assert picture.ax.get_xlabel() == label
+    assert of_system.ax.get_xlabel() != label
+    x = picture.ax.get_xlim()
+    factor = 1e-3 if "km" in label else 1.0
+    assert x[0] < case.varied[0].values[0] * factor < x[1]
+
+
+@pytest.mark.parametrize("varied", ["L", [1], [("L", np.ones(3), "m")], []])
+def test_what_is_no_list_of_what_varies_is_refused(varied):
+    case = varied_case(**{"bodies.0.length": "1:2:3"})
+    result = ri.sweep(case.system, workers=1)
+
+    with pytest.raises(ri.InvalidModel, match="varied: must be the `varied` of the"):
+        ri.plot.sweep(result, varied=varied)
 
 
 def test_a_map_has_a_cell_for_each_collision(swept):

@@ -480,6 +480,109 @@ def test_too_many_collisions_are_refused_before_any_is_laid_out(other):
     )
 
 
+PILE = """
+schema = 1
+bodies = [
+    {kind = "mass", mass = 4000, velocity = 3},
+    {kind = "rod", length = 15, area = 1e-2, material = "steel"},
+    {kind = "wall"},
+]
+contacts = [
+    {law = "spring", stiffness = 5e8},
+    {law = "yielding", stiffness = 1e8, yield_force = 1e5},
+]
+"""
+
+
+def test_a_number_follows_another_one_by_a_factor():
+    stiffnesses = [80e6, 160e6, 240e6]
+    vary = {
+        "contacts.1.yield_force": "2.5 mm*contacts.1.stiffness",
+        "contacts.1.stiffness": "80MN/m:240MN/m:3",
+        "bodies.1.length": "10,20",
+    }
+
+    case = parse_case(PILE, vary=vary)
+
+    assert case.system.shape == (3, 2)
+    assert [axis.path for axis in case.varied] == list(vary)[1:]
+    toe = case.system[2, 1].contacts[1]
+    assert toe.stiffness == stiffnesses[2]
+    assert toe.yield_force == pytest.approx(2.5e-3 * stiffnesses[2], rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("force", "stiffness"),
+    [("R", "R/2.5mm"), ("1*R", "400 1/m * R"), ("R*1", "1 * R / 2.5 mm")],
+)
+def test_several_numbers_follow_a_variable(force, stiffness):
+    vary = {
+        "R": "200 kN, 1 MN",
+        "contacts.1.yield_force": force,
+        "contacts.1.stiffness": stiffness.replace("400 1/m", "400"),
+    }
+
+    case = parse_case(PILE, vary=vary)
+
+    assert [(axis.path, axis.unit) for axis in case.varied] == [("R", "N")]
+    assert case.varied[0].values.tolist() == [200e3, 1e6]
+    for i, resistance in enumerate((200e3, 1e6)):
+        toe = case.system[i].contacts[1]
+        assert toe.yield_force == resistance
+        assert toe.stiffness == pytest.approx(400 * resistance, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("vary", "path", "said"),
+    [
+        (
+            {"contacts.1.stiffness": "2mm*contacts.1.yield", "bodies.1.length": "1,2"},
+            "contacts.1.stiffness",
+            "is tied to nothing that varies, got '2mm*contacts.1.yield'; write FACTOR*NAME "
+            "with one of bodies.1.length",
+        ),
+        (
+            {"contacts.1.stiffness": "2*contacts.1.yield_force"},
+            "contacts.1.stiffness",
+            "vary the number to which it is tied, too",
+        ),
+        ({"R": "1:2:3"}, "R", "is no number that can vary"),
+        (
+            {"R": "1:2:3", "contacts.1.stiffness": "2 furlong*R"},
+            "contacts.1.stiffness",
+            "unknown unit 'furlong'",
+        ),
+        (
+            {"R": "1:2:3", "contacts.1.stiffness": "R/0"},
+            "contacts.1.stiffness",
+            "divides by 0, got 'R/0'",
+        ),
+        (
+            {"R": "1:x:3", "contacts.1.stiffness": "R"},
+            "contacts.1.stiffness",
+            "cannot read 'x'",
+        ),
+        (
+            {"R": "1:2:3", "S": "2*R", "contacts.1.stiffness": "S"},
+            "contacts.1.stiffness",
+            "is tied to S, which is tied itself; tie it to a grid",
+        ),
+        (
+            {"R": "-1:2:3", "contacts.1.stiffness": "R"},
+            "contacts.1.stiffness[0]",
+            "positive number",
+        ),
+        (
+            {"R": "1:2:3", "contacts.1.stifness": "R"},
+            "contacts.1.stifness",
+            "perhaps 'contacts.1.stiffness' is meant",
+        ),
+    ],
+)
+def test_mistakes_of_ties_are_named(vary, path, said):
+    assert said in problems(PILE, vary)[path]
+
+
 def test_more_numbers_than_numpy_has_axes_for_are_refused():
     text = HEAD + A_ROD + A_MASS * 40
     grids = {f"bodies.{i}.mass": "1" for i in range(1, 34)}
