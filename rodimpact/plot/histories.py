@@ -54,9 +54,9 @@ CAPTION_GAP = 4.0  # points between a caption and its line
 def contact(
     solution: Solution,
     ax: Sequence[Axes] | None = None,
-    contact: int | Sequence[int] = 0,
+    contact: int | Sequence[int] | None = None,
 ) -> Picture:
-    """Draw force and gap of a contact, or of several together, against time.
+    """Draw force and gap of all contacts, or of some of them, against time.
 
     A negative gap is the overlap of a compliant contact; the gap of a joint is its extension. The
     impact of two rigid bodies has no duration: its force is drawn as a mean over the time that the
@@ -67,9 +67,11 @@ def contact(
     solution : Solution
     ax : two Axes, optional
         For force and gap; by default those of a new figure, one above the other.
-    contact : int or sequence of int
-        Index of the contact: it is between body `contact` and the next body; walls are counted. For
-        a single contact with up to three episodes, the times at which the force ends and the gap
+    contact : int or sequence of int, optional
+        Index of the contact: it is between body `contact` and the next body; walls are counted. By
+        default all contacts are drawn; of more than twelve those with the largest forces, which the
+        title says. The legend, or for a single contact the label of its force, tells which. For a
+        single contact with up to three episodes, the times at which the force ends and the gap
         opens are marked. Times of whole round trips of a wave are named, such as 2 l1/c.
 
     Returns
@@ -92,8 +94,12 @@ def contact(
     'contact force (kN)'
     """
     check_solution(solution)
-    chosen = array("contact", contact, "").ravel().tolist()
     count = len(solution.contacts)
+    if contact is None and count:
+        return finish(draft_contact(solution, ax, _most_pressed(solution)))
+    chosen = []
+    if contact is not None:
+        chosen = array("contact", contact, "").ravel().tolist()
     if not chosen or not set(chosen) <= set(range(count)):
         allowed = "given only where there are two bodies"
         if count:
@@ -133,6 +139,12 @@ def draft_contact(
             each.set_ylabel(break_label(scale.label, height))
 
     label()
+    if len(contacts) == MAX_NAMED_CONTACTS < len(solution.contacts):
+        force_ax.set_title(
+            f"{len(contacts)} of {len(solution.contacts)} contacts",
+            loc="left",
+            fontsize=SMALL + 1,
+        )
     picture = Picture(
         ax=force_ax,
         force_ax=force_ax,
@@ -148,6 +160,16 @@ def draft_contact(
             picture.marks = _mark_ends(solution, curves, force_ax, gap_ax)
 
     return Draft(picture, write_words)
+
+
+def _most_pressed(solution: Solution) -> list[int]:
+    """Contacts of the largest peak forces, up to `MAX_NAMED_CONTACTS`, from left to right."""
+    contacts = list(range(len(solution.contacts)))
+    if len(contacts) <= MAX_NAMED_CONTACTS:
+        return contacts
+    peaks = np.nan_to_num([each.peak_force for each in solution.contacts])
+    largest = np.argsort(-peaks, kind="stable")[:MAX_NAMED_CONTACTS]
+    return sorted(largest.tolist())
 
 
 def _draw_gaps(
@@ -282,7 +304,10 @@ class ContactCurves:
         self.largest = 0.0
         for force in self.forces:
             self.largest = max(self.largest, largest_of(force.values))
-        self.scale = engineering(f"contact force{mean}", self.largest, "N")
+        name = "contact force"
+        if len(contacts) == 1 < len(solution.contacts):
+            name = f"force at {self.names[0]}"
+        self.scale = engineering(f"{name}{mean}", self.largest, "N")
 
     def _mean_force(self, history: ContactHistory) -> StepCurve:
         """Mean force over even intervals, for impacts take no time."""

@@ -488,7 +488,7 @@ def test_tied_numbers_and_the_axis_of_a_figure(case, capsys):
         first, second = [float(row.split(",")[k]) for k in lengths]
         assert second == 2 * first
     assert table.splitlines()[1].split() == ["L", "4", "100", "mm", "400", "mm"]
-    assert ">L (mm)<" in Path("e.svg").read_text(encoding="utf-8")
+    assert ">L (m)<" in Path("e.svg").read_text(encoding="utf-8")
 
 
 def test_a_figure_of_an_extra_quantity(case, swept, refused):

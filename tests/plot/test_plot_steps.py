@@ -328,7 +328,7 @@ def test_overlap_is_named_where_there_is_some(solved):
 
 
 def test_a_gap_without_overlap_is_a_gap(solved):
-    drawn = plot.contact(solved["hopkinson"])
+    drawn = plot.contact(solved["hopkinson"], contact=0)
 
     assert drawn.gap_ax.get_ylabel().startswith("gap (")
 
@@ -348,6 +348,7 @@ def joint_patch(picture):
 
 def test_the_gap_of_a_joint_is_its_stretch(joined):
     joint = plot.contact(joined, contact=1)
+    assert joint.force_ax.get_ylabel().startswith("force at contact 2-3")
     both = plot.contact(joined, contact=[0, 1])
 
     assert joint.gap_ax.get_ylabel().startswith("stretch (")
@@ -389,9 +390,30 @@ def test_a_joint_is_pressed_together_and_drawn_out_in_snapshots(joined):
     assert min(widths) < widths[0] < max(widths)
 
 
+def test_all_contacts_are_drawn_and_named(joined):
+    drawn = plot.contact(joined)
+
+    names = [text.get_text() for text in drawn.force_ax.get_legend().get_texts()]
+    assert names == ["contact 1-2", "contact 2-3"]
+    assert drawn.force_ax.get_ylabel().startswith("contact force (")
+    assert len(drawn.forces) == len(drawn.gaps) == 2
+
+
+def test_of_many_contacts_those_of_the_largest_forces_are_drawn():
+    small = rod(0.1)
+    row = ri.System([rod(0.1, 1.0), *[small] * 14, ri.Wall()])
+    solution = ri.solve(row, until=6e-5)  # the wave has not reached the last contacts
+
+    drawn = plot.contact(solution)
+
+    names = [force.get_label() for force in drawn.forces]
+    assert names == [f"contact {k}-{k + 1}" for k in range(1, 13)]
+    assert drawn.force_ax.get_title(loc="left") == "12 of 15 contacts"
+
+
 def test_the_force_of_an_impact_is_named_a_mean(solved):
     impact = plot.contact(solved["masses"], contact=1).force_ax
-    pressing = plot.contact(solved["masses"]).force_ax
+    pressing = plot.contact(solved["masses"], contact=0).force_ax
 
     label = impact.get_ylabel()
     assert "mean over" in label
