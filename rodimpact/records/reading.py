@@ -182,9 +182,17 @@ def read_signals(
 class ColumnTable(Protocol):
     """Columns with names and units, as `Table` describes them."""
 
-    names: Any
-    units: Any
-    columns: Any
+    @property
+    def names(self) -> list[str]:
+        """Name of each column."""
+
+    @property
+    def units(self) -> list[str]:
+        """Unit of each column, "" if it has none."""
+
+    @property
+    def columns(self) -> list[Floats]:
+        """Numbers of each column."""
 
     def place_of(self, row: int) -> str:
         """Line or sample of a row, for messages."""

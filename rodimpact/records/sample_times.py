@@ -124,7 +124,7 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
 def _equal_steps(times: Floats) -> Floats:
     """Equal steps through the times, by least squares, s."""
     count = len(times)
-    offsets = np.arange(count) - (count - 1) / 2
+    offsets: Floats = np.arange(count, dtype=float) - (count - 1) / 2
     step = float(offsets @ times) / float(offsets @ offsets)
     offsets *= step
     offsets += times.mean()

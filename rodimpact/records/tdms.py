@@ -72,7 +72,7 @@ def read_tdms(file: BinaryIO) -> ChannelTable:
     if clock is None:
         return table
     count = max(map(len, columns))
-    times = clock.start + clock.step * np.arange(count)
+    times: Floats = clock.start + clock.step * np.arange(count, dtype=float)
     return ChannelTable([TIME, *names], ["s", *units], [times, *columns])
 
 

@@ -48,7 +48,7 @@ def text_of_workbook(file: BinaryIO) -> BinaryIO:
     else:
         package = optional("openpyxl", "excel")
         rows = _rows_of_xlsx(package, file)
-    text: BinaryIO = tempfile.TemporaryFile()  # type: ignore[assignment]  # noqa: SIM115
+    text: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115
     try:
         for row in rows:
             text.write((row + "\n").encode())
