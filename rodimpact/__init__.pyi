@@ -64,9 +64,12 @@ from .piles.blows import Blow as Blow
 from .piles.blows import blows as blows
 from .piles.resting import at_rest as at_rest
 from .records.alignment import Alignment as Alignment
+from .records.bar_calibration import BarCalibration as BarCalibration
+from .records.bar_calibration import calibrate_bar as calibrate_bar
 from .records.bar_gauge import BarGauge as BarGauge
 from .records.bridge import Bridge as Bridge
 from .records.calibration import Calibration as Calibration
+from .records.calibration import DoubtfulCalibration as DoubtfulCalibration
 from .records.calibration import calibrate as calibrate
 from .records.comparison import Misfit as Misfit
 from .records.cut_pulses import CutPulses as CutPulses

@@ -118,7 +118,7 @@ class Addition(NamedTuple):
 
     Examples
     --------
-    The record has an offset, and no blur:
+    The record has an offset, and no trend:
 
     >>> import numpy as np, rodimpact as ri
     >>> steel = ri.materials.steel
@@ -126,7 +126,8 @@ class Addition(NamedTuple):
     >>> row = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0), bar])
     >>> strain = ri.solve(row, until=2e-4).gauge(1, 0.4).signal(1e-6)
     >>> noise = 2e-5 * np.random.default_rng(1).standard_normal(len(strain))
-    >>> record = ri.Measured(strain + noise + 5e-5, (1, 0.4), shift=0.0, gain=1.0)
+    >>> signal = strain.replace(values=strain.values + noise + 5e-5)
+    >>> record = ri.Measured(signal, (1, 0.4), shift=0.0, gain=1.0)
     >>> additions = {"offset": {"records.0.offset": None},
     ...              "trend": {"records.0.trend": None}}
     >>> found = ri.fit(row, record, {"bodies.0.velocity": (1.0, 20.0)}, until=2e-4,

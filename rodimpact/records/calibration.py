@@ -9,6 +9,7 @@ and cross-section with the speed V causes the strain V/(2 c0).
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -33,6 +34,38 @@ PULSE_THRESHOLD = 0.15
 """Smallest strain that counts to a pulse, over its largest."""
 SPEED_ITERATIONS = 3
 """Steps to a wave speed: dispersion, which predicts the pulse, depends on the wave speed."""
+
+
+REFLECTED_LIMIT = 0.03
+"""Bounds the difference of the reflected strain from the one that the impedances tell, over the
+incident strain: faces that are clean and aligned reflect 1 or 2 % more."""
+
+
+class DoubtfulCalibration(UserWarning):
+    """The records of a shot without a specimen contradict the bars that were given.
+
+    `Calibration.doubts` holds the same sentences.
+
+    Examples
+    --------
+    The bars differ in area, but are given as equal:
+
+    >>> import warnings, rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> thin = ri.Rod(1.5, area=8e-5, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> shot = ri.solve(ri.System([striker, bar, thin]), until=1.5e-3)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> with warnings.catch_warnings(record=True) as told:
+    ...     warnings.simplefilter("always")
+    ...     found = ri.calibrate(*gauges, bar)
+    >>> {each.category.__name__ for each in told}
+    {'DoubtfulCalibration'}
+    >>> print(found.doubts[0].split(",")[0])
+    the joint reflects -11.1 % of the incident strain
+    """
 
 
 @explain_missing()
@@ -85,8 +118,22 @@ class Calibration:
     noise: tuple[float, float]
     bending: tuple[float | None, float | None]
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Where the records contradict the bars: a sentence with number, limit and remedy."""
+        if abs(self.reflected - self.expected) <= REFLECTED_LIMIT:
+            return ()
+        doubt = (
+            f"the joint reflects {100 * self.reflected:.1f} % of the incident strain, "
+            f"{100 * self.reflected**2:.2g} % of its energy; by the impedances of the bars it "
+            f"should be {100 * self.expected:.1f} % of the strain, within "
+            f"{100 * REFLECTED_LIMIT:g} %: clean and align the faces, or correct diameter and "
+            "density of the bars"
+        )
+        return (doubt,)
+
     def __str__(self) -> str:
-        """Table with a column for each bar, then the reflection at the joint."""
+        """Table with a column for each bar, the reflection at the joint, and the doubts."""
         rows = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
         for k, title in enumerate(("input bar", "output bar")):
             speed = self.bars[k].segments[0].wave_speed
@@ -104,10 +151,14 @@ class Calibration:
                 ]
             )
         columns = list(zip(*rows, strict=True))
-        return align(columns) + (
-            f"\nreflected at the joint: {100 * self.reflected:.2f} % of the incident strain; "
-            f"expected from the impedances: {100 * self.expected:.2f} %"
-        )
+        lines = [
+            align(columns),
+            f"reflected at the joint: {100 * self.reflected:.2f} % of the incident strain; "
+            f"expected from the impedances: {100 * self.expected:.2f} %",
+        ]
+        for doubt in self.doubts:
+            lines.append(f"Doubtful: {doubt}")
+        return "\n".join(lines)
 
 
 def with_gains(calibration: Calibration, bars: InstrumentedBars) -> InstrumentedBars:
@@ -174,6 +225,11 @@ def calibrate(
         If an argument is invalid, or the record ends before the pulse returns from the far end of
         the output bar.
 
+    Warns
+    -----
+    DoubtfulCalibration
+        If the joint reflects more or less than the impedances of the bars tell.
+
     Notes
     -----
     The incident strain is V/(2 c0). The joint transmits the fraction 2 Z2/(Z1 + Z2) of a force.
@@ -226,7 +282,7 @@ def calibrate(
     )
     input_noise = _noise(input_bar) / incident
     output_noise = _noise(output_bar) / transmitted
-    return Calibration(
+    calibration = Calibration(
         bars=(input_bar.rod, output_bar.rod),
         gains=(input_gain, output_gain),
         speed_errors=(first.speed_error, output.speed_error),
@@ -239,6 +295,9 @@ def calibrate(
             _bending(output_gauges, output_bar),
         ),
     )
+    for doubt in calibration.doubts:
+        warnings.warn(doubt, DoubtfulCalibration, stacklevel=2)
+    return calibration
 
 
 def with_speed(rod: Rod, speed: float) -> Rod:

@@ -115,6 +115,13 @@ def calibration():
     return ri.calibrate(*bar_gauges(), BAR, striker_speed=10.0)
 
 
+def bar_calibration_arguments():
+    """A pulse at two distances."""
+    passing = STRAIN.extended(after=1e-4)
+    later = passing.propagated(1.0, BAR)
+    return {"first": passing, "second": later, "distance": 1.0, "bar": BAR}
+
+
 @cache
 def reduction():
     """A shot at a specimen that yields."""
@@ -193,6 +200,7 @@ INSTANCES: dict[str, list[Callable[[], Any]]] = {
     "Addition": [lambda: fitted().additions[0]],
     "Atlas": [atlas],
     "Axis": [lambda: family_result().axes[0]],
+    "BarCalibration": [lambda: ri.calibrate_bar(**bar_calibration_arguments())],
     "BarGauge": [lambda: bar_gauges()[0]],
     "CutPulses": [lambda: ri.CutPulses(*[bar_gauges()[0]] * 3)],
     "BearingGraph": [bearing],
@@ -294,6 +302,7 @@ RETURNED = {
     "Alignment",
     "Atlas",
     "Axis",
+    "BarCalibration",
     "BearingGraph",
     "BearingPoint",
     "Blow",
@@ -333,7 +342,8 @@ RETURNED = {
 """Classes that the package returns. Users read their attributes and do not construct them."""
 
 EXCEPTIONS = {
-    "ClippedSignal", "DamagedCache", "DamagedChunks", "DoubtfulReduction", "NoCompiler",
+    "ClippedSignal", "DamagedCache", "DamagedChunks", "DoubtfulCalibration", "DoubtfulReduction",
+    "NoCompiler",
     "OutcomeDiffers", "RoundedTimes", "UndefinedRestitution",
 }  # fmt: skip
 """Warnings, and an error, that take any message as every exception of Python does."""
@@ -502,6 +512,7 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "Signal.shifted": lambda: {"delay": 1e-6},
     "Signal.to_csv": lambda: PATH,
     "Signal.window": lambda: {"start": 1e-5, "end": 3e-5},
+    "calibrate_bar": bar_calibration_arguments,
     "calibrate": lambda: {
         "input_gauges": bar_gauges()[0], "output_gauges": bar_gauges()[1], "bars": BAR
     },

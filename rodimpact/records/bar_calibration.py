@@ -1,0 +1,308 @@
+"""Calibration of one bar: wave speed and Poisson ratio from a pulse at two distances.
+
+The pulse is recorded where it passes first and farther on, by two gauges or by one gauge
+twice. The first record, propagated by the exact first mode, must be the second one. Its
+arrival tells the bar speed c0, its change of shape tells Poisson's ratio. No end of the
+bar matters.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import waves
+from ..hints import explain_arguments, explain_missing
+from ..model.arguments import of_kind, scalar
+from ..model.bodies import Rod
+from ..model.frozen import invalid_argument
+from ..model.quantities import Floats
+from . import filters
+from .calibration import with_speed
+from .pulses import plateau
+from .signal import Signal
+
+SEARCHED_SPEED_RTOL = 0.1
+"""Bounds the difference of the bar speed from the given one, over the latter."""
+USUAL_POISSON_RATIO = 0.3
+"""Where the search begins if the material has none."""
+POISSON_BOUNDS = (0.0, 0.499)
+SPEED_STEP = 1e-6
+"""Step of the differences by the bar speed, relative."""
+POISSON_STEP = 1e-3
+"""Step of the differences by Poisson's ratio."""
+SEARCH_TOLERANCE = 1e-6
+"""Relative change of the cost or of the numbers at which the search ends."""
+MIN_COMPARED_SAMPLES = 32
+"""Samples of the second record that the first one predicts, at least."""
+GOOD_MISFIT = 0.05
+"""Misfit over the plateau above which the two records are not one pulse."""
+
+
+@explain_missing()
+@dataclass(frozen=True, eq=False)
+class BarCalibration:
+    """Wave speed and Poisson ratio of one bar; made by `calibrate_bar`.
+
+    Attributes
+    ----------
+    bar : Rod
+        The bar with the measured wave speed and Poisson ratio; its density is unchanged.
+    wave_speed, wave_speed_error : float
+        c0 and its standard error, m/s. The error of the distance, relative, adds to it.
+    poisson_ratio, poisson_ratio_error : float
+    gain, gain_error : float
+        Factor from the first record to the second one, where the pulse passes there: the
+        ratio of the gains of the gauges, negative after a reflection at a free end.
+    misfit : float
+        Root mean square of the difference of the second record and its prediction, both
+        below the cut-off frequency of the first mode, over the plateau.
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> steel = ri.Material("steel", youngs_modulus=2e11, density=8000, poisson_ratio=0.29)
+    >>> bar = ri.Rod(3.0, diameter=0.02, material=steel)       # c0 = 5000 m/s
+    >>> shape = np.clip(np.minimum(np.arange(400) - 50, 170 - np.arange(400)) / 10, 0, 1)
+    >>> first = ri.Signal(shape, dt=5e-7)
+    >>> second = first.extended(after=2e-4).propagated(2.0, bar)
+    >>> guess = bar.replace(material=steel.replace(youngs_modulus=2.1e11, poisson_ratio=0.33))
+    >>> found = ri.calibrate_bar(first, second, 2.0, guess)
+    >>> round(found.wave_speed, 1), round(found.poisson_ratio, 3)
+    (5000.0, 0.29)
+    """
+
+    bar: Rod
+    wave_speed: float
+    wave_speed_error: float
+    poisson_ratio: float
+    poisson_ratio_error: float
+    gain: float
+    gain_error: float
+    misfit: float
+
+    def __str__(self) -> str:
+        """The numbers with their standard errors, a line each."""
+        lines = [
+            f"wave speed: {self.wave_speed:.2f} +- {self.wave_speed_error:.2f} m/s",
+            f"Poisson ratio: {self.poisson_ratio:.5f} +- {self.poisson_ratio_error:.5f}",
+            f"second record over the first: {self.gain:.4f} +- {self.gain_error:.4f}",
+            f"misfit: {100 * self.misfit:.2f} % of the plateau",
+        ]
+        if self.misfit > GOOD_MISFIT:
+            lines.append(
+                "Doubtful: the second record is not the first one after this distance; "
+                "give windows that hold one passage of the pulse each"
+            )
+        return "\n".join(lines)
+
+
+@explain_arguments
+def calibrate_bar(
+    first: Signal, second: Signal, distance: float, bar: Rod
+) -> BarCalibration:
+    """Wave speed and Poisson ratio of a round bar from one pulse at two distances.
+
+    Parameters
+    ----------
+    first : Signal
+        The pulse where it passes first, from rest before it; cut by `Signal.window` before
+        any other wave.
+    second : Signal
+        The pulse at the other distance, on the same clock.
+    distance : float
+        The way of the pulse between both records, m: from gauge to gauge, also through the
+        joint of two equal bars, or from a gauge to the free end and back.
+    bar : Rod
+        Uniform and round. Errors of its wave speed up to 10 % are corrected.
+
+    Returns
+    -------
+    BarCalibration
+
+    Raises
+    ------
+    InvalidModel
+        If an argument is invalid, or the second record does not contain the pulse.
+
+    Notes
+    -----
+    Least squares over c0, nu, a gain and an offset. The standard errors follow from the
+    residual, which counts as noise that is white below the cut-off frequency.
+
+    Examples
+    --------
+    See `BarCalibration`.
+    """
+    of_kind("first", first, Signal, "incident.window(0.0, 2e-4)")
+    of_kind("second", second, Signal, "incident.window(4e-4, 6e-4)")
+    way = scalar("distance", distance, "m", "positive")
+    of_kind("bar", bar, Rod, "Rod(2.0, diameter=0.02, material=steel)")
+    if first.unit != second.unit:
+        message = f"must be in the unit of first, {first.unit or '1'}"
+        raise invalid_argument("second", f"{message}, got {second.unit or '1'}")
+    if bar.segments[0].material.poisson_ratio is None:
+        bar = _with_poisson_ratio(bar, USUAL_POISSON_RATIO)
+    pair = _pair(first, second, way, waves.Bar.of(bar))
+    found = _least_squares(pair)
+    values = found.values
+    errors = found.errors
+    return BarCalibration(
+        bar=with_speed(_with_poisson_ratio(bar, values.nu), values.speed),
+        wave_speed=values.speed,
+        wave_speed_error=errors.speed,
+        poisson_ratio=values.nu,
+        poisson_ratio_error=errors.nu,
+        gain=values.gain,
+        gain_error=errors.gain,
+        misfit=found.misfit,
+    )
+
+
+def _with_poisson_ratio(bar: Rod, poisson_ratio: float) -> Rod:
+    """The bar with another Poisson ratio."""
+    segment = bar.segments[0]
+    material = segment.material.replace(poisson_ratio=poisson_ratio)
+    return bar.replace(segments=[segment.replace(material=material)])
+
+
+class _Numbers(NamedTuple):
+    """Numbers that are found, or their errors."""
+
+    speed: float  # c0, m/s
+    nu: float
+    gain: float  # of the second record over the first
+    offset: float  # of the second record, in its unit
+
+
+class _Pair(NamedTuple):
+    """Two records of one pulse, and the numbers from which the search begins."""
+
+    first: Signal
+    second: Signal
+    distance: float  # from one to the other, m
+    start: _Numbers
+    radius: float  # of the bar, m
+    compared: Any  # [sample of second] bool: the first record predicts this sample
+    level: float  # plateau of the second record, in its unit
+
+    def prediction(self, speed: float, nu: float) -> Floats:
+        """The first record at the times of the compared samples, after the distance."""
+        from scipy.interpolate import CubicSpline
+
+        bar = waves.Bar(speed, nu, self.radius)
+        moved = self.first.propagated(self.distance, bar)
+        times = self.second.times[self.compared]
+        curve = CubicSpline(moved.times, moved.values)
+        predicted: Floats = curve(np.clip(times, moved.start, moved.end))
+        return predicted
+
+    def record(self, speed: float, nu: float) -> Floats:
+        """The compared samples of the second record, below the cut-off frequency."""
+        bar = waves.Bar(speed, nu, self.radius)
+        carried = filters.dispersed(self.second.values, self.second.dt, 0.0, bar)
+        compared: Floats = carried[self.compared]
+        return compared
+
+    def residuals(self, numbers: _Numbers) -> Floats:
+        """Prediction less second record, over the plateau."""
+        predicted = self.prediction(numbers.speed, numbers.nu)
+        recorded = self.record(numbers.speed, numbers.nu)
+        difference = numbers.gain * predicted + numbers.offset - recorded
+        return np.asarray(difference / self.level)
+
+
+def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pair:
+    """Both records with a first estimate of the bar speed; InvalidModel without a pulse."""
+    travel = distance / bar.wave_speed
+    slack = SEARCHED_SPEED_RTOL * travel
+    moved = first.propagated(distance, bar)
+    low = max(second.start, moved.start - slack)
+    high = min(second.end, moved.end + slack)
+    if np.count_nonzero((second.times >= low) & (second.times <= high)) < (
+        MIN_COMPARED_SAMPLES
+    ):
+        message = (
+            f"must contain the pulse at {moved.start:.4g} to {moved.end:.4g} s, "
+            f"got {second.start:.4g} to {second.end:.4g} s"
+        )
+        raise invalid_argument("second", f"{message}; give that part of the record")
+    misfit = second.window(low, high).misfit(moved, shift=(-slack, slack))
+    if misfit.at_limit:
+        percent = 100 * SEARCHED_SPEED_RTOL
+        message = f"takes {percent:g} % more or less time than the bar speed says"
+        raise invalid_argument(
+            "distance", f"{message}; correct the distance, or the bar's wave speed"
+        )
+    arrival = travel + misfit.shift
+    times = second.times
+    compared = (times >= first.start + arrival) & (times <= first.end + arrival)
+    start = _Numbers(
+        speed=distance / arrival, nu=bar.poisson_ratio, gain=misfit.scale, offset=0.0
+    )
+    level = plateau(second.values[compared])
+    return _Pair(first, second, distance, start, bar.radius, compared, level)
+
+
+class _Found(NamedTuple):
+    """End of the least-squares search."""
+
+    values: _Numbers
+    errors: _Numbers  # standard errors
+    misfit: float
+
+
+def _least_squares(pair: _Pair) -> _Found:
+    """Best numbers; the variables count from `pair.start` in `units`, and begin at 1."""
+    from scipy.optimize import least_squares
+
+    start = np.array(pair.start)
+    units = np.array([start[0], 1.0, start[2], pair.level])
+
+    def numbers_at(x: Floats) -> _Numbers:
+        return _Numbers(*(start + units * (x - 1.0)).tolist())
+
+    def residuals(x: Floats) -> Floats:
+        return pair.residuals(numbers_at(x))
+
+    def jacobian(x: Floats) -> Floats:
+        numbers = numbers_at(x)
+        predicted = pair.prediction(numbers.speed, numbers.nu)
+        here = pair.residuals(numbers)
+        faster = numbers._replace(speed=numbers.speed * (1 + SPEED_STEP))
+        wider = numbers._replace(nu=numbers.nu + POISSON_STEP)
+        columns = [
+            (pair.residuals(faster) - here) / (numbers.speed * SPEED_STEP),
+            (pair.residuals(wider) - here) / POISSON_STEP,
+            predicted / pair.level,
+            np.full(len(here), 1 / pair.level),
+        ]
+        return np.stack(columns, axis=1) * units
+
+    low = np.full(len(start), -np.inf)
+    high = np.full(len(start), np.inf)
+    low[1] = 1.0 + POISSON_BOUNDS[0] - pair.start.nu
+    high[1] = 1.0 + POISSON_BOUNDS[1] - pair.start.nu
+    end = least_squares(
+        residuals,
+        np.ones(len(start)),
+        jacobian,
+        bounds=(low, high),
+        x_scale="jac",
+        ftol=SEARCH_TOLERANCE,
+        xtol=SEARCH_TOLERANCE,
+    )
+    bar = waves.Bar(pair.start.speed, pair.start.nu, pair.radius)
+    mean_square = float(np.mean(end.fun**2))
+    # noise below the cut-off: so many of the samples are independent
+    independent_share = min(1.0, 2 * bar.cut_off * pair.second.dt)
+    covariance = np.linalg.inv(end.jac.T @ end.jac) * mean_square / independent_share
+    errors = units * np.sqrt(np.diag(covariance))
+    return _Found(
+        values=numbers_at(end.x),
+        errors=_Numbers(*errors.tolist()),
+        misfit=math.sqrt(mean_square),
+    )

@@ -1,0 +1,134 @@
+"""Wave speed and Poisson ratio of one bar from a pulse at two distances."""
+
+import numpy as np
+import pytest
+from records import shots
+
+import rodimpact as ri
+
+SPEED = 5000.0
+RADIUS = 0.01
+RISE = 5e-6
+WIDTH = 1e-4
+DT = 2e-7
+TIMES = np.arange(-1e-4, 9e-4, DT)
+TO_FIRST = 0.5
+METAL = ri.Material(
+    "metal", youngs_modulus=8000 * SPEED**2, density=8000.0, poisson_ratio=0.29
+)
+BAR = ri.Rod(4.0, diameter=2 * RADIUS, material=METAL)
+
+
+def guess(speed=1.02 * SPEED, poisson_ratio=0.3):
+    """The bar with a wrong wave speed and Poisson ratio."""
+    material = METAL.replace(
+        youngs_modulus=8000 * speed**2, poisson_ratio=poisson_ratio
+    )
+    return BAR.replace(segments=[BAR.segments[0].replace(material=material)])
+
+
+def record(distance, bar, noise=0.0, seed=0, factor=1.0):
+    """The pulse of a trapezoid with a rise of 5 us after a distance along a bar."""
+    shape = np.clip(np.minimum(TIMES / RISE, (WIDTH + RISE - TIMES) / RISE), 0, 1)
+    moved = ri.Signal(shape, TIMES).propagated(distance, bar)
+    values = factor * np.interp(TIMES, moved.times, moved.values)
+    white = noise * np.random.default_rng(seed).standard_normal(len(TIMES))
+    return ri.Signal(values + white, TIMES)
+
+
+def pair(bar, noise=0.0, seed=0, distance=2.0, factor=1.0):
+    """Both records, cut to the passages of the pulse."""
+    first = record(TO_FIRST, bar, noise, 2 * seed)
+    second = record(TO_FIRST + distance, bar, noise, 2 * seed + 1, factor)
+    return first.window(0.0, 3e-4), second.window(3e-4, 8.5e-4)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.25, 0.29, 0.34])
+def test_speed_and_poisson_ratio_are_found_within_their_errors(poisson_ratio):
+    """Noise of 0.1 %: within 0.5 m/s and 0.001, and within the stated errors."""
+    true_bar = ri.waves.Bar(SPEED, poisson_ratio, RADIUS)
+    for seed in range(2):
+        found = ri.calibrate_bar(*pair(true_bar, 1e-3, seed), 2.0, guess())
+        assert found.wave_speed == pytest.approx(SPEED, abs=0.5)
+        assert found.poisson_ratio == pytest.approx(poisson_ratio, abs=1e-3)
+        assert abs(found.wave_speed - SPEED) < 3 * found.wave_speed_error
+        error = abs(found.poisson_ratio - poisson_ratio)
+        assert error < 3 * found.poisson_ratio_error
+        assert found.wave_speed_error < 0.2
+        assert found.poisson_ratio_error < 5e-4
+        assert abs(found.gain - 1.0) < 4 * found.gain_error
+
+
+@pytest.mark.exhaustive
+def test_stated_errors_are_the_scatter():
+    """Errors over stated errors have a standard deviation near 1."""
+    true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
+    ratios = []
+    for seed in range(12):
+        found = ri.calibrate_bar(*pair(true_bar, 2e-2, seed), 2.0, BAR)
+        ratios.append(
+            [
+                (found.wave_speed - SPEED) / found.wave_speed_error,
+                (found.poisson_ratio - 0.29) / found.poisson_ratio_error,
+            ]
+        )
+    scatter = np.sqrt(np.mean(np.square(ratios), axis=0))
+    assert (scatter > 0.4).all(), scatter
+    assert (scatter < 1.6).all(), scatter
+
+
+def test_an_echo_from_a_free_end_is_as_good_as_a_second_gauge():
+    true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
+    first, echo = pair(true_bar, 1e-3, factor=-1.0)
+    found = ri.calibrate_bar(first, echo, 2.0, guess())
+    assert found.wave_speed == pytest.approx(SPEED, abs=0.5)
+    assert found.gain == pytest.approx(-1.0, abs=1e-3)
+    assert found.bar.segments[0].material.wave_speed == found.wave_speed
+    assert found.bar.segments[0].material.poisson_ratio == found.poisson_ratio
+    assert "Doubtful" not in str(found)
+
+
+def test_records_of_two_different_pulses_are_doubtful():
+    true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
+    first, second = pair(true_bar)
+    other = second.replace(values=second.values + second.shifted(4e-5).values)
+    other = other.replace(values=np.where(second.times < 5.5e-4, second.values, 0.0))
+    found = ri.calibrate_bar(first, other, 2.0, guess())
+    assert found.misfit > 0.05
+    assert "Doubtful" in str(found)
+
+
+def test_mistakes_are_named():
+    first, second = pair(ri.waves.Bar(SPEED, 0.29, RADIUS))
+    square = ri.Rod(4.0, area=1e-4, material=METAL)
+    for change, says in (
+        ({"distance": 0.0}, "distance: must be a finite positive"),
+        ({"distance": 2.5}, "distance: takes 10 % more or less time"),
+        ({"second": first.window(0.0, 5e-5)}, "second: must contain the pulse"),
+        ({"second": second.replace(unit="V")}, "second: must be in the unit of first"),
+        ({"bar": square}, "diameter"),
+        ({"first": [0.0, 1.0]}, "first: must be"),
+    ):
+        given = {"first": first, "second": second, "distance": 2.0, "bar": BAR}
+        with pytest.raises(ri.InvalidModel, match=says):
+            ri.calibrate_bar(**given | change)
+
+
+def test_bars_that_reflect_as_they_should_raise_no_doubt():
+    shot = shots.calibration_shot()
+    gauges = [shot.gauge(body, 0.75, 0.002, seed=body) for body in (1, 2)]
+    assert ri.calibrate(*gauges, shots.BAR).doubts == ()
+
+
+def test_a_joint_that_reflects_too_much_is_told():
+    """The second bar is thinner than it is said to be."""
+    metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
+    striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    bar = ri.Rod(1.5, area=1e-4, material=metal)
+    thin = ri.Rod(1.5, area=8e-5, material=metal)
+    run = ri.solve(ri.System([striker, bar, thin]), until=1.5e-3)
+    gauges = [ri.BarGauge(run.gauge(body, 0.75).signal(1e-6), 0.75) for body in (1, 2)]
+    with pytest.warns(ri.DoubtfulCalibration, match="clean and align the faces"):
+        found = ri.calibrate(*gauges, bar)
+    assert "reflects -11.1 % of the incident strain, 1.2 % of its energy" in str(found)
+    assert ri.calibrate(*gauges, (bar, thin)).doubts == ()
