@@ -129,7 +129,7 @@ def impulse_error(system: ri.System) -> float:
 
 
 def random_rows(whole_numbers: bool) -> Rows:
-    """Rows with contacts that close at any time."""
+    """Rows with contacts that close at any time: the worst impulse of all."""
     lengths = "without common measure"
     bound = 1e-12
     if whole_numbers:

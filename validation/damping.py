@@ -86,11 +86,11 @@ STEP = 0.999 / 200  # time step of 200 cells
 
 def mode(ends: Ends, n: int) -> Rows:
     """The rate at which a mode decays: eta omega^2/(2 E)."""
-    k = (n - ends.shift) * math.pi
+    k = (n - ends.shift) * math.pi  # wave number; the rod has the length 1
     x = np.linspace(0.0, 1.0, 8001)
     velocity = ri.Samples(ends.shape(k * x))
     rod = ri.Rod(1.0, area=1.0, material=material(TAU), velocity=velocity)
-    interval = 20 // n * STEP
+    interval = 20 // n * STEP  # shorter for a mode that swings faster
     times = np.arange(1, 61) * interval
     system = ri.System([rod], ends=ends.conditions)
     until = float(times[-1]) + STEP
@@ -130,6 +130,7 @@ def stepped_rod() -> Rows:
     tau = 0.02
 
     def condition(k: float) -> float:
+        """0 for the wave number k of a mode of the rod with free ends."""
         return A1 * math.tan(k * l1) + A2 * math.tan(k * l2)
 
     k = float(brentq(condition, 1.6, 3.0))
@@ -160,17 +161,18 @@ def restitution_by_modes(tau: float) -> float:
     """e of rods 0.4 : 1 from the damped modes of both as one; wave speed, impedance 1.
 
     While they press, rod 1 keeps the momentum of a part of one rod of 1.4. They part
-    where that is least.
+    where that is least. The modes cos k x, k = n pi/1.4, have amplitudes q with q'' + 2
+    r q' + k^2 q = 0, r = tau k^2/2; q(0) = 0, q'(0) = 1.
     """
     k = np.arange(1, 4000) * math.pi / TOTAL
     rate = tau * k * k / 2
-    share = 2 / TOTAL * (np.sin(k * SHORT) / k) ** 2
+    share = 2 / TOTAL * (np.sin(k * SHORT) / k) ** 2  # of the momentum, by mode
     s = np.sqrt(rate * rate - k * k + 0j)
-    fast = -rate - s
+    fast = -rate - s  # the two roots of s^2 + 2 r s + k^2 = 0
     slow = -rate + s
 
     def momentum(t: float) -> float:
-        """Momentum of rod 1."""
+        """Momentum of rod 1 at a time: its mass times the mean velocity, and modes q'."""
         slow_part = slow * np.exp(slow * t)
         fast_part = fast * np.exp(fast * t)
         v = (slow_part - fast_part) / (2 * s)
@@ -180,7 +182,7 @@ def restitution_by_modes(tau: float) -> float:
     minimum = minimize_scalar(
         momentum, bounds=contact_times, method="bounded", options={"xatol": 1e-9}
     )
-    impulse = SHORT - float(minimum.fun)
+    impulse = SHORT - float(minimum.fun)  # rod 1 came with the momentum 0.4
     e = impulse * (1 / SHORT + 1 / LONG) - 1
     return round(e, 12)
 
@@ -348,6 +350,7 @@ def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
     times = ring_down.times
     vibration = ring_down.vibration / before
     lowest_mode = np.exp(-times / longest_decay_time())
+    # The mode's energy is fitted by its logarithm.
     is_late = times > times[-1] / 2
     ratio = ring_down.vibration[is_late] / before / lowest_mode[is_late]
     lowest_mode *= np.exp(np.mean(np.log(ratio)))

@@ -80,21 +80,23 @@ def glued_pulse(ratios: Floats, round_trips: int) -> Floats:
     """Force over Z V on a bar that a striker is glued to, one value a round trip.
 
     `ratios` are impedances of the striker's segments over that of the bar, from the
-    struck end on. A round trip is that of one segment.
+    struck end on. A round trip is that of one segment. At a step from Z1 to Z2 the waves
+    a and b that arrive make the velocity v = (Z1 a + Z2 b)/(Z1 + Z2), and 2 v - a and 2
+    v - b leave.
     """
     towards = np.ones(len(ratios))  # waves that run towards the bar, one a segment
     away = np.ones(len(ratios))  # waves that run away from the bar
     sums = ratios[:-1] + ratios[1:]
     forces = []
-    for half in range(2 * round_trips):
+    for half in range(2 * round_trips):  # half a round trip is one transit
         force = towards[0] / (1 / ratios[0] + 1)
         if half % 2 == 0:
             forces.append(force)
-        from_left = ratios[:-1] * away[:-1]
-        from_right = ratios[1:] * towards[1:]
-        v = (from_left + from_right) / sums
-        next_towards = np.append(2 * v - away[:-1], away[-1])
-        reflected = towards[0] - 2 * force / ratios[0]
+        from_near_segment = ratios[:-1] * away[:-1]
+        from_far_segment = ratios[1:] * towards[1:]
+        v = (from_near_segment + from_far_segment) / sums  # of each step
+        next_towards = np.append(2 * v - away[:-1], away[-1])  # the far end is free
+        reflected = towards[0] - 2 * force / ratios[0]  # by the bar
         away = np.append(reflected, 2 * v - towards[1:])
         towards = next_towards
     return np.array(forces)

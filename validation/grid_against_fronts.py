@@ -39,7 +39,10 @@ METHOD = "finite-difference"
 
 
 def half_octaves(finest: int) -> tuple[int, ...]:
-    """Cells in the segment of the longest transit, half an octave apart."""
+    """Cells in the segment of the longest transit, from 100 to 100 `finest`.
+
+    They are half an octave apart: 100, 141, 200 and so on.
+    """
     cells = []
     for i in range(2 * finest.bit_length() - 1):
         cells.append(round(100 * 2 ** (i / 2)))
@@ -198,7 +201,7 @@ class Errors(NamedTuple):
 
 
 def jumps(name: str, system: ri.System) -> Rows:
-    """Errors at 800 cells, and their orders."""
+    """Number of contacts, errors at 800 cells, and the orders of the errors."""
     until = 1.2 * last_force(ri.solve(system))
     exact = ri.solve(system, until=until)
     errors = []
@@ -344,7 +347,10 @@ def pulse() -> Rows:
 
 
 def impulse_by_steps(rods: list[ri.Rod], mass: float = math.inf) -> float:
-    """Impulse of a Hertz contact that closes at speed 1, impedances 1."""
+    """Impulse of a Hertz contact that closes at speed 1, by the method of steps.
+
+    Impedances and wave speeds of the rods are 1.
+    """
     struck = []
     for body in rods:
         struck.append(StruckRod(1.0, float(body.length)))

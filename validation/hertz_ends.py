@@ -65,7 +65,7 @@ def restitution(kappa: float) -> float:
 
 
 def restitution_by_steps(k: float, V: float = 1.0, until: float = 3.0) -> float:
-    """e by the method of steps, to 7 digits."""
+    """e by the method of steps, to 7 digits: P (1/m1 + 1/m2)/V - 1."""
     short = StruckRod(1.0, SHORT)
     long = StruckRod(1.0, 1.0)
     reference = method_of_steps(k, V, [short, long], until=until)

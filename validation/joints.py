@@ -134,7 +134,10 @@ class Modes(NamedTuple):
 
 
 def mode_frequencies(count: int) -> np.ndarray:
-    """The lowest roots of w/k = cot(w T1)/Z1 + cot(w T2)/Z2, one between two poles."""
+    """The lowest roots of w/k = cot(w T1)/Z1 + cot(w T2)/Z2, one between two poles.
+
+    Poles are the multiples of pi/T1 and pi/T2; all roots are bisected together.
+    """
     T = TRANSIT_TIMES[:, None]
     Z = IMPEDANCES[:, None]
     poles = [np.arange(count + 1) * math.pi / transit for transit in TRANSIT_TIMES]
@@ -144,7 +147,7 @@ def mode_frequencies(count: int) -> np.ndarray:
     for _ in range(BISECTIONS):
         w = (low + high) / 2
         cotangents = 1 / (Z * np.tan(w * T))
-        rising = w / STIFFNESS - cotangents.sum(0)
+        rising = w / STIFFNESS - cotangents.sum(0)  # from -inf to inf between poles
         is_below = rising < 0
         low = np.where(is_below, w, low)
         high = np.where(is_below, high, w)
@@ -152,7 +155,11 @@ def mode_frequencies(count: int) -> np.ndarray:
 
 
 def modes(count: int) -> Modes:
-    """The lowest modes of two rods on the spring."""
+    """The lowest modes of two rods on the spring, for a tension of 1 in the spring.
+
+    A rod has the velocity a cos(w x/c) with a = 1/(Z w sin(w T)), the first one with the
+    opposite sign, and adds Z a^2 (T/2 + sin(2 w T)/(4 w)) to the modal mass.
+    """
     T = TRANSIT_TIMES[:, None]
     Z = IMPEDANCES[:, None]
     w = mode_frequencies(count)
@@ -175,8 +182,9 @@ def from_right_end(amplitude: float, phase: float) -> Callable[[float], float]:
 
 
 def tenth_zero(contact: ri.ContactHistory) -> float:
-    """Time of the tenth passage of 0 of the stretch of a spring."""
+    """Time of the tenth passage of 0 of the stretch of a spring, after the start."""
     t, _, stretch = contact.breakpoints()
+    # The stretch is 0 at the start, which is left out: change i is behind time i + 1.
     changes = np.flatnonzero(np.diff(np.sign(stretch[1:])))
     i = int(changes[9]) + 1
     return brentq(contact.gap, t[i], t[i + 1], xtol=1e-14)
@@ -192,7 +200,7 @@ def frequencies(method: Method) -> Rows:
         left = from_left_end(shapes[0, m], first_phase)
         right = from_right_end(shapes[1, m], second_phase)
         system = joined(first_rod(left), second_rod(right))
-        until = 10.4 * math.pi / frequency
+        until = 10.4 * math.pi / frequency  # ten half periods, and a little more
         solution = ri.solve(system, until, method.name, **method.options)
         computed = 10 * math.pi / tenth_zero(solution.contacts[0])
         quantity = f"frequency of mode {m + 1}, c/l1"
@@ -269,7 +277,7 @@ def dashpot(method: Method, junction: Junction) -> Rows:
     solution = ri.solve(system, 3.0, method.name, **method.options)
     impulse = solution.outcome.contacts[0].impulse
     energy = solution.energy(3.0)
-    lost = 2 * float(energy.dissipated)
+    lost = 2 * float(energy.dissipated)  # the pulse came with the energy 1/2
     force = 2 * c / (1 + c / IMPEDANCES[0] + c / junction.impedance)
     residual = energy.residual
     case = Case(f"dashpot between {junction.name}, {method.name}", "waves at a dashpot")

@@ -97,7 +97,10 @@ def phase_velocity(half_waves: int) -> Rows:
 
 
 def velocity_by_modes(x: float, t: float) -> float:
-    """Velocity at x of a steel bar of 10 m whose end starts to move at speed 1."""
+    """Velocity at x of a steel bar of 10 m whose end starts to move at speed 1.
+
+    It is the sum over modes in the docstring of this file.
+    """
     D = 10.0
     l = NU * GYRATION
     k = np.arange(1, 60_000) * math.pi / D
@@ -136,12 +139,13 @@ def solve_step() -> ri.Solution:
 
 
 def passage_by_modes(x: int, level: float) -> float:
-    """Time at which the sum over modes passes a level at x, s."""
+    """Time at which the sum over modes first passes a level at x, s."""
     t = times_around_front(x)[::10]
     v = np.array([velocity_by_modes(x, time) for time in t.tolist()])
     after = int(np.argmax(v > level))
 
     def excess(time: float) -> float:
+        """Velocity at x above the level."""
         return velocity_by_modes(x, time) - level
 
     return float(brentq(excess, t[after - 1], t[after], xtol=1e-15))
@@ -198,6 +202,7 @@ def scaled_passage(x: float, spread: float, level: float) -> float:
     """Value of (t - x)/(3 x/2)^(1/3) at which the front passes a level."""
 
     def excess(z: float) -> float:
+        """Velocity above the level at the time x + z spread."""
         return front(x, x + z * spread) - level
 
     return brentq(excess, -4.0, 2.2, xtol=1e-13)  # the first crest is at 2.34

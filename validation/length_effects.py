@@ -206,7 +206,7 @@ def complete_sweep(family: ri.System) -> ri.SweepResult:
 
 
 def cradle(length: object = 1.0, area: object = 1.0) -> ri.SweepResult:
-    """Sweep five rods, the first of 1 m and 1 cm^2 at 1 m/s.
+    """Sweep of five rods, the first of 1 m and 1 cm^2 at 1 m/s.
 
     Lengths and areas of the four others are given as ratios to those of the first.
     """

@@ -175,7 +175,10 @@ def peak_times(end: float) -> np.ndarray:
 
 
 def first_contact(mass_ratio: float) -> FirstContact:
-    """The first contact as rodimpact computes it."""
+    """The first contact as rodimpact computes it, in units of the rod.
+
+    The peak at the fixed end comes up to one transit after the end of the force.
+    """
     solution = ri.solve(fixed_rod(mass_ratio), until=9.0)
     contact = solution.contacts[0]
     end = contact.episodes[0].force_end

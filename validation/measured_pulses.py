@@ -208,7 +208,11 @@ def section_bounds(shot: Shot) -> dict[str, Span]:
 def row_of(
     shot: Shot, speed: float, law: ri.Rigid | ri.Hertz, theory: str | None, until: float
 ) -> ri.System:
-    """Striker and bar, so long that no wave is back at its gauge until the end."""
+    """Striker and bar, the bar so long that no wave is back at its gauge at `until`.
+
+    The striker has the middle of the bounds of its length, and the speed 10 m/s; a fit
+    finds length and gain.
+    """
     material = ri.Material(
         "bar",
         youngs_modulus=shot.density * speed**2,
@@ -348,6 +352,7 @@ def equilibrium(shot: Shot) -> float:
     reflected = at_specimen(first, windows.reflected, -to_first, shot)
     transmitted = at_specimen(last, windows.transmitted, -to_last, shot)
     level = first.window(*windows.incident).pulse().plateau
+    # from 20 us before the incident pulse is above half its height to 20 us after that
     high = incident.times[incident.values / level > 0.5]
     start = high[0] - 2e-5
     end = high[-1] + 2e-5
@@ -367,7 +372,7 @@ def equilibrium(shot: Shot) -> float:
         for delay_2 in (-3.0, 0.0, 3.0):
             first_guess = [delay_1, 1.0, delay_2, 1.0]
             search = least_squares(imbalance, first_guess, bounds=(least, most))
-            best = min(best, search.cost)
+            best = min(best, search.cost)  # half of the sum of squares
     return 100 * math.sqrt(2 * best / len(t))
 
 

@@ -77,7 +77,8 @@ def two_frequencies(v: np.ndarray, dt: float) -> list[float]:
     """Angular frequencies of two oscillations from values at equal times of their sum.
 
     v(t + 2 dt) + v(t - 2 dt) + p (v(t + dt) + v(t - dt)) + r v(t) = 0, by least
-    squares.
+    squares. With v = cos(w t), x = cos(w dt) and cos(2 w dt) = 2 x^2 - 1 this is 4 x^2 +
+    2 p x + r - 2 = 0.
     """
     inner = v[3:-1] + v[1:-3]
     outer = v[4:] + v[:-4]
@@ -203,7 +204,11 @@ def exact_branches(ka: np.ndarray) -> list[Branch]:
 
 
 def velocity_by_modes(x: float, t: np.ndarray, branches: Branches) -> np.ndarray:
-    """Velocity at x and at times t of the steel bar whose end is brought to speed 1."""
+    """Velocity at x and at times t of the steel bar whose end is brought to speed 1.
+
+    It is the sum over modes and branches in the docstring of this file. With y = w T/2
+    the spectrum of the raised cosine is sin(y)/(y (1 - (y/pi)^2)).
+    """
     D = 2.2 * x
     count = int(15 / RADIUS * D / math.pi)
     k = np.arange(1, count) * math.pi / D
@@ -340,7 +345,7 @@ def far_front() -> Rows:
     values = np.repeat([0.0, 1.0], 8000)
     step = ri.Signal(values, dt=interval, start=-8000 * unit / 40)
     far = step.propagated(x, bar)
-    step_time = -unit / 80  # the step is between two samples
+    step_time = -unit / 80  # the step is half-way between the samples around t = 0
     since_long_waves = (far.times - step_time - x / bar.wave_speed) / unit
     peak = int(far.values.argmax())
     overshoot = far.values[peak]

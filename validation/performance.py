@@ -92,7 +92,8 @@ def leapfrog(
     """Restitution of two rods, c = rho = A = 1, by staggered differences.
 
     Velocities sit on the nodes, stresses in the cells. The contact pushes the two end
-    nodes, each of half a cell's mass, so that they do not overlap.
+    nodes, each of half a cell's mass, so that they do not overlap. At Courant number 1 a
+    time step is as long as a cell, h.
     """
     h = 1.0 / cells_per_unit
     first_cells = round(lengths[0] * cells_per_unit)
@@ -109,10 +110,10 @@ def leapfrog(
             v[0] += 2 * sigma[0]
             v[-1] -= 2 * sigma[-1]
         closing = first[-1] - second[0]
-        if gap <= 0 and closing > 0:
+        if gap <= 0 and closing > 0:  # both end nodes get their mean velocity
             first[-1] -= closing / 2
             second[0] += closing / 2
-            impulse += closing / 4 * h
+            impulse += closing / 4 * h  # mass h/2 times closing/2
             closing = 0.0
         gap = max(0.0, gap - closing * h)
     return restitution_of(impulse, *lengths)
@@ -132,13 +133,14 @@ def godunov(v: Any, sigma: Any, first_cells: int, steps: int) -> float:
         left_v = v[0] + sigma[0]  # at the left edge of the cell
         left_sigma = 0.0
         for i in range(cells):
+            # Velocity and stress at the right edge of the cell.
             if i == cells - 1:
                 edge_v = v[i] - sigma[i]
                 edge_sigma = 0.0
             else:
                 edge_v = (v[i] + v[i + 1] + sigma[i + 1] - sigma[i]) / 2
                 edge_sigma = (sigma[i] + sigma[i + 1] + v[i + 1] - v[i]) / 2
-            next_v = edge_v
+            next_v = edge_v  # beyond the edge: another one at an open contact
             if i == first_cells - 1:
                 if gap > 0 or edge_sigma > 0:
                     edge_v = v[i] - sigma[i]
@@ -412,7 +414,7 @@ def last_ratios() -> dict[str, float]:
 
 
 def print_table(times: dict[str, float], yardsticks: Yardsticks) -> dict[str, float]:
-    """Print a line for each time, and give the ratios to the leapfrog."""
+    """Print a line for each time; return the ratios to the leapfrog, to three digits."""
     last = last_ratios()
     ratios = {}
     print(

@@ -291,7 +291,8 @@ class Shot(NamedTuple):
 def shot(m: Any, m_a: Any, m_b: Any, v_a: Any, v_b: Any) -> Shot:
     """What the bullet did, from the speeds v_a and v_b of the blocks afterwards.
 
-    The momentum is balanced at B first, then at A.
+    The momentum is balanced at B first, then at A. Each block takes its impulse, m_a v_a
+    or m_b v_b, times the mean of the relative velocities before and after.
     """
     between = v_b + m_b * v_b / m
     initial = between + m_a * v_a / m
@@ -335,6 +336,7 @@ def random_bullets() -> Rows:
     error_b = (bullet.lost_in_b - lost_b) / energy
     lost = bullet.lost_in_a + bullet.lost_in_b
 
+    # shot forwards: in A with e < 0, as the bullet goes through, and in B with e = 0
     e_of_a = (v_a - between) / initial
     through = rigid.collide(m, initial, m_a, 0.0, e_of_a)
     stuck = rigid.collide(m, through.velocity_1, m_b, 0.0, 0.0)

@@ -76,8 +76,10 @@ def collide(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
 def saint_venant(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
     """e by the closed form, from the sum of the force's steps.
 
-    With q = (Z_short - Z_long)/(Z_short + Z_long), the force falls by the factor q
-    after each round trip of the short rod; K of them fit into one of the long rod.
+    With q = (Z_short - Z_long)/(Z_short + Z_long), or 0 if that is negative, the force
+    falls by the factor q after each round trip of the short rod; K of them fit into one
+    of the long rod. The impulse is that of these steps, each lasting 2 T_short, and of
+    the last, shorter one.
     """
     short, long = sorted([(T1, Z1), (T2, Z2)])
     T_short, Z_short = short

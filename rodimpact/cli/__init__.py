@@ -101,7 +101,11 @@ def _complain_of(error: Exception) -> int:
 
 
 def _run_command(argv: list[str]) -> CommandResult:
-    """Run a command. Help and mistakes of the call are printed by argparse."""
+    """Result of a command; warnings are printed as messages.
+
+    Argparse itself prints help and mistakes of the call, and exits: then the result has
+    no text, and the status of argparse.
+    """
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _show_warning
@@ -114,7 +118,10 @@ def _run_command(argv: list[str]) -> CommandResult:
 
 
 def _check_source_date() -> None:
-    """InvalidModel for a date of files that is none: NumPy and Matplotlib read it, too."""
+    """Raise InvalidModel if the variable SOURCE_DATE_EPOCH is no date of files.
+
+    NumPy and Matplotlib read it, too.
+    """
     date = os.environ.get("SOURCE_DATE_EPOCH")
     if date is None or re.fullmatch("[0-9]{1,11}", date.strip()):
         return
@@ -186,7 +193,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _program_parser() -> argparse.ArgumentParser:
-    """Parser of the command, whose arguments are left to the command."""
+    """Parser of the program: the command, and its arguments, which it does not read."""
     lines = ["commands:"]
     for name, purpose in COMMANDS.items():
         lines.append(f"  {name:10} {purpose}")
@@ -232,8 +239,10 @@ def _print(text: str | Iterable[str]) -> bool:
     It is no failure if the reader has gone.
     """
     lines = text  # rows of data, which stay as they are
-    if isinstance(text, str):
-        lines = [as_options(text)] if text else []
+    if text == "":
+        lines = []
+    elif isinstance(text, str):
+        lines = [as_options(text)]
     encoding = sys.stdout.encoding
     if not encoding:
         encoding = "utf-8"

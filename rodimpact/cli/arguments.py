@@ -46,6 +46,7 @@ class Arguments(argparse.Namespace):
     """
 
     def __init__(self, parser: argparse.ArgumentParser) -> None:
+        """Begin without mistakes; the options are those of the parser."""
         super().__init__()
         self.problems: Problems = []
         self.options: dict[str, str] = {}
@@ -113,7 +114,8 @@ class Arguments(argparse.Namespace):
             yield
         except (ValueError, LargeFile) as error:
             problems = []
-            for path, message in getattr(error, "problems", [("", str(error))]):
+            unnamed = [("", str(error))]  # of an error other than InvalidModel
+            for path, message in getattr(error, "problems", unnamed):
                 name = every
                 if name == "":
                     name = name_of.get(path, path)
@@ -270,7 +272,7 @@ class NumberAction(argparse.Action):
     """
 
     def __call__(self, _: object, args: Any, text: Any, *__: object) -> None:
-        """Read the number."""
+        """Set the argument to the number that the text says, or add a mistake."""
         number = args.number(self.option_strings[-1], text, self.const)
         setattr(args, self.dest, number)
 
@@ -305,7 +307,7 @@ def add_run_options(
 
 
 def figure_writer(draw: Callable[[Any], Any]) -> Callable[..., None]:
-    """Function that draws a figure and writes it.
+    """Make a function of a path that draws a figure and writes it there.
 
     Parameters
     ----------
@@ -322,7 +324,7 @@ def figure_writer(draw: Callable[[Any], Any]) -> Callable[..., None]:
 
 
 def _whole(text: str) -> int:
-    """A positive whole number that a register can hold."""
+    """The positive whole number below 10^18 in a text; ValueError for any other."""
     digits = text.strip()
     if re.fullmatch("0*[1-9][0-9]{0,17}", digits):
         return int(text)

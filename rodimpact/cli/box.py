@@ -148,7 +148,7 @@ class Replay(NamedTuple):
 
 
 def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
-    """A rod of the box."""
+    """A rod of the box: uniform, of the cross-sectional area `AREA`."""
     return Rod(length, area=AREA, material=material, velocity=velocity)
 
 
@@ -219,7 +219,10 @@ def describe(replay: Replay) -> str:
 
 
 def _result_rows(replay: Replay) -> Iterator[list[str]]:
-    """Rows of the table: results of the solver beside the theory."""
+    """Rows of the table, header first: results of the solver beside the theory.
+
+    Velocities and the errors of the balances follow; they have no theory beside them.
+    """
     outcome = replay.solution.outcome
     theory: Any = pair_theory(replay.solution.system)
     expected = theory.collision()
@@ -324,7 +327,10 @@ def _check_files(args: Arguments, files: FigureFiles) -> None:
 def draw(
     replays: list[Replay], restitutions: list[float], paths: list[Path], force: bool
 ) -> None:
-    """Draw every collision, and e over the ratio of lengths."""
+    """Draw every collision in all `VIEWS`, and e over the ratio of lengths; write files.
+
+    The paths are in the same order.
+    """
     from .. import plot
     from ..plot.moments import moments
 

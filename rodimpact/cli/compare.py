@@ -156,7 +156,11 @@ def _prediction(args: Arguments, solution: Solution, position: GaugePosition) ->
 
 
 def _comparison(args: Arguments, measured: Signal, predicted: Signal) -> Comparison:
-    """Lay a prediction over a record; find the pulses of both."""
+    """Misfit of a prediction, and the pulses of the record and of the prediction.
+
+    The prediction is shifted and multiplied as the misfit says before its pulse is
+    taken, in the time of the record.
+    """
     misfit = measured.misfit(predicted, shift=args.shift, scale=args.scale)
     shifted = predicted.replace(
         values=misfit.scale * predicted.values,
@@ -237,13 +241,14 @@ def _json(comparisons: dict[str, Comparison]) -> str:
 
 
 def _pulse_entries(pulse: Pulse | None) -> dict[str, Any] | None:
+    """Fields of a pulse by name; None without a pulse."""
     if pulse is None:
         return None
     return pulse._asdict()
 
 
 def _draw(comparisons: dict[str, Comparison], plot: Any) -> Any:
-    """Draw all channels side by side."""
+    """Draw all channels side by side; return an Axes of the figure."""
     from ..plot.records import side_by_side
 
     pairs = side_by_side(len(comparisons))

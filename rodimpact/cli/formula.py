@@ -56,7 +56,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _caps(case: Case) -> dict[str, int]:
-    """The cap on events of the case, if it has one."""
+    """Keyword arguments of `closed_form`: the cap on events of the case, if it has one."""
     caps = {}
     if "max_events" in case.solve:
         caps["max_events"] = case.solve["max_events"]

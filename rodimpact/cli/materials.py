@@ -21,6 +21,7 @@ def run(args: argparse.Namespace) -> CommandResult:
 
 
 def _json() -> str:
+    """JSON of all materials, with wave speeds and sources."""
     entries = []
     for name, material in TABLE.items():
         entry = dict(material.to_dict())
@@ -31,6 +32,7 @@ def _json() -> str:
 
 
 def _table() -> str:
+    """Table of all materials."""
     rows = [["material", "Young's modulus", "density", "bar speed", "Poisson ratio"]]
     for name, material in TABLE.items():
         poisson_ratio = "-"
@@ -49,6 +51,7 @@ def _table() -> str:
 
 
 def _sources() -> str:
+    """Lines with the source of each material."""
     lines = ["Sources"]
     for name, source in SOURCES.items():
         lines.append(f"{name}: {source}")

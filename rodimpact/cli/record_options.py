@@ -234,7 +234,10 @@ def _read_files(args: Arguments) -> dict[str, Signal]:
 
 
 def _units(texts: list[str]) -> Any:
-    """Unit of all channels, or units by channel; None if none is given."""
+    """Unit of all channels, or units by channel; None if none is given.
+
+    A text is a unit, or a channel and its unit, such as "gauge 1=V".
+    """
     units = {}
     for text in texts:
         channel, _, unit = text.rpartition("=")
@@ -247,7 +250,7 @@ def _units(texts: list[str]) -> Any:
 
 
 def _bridge(args: Arguments) -> Bridge | None:
-    """The bridge; None if there is none, or if it is invalid."""
+    """The bridge; None if there is none, or, with problems added, if it is invalid."""
     numbers = {}
     for name in BRIDGE_NUMBERS:
         number = getattr(args, name)

@@ -207,7 +207,11 @@ def _reduce(
     positions: GaugePositions,
     signals: dict[str, Signal],
 ) -> Reduction:
-    """Reduce the record of a shot."""
+    """Reduce the record of a shot: gauges of two bars, cut pulses, or a direct impact.
+
+    Gauges of the first of the two bodies are those of the input bar; their distance is
+    that from the specimen, at its right end.
+    """
     first = min(position.body for position in positions.values())
     if args.direct_impact:
         first -= 1  # the striker

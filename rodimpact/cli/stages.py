@@ -74,7 +74,11 @@ def _sentences_by_time(
 
 
 def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
-    """Fronts at the ends of the rods, and fronts that cross."""
+    """Events of fronts: one at an end of a rod, or two that cross.
+
+    They are the corners of the regions of constant state; an event at the corner of
+    several regions occurs several times.
+    """
     regions = regions_of(solution)
     times = regions.t.tolist()
     bodies = regions.body_of_vertices().tolist()
@@ -97,7 +101,10 @@ def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
 
 
 def _pieces(solution: Solution, body: int, time: float) -> str:
-    """The pieces of a rod at a time, s, with the fronts between them."""
+    """Velocity and stress of the pieces of a rod at a time, s, with fronts between them.
+
+    Numbers that are round-off beside those of the impact, v and rho c v, are 0.
+    """
     impact_velocity = max(map(abs, solution.outcome.velocities_before))
     rod: Any = solution.system.bodies[body]
     material = rod.segments[0].material

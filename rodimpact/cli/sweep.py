@@ -113,7 +113,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _grids(args: Arguments) -> dict[str, str]:
-    """Grids of the numbers that vary, by path."""
+    """Grids of the numbers that vary, as texts by path; problems are added."""
     grids: dict[str, str] = {}
     if not args.vary:
         message = f"name what to vary: --vary {EXAMPLE}"
@@ -144,12 +144,11 @@ def _check_figure(args: Arguments, case: Case) -> None:
     _check_quantity(args, case)
     axes = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(law.opens for law in case.system.contacts)
+    has_restitution = contacts == 1 and not has_external_drive(case.system)
     if case.varied and not 1 <= axes <= 2:
         message = f"a figure has one or two axes, and {axes} numbers vary; leave it out"
         args.add_problem("--plot", message)
-    elif args.quantity == "restitution" and (
-        contacts != 1 or has_external_drive(case.system)
-    ):
+    elif args.quantity == "restitution" and not has_restitution:
         message = (
             "such a row has no e; name another --quantity, such as velocity_after.0"
         )
@@ -157,7 +156,10 @@ def _check_figure(args: Arguments, case: Case) -> None:
 
 
 def _check_quantity(args: Arguments, case: Case) -> None:
-    """Add a problem for a figure of what is not computed; --also computes more."""
+    """Add a problem for a figure of a quantity that is not computed.
+
+    The problem names the option --also if that computes it.
+    """
     quantity = args.quantity
     computed = layout_of(case.system, Readings(also=tuple(args.also)))
     if quantity in computed:

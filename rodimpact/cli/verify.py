@@ -44,7 +44,7 @@ class Check(NamedTuple):
 
     @property
     def difference(self) -> float:
-        """|computed - expected| over |expected|."""
+        """Relative difference, abs(computed - expected)/abs(expected)."""
         return abs(self.computed / self.expected - 1)
 
     @property
@@ -75,6 +75,7 @@ def run(args: argparse.Namespace) -> CommandResult:
 
 
 def _json(results: list[Check]) -> str:
+    """JSON of all checks, and whether all passed."""
     rows = []
     for check in results:
         row = check._asdict()
@@ -85,6 +86,7 @@ def _json(results: list[Check]) -> str:
 
 
 def _table(results: list[Check]) -> str:
+    """Table of all checks, each "ok" or "FAILED"."""
     rows = [["e of", "expected", "computed", "difference", "bound", ""]]
     for check in results:
         verdict = "FAILED"

@@ -89,6 +89,7 @@ class PulseDesign(Shown):
         return "\n\n".join(blocks)
 
     def _table_of_segments(self) -> list[list[str]]:
+        """Rows of the table of segments, with the header: length, area, diameter, limit."""
         rod: Any = self.system.bodies[self.body]
         header = ["segment", "length", "area", "diameter if round"]
         if self.bounded:
@@ -108,6 +109,7 @@ class PulseDesign(Shown):
         return rows
 
     def _table_of_facts(self) -> list[list[str]]:
+        """Rows with the gap before the body, if a body is there, and the misfit."""
         rows = []
         if self.body > 0:
             gap = float(self.system.gaps[self.body - 1])
@@ -117,7 +119,7 @@ class PulseDesign(Shown):
 
 
 def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
-    """Forces, N, each from its time, s, to the next, and the last one to the end.
+    """Signal of forces, N, each from its time, s, to the next, the last one to the end.
 
     Parts that begin after the end, or are so short that they come from round-off, are
     left out. Each other part has two samples: one at its start, and one just before the
@@ -187,7 +189,11 @@ class StepDifferences(NamedTuple):
 
 
 def differences(wanted: Signal, reached: Signal, edges: Floats) -> StepDifferences:
-    """Difference reached - wanted in the intervals between edges, s."""
+    """Mean and variance of reached - wanted in each of the intervals between edges, s.
+
+    Gauss's two points, half a duration over sqrt(3) from the middle, are taken between
+    any two kinks of the pulses; very short parts, which come from round-off, are not.
+    """
     times = np.concatenate([edges, wanted.times, reached.times])
     end = edges[-1]
     times = _between(times, edges[0], end)
@@ -205,7 +211,7 @@ def differences(wanted: Signal, reached: Signal, edges: Floats) -> StepDifferenc
     reached_force = np.interp(gauss_points, reached.times, reached.values)
     wanted_force = np.interp(gauss_points, wanted.times, wanted.values)
     difference = reached_force - wanted_force
-    interval = np.searchsorted(edges[1:-1], middles, "right")
+    interval = np.searchsorted(edges[1:-1], middles, "right")  # of each part
     n_intervals = len(edges) - 1
 
     def mean(values: Floats) -> Floats:

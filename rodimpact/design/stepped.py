@@ -203,18 +203,20 @@ def _strikers(
     search: StrikerSearch, progress: bool | ProgressFunction
 ) -> list[Striker]:
     """The best striker of each number of segments, from 1 on."""
+
+    def runs_up_to(n: int) -> int:
+        """Runs for 1 to n segments: a step of least squares for n segments takes n + 1."""
+        return n * (n + 3) // 2
+
     segments = search.segments
-    all_runs = (
-        segments * (segments + 3) // 2
-    )  # n + 1 a step for a striker of n segments
     strikers = []
-    coarser = np.zeros(0)
+    coarser = np.zeros(0)  # the striker before, a start for the next one
     with Progress(progress, "striker", "runs") as report:
         for n in range(1, segments + 1):
             striker = search._replace(segments=n).best_striker(coarser)
             strikers.append(striker)
             coarser = striker.logarithms
-            report(n * (n + 3) // 2, all_runs)
+            report(runs_up_to(n), runs_up_to(segments))
     return strikers
 
 
@@ -228,7 +230,11 @@ def _simplest_best(strikers: list[Striker]) -> Striker:
 
 
 def _bounded_segments(logarithms: Floats, bounds: Floats) -> dict[int, str]:
-    """Limit at which the area of a segment is, by segment from the left."""
+    """Limit at which the area of a segment is, by segment from the left.
+
+    `bounds` are the smallest and the largest logarithm. Segments at no limit are left
+    out.
+    """
     bounded = {}
     for bound, name in zip(bounds, ("smallest", "largest"), strict=True):
         is_at_limit = np.abs(logarithms - bound) <= AT_LIMIT_RTOL

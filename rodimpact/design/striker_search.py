@@ -33,9 +33,7 @@ MAX_EVALUATIONS = 8
 class Striker(NamedTuple):
     """A striker, and the misfit of its pulse over the peak of the wanted force."""
 
-    logarithms: (
-        Floats  # [segment], of areas over that of the bar, from the struck end on
-    )
+    logarithms: Floats  # [segment] of area over bar's area, from the struck end on
     misfit: float
     misfit_within_steps: float  # part of the misfit that no areas can change
 
@@ -73,14 +71,21 @@ class StrikerSearch(NamedTuple):
 
     @property
     def edges(self) -> Floats:
-        """Times between the steps of the pulse, s."""
+        """Times between the steps of the pulse, s, from 0 to the end of `wanted`.
+
+        A step is a round trip in a segment; the last one may be shorter.
+        """
         step = self.duration / self.segments
         end = self.wanted.end
         count = math.ceil(end / step * (1 - MIN_DURATION_RTOL))
         return np.append(step * np.arange(count), end)
 
     def system(self, logarithms: Floats, left_end: Free | Absorbing = FREE) -> System:
-        """The striker and the semi-infinite bar."""
+        """The row of the striker and the semi-infinite bar.
+
+        Segments of the system count from the left, logarithms from the struck end, which
+        is on the right.
+        """
         material = self.material
         transit_time = self.duration / 2
         length = transit_time * material.wave_speed / self.segments
@@ -105,7 +110,10 @@ class StrikerSearch(NamedTuple):
         return staircase(times, force, until, "force on the bar")
 
     def misfits(self, reached: Signal) -> Misfits:
-        """Parts of the misfit of a force on the bar."""
+        """Parts of the misfit of a force on the bar, relative to the peak of `wanted`.
+
+        Each step counts by its share of the duration.
+        """
         wanted = self.wanted
         peak = np.abs(wanted.values).max()
         durations = np.diff(self.edges)
@@ -146,6 +154,7 @@ class StrikerSearch(NamedTuple):
         bonded = self._replace(contact=Bonded())
         for k in range(1, len(force)):
             until = self.edges[k + 1]
+            # An absorbing end reflects 0, a free end 1, and the force is linear between.
             if_absorbing = bonded.force(logarithms, until, Absorbing())
             if_free = bonded.force(logarithms, until, FREE)
             force_without_reflection = if_absorbing.values[-1]
@@ -156,6 +165,7 @@ class StrikerSearch(NamedTuple):
                 reflection = change / slope
             reflection = max(reflection, -strongest)
             reflection = min(reflection, strongest)
+            # A step of area from A to A' reflects r = (A - A')/(A + A').
             area_ratio = (1 - reflection) / (1 + reflection)
             step = math.log(area_ratio)
             logarithm = np.clip(logarithms[-1] + step, *self.bounds)
@@ -166,6 +176,9 @@ class StrikerSearch(NamedTuple):
 
     def best_striker(self, coarser: Floats) -> Striker:
         """Striker by least squares, from the best of two or three starts.
+
+        The starts are `peeled`, `matched` and the coarser striker. The residuals are the
+        mean differences of the steps; those within steps count in the misfit only.
 
         Parameters
         ----------

@@ -145,12 +145,12 @@ class _EndWaves(NamedTuple):
 
 
 def _end_waves(solution: Solution, body: int) -> _EndWaves:
-    """Waves at the right end of a rod."""
+    """Waves at the right end of a rod, as forces -E A strain, pushing ones positive."""
     rod: Any = solution.system.bodies[body]
     segment = rod.segments[-1]
     length = float(rod.length)
     gauge = solution.gauge(body, length)
-    stiffness = float(segment.impedance * segment.wave_speed)
+    stiffness = float(segment.impedance * segment.wave_speed)  # E A = Z c
     arriving = -stiffness * gauge.rightward
     leaving = -stiffness * gauge.leftward
     return _EndWaves(gauge.times, arriving, leaving)
@@ -202,7 +202,10 @@ class _TrappedRow(NamedTuple):
     gap: float  # m
 
     def with_length(self, length: float) -> System:
-        """The row with a trap of this length, m, and of the impedance of the bar."""
+        """The row with a trap of this length, m, and of the impedance Z = rho A c of the bar.
+
+        The trap lies behind the gap and pushes only.
+        """
         impedance = float(self.bar.segments[-1].impedance)
         material = self.material
         area = impedance / float(material.density * material.wave_speed)
@@ -218,7 +221,7 @@ class _TrappedRow(NamedTuple):
 
 
 def _nothing_pushes(passed: float, end: float) -> InvalidModel:
-    """The error where no wave reaches the trap between two times, s."""
+    """The error, to be raised, that no wave pushes on the trap between two times, s."""
     message = f"nothing pushes on the right end from {passed!r} to {end!r} s"
     return invalid_argument("until", f"{message}; take a later time")
 
