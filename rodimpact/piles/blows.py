@@ -25,10 +25,10 @@ from ..units import format_si
 from .resting import CELLS, MAX_CELLS, at_rest, resting_system
 from .statics import (
     Chain,
-    Rest,
+    Equilibrium,
     can_yield,
     chain_of,
-    equilibrium,
+    find_equilibrium,
     nodes_of,
     potential_energy,
 )
@@ -69,7 +69,7 @@ class Blow(NamedTuple):
         Whether it is certain that no soil yields any more.
     status : str
         The same in a sentence, with the remedy.
-    rest : System or None
+    next_system : System or None
         The pile at rest after the blow, with the hammer ready for the next one; None if the blow
         is not over, or the pile does not stay, as the `status` says.
 
@@ -93,7 +93,7 @@ class Blow(NamedTuple):
     tension: StressPeak
     is_over: bool
     status: str
-    rest: System | None
+    next_system: System | None
 
     @property
     def blow_count(self) -> float:
@@ -109,7 +109,7 @@ class Aftermath(NamedTuple):
     is_over: bool
     energy: float  # of motion that is left, above that of the equilibrium, J
     chain: Chain
-    rest: Rest  # the equilibrium to which damping brings the pile
+    equilibrium: Equilibrium  # the equilibrium to which damping brings the pile
 
 
 @explain_arguments
@@ -181,9 +181,9 @@ def blows(
             report(len(series), count)
             blow = strike(system, state, row, cells, until)
             series.append(blow)
-            if blow.rest is None:
+            if blow.next_system is None:
                 break
-            state = blow.rest
+            state = blow.next_system
     return series
 
 
@@ -271,12 +271,12 @@ def strike(
         duration *= 2
         lengthenings -= 1
     displacement = math.nan
-    rest = None
+    next_system = None
     status = _status(aftermath, solution.t_end)
     if aftermath.is_over:
         displacement = _toe_displacement(solution, row, aftermath)
         try:
-            rest = _next_state(system, row, aftermath, cells)
+            next_system = _next_system(system, row, aftermath, cells)
         except InvalidModel as error:
             status += f" No other one can follow: {error}."
     extreme = _extreme_stress(solution, row)
@@ -288,7 +288,7 @@ def strike(
         tension=extreme.tension,
         is_over=aftermath.is_over,
         status=status,
-        rest=rest,
+        next_system=next_system,
     )
 
 
@@ -317,10 +317,10 @@ def _aftermath(solution: Solution, row: PileRow) -> Aftermath:
         bodies[i] = bodies[i].replace(velocity=0.0)
     motionless = state.replace(bodies=bodies)
     chain = chain_of(motionless, list(fields.motion.counts), left)
-    rest = equilibrium(chain)
-    energy = kinetic + potential_energy(chain, rest)
-    is_over = not can_yield(chain, rest, energy)
-    return Aftermath(is_over, energy, chain, rest)
+    equilibrium = find_equilibrium(chain)
+    energy = kinetic + potential_energy(chain, equilibrium)
+    is_over = not can_yield(chain, equilibrium, energy)
+    return Aftermath(is_over, energy, chain, equilibrium)
 
 
 def _bodies_that_left(solution: Solution, state: System, row: PileRow) -> int:
@@ -373,10 +373,10 @@ def _toe_displacement(solution: Solution, row: PileRow, aftermath: Aftermath) ->
     start, end = solution.displacement(body, length, [0.0, solution.t_end])
     chain = aftermath.chain
     toe_node = nodes_of(chain.row, chain.mesh, body).stop - 1
-    return float(end - start + aftermath.rest.displacement[toe_node])
+    return float(end - start + aftermath.equilibrium.displacement[toe_node])
 
 
-def _next_state(
+def _next_system(
     system: System, row: PileRow, aftermath: Aftermath, cells: int
 ) -> System:
     """The pile as a blow has left it, at rest, below the hammer as it was at first.
@@ -388,7 +388,7 @@ def _next_state(
     """
     is_held = system.has_shaft or system.gravity > 0
     demand(is_held, "gravity", "must be positive for a pile that no soil holds")
-    after = resting_system(aftermath.chain, aftermath.rest)
+    after = resting_system(aftermath.chain, aftermath.equilibrium)
     pile = row.pile
     return at_rest(
         system.replace(

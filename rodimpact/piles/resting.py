@@ -12,11 +12,11 @@ from ..model.arguments import demand, integer, of_kind
 from ..model.ends import FREE
 from .statics import (
     Chain,
-    Rest,
+    Equilibrium,
     cell_edges,
     chain_of,
     check_bears,
-    equilibrium,
+    find_equilibrium,
     moves,
     nodes_of,
     soil_of_rod,
@@ -77,23 +77,23 @@ def at_rest(system: System, cells: int = CELLS) -> System:
     cells = integer("cells", cells, 1, MAX_CELLS)
     counts, _ = mesh_size(build_row(system), cells, None, None)
     chain = chain_of(system, counts)
-    rest = equilibrium(chain)
-    check_bears(chain, rest)
-    return resting_system(chain, rest)
+    equilibrium = find_equilibrium(chain)
+    check_bears(chain, equilibrium)
+    return resting_system(chain, equilibrium)
 
 
-def resting_system(chain: Chain, rest: Rest) -> System:
+def resting_system(chain: Chain, equilibrium: Equilibrium) -> System:
     """The system of a chain in its equilibrium."""
     system = chain.system
     bodies: list[Any] = []
     for i, body in enumerate(system.bodies):
         if isinstance(body, Rod) and not chain.is_moving[i]:
-            bodies.append(_resting_rod(chain, rest, i, body))
+            bodies.append(_resting_rod(chain, equilibrium, i, body))
         else:
             bodies.append(body)
     gaps = list(system.gaps)
     laws = list(system.contacts)
-    for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
+    for contact, overlap in zip(chain.contacts, equilibrium.overlaps, strict=True):
         k = contact.number
         law = laws[k]
         if isinstance(law, Joint):
@@ -107,12 +107,12 @@ def resting_system(chain: Chain, rest: Rest) -> System:
     return system.replace(bodies=bodies, gaps=gaps, contacts=laws)
 
 
-def _resting_rod(chain: Chain, rest: Rest, index: int, rod: Rod) -> Rod:
+def _resting_rod(chain: Chain, equilibrium: Equilibrium, index: int, rod: Rod) -> Rod:
     """A rod with the strain and the mobilised resistance of the equilibrium."""
     nodes = nodes_of(chain.row, chain.mesh, index)
     cells = slice(nodes.start + 1, nodes.stop)
     edges = cell_edges(chain.row, chain.mesh, index)
-    elongation = rest.tension[cells] / chain.stiffness[cells]
+    elongation = equilibrium.tension[cells] / chain.stiffness[cells]
     strain = elongation / chain.mesh.cells.width[cells]
     resting = rod.replace(strain=Steps(strain.tolist(), edges[1:-1].tolist()))
     if not isinstance(rod.shaft, Soil):
@@ -121,7 +121,7 @@ def _resting_rod(chain: Chain, rest: Rest, index: int, rod: Rod) -> Rod:
     held_nodes = chain.soil["node"][along_rod] - nodes.start
     ultimate = chain.soil["ultimate"][along_rod]
     shares = np.zeros(nodes.stop - nodes.start)
-    shares[held_nodes] = rest.resistance[along_rod] / ultimate
+    shares[held_nodes] = equilibrium.resistance[along_rod] / ultimate
     middles = (edges[1:] + edges[:-1]) / 2
     mobilised = Steps(np.clip(shares, -1.0, 1.0).tolist(), middles.tolist())
     return resting.replace(shaft=rod.shaft.replace(mobilised=mobilised))

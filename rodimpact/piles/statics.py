@@ -59,7 +59,7 @@ class Chain:
     mesh : Mesh
     is_moving : list of bool
         Bodies that move or are walls: they stay where they are, and bear on nothing.
-    held : array of bool
+    is_fixed : array of bool
         Nodes of these bodies [node].
     weight : array
         N [node].
@@ -75,7 +75,7 @@ class Chain:
     row: Row
     mesh: Mesh
     is_moving: list[bool]
-    held: Any
+    is_fixed: Any
     weight: Floats
     stiffness: Floats
     tension: Floats
@@ -83,7 +83,7 @@ class Chain:
     contacts: list[Contact]
 
 
-class Rest(NamedTuple):
+class Equilibrium(NamedTuple):
     """The equilibrium of a chain."""
 
     displacement: Floats  # m, from the state of the chain [node]
@@ -114,17 +114,17 @@ def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
     is_moving = []
     for i, body in enumerate(system.bodies):
         is_moving.append(i < left_out or isinstance(body, Wall) or moves(body))
-    held = (mesh.mass == 0) | (mesh.is_prescribed == 1)
+    is_fixed = (mesh.mass == 0) | (mesh.is_prescribed == 1)
     for i, stays in enumerate(is_moving):
         if stays:
-            held[nodes_of(row, mesh, i)] = True
+            is_fixed[nodes_of(row, mesh, i)] = True
     stiffness = mesh.cells.relaxed
     return Chain(
         system=system,
         row=row,
         mesh=mesh,
         is_moving=is_moving,
-        held=held,
+        is_fixed=is_fixed,
         weight=mesh.mass * float(system.gravity),
         stiffness=stiffness,
         tension=_tensions(row, mesh),
@@ -236,7 +236,7 @@ def _can_bear(system: System, is_moving: list[bool], contact: int) -> bool:
 # Equilibrium --------------------------------------------------------------------------------------
 
 
-def equilibrium(chain: Chain) -> Rest:
+def find_equilibrium(chain: Chain) -> Equilibrium:
     """Find the equilibrium of a chain whose soil does not yield on the way there.
 
     Raises
@@ -247,7 +247,7 @@ def equilibrium(chain: Chain) -> Rest:
     is_pressed = [True for _ in chain.contacts]
     soil = chain.soil
     nodes = soil["node"]
-    count = len(chain.held)
+    count = len(chain.is_fixed)
     soil_stiffness = np.bincount(nodes, soil["stiffness"], count)
     on_nodes = chain.weight - np.bincount(nodes, soil["resistance"], count)
     for _ in range(MAX_ROUNDS):
@@ -258,8 +258,8 @@ def equilibrium(chain: Chain) -> Rest:
                 springs[contact.right_node] = contact.stiffness
                 tension[contact.right_node] = -contact.stiffness * contact.overlap
         force = np.diff(tension) + on_nodes
-        held = _held_with_floating(chain, springs, soil_stiffness, force)
-        u = solve_chain(springs, soil_stiffness, held, force)
+        is_fixed = _fixed_with_floating(chain, springs, soil_stiffness, force)
+        u = solve_chain(springs, soil_stiffness, is_fixed, force)
         round_off = OVERLAP_RTOL * float(np.abs(u).max())
         overlaps = []
         stays_pressed = []
@@ -278,7 +278,7 @@ def equilibrium(chain: Chain) -> Rest:
         message = "open and close without end in the search for rest; give stiffer laws"
         raise invalid_argument("contacts", message)
     stretch = np.diff(u, prepend=0.0, append=0.0)
-    return Rest(
+    return Equilibrium(
         displacement=u,
         tension=chain.tension + chain.stiffness * stretch,
         resistance=soil["resistance"] + soil["stiffness"] * u[nodes],
@@ -286,7 +286,7 @@ def equilibrium(chain: Chain) -> Rest:
     )
 
 
-def solve_chain(springs: Any, soil: Any, held: Any, force: Any) -> Floats:
+def solve_chain(springs: Any, soil: Any, is_fixed: Any, force: Any) -> Floats:
     """Displacements by forces on the nodes of a chain, m.
 
     Parameters
@@ -295,7 +295,7 @@ def solve_chain(springs: Any, soil: Any, held: Any, force: Any) -> Floats:
         Stiffness between the nodes i - 1 and i, N/m [node + 1].
     soil : array
         Stiffness of the soil at each node, N/m [node].
-    held : array of bool
+    is_fixed : array of bool
         Nodes that stay [node].
     force : array
         N [node].
@@ -303,27 +303,27 @@ def solve_chain(springs: Any, soil: Any, held: Any, force: Any) -> Floats:
     diagonal = springs[:-1] + springs[1:] + soil
     coupling = springs[:-1].copy()  # to the node before
     coupling[0] = 0.0
-    coupling[held] = 0.0
-    coupling[1:][held[:-1]] = 0.0
-    diagonal[held] = 1.0
-    loads = np.where(held, 0.0, force)
+    coupling[is_fixed] = 0.0
+    coupling[1:][is_fixed[:-1]] = 0.0
+    diagonal[is_fixed] = 1.0
+    loads = np.where(is_fixed, 0.0, force)
     # LAPACK asks for the matrix as rows of its bands.
     u: Floats = solveh_banded(np.array([-coupling, diagonal]), loads)
     return u
 
 
-def _held_with_floating(chain: Chain, springs: Any, soil: Any, force: Any) -> Any:
+def _fixed_with_floating(chain: Chain, springs: Any, soil: Any, force: Any) -> Any:
     """Nodes that stay, with one node of each group of bodies that nothing holds.
 
     Forces on such a group must balance.
     """
-    held = chain.held.copy()
+    is_fixed = chain.is_fixed.copy()
     largest = float(np.abs(chain.weight).max() + np.abs(chain.tension).max())
     starts = np.flatnonzero(springs[:-1] == 0)
-    stops = np.append(starts[1:], len(held))
+    stops = np.append(starts[1:], len(is_fixed))
     for start, stop in zip(starts, stops, strict=True):
         group = slice(start, stop)
-        if held[group].any() or soil[group].any():
+        if is_fixed[group].any() or soil[group].any():
             continue
         net = float(force[group].sum())
         if abs(net) > BALANCE_RTOL * largest:
@@ -333,8 +333,8 @@ def _held_with_floating(chain: Chain, springs: Any, soil: Any, force: Any) -> An
                 "soil along its shaft, a wall to stand on, or no gravity"
             )
             raise invalid_argument(f"bodies.{body}", message)
-        held[start] = True
-    return held
+        is_fixed[start] = True
+    return is_fixed
 
 
 def _body_at(chain: Chain, node: int) -> int:
@@ -346,21 +346,21 @@ def _body_at(chain: Chain, node: int) -> int:
     return 0
 
 
-def yielding_places(chain: Chain, rest: Rest) -> list[tuple[str, str]]:
-    """Path and place of each rod or contact whose soil or spring would yield at rest."""
+def yielding_places(chain: Chain, equilibrium: Equilibrium) -> list[tuple[str, str]]:
+    """Path and place of each rod or contact whose soil or spring would yield at equilibrium."""
     places = []
     for i, body in enumerate(chain.system.bodies):
         if not isinstance(body, Rod):
             continue
         along_rod = soil_of_rod(chain, i)
         most = chain.soil["ultimate"][along_rod] * (1 + YIELD_RTOL)
-        beyond = np.flatnonzero(np.abs(rest.resistance[along_rod]) > most)
+        beyond = np.flatnonzero(np.abs(equilibrium.resistance[along_rod]) > most)
         if beyond.size:
             first_node = nodes_of(chain.row, chain.mesh, i).start
             node = int(chain.soil["node"][along_rod[beyond[0]]])
             x = cell_edges(chain.row, chain.mesh, i)[node - first_node]
             places.append((f"bodies.{i}.shaft", f"the soil yields at {x:.6g} m"))
-    for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
+    for contact, overlap in zip(chain.contacts, equilibrium.overlaps, strict=True):
         law: Any = chain.system.contacts[contact.number]
         force = contact.stiffness * overlap
         is_plastic = isinstance(law, Plastic) and law.hardening == 0
@@ -369,10 +369,10 @@ def yielding_places(chain: Chain, rest: Rest) -> list[tuple[str, str]]:
     return places
 
 
-def check_bears(chain: Chain, rest: Rest) -> None:
+def check_bears(chain: Chain, equilibrium: Equilibrium) -> None:
     """Raise InvalidModel where soil or a contact would yield under the weight."""
     problems = []
-    for path, words in yielding_places(chain, rest):
+    for path, words in yielding_places(chain, equilibrium):
         message = f"cannot bear the weight at rest: {words}; raise the resistance"
         problems.append((path, message))
     if problems:
@@ -382,18 +382,18 @@ def check_bears(chain: Chain, rest: Rest) -> None:
 # What energy can do -------------------------------------------------------------------------------
 
 
-def potential_energy(chain: Chain, rest: Rest) -> float:
+def potential_energy(chain: Chain, equilibrium: Equilibrium) -> float:
     """Energy of the state of a chain above that of its equilibrium, J.
 
     Springs and soil have k u^2/2; a contact has the difference of F d/2 less the work of the force
     at rest, which is never negative.
     """
-    u = rest.displacement
+    u = equilibrium.displacement
     stretch = np.diff(u, prepend=0.0, append=0.0)
     energy = float(chain.stiffness @ stretch**2 / 2)
     of_soil = chain.soil["stiffness"] * u[chain.soil["node"]] ** 2
     energy += float(of_soil.sum() / 2)
-    for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
+    for contact, overlap in zip(chain.contacts, equilibrium.overlaps, strict=True):
         now = contact.overlap
         at_rest = overlap
         if not contact.pulls:
@@ -405,7 +405,7 @@ def potential_energy(chain: Chain, rest: Rest) -> float:
     return energy
 
 
-def can_yield(chain: Chain, rest: Rest, energy: float) -> bool:
+def can_yield(chain: Chain, equilibrium: Equilibrium, energy: float) -> bool:
     """Whether motion about the equilibrium can make soil yield along a shaft or below a toe.
 
     Motion of the energy E displaces node i by at most sqrt(2 E C), with its compliance C: the
@@ -416,7 +416,7 @@ def can_yield(chain: Chain, rest: Rest, energy: float) -> bool:
     Parameters
     ----------
     chain : Chain
-    rest : Rest
+    equilibrium : Equilibrium
     energy : float
         Kinetic and potential energy above that of the equilibrium, J.
     """
@@ -424,11 +424,11 @@ def can_yield(chain: Chain, rest: Rest, energy: float) -> bool:
     nodes = soil["node"]
     if len(nodes):
         reach = np.sqrt(2 * energy * _compliances(chain)[nodes])
-        forces = np.abs(rest.resistance) + soil["stiffness"] * reach
+        forces = np.abs(equilibrium.resistance) + soil["stiffness"] * reach
         is_soil = soil["ultimate"] > 0  # drag does not yield
         if np.any(is_soil & (forces >= soil["ultimate"])):
             return True
-    for contact, overlap in zip(chain.contacts, rest.overlaps, strict=True):
+    for contact, overlap in zip(chain.contacts, equilibrium.overlaps, strict=True):
         law: Any = chain.system.contacts[contact.number]
         if not isinstance(law, Plastic) or law.hardening > 0:
             continue  # a cushion may yield on
@@ -440,13 +440,13 @@ def can_yield(chain: Chain, rest: Rest, energy: float) -> bool:
 
 def _compliances(chain: Chain) -> Floats:
     """Displacement of each node by a unit force on it, m/N; 0 where soil holds no neighbour."""
-    count = len(chain.held)
+    count = len(chain.is_fixed)
     soil = np.bincount(chain.soil["node"], chain.soil["stiffness"], count)
     springs = chain.stiffness.copy()
     for contact in chain.contacts:
         if contact.pulls:
             springs[contact.right_node] = contact.stiffness
     no_force = np.zeros(count)
-    held = _held_with_floating(chain, springs, soil, no_force)
-    compliances: Floats = np.diag(solve_chain(springs, soil, held, np.eye(count)))
+    is_fixed = _fixed_with_floating(chain, springs, soil, no_force)
+    compliances: Floats = np.diag(solve_chain(springs, soil, is_fixed, np.eye(count)))
     return compliances

@@ -14,8 +14,10 @@ from ..model.frozen import invalid_argument
 from ..piles.bearing import BearingGraph
 from .panels import Picture, add_grid, format_axes, two_axes_or_new
 from .scales import Scale, engineering, largest_of
-from .style import COMPUTED, DASHES, colours, styled
+from .style import DASHES, colours, styled
 
+POINTS: dict[str, Any] = {"marker": "o", "markersize": 3.5, "linewidth": 1.5}
+"""Marks of the points of a graph on its line."""
 HEADROOM = 1.08
 """Upper limit of an axis, in largest values."""
 
@@ -75,8 +77,8 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
 
     # What is drawn.
     x = resistance * force.factor
-    series = colours().series
-    (counts,) = blow_ax.plot(x, blow_count, color=series[0], **_marks(""))
+    colour = colours().series[0]
+    (counts,) = blow_ax.plot(x, blow_count, color=colour, **POINTS)
     unfinished = _draw_unfinished(blow_ax, x, blow_count, is_over)
     curves = [
         _draw_stress(stress_ax, x, compression, stress, 0, "compression"),
@@ -110,13 +112,6 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     )
 
 
-def _marks(label: str) -> dict[str, Any]:
-    """Full marks of computed points on a line, with a name for the legend."""
-    marks = {**COMPUTED, "linewidth": 1.5, "label": label}
-    marks.pop("markerfacecolor")
-    return marks
-
-
 def _draw_stress(
     ax: Axes, x: Floats, values: Floats, scale: Scale, index: int, name: str
 ) -> Line2D:
@@ -126,7 +121,8 @@ def _draw_stress(
         values * scale.factor,
         color=colours().series[index],
         linestyle=DASHES[index],
-        **_marks(name),
+        label=name,
+        **POINTS,
     )
     return line
 
@@ -142,6 +138,9 @@ def _draw_unfinished(
         values[~is_over],
         linestyle="none",
         color=colours().ink,
-        **{**COMPUTED, "markersize": 7, "label": "blow not over"},
+        marker="o",
+        markersize=7,
+        markerfacecolor="none",
+        label="blow not over",
     )
     return marks

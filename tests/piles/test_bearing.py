@@ -110,9 +110,9 @@ def test_the_order_of_the_resistances_and_the_workers_do_not_matter():
     system = pipe_pile("smith")
 
     both = ri.bearing_graph(system, [600e3, 300e3], cells=12, workers=2)
-    one = ri.bearing_graph(system, 300e3, cells=12, workers=1)
+    alone = ri.bearing_graph(system, 300e3, cells=12, workers=1)
 
-    assert both.points[1] == one.points[0]
+    assert both.points[1] == alone.points[0]
     assert both["resistance"].tolist() == [600e3, 300e3]
 
 

@@ -117,7 +117,7 @@ def test_a_pile_comes_to_rest_where_a_blow_says():
 
     toe = later.displacement(1, 15.0, [0.9 * until, until])
     assert toe == pytest.approx(blow.displacement, abs=1e-7)
-    shares = np.array(blow.rest.bodies[1].shaft.mobilised.values)
+    shares = np.array(blow.next_system.bodies[1].shaft.mobilised.values)
     assert later.soil(1, until).mobilised == pytest.approx(shares, abs=2e-4)
 
 
@@ -160,17 +160,17 @@ def test_a_pile_is_at_rest_between_blows(gravity):
         system = ri.at_rest(system.replace(gravity=gravity), cells=30)
 
     blow, _ = ri.blows(system, 2, cells=30)
-    between = blow.rest
+    between = blow.next_system
 
     assert between.bodies[0] == system.bodies[0]
     assert between.bodies[1] == system.bodies[1]
     assert between.gaps[0] == 0.0
     lifted = between.replace(bodies=[RAM.replace(velocity=-1.0), *between.bodies[1:]])
-    rest = ri.solve(lifted, until=0.02, cells=30)
+    motion = ri.solve(lifted, until=0.02, cells=30)
     t = np.linspace(0.0, 0.02, 40)
     x = np.linspace(0.0, 15.0, 31)[:, None]
-    assert np.abs(rest.velocity(2, x, t)).max() < 1e-7
-    assert np.abs(rest.stress(2, x, 0.0)).max() > 1e6
+    assert np.abs(motion.velocity(2, x, t)).max() < 1e-7
+    assert np.abs(motion.stress(2, x, 0.0)).max() > 1e6
 
 
 def test_a_blow_that_is_cut_short_says_so():
@@ -179,7 +179,7 @@ def test_a_blow_that_is_cut_short_says_so():
     assert len(series) == 1
     (blow,) = series
     assert not blow.is_over
-    assert blow.rest is None
+    assert blow.next_system is None
     assert math.isnan(blow.displacement)
     assert "Not over after 5 ms" in blow.status
     assert "raise until=" in blow.status
