@@ -143,11 +143,11 @@ def test_blows_keep_set_and_residual_stress_as_a_chain_of_lumped_masses_does():
         contacts=[ri.Spring(5e8), TOE],
     )
 
-    series = ri.blows(system, 3, cells=100)
-    lumped = strike_again(pile, 3, segments=60, duration=0.3, step=1e-5)
+    series = ri.blows(system, 3, cells=50)
+    lumped = strike_again(pile, 2, segments=60, duration=0.2, step=2e-5)
 
     sets = [blow.set for blow in series]
-    assert sets == pytest.approx(lumped, rel=1e-3)
+    assert sets[:2] == pytest.approx(lumped, rel=1e-3)
     assert sets[1] > 1.01 * sets[0]
     assert series[2].displacement == pytest.approx(sets[2], rel=1e-3)
 
