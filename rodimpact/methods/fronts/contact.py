@@ -40,44 +40,6 @@ def reset_node(node: Node, zero: Amplitude) -> None:
     node.episodes = 0
 
 
-def update_status(
-    run: Run,
-    node: Node,
-    change: Front,
-    k: int,
-    tick: int,
-    dt: int,
-    closing: Amplitude,
-    mobility: Amplitude,
-) -> int:
-    """Decide the contact at node k after arrivals; return the number of rows logged, 0 or 1.
-
-    A row is logged if the status changes, or if a gap closes and opens again at once.
-
-    Parameters
-    ----------
-    run : Run
-    node : Node
-    change : Front
-        The next free row of the log.
-    k, tick : int
-    dt : int
-        Ticks since the node was solved last.
-    closing : float
-        a - b, the velocity at which the gap would close without a force.
-    mobility : float
-        Y1 + Y2.
-    """
-    tolerance = run.velocity_tolerance
-    status = resolve_contact(node, closing, dt, tolerance, run.closing_window)
-    is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
-    rows = 0
-    if status != node.status or is_touch:
-        log_contact_change(run, node, change, k, tick, status, mobility)
-        rows = 1
-    return rows
-
-
 def resolve_contact(
     node: Node, closing: Amplitude, dt: int, tolerance: Amplitude, window: int
 ) -> int:
@@ -101,9 +63,7 @@ def resolve_contact(
     """
     gap = node.gap + node.gap_rate * dt
     status: int = node.status
-    # Distance that the gap closes by in the window
-    closing_length = max(-node.gap_rate, closing) * window
-    if status == Status.OPEN and gap <= closing_length:
+    if status == Status.OPEN and gap <= max(-node.gap_rate, closing) * window:
         gap = 0 * gap
         status = Status.TOUCH.value
     if status != Status.OPEN:

@@ -27,12 +27,6 @@ def schedule(queue: Queue, leaf: int, tick: int) -> None:
         queue[i] = earlier
 
 
-def bring_forward(queue: Queue, leaf: int, tick: int) -> None:
-    """Set the tick of a leaf if it is earlier than the one that the leaf has."""
-    if tick < queue[leaf]:
-        schedule(queue, leaf, tick)
-
-
 def first_leaf(queue: Queue) -> int:
     """Leaf with the earliest tick, the leftmost of several."""
     leaves = len(queue) // 2

@@ -177,22 +177,27 @@ def advance(state: State, horizon: int) -> int:
         left_mobility = segments[k].mobility
         right_mobility = segments[k + 1].mobility
         if node.status >= Status.OPEN:
-            mobility = left_mobility + right_mobility
-            rows += contact.update_status(
-                run, node, log[rows], k, tick, dt, a - b, mobility
-            )
+            status = contact.resolve_contact(node, a - b, dt, tolerance, window)
+            is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
+            if status != node.status or is_touch:
+                mobility = left_mobility + right_mobility
+                contact.log_contact_change(
+                    run, node, log[rows], k, tick, status, mobility
+                )
+                rows += 1
         force_free_velocity = contact.solve_force(
             node, a, b, left_mobility, right_mobility, k == 0
         )
+        force = node.force
 
         # A front is sent where the outgoing wave changes: on line 2 k + 1 to the left, or on line
         # 2 k + 2 to the right.
         for side in range(2):
             l = 2 * k + 1 + side
             if side == 0:
-                wave = force_free_velocity - 2 * node.force * left_mobility
+                wave = force_free_velocity - 2 * force * left_mobility
             else:
-                wave = b + 2 * node.force * right_mobility
+                wave = b + 2 * force * right_mobility
             line = lines[l]
             last_row = line.last_row
             if last_row != NONE and abs(wave - log[last_row].value) > tolerance:
@@ -201,7 +206,8 @@ def advance(state: State, horizon: int) -> int:
                     line.next_row = rows
                     line.arrival_tick = tick + segments[k + side].transit
                     neighbour = leaf - 1 + 2 * side
-                    event_queue.bring_forward(queue, neighbour, line.arrival_tick)
+                    if line.arrival_tick < queue[neighbour]:
+                        event_queue.schedule(queue, neighbour, line.arrival_tick)
                 rows += 1
 
         if node.status == Status.OPEN:
