@@ -106,7 +106,7 @@ def as_options(text: str) -> str:
     for line in text.split("\n"):
         line = _GRID.sub(r"rodimpact sweep --vary \1=\2", line)
         for pattern, phrase in PHRASES.items():
-            line = re.sub(pattern, lambda _, words=phrase: words, line)
+            line = re.sub(pattern, phrase, line)
         if line.startswith(("solve.", "solve:")):
             line = _ARGUMENT.sub(_as_key, line)
         else:

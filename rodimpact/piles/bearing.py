@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ..hints import explain_arguments, explain_missing
 from ..methods.registry import count
 from ..methods.signals import Floats
-from ..model import Rod, System
+from ..model import Rod, Soil, System
 from ..model.arguments import array, demand, integer, scalar
 from ..model.frozen import InvalidModel, Problems, invalid_argument, raise_if_problems
 from ..model.laws import SmithToe
@@ -284,7 +284,7 @@ def with_resistance(
     on_shaft = shaft_resistance(system)
     bodies: list[Any] = []
     for body in system.bodies:
-        if isinstance(body, Rod) and body.shaft is not None:
+        if isinstance(body, Rod) and isinstance(body.shaft, Soil):
             soil = None
             if shaft_share > 0:
                 factor = shaft_share * resistance / on_shaft

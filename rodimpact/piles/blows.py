@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from ..hints import explain_arguments, explain_missing
-from ..model import Plastic, RigidMass, Rod, System, Wall
+from ..model import Plastic, RigidMass, Rod, Soil, System, Wall
 from ..model.arguments import demand, integer, of_kind, scalar
 from ..model.ends import FREE
 from ..model.frozen import InvalidModel, Problems, raise_if_problems
@@ -231,7 +231,7 @@ def shaft_resistance(system: System) -> float:
     """Ultimate resistance of the soil along all shafts, N."""
     total = 0.0
     for body in system.bodies:
-        if isinstance(body, Rod) and body.shaft is not None:
+        if isinstance(body, Rod) and isinstance(body.shaft, Soil):
             length = float(body.length)
             total += float(resistances(body.shaft, [0.0, length], length).sum())
     return total
@@ -386,7 +386,7 @@ def _next_system(
     InvalidModel
         If nothing holds the pile, or soil yields when a ram that lay on the pile is lifted.
     """
-    is_held = system.has_shaft or system.gravity > 0
+    is_held = shaft_resistance(system) > 0 or system.gravity > 0
     demand(is_held, "gravity", "must be positive for a pile that no soil holds")
     after = resting_system(aftermath.chain, aftermath.equilibrium)
     pile = row.pile

@@ -298,7 +298,7 @@ def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
 def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
     """Work done since t = 0 on what acts along the shafts of rods."""
     works = ShaftWorks(np.zeros(ticks.shape), np.zeros(ticks.shape))
-    bodies = fields.clock.system.bodies
+    bodies: Any = fields.clock.system.bodies
     for body, action in fields.signals.shafts.items():
         work = works.soil
         if isinstance(bodies[body].shaft, Drag):

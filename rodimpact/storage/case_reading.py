@@ -462,9 +462,10 @@ def check_grids(top: Table, system: System | None) -> None:
             top.note(path, f"is no number that can vary; {near}")
     if system is None or reading.mistakes:  # stand-ins may not vary
         return
-    for name in variables:
-        reading.grids[name].varied = reading.grids[name].amounts()
     grids = reading.axes
+    for grid in grids:
+        if grid.path in variables:
+            grid.varied = grid.amounts()
     shape = system.shape
     if not shape:
         shape = (0,) * len(grids)

@@ -182,7 +182,9 @@ def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
     return stand_ins
 
 
-def variables_of(stand_ins: Mapping[str, Grid | Tie], numbers: Collection[str]) -> Any:
+def variables_of(
+    stand_ins: Mapping[str, Grid | Tie], numbers: Collection[str]
+) -> set[str]:
     """Names of the grids that are variables: no numbers, and others are tied to them."""
     names = set()
     for tie in stand_ins.values():
