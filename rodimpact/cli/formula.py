@@ -8,6 +8,7 @@ areas and materials of rods.
 """
 
 import argparse
+from typing import Any
 
 from .. import Case, ClosedForm, closed_form, read_case
 from ..model.numbering import body_names, contact_names
@@ -55,9 +56,9 @@ def run(args: Arguments) -> CommandResult:
     return CommandResult("\n\n".join(blocks), DONE)
 
 
-def _caps(case: Case) -> dict[str, int]:
+def _caps(case: Case) -> dict[str, Any]:
     """Keyword arguments of `closed_form`: the cap on events of the case, if it has one."""
-    caps = {}
+    caps: dict[str, Any] = {}
     if "max_events" in case.solve:
         caps["max_events"] = case.solve["max_events"]
     return caps
