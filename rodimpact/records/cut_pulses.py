@@ -5,6 +5,7 @@ Between them, where nothing was given, the strain is zero. From there on they ar
 record of one gauge is.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -79,12 +80,21 @@ class _Pulse(NamedTuple):
     rest_strain: Floats  # samples before the pulse, without their level
     onset: float  # s
 
+    @property
+    def level_error(self) -> float:
+        """Standard error of the level at rest; 0 without samples at rest."""
+        count = len(self.rest_strain)
+        if not count:
+            return 0.0
+        return float(self.rest_strain.std()) / math.sqrt(count)
+
 
 class GaugePair(NamedTuple):
-    """The gauge of the input bar and that of the output bar."""
+    """The gauge of the input bar and that of the output bar, with the pulses in one record each."""
 
     input: BarGauge
     output: BarGauge
+    velocity_error: float  # standard error of v1 - v2 by the levels at rest, m/s
 
 
 def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
@@ -93,8 +103,10 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
     reflected = _pulse_from_rest("reflected", pulses.reflected)
     transmitted = _pulse_from_rest("transmitted", pulses.transmitted)
     _check_end(incident)
-    input_travel = pulses.incident.distance / _speed_of(rods.input)
-    output_travel = pulses.transmitted.distance / _speed_of(rods.output)
+    input_speed = _speed_of(rods.input)
+    output_speed = _speed_of(rods.output)
+    input_travel = pulses.incident.distance / input_speed
+    output_travel = pulses.transmitted.distance / output_speed
     reflected_signal = reflected.signal
     transmitted_signal = transmitted.signal
     if pulses.clock == "own":
@@ -109,6 +121,12 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
             'give clock="own" if each pulse has a time of its own',
         )
     input_record = _joined(incident.signal, reflected_signal)
+    # Each pulse has a level of its own: v1 - v2 is c1 (i - r) - c2 t.
+    velocity_error = math.hypot(
+        input_speed * incident.level_error,
+        input_speed * reflected.level_error,
+        output_speed * transmitted.level_error,
+    )
     return GaugePair(
         BarGauge(
             _with_rest(input_record, incident.rest_strain), pulses.incident.distance
@@ -117,6 +135,7 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
             _with_rest(transmitted_signal, transmitted.rest_strain),
             pulses.transmitted.distance,
         ),
+        velocity_error,
     )
 
 

@@ -34,7 +34,7 @@ from .equal_forces import EqualForceShot
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .reduction import Reduction
 from .separation import separated_until
-from .shot import Resolution, Shot, bands_of, one_sample_of
+from .shot import STANDARD_ERRORS, Resolution, Shot, bands_of, one_sample_of
 from .specimen import Specimen
 from .two_bar_shot import NO_SHIFTS, Shifts, TwoBarShot
 from .verdict import Verdict, verdict_of, verdict_of_equal_forces
@@ -143,10 +143,14 @@ def reduce(
             if isinstance(bars, Calibration):
                 calibration = bars
                 rods = calibration.bars
+            velocity_error = 0.0
             if pulses is not None:
-                input_gauges, output_gauges = gauges_of(pulses, rods_of(rods))
+                pair = gauges_of(pulses, rods_of(rods))
+                input_gauges = pair.input
+                output_gauges = pair.output
+                velocity_error = pair.velocity_error
             recorded = instrumented_bars(input_gauges, output_gauges, rods, compression)
-            records = _Records(recorded, calibration, specimen)
+            records = _Records(recorded, calibration, specimen, velocity_error)
             if equal_forces:
                 reduction = _reduce_with_equal_forces(records, report)
             else:
@@ -186,6 +190,9 @@ class _Records(NamedTuple):
     bars: InstrumentedBars  # with the strains as recorded
     calibration: Calibration | None
     specimen: Specimen
+    velocity_error: (
+        float  # of v1 - v2 by levels at rest that the noise does not show, m/s
+    )
 
     @property
     def corrected(self) -> InstrumentedBars:
@@ -217,6 +224,7 @@ def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reducti
         after = loading_imbalance(shot.curve())
         alignment = Alignment(limit, before, after)
     curve = shot.curve()
+    rate_error = records.velocity_error / records.specimen.length
     verdict = verdict_of(curve, input_bar.impedance, input_bar.first_pulse.rise)
     return _reduction(
         shot,
@@ -228,6 +236,7 @@ def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reducti
         calibration=records.calibration,
         shifts=shot.shifts,
         alignment=alignment,
+        strain_error=STANDARD_ERRORS * rate_error * (times - times[0]),
     )
 
 
@@ -258,7 +267,7 @@ def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
         doubts_of_equal_forces(recorded, records.specimen.length),
         report,
         calibration=records.calibration,
-        timing_error=later.strain - curve.strain,
+        strain_error=later.strain - curve.strain,
     )
 
 
@@ -278,7 +287,7 @@ def _reduce_direct_impact(
         verdict_of_equal_forces(curve, shot.sentence()),
         doubts_of_direct_impact(bar),
         report,
-        timing_error=timing_error,
+        strain_error=timing_error,
     )
 
 
@@ -307,11 +316,11 @@ def _reduction(
     calibration: Calibration | None = None,
     shifts: Shifts = NO_SHIFTS,
     alignment: Alignment | None = None,
-    timing_error: Floats | float = 0.0,
+    strain_error: Floats | float = 0.0,
 ) -> Reduction:
     """The curve of a shot with its bands; `bars` are those with gauges, the output bar last.
 
-    `timing_error` is an error of the strain, which joins its band.
+    `strain_error` is an error of the strain that the noise does not show; it joins its band.
     """
     first = bars[0]
     cut_off = min(first.guide.cut_off, 0.5 / first.dt)
@@ -320,7 +329,7 @@ def _reduction(
     return Reduction(
         **vars(curve),
         stress_band=bands.stress,
-        strain_band=np.hypot(bands.strain, timing_error),
+        strain_band=np.hypot(bands.strain, strain_error),
         one_sample=one_sample_of(shot, curve, bars[-1].dt),
         shifts=shifts,
         verdict=verdict,

@@ -37,8 +37,8 @@ class RoundedTimes(UserWarning):
     ...     path = pathlib.Path(folder, "shot.csv")
     ...     _ = path.write_text(chr(10).join(["t [us],bar [V]", *rows]))
     ...     record = ri.read_signals(path)
-    >>> [each.category.__name__ for each in told], round(record["bar"].dt * 1e7, 2)
-    (['RoundedTimes'], 4.0)
+    >>> [each.category.__name__ for each in told], round(record["bar"].dt * 1e6, 1)
+    (['RoundedTimes'], 0.4)
     """
 
 
