@@ -450,7 +450,8 @@ def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
 def _plateau_error(bar: InstrumentedBar) -> float:
     """Standard error of the level of the plateau, over this level.
 
-    The plateau of a pulse rings, and each rise time is one measurement of its level.
+    The plateau of a pulse rings, and each rise time is one measurement of its level. The level is
+    a median, which noise and the ends of the plateau displace: its difference from the mean adds.
     """
     pulse = bar.first_pulse
     begin = pulse.start + pulse.rise
@@ -459,7 +460,9 @@ def _plateau_error(bar: InstrumentedBar) -> float:
     if len(plateau) < 2:
         return _noise(bar) / pulse.plateau
     sums = _block_sums(plateau - plateau.mean(), bar)
-    return math.sqrt(float(sums @ sums)) / len(plateau) / pulse.plateau
+    error_of_mean = math.sqrt(float(sums @ sums)) / len(plateau)
+    displacement = float(plateau.mean()) - pulse.plateau
+    return math.hypot(error_of_mean, displacement) / pulse.plateau
 
 
 def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
