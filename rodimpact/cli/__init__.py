@@ -24,14 +24,14 @@ from .messages import as_options, complain
 COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
     "run": "solve a case file",
-    "sweep": "map a family of collisions over one or more numbers of a case",
+    "sweep": "solve a family of collisions, in which numbers of a case vary",
     "bearing": "draw the bearing graph of a pile: blows against resistance",
     "compare": "compare a measured record with the gauges of a case",
     "reduce": "read stress and strain of a specimen off the gauges of two bars",
     "explore": "play with a collision in the browser",
     "export": "write a collision as a page to hand out",
     "animate": "make a moving picture of a case: GIF or MP4",
-    "formula": "solve a case in symbols: e as a formula, and when it holds",
+    "formula": "solve a case in symbols: e as a formula, and where it holds",
     "rigid": "collide two rigid bodies",
     "verify": "check each method against a closed form",
     "materials": "list materials, with the source of each number",
@@ -204,7 +204,7 @@ def _program_parser() -> argparse.ArgumentParser:
     parser = _new_parser(
         prog="rodimpact",
         description=(
-            "Collisions of elastic rods: exact waves, and the restitution that follows."
+            "Collisions of elastic rods, computed from the waves that run through them."
         ),
         epilog="\n".join(lines),
     )

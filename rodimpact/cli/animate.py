@@ -2,9 +2,9 @@
 
 rodimpact animate CASE.toml -o collision.gif
 
-FILE ends in .gif or .mp4 (needs the program ffmpeg); `rodimpact export` makes a page
-that plays. [output] of the case is for `rodimpact run`. Exit status 3 if the run
-stopped before what was asked; the picture shows what there is.
+FILE ends in .gif or .mp4, which needs the program ffmpeg. `rodimpact export` makes a
+page with a play button. [output] of the case is for `rodimpact run`. The exit status is
+3 if the run stopped early; the picture then ends there.
 """
 
 import argparse
@@ -43,7 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="velocity",
         help="quantity shown in colour; default velocity",
     )
-    add_number(parser, "--frames", "", "2 to 10000; default 120", default=120)
+    add_number(
+        parser, "--frames", "", "number of frames, 2 to 10000; default 120", default=120
+    )
     add_number(
         parser, "--fps", "dimensionless", "frames a second; default 25", default=25.0
     )

@@ -22,12 +22,12 @@ from .messages import complain, option_of, print_progress
 
 T = TypeVar("T")
 RUN_NUMBERS = {
-    "until": ("time", "end of the run, instead of the case's"),
+    "until": ("time", "end of the run; default: that of the case"),
     "dt": ("time", "time step of finite-difference"),
     "rtol": ("dimensionless", "relative accuracy of the outcome"),
-    "max_events": ("", "cap on events, instead of the case's"),
+    "max_events": ("", "largest number of events; default: that of the case"),
     "cells": ("", "cells of finite-difference"),
-    "snapshots": ("", "states of the rods that finite-difference keeps"),
+    "snapshots": ("", "number of states that finite-difference stores"),
 }
 """Numbers that say how to run: their dimension, and their help."""
 CASE_KEYS = {"gauges": "gauges", "output": "output"}
@@ -300,7 +300,9 @@ def add_run_options(
     parser: argparse.ArgumentParser, names: Sequence[str] = tuple(RUN_NUMBERS)
 ) -> None:
     """Add the method, and some of the numbers in `RUN_NUMBERS`."""
-    parser.add_argument("--method", choices=METHOD_NAMES, help="instead of the case's")
+    parser.add_argument(
+        "--method", choices=METHOD_NAMES, help="default: that of the case"
+    )
     for name in names:
         dimension, help_text = RUN_NUMBERS[name]
         add_number(parser, option_of(name), dimension, help_text)

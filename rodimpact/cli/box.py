@@ -1,9 +1,9 @@
-"""Replay the textbook's box on collisions of elastic rods, in words and figures.
+"""Replay the textbook's collisions of elastic rods, in words and figures.
 
-Identical rods, a rod on a rigid wall, and rods of different length: 1 m long and 1 cm^2
-thick, struck at 1 m/s. Then the coefficient of restitution of sixty pairs of rods
-against the law e = l1/l2. The figures go to a directory of their own, with a page,
-index.html, that shows it all.
+Two identical rods collide, a rod hits a rigid wall, and two rods of different length
+collide. The longest rod is 1 m long, the cross-sectional area is 1 cm^2, and the speed
+is 1 m/s. Then sixty pairs of rods are solved, and their e is compared with l1/l2. The
+figures and a page that shows them, index.html, go to a directory of their own.
 """
 
 import argparse
@@ -40,6 +40,10 @@ DOWEL_AREA = math.pi / 4 * 0.0127**2
 """Cross-sectional area of a dowel half an inch thick, m^2."""
 SNAPSHOTS = 7
 """Snapshots in the figure of the stages."""
+VIBRATION_ENERGY = (
+    "The vibration energy after the collision is (1 - e^2) mu v^2/2, with the reduced\n"
+    "mass mu = m1 m2/(m1 + m2); against a wall mu = m1."
+)
 BOX_ROD_NAMES = ("left rod", "right rod")
 HEAD = """\
 <!doctype html>
@@ -66,18 +70,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=TABLE,
         default="steel",
         metavar="NAME",
-        help="of the rods, from rodimpact materials; default steel",
+        help="material of the rods, one that `rodimpact materials` lists; default steel",
     )
     parser.add_argument(
         "--dowel",
         action="store_true",
-        help="also drop a 3-foot wooden dowel on a stone floor",
+        help="add a wooden dowel, 3 feet long, that falls on a stone floor",
     )
     parser.add_argument(
         "--format",
         choices=("png", "svg", "pdf"),
         default="png",
-        help="of the figures; default png",
+        help="format of the figures; default png",
     )
     parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
     parser.add_argument(
@@ -237,10 +241,10 @@ def _result_rows(replay: Replay) -> Iterator[list[str]]:
             outcome.restitution,
             expected.restitution,
         ),
-        ("contact force lasts", "s", outcome.duration, expected.duration),
-        ("gap opens after", "s", opening, expected.opening),
-        ("contact force", "N", outcome.peak_force, expected.peak_force),
-        ("energy left in vibration", "J", vibration, expected.vibration_energy),
+        ("force duration", "s", outcome.duration, expected.duration),
+        ("time until the gap opens", "s", opening, expected.opening),
+        ("peak force", "N", outcome.peak_force, expected.peak_force),
+        ("vibration energy after", "J", vibration, expected.vibration_energy),
     ):
         computed_text = format_si(float(computed), unit)
         yield [quantity, computed_text, format_si(float(closed_form), unit)]
@@ -271,7 +275,7 @@ def _remark(replay: Replay) -> str:
             "long rod is back; the gap opens after "
             f"{format_si(opening, 's')}"
         )
-    return remark + ".\nThe vibration energy is (1 - e^2) m_coll v^2/2."
+    return f"{remark}.\n{VIBRATION_ENERGY}"
 
 
 # The files ----------------------------------------------------------------------------

@@ -2,9 +2,9 @@
 
 rodimpact compare CASE.toml RECORD.csv --gauge incident=1:0.5 --start -20us --stop 120us
 
-A gauge bears the name of its channel. The prediction is shifted in time and multiplied
-as suits the record best, unless --shift and --scale say how much; pulses are timed
-after that. Exit status 3 if the run stopped before what was asked.
+A gauge bears the name of its channel. The computed strain is shifted in time and
+multiplied by a gain, so that it fits the record best; --shift and --scale fix these two
+numbers. Pulses are timed after that. The exit status is 3 if the run stopped early.
 """
 
 import argparse
@@ -52,25 +52,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The case, the record and its form, what is compared, and options of the run."""
     record_options.add_case_and_record(parser)
     compared = parser.add_argument_group("what is compared")
-    add_number(compared, "--start", "time", "of the part of the record; by default all")
-    add_number(compared, "--stop", "time", "its end")
     add_number(
-        compared, "--shift", "time", "fixed, of the prediction; positive is later"
+        compared,
+        "--start",
+        "time",
+        "begin of the part of the record that is compared; by default all of it",
     )
-    add_number(compared, "--scale", "dimensionless", "its gain, fixed")
+    add_number(compared, "--stop", "time", "end of this part")
+    add_number(
+        compared,
+        "--shift",
+        "time",
+        "fix the shift of the computed strain; positive is later",
+    )
+    add_number(
+        compared, "--scale", "dimensionless", "fix the gain of the computed strain"
+    )
     add_number(
         compared,
         "--carried",
         "length",
-        "shift the computed pulse so much farther, with the "
-        "exact dispersion of a round bar, for a gauge placed close behind the struck "
-        "end",
+        "propagate the computed pulse by this distance, with the exact dispersion of a "
+        "round bar; give a gauge that lies close behind the struck end",
     )
     add_number(
         compared,
         "--radius",
         "length",
-        "its equivalent radius, if the case gives no diameter",
+        "radius of this bar, if the case gives no diameter",
     )
     record_options.add_record_options(parser)
     add_run_options(parser)

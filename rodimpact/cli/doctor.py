@@ -1,6 +1,6 @@
-"""Show versions, and the folder of compiled code; with --warm, compile everything.
+"""Show versions, and the folder of compiled code. With --warm, compile everything.
 
-Exit status 1 if --warm can compile nothing.
+The exit status is 1 if --warm cannot compile.
 """
 
 import argparse

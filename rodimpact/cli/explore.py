@@ -1,7 +1,7 @@
 """Play with a collision in the browser: sliders, space-time diagram, moving rods.
 
-The page is written to a temporary file, whose path is printed, and solves by itself.
-Without a case it begins with two rods of different length.
+The page is written to a temporary file, whose path is printed. It solves collisions
+itself. Without a case it begins with two rods of different length.
 """
 
 import argparse
@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "case", metavar="CASE.toml", nargs="?", help="the case file to begin with"
     )
     parser.add_argument(
-        "--no-browser", action="store_true", help="print the path, open nothing"
+        "--no-browser", action="store_true", help="print the path, and open no browser"
     )
 
 

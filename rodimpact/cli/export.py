@@ -1,7 +1,7 @@
 """Write a collision as a page to hand out: one file, for any browser, offline.
 
-The page has the solver inside, and its sliders work. It cannot solve everything: for a
-collision with damping, say, `rodimpact animate` makes a moving picture.
+The page contains the solver, so its sliders work. It cannot solve everything. For a
+collision with damping, for example, `rodimpact animate` makes a moving picture.
 """
 
 import argparse

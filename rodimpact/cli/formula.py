@@ -1,10 +1,10 @@
-"""Solve a case in symbols: formulas of its results, and where they hold.
+"""Solve a case in symbols: formulas of e, velocities and impulses, and where they hold.
 
 rodimpact formula CASE.toml --symbols length,area
 
-Symbols are paths of the case, such as bodies.0.length, or the last words of paths, such
-as length, which names all lengths. transit_time and impedance stand for the lengths,
-areas and materials of rods.
+A symbol stands for a number of the case. It is named by its path, such as
+bodies.0.length, or by the last word of a path: length names all lengths. The symbols
+transit_time and impedance replace the lengths, areas and materials of rods.
 """
 
 import argparse
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--symbols",
         metavar="A,B,...",
         default="transit_time,impedance",
-        help="numbers that get names; default transit_time,impedance",
+        help="numbers that become symbols; default transit_time,impedance",
     )
     parser.add_argument(
         "--conditions",

@@ -60,6 +60,7 @@ PHRASES = {
     r"give youngs_modulus=": "give the bar youngs_modulus = ",
     r'save\("run\.toml"\)': "rodimpact run --save run.toml",
     r"solve its system again, and": "solve its case again by",
+    r"write solution\.system as a case file": "save its system as a case file",
 }
 """What the command line says in place of calls of Python, by a pattern of their text."""
 

@@ -153,10 +153,14 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
     record = parser.add_argument_group(
         "form of the record, where the file does not state it"
     )
-    record.add_argument("--time", metavar="COLUMN", help="the column of times")
-    record.add_argument("--time-unit", metavar="UNIT", help="s, ms, us or ns")
+    record.add_argument("--time", metavar="COLUMN", help="name of the column of times")
+    record.add_argument(
+        "--time-unit", metavar="UNIT", help="unit of the times: s, ms, us or ns"
+    )
     add_number(record, "--rate", "frequency", "sampling rate of a record without times")
-    record.add_argument("--decimal", metavar="SIGN", help="decimal sign: . or ,")
+    record.add_argument(
+        "--decimal", metavar="SIGN", help="decimal sign of the numbers: . or ,"
+    )
     record.add_argument(
         "--unit",
         metavar="[CHANNEL=]UNIT",

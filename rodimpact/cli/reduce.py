@@ -50,32 +50,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     record_options.add_case_and_record(parser)
     parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
     parser.add_argument(
-        "--strict", action="store_true", help="exit status 3 if a doubt is told"
+        "--strict", action="store_true", help="exit status 3 if the verdict has a doubt"
     )
     specimen = parser.add_argument_group("the specimen")
-    add_number(specimen, "--length", "length", "length before the shot", required=True)
-    add_number(specimen, "--diameter", "length", "diameter, if round; or give")
-    add_number(specimen, "--area", "area", "cross-sectional area")
-    add_number(specimen, "--youngs-modulus", "pressure", "of its elastic part")
-    add_number(specimen, "--wave-speed", "velocity", "of waves in it")
+    add_number(
+        specimen,
+        "--length",
+        "length",
+        "length of the specimen before the shot",
+        required=True,
+    )
+    add_number(specimen, "--diameter", "length", "diameter of a round specimen")
+    add_number(
+        specimen, "--area", "area", "cross-sectional area, in place of the diameter"
+    )
+    add_number(
+        specimen, "--youngs-modulus", "pressure", "Young's modulus of the specimen"
+    )
+    add_number(specimen, "--wave-speed", "velocity", "wave speed in the specimen")
     specimen.add_argument(
         "--incompressible",
         action="store_true",
-        help="its volume is constant: add true stress and strain",
+        help="the volume is constant: add columns of true stress and strain",
     )
     waves = parser.add_argument_group("the waves")
     for name in PULSES:
         waves.add_argument(
             f"--{name}",
             metavar=record_options.GAUGE_FORM,
-            help=f"the {name} pulse, cut out of its record: channel and gauge; all "
-            "three are in place of --gauge",
+            help=f"channel and gauge of the {name} pulse, cut out of its record; give all "
+            "three in place of --gauge",
         )
     waves.add_argument(
         "--equal-forces",
         action="store_true",
-        help="assume equal forces on both faces and a free far end of the output bar: "
-        "one gauge a bar separates waves that overlap",
+        help="separate waves that overlap at one gauge a bar, by assuming equal forces on "
+        "both faces and a free far end of the output bar",
     )
     waves.add_argument(
         "--direct-impact",
@@ -87,8 +97,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--clock",
         choices=CLOCKS,
         default="common",
-        help="times of the cut pulses: common, or own if each begins anew; then they "
-        "are aligned at their begin. Default: common",
+        help="common (the default) if the cut pulses share one time axis; own if the time "
+        "of each begins anew: then they are aligned at their beginnings",
     )
     waves.add_argument(
         "--compression",
@@ -100,8 +110,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         waves,
         "--align-within",
         "time",
-        "largest shift of the reflected and the transmitted wave, by which forces balance "
-        "in the elastic start; later the balance can be worse, the result shows it",
+        "largest shift of the reflected and the transmitted wave; the shift that balances "
+        "the forces in the elastic start is used, and the verdict shows the balance",
         default=0.0,
     )
     record_options.add_record_options(parser)

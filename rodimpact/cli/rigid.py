@@ -1,6 +1,9 @@
-"""Collide two rigid bodies on a line: momentum is kept, e says how fast they part.
+"""Collide two rigid bodies on a line, with a given coefficient of restitution e.
 
 rodimpact rigid --m1 2 --v1 0.5 --m2 10 --v2 0.2 -e 1
+
+The momentum is conserved. e is the velocity at which the bodies part, divided by the
+velocity at which they met.
 """
 
 import argparse
@@ -37,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             parser,
             f"--v{i}",
             "velocity",
-            'its velocity, "0.5 m/s", positive to the right',
+            f'velocity of the {side} body, "0.5 m/s", positive to the right',
             required=True,
         )
     parser.add_argument(
@@ -47,13 +50,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="E",
         action=NumberAction,
         const="dimensionless",
-        help="coefficient of restitution: 0 they stick, 1 no energy is lost; "
-        "below 0 one passes through the other",
+        help="coefficient of restitution: 0 if the bodies stick together, 1 if no energy is "
+        "lost, below 0 if one body passes through the other",
     )
     parser.add_argument(
         "--energy-release",
         action="store_true",
-        help="allow |e| > 1, as when something explodes between the bodies",
+        help="allow e above 1 or below -1: an explosion between the bodies adds energy",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
 

@@ -1,8 +1,7 @@
-"""Solve a case file and print what the collision did.
+"""Solve a case file and print the outcome.
 
 A number may have a unit: --until "2 ms". The names of files are relative to the current
-directory. Exit status 3 if the run stopped before what was asked, at a cap on events or
-on time.
+directory. The exit status is 3 if a limit on events or on time stopped the run early.
 """
 
 import argparse
@@ -33,7 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--save", metavar="FILE.toml", help="save the case with its outcome"
     )
-    parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument(
+        "--plot", metavar="FILE", help="draw the result: .png, .svg or .pdf"
+    )
     parser.add_argument(
         "--gauges",
         metavar="FILE.csv",

@@ -1,18 +1,17 @@
-"""Map a family of collisions over one or more numbers of a case.
+"""Solve a family of collisions, in which one or more numbers of a case vary.
 
 rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
     --vary "contacts.0.gap=0,1 um,10 um"
 
-A grid is start:stop:count, start:stop:count:log for equal ratios, or a list; a number
+A grid is start:stop:count, start:stop:count:log for equal ratios, or a list. A number
 may have a unit. The first --vary is the first axis. A number may be tied to another one
 that varies, or to a variable, by factors; it has no axis of its own:
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 
-Every collision runs as [solve] of
-the case says, or what is given here instead, and without an end in time to its proof;
-[output] is for `rodimpact run`. Exit status 3 if some did not come to their end; the
-status of each says why.
+Options of this command go before those in [solve] of the case. If no end is given, each
+collision runs until it is proved to be over. [output] of the case is for `rodimpact
+run`. The exit status is 3 if some collisions stopped early; the status of each says why.
 """
 
 import argparse
@@ -40,14 +39,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH=GRID",
         action="append",
         default=[],
-        help=f"a number and its values, {EXAMPLE}, once for each axis; or a number that "
-        "is tied to another one, PATH=FACTOR*OTHER",
+        help=f"a number and its values, {EXAMPLE}; give --vary once for each axis. Or a "
+        "number that is tied to another one, PATH=FACTOR*OTHER",
     )
-    add_number(parser, "--workers", "", "threads; default one a processor")
+    add_number(
+        parser, "--workers", "", "number of threads; default: one for each processor"
+    )
     parser.add_argument(
         "--checkpoint",
         metavar="DIR",
-        help="keep finished parts here, and go on from those of an earlier run",
+        help="store finished parts in this folder, and continue from stored parts",
     )
     parser.add_argument(
         "--also",
@@ -67,7 +68,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     form.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--save", metavar="FILE.npz", help="save the result")
-    parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument(
+        "--plot", metavar="FILE", help="draw the result: .png, .svg or .pdf"
+    )
     parser.add_argument(
         "--quantity",
         metavar="NAME",

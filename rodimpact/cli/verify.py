@@ -1,4 +1,4 @@
-"""Check each method against a closed form for e. Exit status 4 if a number is off.
+"""Compare each method with a closed form for e. The exit status is 4 if one is wrong.
 
 The validation pages of the manual, docs/validation.md, compare hundreds of numbers with
 closed forms, published test problems and measured records.

@@ -428,7 +428,7 @@ def test_a_solution_that_an_earlier_version_saved_as_arrays_names_the_remedy(
     head = {"format": "rodimpact", "schema": schema, "rodimpact": "0.1.0"}
     document = {**head, "kind": "solution", "content": {}, "arrays": {}}
     np.savez_compressed(path, document=np.array(json.dumps(document)))
-    refused(path, r'solve its system again, and save\("run\.toml"\).*format_case')
+    refused(path, r'solve its system again, and save\("run\.toml"\).*as a case file')
 
 
 MISTAKES = [
