@@ -210,7 +210,7 @@ class Ties(NamedTuple):
 @explain_missing()
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
-    """A collision in symbols, and where that holds.
+    """A collision in symbols, and the region in which the formulas hold.
 
     Attributes
     ----------
@@ -282,7 +282,7 @@ class ClosedForm:
     def at(self, **values: Any) -> Exact:
         """Evaluate the formula in fractions; None for numbers that are 0/0 there.
 
-        They have a limit at most.
+        A formula may have a limit there, which is not computed.
 
         Parameters
         ----------
@@ -339,7 +339,7 @@ class ClosedForm:
     def holds(self, **values: Any) -> bool:
         """Whether the formula holds at values as in `at`; not on outer borders.
 
-        It does not where a number that is no velocity is 0 or negative.
+        It does not hold if a number other than a velocity is 0 or negative.
         """
         point = self._point(values)
         for name, value in point.items():

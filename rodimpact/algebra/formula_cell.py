@@ -103,7 +103,7 @@ def _values_of(
 ) -> list[Fraction]:
     """Values of traced fractions at a point; 0 for those that divide by 0 there.
 
-    They have a limit at most.
+    A formula may have a limit there, which is not computed.
     """
     try:
         return Program(numbers, Fraction)(point)

@@ -70,8 +70,8 @@ class Page:
         """The system that the page shows.
 
         In a notebook with the extra ``notebook`` it is the system of the sliders. A
-        number that is no valid entry, such as a length below 0, is passed over until it
-        is mended. Without the extra, and outside a notebook, it is the system of which
+        number that is no valid entry, such as a length below 0, is ignored until it is
+        corrected. Without the extra, and outside a notebook, it is the system of which
         the page was made.
         """
         if self._widget is None or self._widget.case == "":

@@ -112,7 +112,7 @@ that changes, compiling takes longer and nothing else changes.
 
 
 class DamagedCache(UserWarning):
-    """Machine code on disk cannot be read, and is made anew.
+    """Machine code on disk cannot be read, and is compiled again.
 
     Examples
     --------

@@ -98,11 +98,11 @@ class Options(FrozenDataclass):
     Parameters
     ----------
     until : float, optional
-        Time to run to, s; by default until it is proved that the collision is over.
+        End of the run, s; by default the proof that the collision is over.
     method : str
         Name of the method, or ``"auto"``.
     max_events : int
-        Cap on arrivals of waves at ends.
+        Largest number of events, such as arrivals of waves at ends.
     dt : float, optional
         Time step of a grid, s.
     rtol : float, optional
@@ -160,13 +160,13 @@ class Options(FrozenDataclass):
         Parameters
         ----------
         system : System
-            Of any shape; what any member needs, the method has.
+            System of any shape; the method can solve every member.
 
         Raises
         ------
         InvalidModel
-            If that is no System, the method lacks something that it has, an option is for another
-            method, or `until` is missing.
+            If `system` is no System, the method lacks something that the system has, an option is
+            for another method, or `until` is missing.
         """
         of_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)

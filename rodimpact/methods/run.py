@@ -105,8 +105,8 @@ def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
 class ContactTally(NamedTuple):
     """Totals of one contact.
 
-    A bonded contact or a joint has an impulse and a largest push; the rest is for those that can
-    open.
+    A bonded contact or a joint has an impulse and a peak force. The other totals belong to
+    contacts that can open.
 
     Attributes
     ----------

@@ -587,7 +587,7 @@ class Rod(Frozen, kind="rod"):
         Initial strain, positive in tension; a function is sampled like that of the
         velocity.
     shaft : Soil or Drag, optional
-        What resists the motion along the rod, for the method "finite-difference".
+        Soil or drag that resists the motion along the rod, for the method "finite-difference".
 
     Raises
     ------
@@ -825,7 +825,7 @@ class RigidMass(FrozenDataclass, kind="mass"):
 
 
 class Wall(FrozenDataclass, kind="wall"):
-    """An immovable body, or one that keeps its velocity whatever hits it.
+    """A body that is immovable, or keeps its velocity in every collision.
 
     Parameters
     ----------

@@ -39,9 +39,10 @@ class Fixed(Frozen, kind="fixed"):
 
 
 class Absorbing(Frozen, kind="absorbing"):
-    """An absorbing end: the rod goes on for ever, waves leave and none comes back.
+    """An absorbing end: the rod goes on for ever, so waves leave and none returns.
 
-    The wave that comes in from outside keeps the value that it has there at t = 0.
+    The wave that comes in from outside keeps the value that it has there at t = 0. Under
+    gravity the endless rod outside falls, too: nothing holds it.
 
     Examples
     --------

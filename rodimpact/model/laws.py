@@ -863,11 +863,11 @@ class Cushion(Plastic, law="cushion"):
 
 
 class Law(_Law, law="own"):
-    """A law of the user's own: a Python function gives the force.
+    """A contact law of your own: a Python function gives the force.
 
-    The method "characteristics" takes it. In plain Python each call of the function
-    takes its time; a function that numba has compiled (``numba.njit``) runs compiled
-    where that pays. No file keeps a function.
+    The method "characteristics" solves it. A function that numba has compiled
+    (``numba.njit``) runs compiled if that is faster. Processes and clusters need a named
+    function of a module: a lambda cannot be sent to them. No file can hold a function.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ class System(FrozenDataclass):
     Parameters
     ----------
     bodies : sequence of Rod, RigidMass or Wall
-        At least one that is no wall; a wall may stand only at the ends of the row.
+        At least one rod or mass; a wall may stand only at the ends of the row.
     gaps : sequence of numbers, optional
         Initial distance between each body and its right neighbour, m, walls counted;
         default 0. A compliant contact may begin pressed: its gap is minus the overlap.

@@ -22,13 +22,13 @@ class Bridge(FrozenDataclass):
         sides and in opposite arms, so that bending drops out; with a `poisson_ratio`, one gauge
         along and one across. ``"full"``: two gauges along and two across.
     gauge_factor : float
-        Of the gauges.
+        Gauge factor of the strain gauges.
     excitation : float
         Voltage that feeds the bridge, V.
     gain : float
-        Of the amplifier; negative if it inverts.
+        Gain of the amplifier; negative if it inverts the signal.
     poisson_ratio : float, optional
-        Of the bar; needed if gauges lie across it.
+        Poisson's ratio of the bar; needed if gauges lie across the bar.
 
     Raises
     ------

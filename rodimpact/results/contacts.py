@@ -85,7 +85,7 @@ class ContactHistory:
         """Distance between the two bodies, m; just after each time.
 
         Exactly 0 while they touch rigidly; minus the indentation in a compliant contact, the
-        stretch of a joint. Where one has yielded it counts from the faces as they are then.
+        stretch of a joint. If the contact has yielded, the gap is that of the deformed faces.
         """
         ticks = self._fields.to_ticks_beside(t, "right")
         gap = self._gap.at(ticks)
@@ -139,9 +139,10 @@ class ContactHistory:
         return self.push * self._closing
 
     def permanent_set(self) -> float:
-        """How far the contact has yielded for good at the end of the run, m.
+        """Permanent set of the contact at the end of the run, m.
 
-        Its gap counts from the faces as they are: it grows by this more than the faces part.
+        The gap is that of the deformed faces: it exceeds the distance of the undeformed faces
+        by this set.
         """
         fields = self._fields
         times = [0.0, fields.end * fields.clock.tick]

@@ -27,23 +27,23 @@ class EnergyLedger:
     Attributes
     ----------
     kinetic : array
-        Of the motion of the centres of mass; walls, and masses bonded to them, not counted.
+        Kinetic energy of the centres of mass, without walls and masses bonded to walls.
     vibrational_kinetic : array
         Kinetic energy relative to the centres of mass.
     strain : array
         Strain energy.
     contact : array
-        Stored in compliant contacts and joints.
+        Energy stored in compliant contacts and joints.
     dissipated : array
-        Lost in dashpots, in what yields and in impacts of rigid bodies since t = 0.
+        Energy lost since t = 0 in dashpots, yielding contacts and impacts of rigid bodies.
     damped : array
-        Lost in damped material since t = 0.
+        Energy lost since t = 0 in damped material.
     numerical : array
-        Lost since t = 0 to a grid, by the half cells at ends that meet rigidly. It goes to zero
-        with the step, but for lateral inertia by Rayleigh and Love: such ends have mass, and meet
-        inelastically.
+        Energy that a grid loses since t = 0, because half cells at ends collide inelastically.
+        It goes to 0 with the step, except with Rayleigh-Love lateral inertia, whose ends have
+        mass.
     radiated : array
-        Gone since t = 0 through absorbing ends, less what came in there.
+        Energy that has left through absorbing ends since t = 0, minus that which came in.
     soil_work : array
         Work done since t = 0 on soil along the shafts of rods: what the soil has taken as it
         yields and damps, and what it stores.
@@ -52,7 +52,7 @@ class EnergyLedger:
     wall_work, drive_work, gravity_work : array
         Work done since t = 0 by moving walls, driven ends and gravity.
     residual : array
-        What is missing: total minus the initial total minus the works, plus the losses.
+        Energy missing in the balance: total minus initial total minus works, plus losses.
 
     Examples
     --------

@@ -22,8 +22,8 @@ COMPARED_STEPS = (-2.0, -1.0, 0.0, 1.0, 2.0)
 class FieldError(NamedTuple):
     """Stated errors of field values at some times, anywhere in the row; arrays like the times.
 
-    inf where no mesh finds the value: waves that jump and stay steep have no velocity and no stress
-    at the jump.
+    The error is inf where no mesh determines the value: at a steep jump velocity and stress have no
+    single value.
 
     Attributes
     ----------

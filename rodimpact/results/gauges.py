@@ -69,7 +69,7 @@ class Gauge:
     tick : float
         s.
     name : str
-        What people call the body, such as "rod 2".
+        Name of the body in tables and figures, such as "rod 2".
 
     Examples
     --------
@@ -128,9 +128,9 @@ class Gauge:
         Parameters
         ----------
         interval : float, optional
-            Between samples, s; by default a 10 000th of the record.
+            Time between samples, s; by default a 10 000th of the record.
         name : str
-            Of the signal.
+            Name of the signal.
 
         Raises
         ------
@@ -244,7 +244,7 @@ def gauges_to_csv(
     gauges : mapping of str to Gauge
         Names of the columns, and records of one solution.
     interval : float, optional
-        Between samples, s; by default a 10 000th of the record.
+        Time between samples, s; by default a 10 000th of the record.
     force : bool
         Whether to replace an existing file.
 

@@ -72,17 +72,17 @@ class OnlyContact(Generic[Number]):
 @explain_missing("contacts")
 @dataclass(frozen=True)
 class Outcome(OnlyContact[float]):
-    """Result of a collision; one entry a body or a contact, walls counted.
+    """Result of a collision, with an entry for each body or contact, walls counted.
 
     Attributes
     ----------
     bodies : tuple of str
-        What each body is.
+        Kind of each body: "rod", "mass" or "wall".
     masses : tuple of float
         kg, with the transit times in use; infinite for a wall.
     velocities_before, velocities_after : tuple of float
-        Of the centres of mass, m/s. A rod that is bonded to a wall has the velocity of the wall. A
-        rod between two walls of different velocities has its own velocity.
+        Velocities of the centres of mass, m/s. A rod that is bonded to a wall has the velocity
+        of the wall. A rod between two walls of different velocities has its own velocity.
     kinetic_before, kinetic_after : float
         Energy of the motion of the centres of mass, J.
     vibration_before, vibration_after : tuple of float
@@ -102,13 +102,13 @@ class Outcome(OnlyContact[float]):
     status : str
         Why the run ended, and the remedy if it ended too early.
     contact_energy : float
-        Stored in compliant contacts and joints at the end, J.
+        Energy stored in compliant contacts and joints at the end, J.
     contact_energy_before : float
-        The same before: in stretched joints, J.
+        Energy stored in stretched joints before, J.
     dissipated, numerical, radiated : float
-        Lost in contacts, to a grid (see `EnergyLedger`), and through absorbing ends, J.
+        Energy lost in contacts, to a grid (see `EnergyLedger`), and through absorbing ends, J.
     damped : float
-        Lost in damped material, J.
+        Energy lost in damped material, J.
     soil_work : float
         Work done on soil along the shafts of rods, J: most of it is lost.
     drag_work : float
@@ -194,8 +194,8 @@ class Outcome(OnlyContact[float]):
         """Return the collision as rigid-body mechanics sees it.
 
         The two sides of the only contact collide with the effective `restitution`; the velocities
-        and the impulse are those of the rods, and the energy that looks lost is what vibration
-        gained. (Where a side is bonded to a wall, its swing has gained some of it.)
+        and the impulse are those of the rods. The energy lost is the energy that vibration has
+        gained. (If a side is bonded to a wall, its oscillation has gained a part.)
 
         Returns
         -------

@@ -51,12 +51,12 @@ class RingDown:
     decay_time : float
         Time in which the vibration energy falls to 1/e, s, over the last third; inf if it does not.
     modal_decay_time : float
-        The same of the mode that lasts longest, s, of the rods each free by itself: E/(eta omega^2)
-        for a uniform one; inf without damping.
+        Time in which the mode that lasts longest falls to 1/e, s, for rods that are each free:
+        E/(eta omega^2) for a uniform rod; inf without damping.
     body : int
         The rod of that mode.
     frequency : float
-        Of that mode, Hz.
+        Frequency of that mode, Hz.
 
     Examples
     --------

@@ -19,7 +19,7 @@ NPZ_START = b"PK"
 
 @explain_arguments
 def load(path: PathLike) -> Any:
-    """Load what `Solution.save` or `SweepResult.save` wrote.
+    """Load a file that `Solution.save` or `SweepResult.save` wrote.
 
     A family is read as it was saved. A solution is solved again from its case, and its outcome is
     compared with the stored one. Velocities, impulses, peak forces, force durations and times may

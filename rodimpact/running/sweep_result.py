@@ -75,7 +75,7 @@ class SweepResult(Shown, OnlyContact[Any]):
     columns : dict of str to array
         By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N s),
         ``peak_force.K`` (N), ``duration.K`` (force duration, s) and ``episodes.K`` of contact K;
-        ``vibration``, energy left in vibration and strain, J; ``final``; ``status``. Totals count
+        ``vibration``, the vibration energy, J; ``final``; ``status``. Totals count
         up to the end of the run: `until`, the proof that the collision is over, or what stopped it
         before. A number that does not exist is nan. If `sweep` was asked for them (`also`), there
         are ``dissipated``, energy lost in contacts, J; ``set.K``, how far contact K has yielded for
@@ -158,7 +158,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def vibration(self) -> Any:
-        """Energy left in vibration and strain, J."""
+        """Vibration energy of all bodies, J."""
         return self.columns["vibration"]
 
     @property
@@ -207,7 +207,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def sets(self) -> dict[int, Any]:
-        """How far contacts have yielded for good, m, by contact; ValueError as above."""
+        """Permanent sets of yielding contacts, m, by contact; ValueError as above."""
         return self._requested("set")
 
     @property
@@ -235,7 +235,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         return by_owner
 
     def explain(self, index: Any) -> str:
-        """Say of one member why it ended as it did, and why it has no restitution if it has none.
+        """Say why one member ended, and why it has no restitution if it has none.
 
         Parameters
         ----------
@@ -276,7 +276,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @classmethod
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
-        """Make again what `save` wrote: from its document, and its arrays by name."""
+        """Restore a saved family from its document and its arrays by name."""
         system, options, stored_readings = restore(document, arrays)
         gauges, times, also = stored_readings
         readings = Readings(tuple(map(tuple, gauges)), times, tuple(also))
@@ -321,7 +321,7 @@ class SweepResult(Shown, OnlyContact[Any]):
                 yield ",".join(map(_cell, row))
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
-        """Write a table of all members, one a line, with what varies and what came out.
+        """Write a table of all members, one a line: varied numbers, then results.
 
         Raises
         ------

@@ -60,7 +60,7 @@ def sweep(
     method : str
         As for `solve`; one for all members.
     executor : concurrent.futures.Executor, optional
-        Who runs the chunks: threads of this process if not given, else processes, a cluster by
+        Executor that runs the chunks; by default threads of this process. Processes, a cluster by
         ``dask.distributed.Client.get_executor()`` or ``mpi4py.futures.MPIPoolExecutor``. The result
         is the same bit for bit.
     until : float, optional

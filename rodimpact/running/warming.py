@@ -22,8 +22,8 @@ WARMING_CELLS = 8  # cells of the grid with which its kernels are run
 def warm() -> float:
     """Compile everything that can run compiled, and keep it on disk.
 
-    Where that is done already the machine code is loaded from there. Without it a long run or a
-    large family compiles what it needs when it begins. ``dask.distributed.Client.run(ri.warm)``
+    Machine code that is there already is loaded. Without `warm` a long run or a large family
+    compiles the kernels that it needs when it begins. ``dask.distributed.Client.run(ri.warm)``
     does it on each worker of a cluster.
 
     Returns

@@ -40,19 +40,19 @@ class GaugePlace(NamedTuple):
 @explain_missing("system")
 @dataclass(frozen=True)
 class Case:
-    """A collision, or a family of them, and what to do with it.
+    """A collision or a family, with options, outputs and gauges: the content of a case file.
 
     Attributes
     ----------
     system : System
         Of shape (), or where numbers are varied of shape (n_0, n_1, ...), one axis a grid.
     solve : dict
-        Those of `until` (s), `method`, `max_events`, `dt` (s), `rtol`, `cells` and `snapshots` that
-        were given, for ``ri.solve``.
+        Options for ``ri.solve`` that were given: some of `until` (s), `method`, `max_events`, `dt`
+        (s), `rtol`, `cells` and `snapshots`.
     output : dict of str
-        Those of `plot` and `save` that were given: names of files.
+        Names of files that were given: `plot` and `save`.
     path : str
-        Where it was read from; empty if from nowhere.
+        Name of the file that was read; empty without a file.
     varied : tuple of Varied
         What varies along each axis; the system holds the same numbers in its own terms.
     gauges : tuple of GaugePlace

@@ -88,7 +88,7 @@ def read_case(
     Parameters
     ----------
     path : str or path
-        Of a TOML file in UTF-8.
+        Name of a TOML file in UTF-8.
     vary : mapping of str to str, optional
         Paths of numbers and the grids to vary them on, as for `parse_case`.
 
@@ -144,7 +144,7 @@ def parse_case(
     text : str
         TOML.
     source : str
-        What to call it where the text itself is at fault.
+        Name of the text in messages.
     vary : mapping of str to str, optional
         For each number to vary its path, such as ``bodies.0.length`` or
         ``materials.NAME.density``, and the text of a grid: ``start:stop:count`` for equal steps,
