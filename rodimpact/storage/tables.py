@@ -20,6 +20,8 @@ MAX_COLUMN_NAME = 60
 TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
 """Names of columns of times."""
 _NAME = re.compile(rf"(?!.*  )\w[\w .:()/-]{{0,{MAX_COLUMN_NAME - 1}}}(?<![ _/])")
+_MICRO = re.compile(r"(?<=[0-9] )u(?=(?:s|m|J|N|V|Pa)\b)")
+"""The u of a unit behind a number, such as us."""
 JSON_SCHEMA = 1
 """Version of the JSON for programs."""
 
@@ -71,11 +73,15 @@ def clean(value: float, scale: float) -> float:
 
 
 def as_html(text: str) -> str:
-    """A table as HTML, for notebooks and pages made of them; its columns stay aligned."""
+    """A table as HTML, for notebooks and pages made of them; its columns stay aligned.
+
+    A page can show the sign of micro: 385 µs, where a terminal shows 385 us.
+    """
     style = (
         "white-space: pre; overflow-x: auto; font-family: monospace; text-align: left"
     )
-    return f'<pre style="{style}">{html.escape(text)}</pre>'
+    with_micro = _MICRO.sub("µ", text)
+    return f'<pre style="{style}">{html.escape(with_micro)}</pre>'
 
 
 def misnamed(column: object) -> str:

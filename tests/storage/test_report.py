@@ -150,6 +150,7 @@ def test_json_is_complete_and_exact(unequal):
 
 def test_html_is_escaped(unequal):
     assert tables.as_html("a < b & c").endswith(">a &lt; b &amp; c</pre>")
+    assert ">385 µs  2.5 µJ/m  us</pre>" in tables.as_html("385 us  2.5 uJ/m  us")
     assert '">body' in unequal.outcome._repr_html_()
 
 
