@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..algebra.atlas import Atlas
 from ..model import System
 from ..model.arguments import of_kind
-from ..results.labels import parameter
+from ..results.labels import quantity_of_parameter
 from .labels import wrap_words
 from .panels import (
     Picture,
@@ -193,4 +193,4 @@ def _scale(system: System, path: str, largest: float) -> Scale:
     if number in DERIVED_UNITS:
         name = number.replace("_", " ")
         return engineering(f"{name} of {body}", largest, DERIVED_UNITS[number])
-    return scale_of(parameter(system, path), largest)
+    return scale_of(quantity_of_parameter(system, path), largest)

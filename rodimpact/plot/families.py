@@ -22,7 +22,7 @@ from ..hints import nearest
 from ..methods.signals import Floats
 from ..model.arguments import array, of_kind
 from ..model.frozen import invalid_argument
-from ..results.labels import outcome
+from ..results.labels import quantity_of_column
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
 from ..running.columns import STATUS
 from ..running.sweep_result import SweepResult
@@ -163,14 +163,14 @@ def sweep(
 
     values = arranged(column).astype(float)
     largest = float(np.nanmax(np.abs(values)))
-    scale = scale_of(outcome(result.system, quantity), largest)
+    scale = scale_of(quantity_of_column(result.system, quantity), largest)
     is_count = column.dtype.kind in "iub"
     shown = Quantity(quantity, values * scale.factor, scale, is_count)
     theory = None
     if quantity in COLUMNS:
         closed_form = pair_theory(result.system)
         if closed_form is not None:
-            theory = closed_form.each(arranged)
+            theory = closed_form.mapped(arranged)
 
     # What is drawn.
     if len(axes) == 2:
@@ -273,7 +273,8 @@ def _draw_law(
     parts = -(-MIN_THEORY_POINTS // intervals)
     fine = np.arange(intervals * parts + 1) / parts
     wanted = np.interp(fine, np.arange(intervals + 1), members)
-    values = theory.along(members, wanted).column(shown.name) * shown.scale.factor
+    family = theory.interpolated(members, wanted)
+    values = family.column(shown.name) * shown.scale.factor
     x = wanted
     if is_positive:
         x = np.exp(wanted)

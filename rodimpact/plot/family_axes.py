@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..model.frozen import invalid_argument
-from ..results.labels import Quantity, parameter
+from ..results.labels import Quantity, quantity_of_parameter
 from ..running.sweep_result import SweepResult
 from ..storage.grids import Varied
 from ..units import format_factor, shown
@@ -92,17 +92,17 @@ def family_axis(
         What the user varied along each axis, and follows on the axis alone; () if unknown.
     """
     name, values = result.axes[dimension]
-    quantity = parameter(result.system, name)
+    quantity = quantity_of_parameter(result.system, name)
     if varied:
         name, values, unit = varied[dimension]
-        quantity = parameter(result.system, name)
+        quantity = quantity_of_parameter(result.system, name)
         if quantity.name == name:  # no number of the system
             quantity = Quantity(name, unit or "1")
     values = np.asarray(values, dtype=float)
     if values.min() == values.max():
         name = f"axis {dimension}"
         values = np.arange(values.size, dtype=float)
-        quantity = parameter(result.system, name)
+        quantity = quantity_of_parameter(result.system, name)
     order = np.argsort(values, kind="stable")
     scale = scale_of(quantity, float(np.abs(values).max()))
 
@@ -112,7 +112,7 @@ def family_axis(
         if path == name:
             continue
         if not varied:
-            companions.append(parameter(result.system, path).name)
+            companions.append(quantity_of_parameter(result.system, path).name)
         if not _is_monotonic(numbers[order]):
             is_ordered = False
     label = scale.label

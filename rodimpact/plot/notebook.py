@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from ..design import PulseDesign
 from ..fitting.result import Fit
-from ..results.labels import parameter
+from ..results.labels import quantity_of_parameter
 from ..results.solution import Solution
 from ..running.sweep_report import sweep_table
 from ..running.sweep_result import SweepResult
@@ -56,7 +56,7 @@ def _family_table(result: SweepResult) -> str:
     """Table of a family, with the units of what varies."""
     varied = []
     for axis in result.axes:
-        unit = parameter(result.system, axis.name).unit.removeprefix("1")
+        unit = quantity_of_parameter(result.system, axis.name).unit.removeprefix("1")
         varied.append((*axis, unit))
     return sweep_table(result, varied, CSV_HINT)
 

@@ -8,7 +8,7 @@ from .fields import Fields
 
 
 class FacePushes(NamedTuple):
-    """Forces on the two faces of a body, N, that push it together; None at a free end."""
+    """Forces on the two faces of a body, N, positive in compression; None at a free end."""
 
     left: Pieces | None
     right: Pieces | None
@@ -18,25 +18,27 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
     """Displacement of the centre of mass of a body at the end of the run, m.
 
     Newton's law integrated twice: m u = p0 t + integral(J) dt + m g t^2/2, p0 the momentum at
-    t = 0 and J the impulse of the forces on the two faces. A wall, and a mass, move as one point.
+    t = 0 and J the impulse of the forces on the two faces. A wall or a rigid mass moves as one
+    point, so that its displacement is that of any point.
     """
     clock = fields.clock
     time = fields.end * clock.tick
     if body not in fields.rods:
         return float(fields.displacement(body, 0.0, time))
     impulse_integral = 0.0  # N s^2
+    # A push acts to the right on the left face, to the left on the right face: 1 and -1.
     for push, sign in zip(pushes_on(run, body), INWARD, strict=True):
         if push is not None:
             integral = float(push.integrated_twice(fields.end))
             impulse_integral += sign * integral * clock.tick * clock.tick
     mass = clock.mass(body)
     start_velocity = float(fields.momentum(body, 0.0) / mass)
-    fallen = float(clock.system.gravity) * time * time / 2
-    return start_velocity * time + impulse_integral / mass + fallen
+    by_gravity = float(clock.system.gravity) * time * time / 2
+    return start_velocity * time + impulse_integral / mass + by_gravity
 
 
 def pushes_on(run: Run, body: int) -> FacePushes:
-    """Forces on the left and the right face of a body."""
+    """Forces on the left and the right face of a body: of a contact, or at an end of the row."""
     signals = run.signals
     left_action, right_action = signals.boundary_actions
     left = None

@@ -76,7 +76,7 @@ class ContactHistory:
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
 
-        A grid gives the mean over each time step.
+        A grid gives the mean over each time step. ValueError for times outside the solution.
         """
         ticks = self._fields.to_ticks_beside(t, side)
         return self.push.at(ticks, side)
@@ -90,26 +90,32 @@ class ContactHistory:
         ticks = self._fields.to_ticks_beside(t, "right")
         gap = self._gap.at(ticks)
         if isinstance(self.law, Rigid):
-            return np.maximum(gap, 0.0)
+            return np.maximum(gap, 0.0)  # rigid faces do not overlap: less is round-off
         return gap
 
     def law_at(self, t: float) -> ContactLaw:
-        """The law as it is at t, s: what has yielded has hardened, and a joint is stretched."""
+        """The law of the contact as it is at the time t, s.
+
+        A joint has its stretch, and a `Plastic` contact is hardened by the largest force that it
+        has borne up to t. Other laws do not change.
+        """
         t = scalar("t", t, "s")
         ticks = self._fields.to_ticks(t)
         if isinstance(self.law, Joint):
             stretch = float(self.gap(t))
             return self.law.replace(stretch=stretch)
         if isinstance(self.law, Plastic):
+            # The overlap is minus the gap: it is largest where the gap is smallest.
             earlier_gaps = self._gap.values[self._gap.ticks <= ticks]
             smallest_earlier = float(np.min(earlier_gaps, initial=0.0))
             largest_overlap = -min(smallest_earlier, float(self.gap(t)))
+            # It counts from the yielded faces, so that it is elastic: F = k overlap.
             force_reached = self.law.stiffness * largest_overlap
             return self.law.hardened(force_reached)
         return self.law
 
     def breakpoints(self) -> Breakpoints:
-        """Times between which straight lines follow force and gap.
+        """Force and gap at the times between which straight lines follow them.
 
         Force and velocities jump at these times alone. Where the force changes smoothly there are
         more of them: straight lines between them follow force and gap to 5e-5 of their ranges.
@@ -121,14 +127,15 @@ class ContactHistory:
         return Breakpoints(times, self.push.at(ticks), self._gap.at(ticks))
 
     def impulse_until(self, t: ArrayLike) -> Floats:
-        """Integral of the force from 0 to times t in s, N s, from the signals."""
+        """Impulse from 0 to times t in s, N s: the integral of the force."""
         ticks = self._fields.to_ticks(t)
         return self.push.integral(0, ticks) * self._tick
 
     def work_until(self, t: ArrayLike) -> Floats:
-        """Work from 0 to t, J, that the two bodies have done on the contact: force times closing.
+        """Work that the two bodies have done on the contact from 0 to t, J.
 
-        A compliant contact stores some of it; the rest is lost there.
+        It is the integral of the force times the closing velocity. A compliant contact stores some
+        of it; the rest is lost there.
         """
         ticks = self._fields.to_ticks(t)
         return self._power.integral(0, ticks) * self._tick
@@ -147,13 +154,13 @@ class ContactHistory:
         fields = self._fields
         times = [0.0, fields.end * fields.clock.tick]
         left_body = fields.clock.system.bodies[self.index]
-        right_end = getattr(left_body, "length", 0.0)  # rigid masses have none
-        left_face = fields.displacement(self.index, right_end, times)
-        right_face = fields.displacement(self.index + 1, 0.0, times)
-        between_faces = right_face - left_face
-        yielded = self.gap(times) - between_faces
-        growth = float(yielded[1] - yielded[0])
-        return max(0.0, growth)
+        right_end = getattr(left_body, "length", 0.0)  # 0 in a wall or a rigid mass
+        u_left = fields.displacement(self.index, right_end, times)
+        u_right = fields.displacement(self.index + 1, 0.0, times)
+        parting = u_right - u_left
+        at_start, at_end = self.gap(times) - parting
+        growth = float(at_end - at_start)
+        return max(0.0, growth)  # round-off may make it negative
 
     def to_dataframe(self) -> Any:
         """The episodes as a pandas DataFrame, one a row (extra ``dataframe``).

@@ -92,10 +92,10 @@ class EnergyLedger:
 
 
 class BondedGroups(NamedTuple):
-    """Groups of bonded bodies at some times; of walls there is no motion."""
+    """Motion and energies of groups of bonded bodies at some times, walls left out."""
 
     ticks: Ints  # [time]
-    bodies: list[list[int]]  # by group: those that can move, see `movable_groups`
+    movable_bodies: list[list[int]]  # by group, see `movable_groups`
     velocity: Floats  # [group, time], m/s, of the centre of mass; 0 where none can move
     mass: float  # of all groups together, kg
     momentum: Floats  # [time], of all groups together, kg m/s
@@ -105,16 +105,19 @@ class BondedGroups(NamedTuple):
 
     @property
     def vibration(self) -> Floats:
-        """Energy of the motion within the group, and of strain, J, [body, time]."""
+        """Vibrational kinetic energy and strain energy of each body, J, [body, time]."""
         return self.vibrational_kinetic + self.strain
 
 
 class BoundaryWorks(NamedTuple):
-    """Work done on the ends of the row since t = 0, J [time], by what is outside of them."""
+    """Work done on the row since t = 0 by what is outside of its two ends, J [time].
+
+    The fields are named like `BoundaryAction.kind`.
+    """
 
     wall: Floats  # by walls
     drive: Floats  # by driven ends
-    absorbing: Floats  # by absorbing ends: the work of what comes in, less what leaves
+    absorbing: Floats  # by absorbing ends: the energy that comes in, less what leaves
 
 
 class ShaftWorks(NamedTuple):
@@ -125,14 +128,15 @@ class ShaftWorks(NamedTuple):
 
 
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
-    """Velocities and energies of the groups at [time] ticks at which energies are known.
+    """Velocities and energies of the groups at ticks [time] at which energies are known.
 
-    A group in which no body can move has no velocity, mass or energy: a wall alone is one.
+    The velocity of a group is its momentum over its mass. A group in which no body can move, such
+    as a wall alone, has the velocity 0, and no mass or energy.
     """
     clock = fields.clock
     times = ticks * clock.tick
     movable_bodies = movable_groups(clock.system)  # by group
-    mass = np.zeros((len(movable_bodies), 1))
+    mass = np.zeros((len(movable_bodies), 1))  # a column, kg [group, 1]
     velocities = np.zeros((len(movable_bodies), len(ticks)))
     vibrational_kinetic = np.zeros((len(clock.system.bodies), len(ticks)))
     strain = np.zeros(vibrational_kinetic.shape)
@@ -143,14 +147,14 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
             momentum = momentum + _momentum(fields, i, times)
         if len(group) > 0:
             velocities[g] = momentum / mass[g]
-        # The velocity of the group is known now; energies of its bodies are relative to it.
+        # The kinetic energies of its bodies are relative to the velocity of the group.
         for i in group:
             energies = _energies(fields, i, ticks, velocities[g])
             vibrational_kinetic[i] = energies.kinetic
             strain[i] = energies.strain
     return BondedGroups(
         ticks=ticks,
-        bodies=movable_bodies,
+        movable_bodies=movable_bodies,
         velocity=velocities,
         mass=float(mass.sum()),
         momentum=np.sum(mass * velocities, axis=0),
@@ -161,7 +165,7 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
 
 
 def movable_groups(system: System) -> list[list[int]]:
-    """For each group of bonded bodies those that can move.
+    """Bodies of each group of bonded bodies that can move, [group][body].
 
     Walls and the masses that are bonded to them cannot, so a group may have none.
     """
@@ -173,7 +177,7 @@ def movable_groups(system: System) -> list[list[int]]:
 
 
 def _momentum(fields: Fields, body: int, times: Floats) -> Floats:
-    """Momentum of a rod or of a rigid mass at [time] times in s, kg m/s."""
+    """Momentum of a rod or of a rigid mass at times [time] in s, kg m/s."""
     if body in fields.rods:
         return fields.momentum(body, times)
     return fields.clock.mass(body) * fields.velocity(body, 0.0, times)
@@ -189,13 +193,17 @@ class BodyEnergies(NamedTuple):
 def _energies(
     fields: Fields, body: int, ticks: Ints, group_velocity: Floats
 ) -> BodyEnergies:
-    """Energies of a rod or of a rigid mass, by the velocity of its group, m/s [time]."""
+    """Energies of a rod or of a rigid mass at ticks [time].
+
+    The kinetic energy is relative to the velocity of its group, m/s [time].
+    """
     kinetic = np.zeros(len(ticks))
     strain = np.zeros(len(ticks))
     if body not in fields.rods:
         times = ticks * fields.clock.tick
-        relative = fields.velocity(body, 0.0, times) - group_velocity
-        kinetic = fields.clock.mass(body) * relative * relative / 2
+        relative_velocity = fields.velocity(body, 0.0, times) - group_velocity
+        mass = fields.clock.mass(body)
+        kinetic = mass * relative_velocity * relative_velocity / 2
         return BodyEnergies(kinetic, strain)
     for k, tick in enumerate(ticks.tolist()):
         energy = fields.energy(body, tick, float(group_velocity[k]))
@@ -204,11 +212,14 @@ def _energies(
     return BodyEnergies(kinetic, strain)
 
 
-def stored(law: Any, gap: Floats) -> Floats:
-    """Energy in a contact whose gap is minus the overlap, or in a joint, J like the gap."""
+def stored_energy(law: Any, gap: Floats) -> Floats:
+    """Energy that a contact or a joint of this law stores at each gap, m, in J.
+
+    Its compression is minus the gap. Laws without `stored`, such as `Rigid`, store no energy.
+    """
     compression = -gap
     if law.opens:
-        compression = np.maximum(compression, 0.0)
+        compression = np.maximum(compression, 0.0)  # an open contact stores nothing
     if not hasattr(law, "stored"):
         return np.zeros(compression.shape)
     return np.asarray(law.stored(compression))
@@ -217,7 +228,7 @@ def stored(law: Any, gap: Floats) -> Floats:
 class ContactEnergies(NamedTuple):
     """Energies of all contacts together at some times, J [time]."""
 
-    stored: Floats
+    stored: Floats  # in compliant contacts and joints
     dissipated: Floats  # lost since t = 0 in contacts themselves
     numerical: Floats  # lost since t = 0 to the cells of a grid
 
@@ -227,30 +238,34 @@ def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactE
 
     A contact loses the work that the bodies do on it, less the change of its stored energy.
     """
-    all_stored = np.zeros(t.shape)
+    stored = np.zeros(t.shape)
     dissipated = np.zeros(t.shape)
     numerical = np.zeros(t.shape)
     for history in contacts:
-        energy = stored(history.law, history.gap(t))
-        all_stored += energy
-        loss = history.work_until(t) - (energy - energy[0])
+        law = history.law
+        in_contact = stored_energy(law, history.gap(t))
+        stored += in_contact
+        loss = history.work_until(t) - (in_contact - in_contact[0])
         # Without a restitution, rigid contact loses energy to cells of a grid alone.
-        if isinstance(history.law, Rigid) and history.law.restitution is None:
+        is_ideal = isinstance(law, Rigid) and law.restitution is None
+        if is_ideal:
             numerical += loss
         else:
             dissipated += loss
-    return ContactEnergies(all_stored, dissipated, numerical)
+    return ContactEnergies(stored, dissipated, numerical)
 
 
 def ledger(
     fields: Fields, contacts: Sequence[ContactHistory], states: BondedGroups
 ) -> EnergyLedger:
-    """Energy ledger at the ticks of the states, the first of which is 0."""
+    """Energy ledger at the ticks of the states, the first of which is 0.
+
+    residual = energy gained + energy lost + works on shafts - works of boundaries and of gravity.
+    """
     ticks = states.ticks
     works = _boundary_works(fields, ticks)
     gravity_work = _gravity_work(fields, states)
     at_contacts = _contact_energies(contacts, ticks * fields.clock.tick)
-    contact = at_contacts.stored
     damped = fields.viscous_loss(ticks)
     on_shafts = _works_on_shafts(fields, ticks)
     vibrational_kinetic = states.vibrational_kinetic.sum(axis=0)
@@ -258,21 +273,21 @@ def ledger(
     gained = states.kinetic - states.kinetic[0]
     gained = gained + (vibrational_kinetic - vibrational_kinetic[0])
     gained = gained + (strain - strain[0])
+    gained = gained + at_contacts.stored - at_contacts.stored[0]
     lost = at_contacts.dissipated + damped + at_contacts.numerical
-    residual = gained + contact - contact[0]
-    residual += lost + on_shafts.soil
-    residual += on_shafts.drag
+    residual = gained + (lost + on_shafts.soil)
+    residual = residual + on_shafts.drag
     for work in (*works, gravity_work):
         residual = residual - work
     return EnergyLedger(
         kinetic=states.kinetic,
         vibrational_kinetic=vibrational_kinetic,
         strain=strain,
-        contact=contact,
+        contact=at_contacts.stored,
         dissipated=at_contacts.dissipated,
         damped=damped,
         numerical=at_contacts.numerical,
-        radiated=-works.absorbing,
+        radiated=-works.absorbing,  # the work counts what comes in
         soil_work=on_shafts.soil,
         drag_work=on_shafts.drag,
         wall_work=works.wall,
@@ -283,26 +298,29 @@ def ledger(
 
 
 def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
-    """Integrals of push times speed over time, J, by the kind of what is outside."""
+    """Integrals of push times speed from t = 0 to each tick, J, by the kind of what is outside.
+
+    A push to the right at the left end, `INWARD` 1, and to the left at the right end, -1.
+    """
     works: dict[str, Floats] = {}
     for kind in BoundaryWorks._fields:
         works[kind] = np.zeros(ticks.shape)
-    for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
-        if side is not None:
-            power = side.push * side.speed
+    for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
+        if end_action is not None:
+            power = end_action.push * end_action.speed
             power_integral = power.integral(0, ticks)
-            works[side.kind] += sign * power_integral * fields.clock.tick
+            works[end_action.kind] += sign * power_integral * fields.clock.tick
     return BoundaryWorks(**works)
 
 
 def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
-    """Work done since t = 0 on what acts along the shafts of rods."""
+    """Work done on what acts along the shafts of rods, from t = 0 to each tick."""
     works = ShaftWorks(np.zeros(ticks.shape), np.zeros(ticks.shape))
-    bodies: Any = fields.clock.system.bodies
     for body, action in fields.signals.shafts.items():
         work = works.soil
-        if isinstance(bodies[body].shaft, Drag):
+        if isinstance(fields.rods[body].shaft, Drag):
             work = works.drag
+        # The power is that on the rod: it is negative where soil or drag takes energy.
         work -= action.power.integral(0, ticks) * fields.clock.tick
     return works
 
@@ -310,7 +328,7 @@ def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
 def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
     """g times the integral of the momentum over time: work of gravity since t = 0, J [time].
 
-    The integral is p0 t + m g t^2/2 + the impulses from outside integrated over time, with
+    The integral is (p0 + m g t/2) t + the impulses from outside integrated over time, with
     the momentum p0 at t = 0.
     """
     clock = fields.clock
@@ -318,11 +336,11 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
     t = ticks * clock.tick
     if not clock.gravity:
         return np.zeros(t.shape)
-    mean_momentum = states.mass * clock.gravity * t / 2 + states.momentum[0]
-    momentum_integral = mean_momentum * t
-    for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
-        if side is not None:
-            push_integral = side.push.integrated_twice(ticks)
+    p0 = states.momentum[0]
+    momentum_integral = (states.mass * clock.gravity * t / 2 + p0) * t
+    for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
+        if end_action is not None:
+            push_integral = end_action.push.integrated_twice(ticks)
             by_push = sign * push_integral * clock.tick * clock.tick
             momentum_integral = momentum_integral + by_push
     for action in fields.signals.shafts.values():
@@ -337,31 +355,32 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     first_and_last = np.array([0, run.end])
     ticks = np.unique(fields.nearest_energy_ticks(first_and_last))
     states = bonded_groups(fields, ticks)
-    book = ledger(fields, contacts, states)
-    before = _motion_at(run, states, book, 0)
-    after = _motion_at(run, states, book, -1)
-    if run.motion is not None:  # the kernel knows better
+    energies = ledger(fields, contacts, states)
+    before = _motion_at(run.system, states, energies, 0)
+    after = _motion_at(run.system, states, energies, -1)
+    if run.motion is not None:  # velocities that the method itself has found
         first, last = run.motion
         before = before._replace(velocities=first.velocities)
         after = after._replace(velocities=last.velocities, vibration=last.vibration)
     works = Works(
-        wall_work=float(book.wall_work[-1]),
-        drive_work=float(book.drive_work[-1]),
-        gravity_work=float(book.gravity_work[-1]),
-        radiated=float(book.radiated[-1]),
-        soil_work=float(book.soil_work[-1]),
-        drag_work=float(book.drag_work[-1]),
-        dissipated=float(book.dissipated[-1]),
-        damped=float(book.damped[-1]),
-        numerical=float(book.numerical[-1]),
-        contact_energy=float(book.contact[-1]),
-        contact_energy_before=float(book.contact[0]),
+        wall_work=float(energies.wall_work[-1]),
+        drive_work=float(energies.drive_work[-1]),
+        gravity_work=float(energies.gravity_work[-1]),
+        radiated=float(energies.radiated[-1]),
+        soil_work=float(energies.soil_work[-1]),
+        drag_work=float(energies.drag_work[-1]),
+        dissipated=float(energies.dissipated[-1]),
+        damped=float(energies.damped[-1]),
+        numerical=float(energies.numerical[-1]),
+        contact_energy=float(energies.contact[-1]),
+        contact_energy_before=float(energies.contact[0]),
     )
     masses = []
     for i in range(len(run.system.bodies)):
         masses.append(clock.mass(i))
-    energy_scale = _energy_scale(states, works, clock.scale, float(book.total[0]))
-    missing_energy = float(book.residual[-1])
+    initial_energy = float(energies.total[0])
+    energy_scale = _energy_scale(states.mass, works, clock.scale, initial_energy)
+    missing_energy = float(energies.residual[-1])
     return Totals(
         masses=masses,
         before=before,
@@ -373,13 +392,14 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
 
 
 def _energy_scale(
-    states: BondedGroups, works: Works, velocity_scale: float, initial: float
+    mass: float, works: Works, velocity_scale: float, initial_energy: float
 ) -> float:
-    """Energy to which what is missing in the balance is relative, J.
+    """Energy to which the energy that is missing in the balance is relative, J.
 
-    The initial energy, that of all masses at the velocity scale (m/s), and all works.
+    It is the initial energy, that of the mass of all bodies (kg) at the velocity scale (m/s), and
+    the absolute works from outside.
     """
-    scale = initial + states.mass * velocity_scale**2 / 2
+    scale = initial_energy + mass * velocity_scale**2 / 2
     scale += abs(works.gravity_work)
     scale += abs(works.wall_work)
     scale += abs(works.drive_work)
@@ -392,46 +412,50 @@ def _energy_scale(
 def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
     """Momentum that is missing in the balance at the end of the run, relative to a scale.
 
-    The scale is the momentum of all masses at the velocity scale, and all impulses.
+    That is the momentum gained, less the impulse from outside and m g t. The scale is the momentum
+    of all masses at the velocity scale, and all impulses of contacts.
     """
     clock = run.clock
     last_tick = states.ticks[-1]
     gained = float(states.momentum[-1] - states.momentum[0])
     from_outside = _impulse_from_outside(fields, last_tick)
     of_gravity = states.mass * clock.gravity * (float(last_tick) * clock.tick)
+    missing = gained - from_outside - of_gravity
     scale = states.mass * clock.scale
     for tally in run.contacts:
-        if not math.isnan(tally.impulse):
+        is_known = not math.isnan(tally.impulse)
+        if is_known:
             scale += abs(tally.impulse)
-    return relative_residual(gained - from_outside - of_gravity, scale)
+    return relative_residual(missing, scale)
 
 
 def _motion_at(
-    run: Run, states: BondedGroups, book: EnergyLedger, instant: int
+    system: System, states: BondedGroups, energies: EnergyLedger, k: int
 ) -> Motion:
-    """Velocities and energies of the bodies at the time of that index in the states.
+    """Velocities and energies of the bodies at the k-th tick of the states.
 
     A body has the velocity of its group, m/s, and its own vibration energy, J.
     """
-    velocities = []
-    group_velocities = states.velocity[:, instant]
-    for g, group in enumerate(groups(run.system)):
-        movable_bodies = states.bodies[g]
-        of_bodies = velocities_in_group(
-            run.system, group, movable_bodies, group_velocities[g]
-        )
+    velocities = []  # of the bodies from left to right, as groups are neighbours
+    for g, group in enumerate(groups(system)):
+        movable_bodies = states.movable_bodies[g]
+        group_velocity = states.velocity[g, k]
+        of_bodies = velocities_in_group(system, group, movable_bodies, group_velocity)
         for velocity in of_bodies:
             velocities.append(float(velocity))
-    vibration = states.vibration[:, instant].tolist()
-    return Motion(velocities, vibration, float(book.kinetic[instant]))
+    vibration = states.vibration[:, k].tolist()
+    return Motion(velocities, vibration, float(energies.kinetic[k]))
 
 
 def _impulse_from_outside(fields: Fields, tick: int) -> float:
-    """Impulse to the right that what is outside has given the row since t = 0, N s."""
+    """Impulse to the right on the row from t = 0 to a tick, N s, but for that of gravity.
+
+    What gives it acts on the two ends of the row, or is soil or drag along shafts.
+    """
     impulse = 0.0
-    for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
-        if side is not None:
-            push_integral = float(side.push.integral(0, tick))
+    for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
+        if end_action is not None:
+            push_integral = float(end_action.push.integral(0, tick))
             impulse += sign * push_integral * fields.clock.tick
     for action in fields.signals.shafts.values():
         impulse += float(action.push.integral(0, tick)) * fields.clock.tick

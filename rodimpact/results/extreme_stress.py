@@ -38,6 +38,7 @@ class StressPeak(NamedTuple):
 
 
 NO_STRESS = StressPeak(0.0, float("nan"), float("nan"))
+"""The peak of a rod that never has stress of a sign."""
 
 
 @explain_missing("tension")

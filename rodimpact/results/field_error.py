@@ -15,7 +15,10 @@ from ..model import Rod
 COMPARED_POINTS = 65
 """Points of a rod at which fields are compared, both ends among them."""
 COMPARED_STEPS = (-2.0, -1.0, 0.0, 1.0, 2.0)
-"""Coarse time steps about a time at which fields are compared: differences change their sign."""
+"""Times about a time at which fields are compared, in steps of the coarser mesh.
+
+The difference of two meshes changes its sign over time, and may be 0 at one time alone.
+"""
 
 
 @explain_missing()
@@ -60,20 +63,20 @@ class CoarserSolution(NamedTuple):
 
 
 def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> FieldError:
-    """Compare fields of solutions on several meshes.
+    """Stated errors of the fields of a solution, from the same collision on coarser meshes.
 
     Parameters
     ----------
     fine : Solution
     coarser : sequence of CoarserSolution
     t : array
-        s.
+        s; of any shape, which the errors have too.
 
     Returns
     -------
     FieldError
         With q(h) a value on the finer mesh and q(g) that on a coarser one, the largest of
-        share |q(g) - q(h)| over all rods, points, coarser meshes, and times near t.
+        share |q(g) - q(h)| over all rods, points, coarser meshes, and times near t; see `Coarser`.
     """
     errors: dict[str, Floats] = {}
     for name in FieldError._fields:
@@ -92,24 +95,25 @@ def _error_of(
 
     It is the largest by any coarser mesh; inf at times that no coarser run reaches.
     """
-    error = np.full(t.size, np.inf)
+    error = np.full(t.size, np.inf)  # inf: no mesh has been compared at this time
     for mesh, coarse in coarser:
         near_steps = coarse.fields.step * np.array(COMPARED_STEPS)
-        times = np.clip(t[:, None] + near_steps, 0.0, fine.t_end)
-        compared = times.max(axis=1) <= coarse.t_end
-        if not compared.any():
+        times = np.clip(t[:, None] + near_steps, 0.0, fine.t_end)  # [time, near]
+        is_reached = times.max(axis=1) <= coarse.t_end
+        if not is_reached.any():
             continue
-        difference = _difference(name, fine, coarse, times[compared])
-        by_others = error[compared]
+        by_this_mesh = mesh.share * _difference(name, fine, coarse, times[is_reached])
+        by_others = error[is_reached]
         by_others[np.isinf(by_others)] = 0.0
-        error[compared] = np.maximum(by_others, mesh.share * difference)
+        error[is_reached] = np.maximum(by_others, by_this_mesh)
     return error
 
 
 def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
-    """Largest difference of a field of two solutions near each time, [time].
+    """Largest absolute difference of a field of two solutions near each time, [time].
 
-    It is the largest one over all rods and compared points, and over the times [time, near], s.
+    It is the largest one over all rods, over the compared points of each, and over the times near
+    each time, `times` [time, near], s. Walls and rigid masses are left out.
     """
     largest = np.zeros(len(times))
     instants = times.ravel()
@@ -118,6 +122,7 @@ def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
             continue
         x = np.linspace(0.0, float(rod.length), COMPARED_POINTS)
         column = x[:, None]
+        # The methods of that name, such as `Solution.stress`, give [point, instant].
         fine_values = getattr(fine, name)(body, column, instants)
         coarse_values = getattr(coarse, name)(body, column, instants)
         over_points = np.abs(fine_values - coarse_values).max(axis=0)

@@ -23,7 +23,7 @@ END_RTOL = 1e-12
 
 
 class Profile(NamedTuple):
-    """State of one body at one time: n pieces from left to right, each constant."""
+    """State of a rod at one time: n pieces from left to right, each constant."""
 
     edges: Floats  # [n + 1], m from the left end; ends of segments are among them
     velocity: Floats  # [n], m/s
@@ -66,11 +66,11 @@ class Location(NamedTuple):
 def to_side(ticks: Ints, side: Side) -> Ints:
     """Ticks that were rounded from times, moved just after ("right") or before a jump there.
 
-    They move by the round-off of a time, since a float cannot name a single tick beyond 2^51 of
-    them. ValueError for any other side.
+    They move by the round-off of a time, ticks/2^51: a float cannot name a single tick beyond 2^51
+    of them. InvalidModel for any other side.
     """
     one_of("side", side, ("right", "left"))
-    round_off = ticks >> 51
+    round_off = ticks >> 51  # ticks/2^51, rounded down: 0 for most runs
     if side == "right":
         return ticks + round_off
     return ticks - round_off
@@ -98,8 +98,8 @@ class Fields(Protocol):
     end: int  # last tick
     signals: Signals
     motion: Any  # Waves or GridMotion
-    resolution: int = 1  # ticks in which nothing is resolved: a step of a grid
-    step: float  # the same, s
+    resolution: int = 1  # ticks of the shortest time that is resolved: a step of a grid
+    step: float  # the same time, s
     rods: dict[int, Rod]  # by body
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
@@ -135,16 +135,18 @@ class Fields(Protocol):
         """
 
     def averaged(self, body: int, x: Floats, t: Floats) -> MeanState:
-        """Mean velocity and strain at points x [point] between increasing times t, s.
+        """Mean velocity and strain at points x, m [point], in the intervals between times t, s.
 
-        They are differences of displacements, and of integrals of the strain, over durations.
+        They are the differences of displacements, and of integrals of the strain, over durations.
+        The n times increase, and have n - 1 intervals.
         """
         ticks = self.to_ticks(t)
         displacement = self.displacement(body, x[:, None], t)
         strain_integral = self.strain_integral(body, x, ticks)
         durations = np.diff(ticks)
         velocity = np.diff(displacement) / (durations * self.clock.tick)
-        return MeanState(velocity, np.diff(strain_integral) / durations)
+        strain = np.diff(strain_integral) / durations  # both in ticks
+        return MeanState(velocity, strain)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
         """Integral of the strain over time at points x [point], ticks, [point, tick].
@@ -182,10 +184,10 @@ class Fields(Protocol):
     # Where and when -----------------------------------------------------------------
 
     def to_ticks(self, t: ArrayLike) -> Ints:
-        """Nearest ticks of times in s; ValueError for times outside the solution."""
+        """Nearest ticks of times in s, the last tick at most; ValueError outside the solution."""
         t = array("t", t, "s")
         end = self.end * self.clock.tick
-        latest = end * (1 + END_RTOL) + self.clock.tick
+        latest = end * (1 + END_RTOL) + self.clock.tick  # times are rounded
         inside = (t >= 0) & (t <= latest)
         if not inside.all():
             message = f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}"
@@ -205,7 +207,7 @@ class Fields(Protocol):
         return np.array([0.0, *accumulate(lengths)])
 
     def locate(self, body: int, x: ArrayLike) -> Location:
-        """Segments in which points of a rod lie; ValueError outside of the rod.
+        """Segments in which points x of a rod lie, m; ValueError for points outside of the rod.
 
         A point between two segments lies in the right one.
         """
@@ -218,10 +220,12 @@ class Fields(Protocol):
         if not inside.all():
             message = f"must lie in body {body}, 0 to {length:.9g} m, got {{0!r}}"
             demand(inside, "x", message, x)
-        in_rod = np.searchsorted(edges, x, "right") - 1
-        in_rod = np.clip(in_rod, 0, last - first)
-        segment = np.asarray(in_rod + first)
-        return Location(segment, np.asarray(x - edges[in_rod]))
+        index_in_rod = np.searchsorted(edges, x, "right") - 1
+        # The right end of the rod lies in its last segment.
+        index_in_rod = np.clip(index_in_rod, 0, last - first)
+        segment = np.asarray(index_in_rod + first)
+        distance = np.asarray(x - edges[index_in_rod])
+        return Location(segment, distance)
 
     def _broadcast_shape(self, x: Any, t: Any) -> tuple[int, ...]:
         """Shape to which points and times broadcast; ValueError where they do not."""
@@ -235,7 +239,7 @@ class Fields(Protocol):
     # Velocity of the frame ----------------------------------------------------------
 
     def frame_velocity(self, tick: int) -> float:
-        """Velocity of the clock's frame at a tick, m/s: that at t = 0, and g t."""
+        """Velocity of the clock's frame at a tick, m/s: its velocity at t = 0 plus g t."""
         clock = self.clock
         return clock.frame + clock.gravity * tick * clock.tick
 
@@ -246,11 +250,12 @@ class Fields(Protocol):
     # Kinds of bodies ----------------------------------------------------------------
 
     def _is_rod(self, body: int) -> bool:
-        """Whether a body has an inside."""
-        return self.clock.spans[body][1] > 0
+        """Whether a body has segments: walls and rigid masses have none."""
+        _, last_segment = self.clock.spans[body]
+        return last_segment > 0
 
     def _is_wall(self, body: int) -> bool:
-        """Whether a body moves as its own velocity says, whatever pushes it."""
+        """Whether a body keeps its velocity whatever pushes it: no rod, and no mass that moves."""
         return not self._is_rod(body) and body not in self.signals.masses
 
     def _wall_velocity(self, body: int) -> float:
@@ -270,7 +275,10 @@ class Fields(Protocol):
         )
 
     def _rigid_ticks(self, body: int, x: Array, ticks: Ints) -> Ints:
-        """Ticks broadcast with points of a rigid mass or a wall; InvalidModel unless all are 0."""
+        """Ticks in the shape to which they broadcast with points x of a rigid mass or a wall.
+
+        InvalidModel unless all points are 0, as the body has no length.
+        """
         message = f"must be 0 in body {body}, which has no length, got {{0!r}}"
         demand(x == 0, "x", message, x)
         return np.broadcast_to(ticks, self._broadcast_shape(x, ticks))
@@ -293,6 +301,7 @@ class Fields(Protocol):
             in_frame = self.signals.masses[body].at(ticks, side)
             velocity = in_frame + self.clock.frame
         if self.clock.gravity:
+            # g t has no jumps, so it needs no side.
             return velocity + self._fall_velocity(self.to_ticks(t))
         return velocity
 
@@ -333,7 +342,8 @@ class Fields(Protocol):
     def positions(self) -> list[float]:
         """Where each body's left end would lie unstrained at t = 0, m; the first at 0.
 
-        The place of a point is position + x + displacement; a wall's is its face.
+        The place of a point of a body is its position + x + displacement. The position of a wall is
+        that of its face.
         """
         clock = self.clock
         system = clock.system
@@ -349,6 +359,7 @@ class Fields(Protocol):
             if self._is_rod(body):
                 first, last = clock.spans[body]
                 right_end += sum(clock.length[first : last + 1])
+                # The initial strain moves the right end.
                 length = self.edges(body)[-1]
                 right_end += float(self.displacement(body, length, 0.0))
         return positions

@@ -72,13 +72,16 @@ def integral_to(wave: Any, tick: int) -> Any:
 
 
 def edges_of(wave: Any, start: int, stop: int) -> list[int]:
-    """Ticks of the fronts of a wave between two ticks, and these two."""
+    """The tick `start`, ticks of the fronts of a wave between it and `stop`, and `stop`."""
     inside = [tick for tick in wave["tick"] if start < tick < stop]
     return [start, *inside, stop]
 
 
 def initial_elongation(piece: Any) -> Any:
-    """Elongation of a segment at t = 0: integral of (b - a)/2 from -T to 0, m/s ticks."""
+    """Elongation of a segment at t = 0: integral of (b - a)/2 from -T to 0, m/s ticks.
+
+    Its waves a and b leave the left and the right end, see `polygons_of`.
+    """
     a = piece["rightward"]
     b = piece["leftward"]
     T = piece["ticks"]
@@ -88,7 +91,7 @@ def initial_elongation(piece: Any) -> Any:
 
 
 def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
-    """Rectangles of a segment between the ticks `start` and `stop`."""
+    """Rectangles of a segment that have a part between the ticks `start` and `stop`."""
     T = piece["ticks"]
     p = edges_of(piece["rightward"], start - T, stop)
     q = edges_of(piece["leftward"], start - T, stop)
@@ -101,8 +104,8 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
         latest = stop - T + (stop - p[k])
         low = max(p[k] - T, earliest)
         high = min(p[k + 1] + T, latest)
-        first.append(bisect_right(q, low, 1) - 1)
-        after_last.append(bisect_left(q, high, 0, last))
+        first.append(bisect_right(q, low, 1) - 1)  # its range of q contains `low`
+        after_last.append(bisect_left(q, high, 0, last))  # it begins at `high` or later
     return Lattice(p, q, first, after_last)
 
 
@@ -123,16 +126,18 @@ def region(
 
 
 def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
-    """Part of a polygon in which n0 p + n1 q <= bound; nothing if that has no area.
+    """Part of a polygon in which n0 p + n1 q <= bound; no corners if that has no area.
 
-    Sides run along p, along q or diagonally, so that they are cut at whole ticks.
+    The depth of a corner is bound - n0 p - n1 q, positive inside. Corners inside stay, and sides
+    are cut where the depth is 0. Sides run along p, along q or diagonally, so that they are cut at
+    whole ticks.
     """
     inside: list[Corner] = []
     depth = [bound - n0 * p - n1 * q for p, q in corners]
     if not any(d > 0 for d in depth):
         return inside
     for i in range(len(corners)):
-        j = (i + 1) % len(corners)
+        j = (i + 1) % len(corners)  # the other corner of the side
         here = depth[i]
         there = depth[j]
         if here >= 0:
@@ -147,7 +152,7 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
 
 
 def crossing(start: int, stop: int, here: int, there: int) -> int:
-    """Tick at which a depth is 0 that is `here` at `start` and `there` at `stop`.
+    """Tick at which a linear depth is 0 that is `here` at the tick `start`, `there` at `stop`.
 
     Both divisions are exact, since the cut lies at a whole tick, see `clip`. The quotient comes
     first, since products may exceed 2^53, up to which JavaScript has every whole number.
@@ -159,9 +164,9 @@ def crossing(start: int, stop: int, here: int, there: int) -> int:
 
 
 def count_of_regions(rods: Any, start: int, stop: int, limit: float) -> int:
-    """Number of regions of constant state between two ticks.
+    """Number of regions of constant state of rods, see `polygons_of`, between two ticks.
 
-    Of more than `limit` not all are counted.
+    If there are more than `limit`, counting stops at some number above it.
     """
     count = 0
     for rod in rods:
@@ -221,7 +226,12 @@ def add_segment(
     start: int,
     stop: int,
 ) -> None:
-    """Add the polygons of a segment to lists by the names of `Regions`."""
+    """Add the polygons of a segment to lists by the names of `Regions`.
+
+    Where the wave a that left at p meets the wave b that left at q, velocity = (a + b)/2 + frame,
+    strain = (b - a)/(2 c), x = (q - p + T)/(2 T) length and t = (p + q + T)/2. The displacement is
+    the integral of the velocity, as in `SegmentWaves.displacement`.
+    """
     a = piece["rightward"]
     b = piece["leftward"]
     T = piece["ticks"]
@@ -249,8 +259,7 @@ def add_segment(
             for p, q in region(p_range, q_range, T, start, stop):
                 a_passed = integral_to(a, p) - a_passed_at_start
                 in_frame = a_passed + integral_to(b, q) - b_passed_at_start
-                # Twice the displacement, m/s ticks
-                twice = in_frame + frame * (p + q + T)
+                twice = in_frame + frame * (p + q + T)  # the displacement, m/s ticks
                 displacement = twice / 2 * tick + left.displacement
                 x = left.x + (q - p + T) / 2 / T * length
                 polygons["x"].append(x)

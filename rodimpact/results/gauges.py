@@ -115,7 +115,7 @@ class Gauge:
         return rates
 
     def _ticks(self, t: Floats, side: Side = "right") -> Ints:
-        """Ticks of times in s, just after ("right") or before a jump at that time."""
+        """Ticks nearest to times in s, moved just after ("right") or before a jump there."""
         nearest = np.rint(t / self.tick).astype(np.int64)
         return to_side(nearest, side)
 
@@ -157,46 +157,51 @@ class Gauge:
         return Signal(np.concatenate(samples), times, name=name)
 
     def _spline_means(self, step: float, rows: Ints) -> Floats:
-        """Means of the strain about the times row * step, ticks, of [n] rows in order.
+        """Means of the strain about the times row * step, ticks, of n consecutive rows, [n].
 
         They are weighted by a parabolic spline over three cells, each a step long, with the
         row in the middle. With u from 0 to 1 in each cell, the weights are u^2/2,
         1/2 + u - u^2 and (1 - u)^2/2. So a mean is made of the integrals over cells of
         the strain, of u times the strain, and of u^2 times the strain.
         """
+        # The row r has the cells from r - 1.5 to r + 1.5 steps, so n rows have n + 2 cells.
         following = rows[-1] + np.arange(1, 4)
         bounds_in_steps = np.append(rows, following) - 1.5
-        bounds = step * bounds_in_steps  # of n + 2 cells
+        bounds = step * bounds_in_steps
         parts = self._cell_parts(bounds)
         cell_of_part = parts.cell
-        begin = (parts.cuts[:-1] - bounds[cell_of_part]) / step
+        begin = (parts.cuts[:-1] - bounds[cell_of_part]) / step  # u where a part begins
         width = np.diff(parts.cuts)[:, None] / step
-        # Gauss's rule is exact for the polynomials in which the strain times u^2 comes.
+        # Gauss's rule is exact here: in a part, the strain times u^2 is one polynomial.
         shares, weights = quadrature((self.record.size + 3) // 2)
-        u = begin[:, None] + width * shares
+        u = begin[:, None] + width * shares  # [part, point of the rule]
         strain = self.record.inside(parts.cuts[:-1], parts.cuts[1:], shares)
         weighted = strain * weights * width
         by_u = weighted * u
         by_u2 = weighted * (u * u)
+        # Sums over the points of the rule, and then over the parts of each cell.
         cell_count = len(bounds) - 1
         integral = np.bincount(cell_of_part, weighted.sum(axis=1), cell_count)
         integral_u = np.bincount(cell_of_part, by_u.sum(axis=1), cell_count)
         integral_u2 = np.bincount(cell_of_part, by_u2.sum(axis=1), cell_count)
-        rising = integral_u2 / 2
-        middle = integral / 2 + integral_u - integral_u2
-        falling = integral / 2 - integral_u + integral_u2 / 2
+        rising = integral_u2 / 2  # by u^2/2
+        middle = integral / 2 + integral_u - integral_u2  # by 1/2 + u - u^2
+        falling = integral / 2 - integral_u + integral_u2 / 2  # by (1 - u)^2/2
+        # The i-th row has the cells i, i + 1 and i + 2.
         means: Floats = rising[:-2] + middle[1:-1] + falling[2:]
         return means
 
     def _cell_parts(self, bounds: Floats) -> CellParts:
-        """Cut cells between bounds, ticks, where the strain is another polynomial."""
+        """Cut cells between increasing bounds, ticks, where the strain has another polynomial."""
         all_breaks = self.record.breaks
         first, stop = all_breaks.searchsorted(bounds[[0, -1]])
         breaks = all_breaks[first:stop]
-        after = bounds[:-1].searchsorted(breaks, "right")
-        cuts = np.insert(bounds, after, breaks)
+        # A break lies before the bound `next_bound`, in the cell before that bound.
+        next_bound = bounds[:-1].searchsorted(breaks, "right")
+        cuts = np.insert(bounds, next_bound, breaks)
         cell_count = len(bounds) - 1
-        cell = np.insert(np.arange(cell_count), after, after - 1)
+        # Each break makes one more part of its cell.
+        cell = np.insert(np.arange(cell_count), next_bound, next_bound - 1)
         return CellParts(cuts, cell)
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
@@ -288,7 +293,7 @@ def gauges_to_csv(
 
 
 def _table_blocks(records: list[Gauge], sampling: Sampling) -> Iterator[list[Floats]]:
-    """Columns of some rows of a table after the other: times, s, and the strain of each record."""
+    """Blocks of rows of a table, each as columns: times, s, and the strain of each record."""
     for rows in _blocks(sampling.sample_count):
         times = sampling.step * rows
         columns = [times]
@@ -308,7 +313,10 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
 
 
 def _sampling(interval: Any, end: float) -> Sampling:
-    """Samples of a record that ends at `end`, s; InvalidModel for a wrong interval."""
+    """Samples at this interval, s, of a record that ends at `end`, s; None: `DEFAULT_SAMPLES`.
+
+    InvalidModel for an interval that is not positive, or gives more than `MAX_TABLE_ROWS`.
+    """
     if interval is not None:
         step = scalar("interval", interval, "s", "positive")
     else:
@@ -321,11 +329,11 @@ def _sampling(interval: Any, end: float) -> Sampling:
             f"gives {end / step:.3g} rows, more than {MAX_TABLE_ROWS}; take at least"
         )
         raise invalid_argument("interval", f"{message} {least:.3g} s, got {step!r}")
-    interval_count = int(end / step * (1 + SAMPLE_COUNT_RTOL))
+    interval_count = int(end / step * (1 + SAMPLE_COUNT_RTOL))  # rounded down
     return Sampling(step, interval_count + 1)
 
 
 def _blocks(count: int) -> Iterator[Ints]:
-    """Indices from 0 to `count`, some at a time."""
+    """Indices from 0 to `count - 1` in arrays of up to `ROWS_PER_BLOCK`."""
     for start in range(0, count, ROWS_PER_BLOCK):
         yield np.arange(start, min(start + ROWS_PER_BLOCK, count))

@@ -64,7 +64,7 @@ class LoadedEnd(NamedTuple):
 
 
 class SoilAtNodes(NamedTuple):
-    """Soil along a rod, each about a node [node of the rod]."""
+    """Soil along a rod, in parts about each node [node of the rod]."""
 
     places: Floats  # of the nodes, m from the left end of the rod
     ultimate: Floats  # ultimate resistance, N
@@ -92,32 +92,39 @@ class GridFields(Fields):
         return np.asarray(self.motion.when * STEP_TICKS)
 
     def nearest_energy_ticks(self, ticks: Ints) -> Ints:
-        """The ticks of the states that are nearest to some ticks."""
-        known = self.state_ticks
-        middles = (known[1:] + known[:-1]) / 2
-        return known[np.searchsorted(middles, ticks, "right")]
+        """Tick of the state that is nearest to each of some ticks."""
+        states = self.state_ticks
+        # The nearest state changes in the middle between two states.
+        middles = (states[1:] + states[:-1]) / 2
+        return states[np.searchsorted(middles, ticks, "right")]
 
     # Between states and between nodes -------------------------------------------------------------
 
     def _between_states(self, values: Floats, columns: Any, ticks: Ints) -> Floats:
-        """Interpolate columns of values [state, column] at ticks; the two broadcast."""
+        """Interpolate values [state, column] in time: in those columns, at ticks.
+
+        Columns, whole numbers or a slice, and ticks broadcast.
+        """
         states = self.state_ticks
         last = len(states) - 1  # 0 where nothing moves: there is one state
-        before = np.searchsorted(states, ticks, "right") - 1
+        before = np.searchsorted(states, ticks, "right") - 1  # the state before a tick
         before = np.clip(before, 0, max(last - 1, 0))
         after = np.minimum(before + 1, last)
-        duration = np.maximum(states[after] - states[before], 1)
+        duration = np.maximum(states[after] - states[before], 1)  # 0 of a single state
         share = np.minimum((ticks - states[before]) / duration, 1.0)
         value_before = values[before, columns]
         value_after = values[after, columns]
         return np.asarray(value_before * (1 - share) + value_after * share)
 
     def _interpolated(self, body: int, x: Floats, ticks: Ints, table: Table) -> Floats:
-        """Interpolate a table at places x of a rod, m, and at ticks; the two broadcast."""
-        # Raises if a place lies outside of the rod, or places and ticks do not broadcast.
-        self._broadcast_shape(self.locate(body, x)[0], ticks)
+        """Interpolate a table at places x of a rod, m, and at ticks; the two broadcast.
+
+        ValueError for a place outside of the rod, or shapes that do not broadcast.
+        """
+        location = self.locate(body, x)  # raises for places outside
+        self._broadcast_shape(location.segment, ticks)  # raises for wrong shapes
         places = table.places
-        # Of a place that is there twice, where the field jumps, the right one counts.
+        # At a jump a place is there twice; "right" takes the second one, to its right.
         left = np.searchsorted(places, x, "right") - 1
         left = np.clip(left, 0, len(places) - 2)
         distance = places[left + 1] - places[left]
@@ -129,8 +136,11 @@ class GridFields(Fields):
     # The mesh of a rod ----------------------------------------------------------------------------
 
     def _segment_places(self, body: int) -> list[Floats]:
-        """Places of the nodes of each segment of a rod, m from its left end."""
-        first, last = self.clock.spans[body]
+        """Places of the nodes of each segment of a rod, m from its left end, [segment][node].
+
+        Two neighbouring segments share a node.
+        """
+        first, last = self.clock.spans[body]  # counted from 1
         cell_counts = self.motion.counts[first - 1 : last]
         edges = self.edges(body)
         places = []
@@ -142,7 +152,7 @@ class GridFields(Fields):
         return places
 
     def _node_places(self, body: int) -> Floats:
-        """Places of the nodes of a rod, m from its left end [node of the rod]."""
+        """Places of the nodes of a rod, m from its left end, each once [node of the rod]."""
         return np.unique(np.concatenate(self._segment_places(body)))
 
     def _span(self, body: int) -> Span:
@@ -150,10 +160,12 @@ class GridFields(Fields):
         first, last = self.clock.spans[body]
         first_node = self.motion.first[first]
         last_node = self.motion.last[last]
-        cells = slice(first_node + 1, last_node + 1)
+        nodes = slice(first_node, last_node + 1)
+        cells = slice(first_node + 1, last_node + 1)  # cell n lies left of node n
+        # A node has half of the mass of the cell on either side.
         half = self.motion.cells.cell_mass[cells] / 2
         mass = np.append(half, 0.0) + np.append(0.0, half)
-        return Span(slice(first_node, last_node + 1), cells, mass)
+        return Span(nodes, cells, mass)
 
     # Tables of fields -----------------------------------------------------------------------------
 
@@ -205,20 +217,24 @@ class GridFields(Fields):
 
     @cached_property
     def _displacement_tables(self) -> dict[int, Table]:
-        """Displacements of the nodes of each rod in the frame, m, by body."""
+        """Displacements of the nodes of each rod in the frame, m, by body.
+
+        With the stretch s from the first node of the row to each node, a node n of a rod with the
+        left end l has the displacement u(n) = u(l) + s(n) - s(l). That of l is u(l) = u(f) + growth
+        of s(l) - s(f) since t = 0, with the first node f of the bonded bodies to which it belongs.
+        """
         motion = self.motion
         elongation = self._cell_strain[:, :-1] * motion.cells.width[:-1]
-        # Elongation from the first node of the row to each node, m [state, node]
-        stretch = np.cumsum(elongation, axis=1)
+        stretch = np.cumsum(elongation, axis=1)  # m [state, node]
         tables = {}
         for body in self.rods:
             nodes = self._span(body).nodes
             piece = int(np.searchsorted(motion.starts, nodes.start, "right")) - 1
             stretch_at_left = stretch[:, nodes.start]
-            before = stretch_at_left - stretch[:, motion.starts[piece]]
-            piece_displacement = motion.displacement[:, piece] * self.step
-            left_end = piece_displacement + before - before[0]
-            without_stretch = left_end - stretch_at_left
+            stretch_in_piece = stretch_at_left - stretch[:, motion.starts[piece]]
+            u_first = motion.displacement[:, piece] * self.step
+            u_left = u_first + stretch_in_piece - stretch_in_piece[0]
+            without_stretch = u_left - stretch_at_left
             displacement = stretch[:, nodes] + without_stretch[:, None]
             tables[body] = Table(self._node_places(body), displacement)
         return tables
@@ -247,7 +263,10 @@ class GridFields(Fields):
         return in_frame + self.clock.frame * (ticks * self.clock.tick)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the strain from t = 0 on at points x, m [point], ticks, [point, tick]."""
+        """Integral of the strain over time from t = 0 to each tick at points x, m, [point, tick].
+
+        Its unit is the tick. Between states the strain is a straight line.
+        """
         states = self.state_ticks
         strain = self._strain_tables.strain[body]
         integrals = []
@@ -277,15 +296,15 @@ class GridFields(Fields):
     # Integrals over bodies ------------------------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
-        """Sum of m v over the nodes of a rod at times t in s, kg m/s, between states."""
+        """Sum of m v over the nodes of a rod at times t in s, kg m/s, interpolated."""
         span = self._span(body)
         # A product of matrices would give other bits for other numbers of states.
-        momenta = self.motion.velocity[:, span.nodes] * span.mass
-        of_states = momenta.sum(axis=1)
+        node_momenta = self.motion.velocity[:, span.nodes] * span.mass
+        momenta = node_momenta.sum(axis=1)  # [state]
         ticks = self.to_ticks(t)
-        in_frame = self._between_states(of_states[:, None], 0, ticks)
-        frame = self.clock.frame + self._fall_velocity(ticks)
-        return np.asarray(in_frame + span.mass.sum() * frame)
+        in_frame = self._between_states(momenta[:, None], 0, ticks)
+        frame_velocity = self.clock.frame + self._fall_velocity(ticks)
+        return np.asarray(in_frame + span.mass.sum() * frame_velocity)
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
         """Energy of a rod in the state at `tick`; kinetic energy relative to a velocity, m/s."""
@@ -298,14 +317,18 @@ class GridFields(Fields):
         return RodEnergy(*energies)
 
     def viscous_loss(self, ticks: Ints) -> Floats:
-        """Energy lost in damped material from t = 0 to the states at some ticks, J."""
+        """Energy lost in damped material from t = 0 to each tick, J; ticks are those of states."""
         states = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
         return np.asarray(self.motion.lost[states] * self.step)
 
     def mobilised(self, body: int, tick: int) -> Steps | float:
-        """Share of the resistance that is mobilised about each node of a rod, at `tick`."""
+        """Share of the resistance that is mobilised along a rod, at `tick`.
+
+        It is constant about each node, from the middle of one cell to that of the next; 0 if no
+        soil resists.
+        """
         soil = self.soil_at_nodes(body, tick)
-        if not soil.ultimate.any():  # nothing resists
+        if not soil.ultimate.any():
             return 0.0
         middles = []
         for x in self._segment_places(body):
@@ -313,12 +336,15 @@ class GridFields(Fields):
         return Steps(soil.mobilised.tolist(), np.concatenate(middles).tolist())
 
     def soil_at_nodes(self, body: int, tick: int) -> SoilAtNodes:
-        """Soil about the nodes of a rod that soil holds, at `tick`."""
+        """Soil about the nodes of a rod that soil holds, at `tick`, between states.
+
+        The mobilised share is the static resistance over the ultimate one.
+        """
         soil = self.motion.soil
         nodes = self._span(body).nodes
         shaft = shaft_bodies(self.clock.row).index(body)
-        columns = np.flatnonzero(soil["shaft"] == shaft)
-        held = soil["node"][columns] - nodes.start
+        columns = np.flatnonzero(soil["shaft"] == shaft)  # those of this rod
+        held = soil["node"][columns] - nodes.start  # nodes of the rod in soil
         resistance = self._between_states(
             self.motion.resistance, columns, np.asarray(tick)
         )
@@ -331,7 +357,10 @@ class GridFields(Fields):
         )
 
     def profile(self, body: int, tick: int) -> Profile:
-        """State of a rod at `tick`, between states: velocity and strain of each cell."""
+        """State of a rod at `tick`, interpolated: velocity and strain of each cell.
+
+        The velocity of a cell is the mean of those of its two nodes.
+        """
         span = self._span(body)
         at_tick = np.asarray(tick)
         v = self._between_states(self.motion.velocity, span.nodes, at_tick)
@@ -356,12 +385,12 @@ class GridFields(Fields):
         return ExtremeStress(strongest(tensions), strongest(compressions))
 
     def _state_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Highest and lowest stress in a rod at the states that are kept."""
+        """Highest and lowest stress E eps + eta d(eps)/dt in a rod at the states that are kept."""
         youngs_moduli = []
         viscosities = []
         segments = self.rods[body].segments
         for segment, nodes in zip(segments, self._segment_places(body), strict=True):
-            point_count = len(nodes) + 1  # all cells, and both ends
+            point_count = len(nodes) + 1  # len(nodes) - 1 cells, and both ends
             E, eta = moduli(segment)
             youngs_moduli.append(np.full(point_count, E))
             viscosities.append(np.full(point_count, eta))
@@ -376,21 +405,22 @@ class GridFields(Fields):
             yield StressPeak(float(stress[state, point]), x, t)
 
     def _end_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Stress by the largest push and pull on each end of a rod, of all time steps.
+        """Stress by the largest push and the largest pull on each end of a rod, of all time steps.
 
-        None at free ends, nor where lateral inertia takes a share of the force.
+        Free ends are left out, and those where lateral inertia takes a share of the force.
         """
         for end in self._loaded_ends(body):
             if end.push is None or end.segment.lateral_inertia is not None:
                 continue
-            for sign in (1.0, -1.0):
-                push = sign * end.push
-                t = (int(np.argmax(push)) + 0.5) * self.step
-                stress = -sign * largest_force(push) / end.area
+            for sign in (1.0, -1.0):  # pushes, then pulls
+                force = sign * end.push
+                middle_of_step = int(np.argmax(force)) + 0.5
+                t = middle_of_step * self.step
+                stress = -sign * largest_force(force) / end.area
                 yield StressPeak(stress, end.x, t)
 
     def _loaded_ends(self, body: int) -> tuple[LoadedEnd, LoadedEnd]:
-        """The left and the right end of a rod."""
+        """The left and the right end of a rod, with the force of a contact or at the row's end."""
         contacts = self.signals.contacts
         left_action, right_action = self.signals.boundary_actions
         left_push = _push_of(left_action)

@@ -68,12 +68,16 @@ def end_areas(segment: Segment) -> EndAreas:
 
 
 def cell_strains(motion: GridMotion, step: float) -> Floats:
-    """Strains of all cells [state, cell]; the time step is in s."""
+    """Strains of all cells, elongation over width, [state, cell]; the time step is in s."""
     return np.asarray(motion.stretches(step) / motion.cells.width)
 
 
 def cell_states(motion: GridMotion, strain: Floats, velocity: Floats) -> CellStates:
-    """State of all cells by their strains [state, cell], and velocities of nodes, m/s."""
+    """State of all cells, from their strains [state, cell] and velocities of nodes, m/s.
+
+    The strain rate is the difference of the velocities of both nodes over the width. The tension is
+    the elastic force plus eta A times the rate.
+    """
     cells = motion.cells
     rate = np.zeros(motion.force.shape)
     rate[:, 1:-1] = np.diff(velocity, axis=1) / cells.width[1:-1]
@@ -86,15 +90,18 @@ def segment_strain(
 ) -> SegmentStrain:
     """Strain and its rate in a segment, the `number`-th of the row counted from 1.
 
-    At the ends both are extrapolated, and then changed to give the stress that follows from the
-    momentum of the node: in a step of s seconds, viscosity eta resists a change of strain by eta/s.
-    Where lateral inertia takes a share of the force they stay.
+    At the ends both are extrapolated from cells. Then they are changed by d eps and d rate, with
+    d eps = step d rate, so that they give the stress that follows from the momentum of the node:
+    E d eps + eta d rate = the missing stress. Where lateral inertia takes a share of the force they
+    are not changed.
     """
     E, eta = moduli(segment)
     first_node = motion.first[number]
     last_node = motion.last[number]
-    strain = cells.strain[:, first_node : last_node + 2].copy()
-    rate = cells.rate[:, first_node : last_node + 2].copy()
+    # The cells from first_node + 1 to last_node, and a column at either side for the ends.
+    columns = slice(first_node, last_node + 2)
+    strain = cells.strain[:, columns].copy()
+    rate = cells.rate[:, columns].copy()
     left = _left_end(motion, number, segment)
     right = _right_end(motion, number, segment)
     for end, column in ((left, 0), (right, -1)):
@@ -113,21 +120,22 @@ def segment_strain(
 def _left_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
     """The left end of a segment; cell n lies left of node n."""
     node = motion.first[number]
-    has_more_cells = motion.last[number] > node + 1
-    area = end_areas(segment).left
-    return SegmentEnd(node, node + 1, node + 1 + has_more_cells, 1, area)
+    cell = node + 1
+    second_cell = min(cell + 1, motion.last[number])
+    return SegmentEnd(node, cell, second_cell, 1, end_areas(segment).left)
 
 
 def _right_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
     """The right end of a segment; cell n lies left of node n."""
     node = motion.last[number]
-    has_more_cells = node > motion.first[number] + 1
-    area = end_areas(segment).right
-    return SegmentEnd(node, node, node - has_more_cells, -1, area)
+    cell = node
+    first_cell = motion.first[number] + 1
+    second_cell = max(cell - 1, first_cell)
+    return SegmentEnd(node, cell, second_cell, -1, end_areas(segment).right)
 
 
 def _extrapolated(values: Floats, end: SegmentEnd) -> Floats:
-    """Values of cells [state, cell] extrapolated to an end, which is half a cell away."""
+    """Values of cells [state, cell] extrapolated to an end, half a cell away, [state]."""
     near = values[:, end.cell]
     behind = values[:, end.second_cell]
     return np.asarray(1.5 * near - 0.5 * behind)
@@ -141,15 +149,17 @@ def _has_lateral_inertia(motion: GridMotion, end: SegmentEnd) -> bool:
 
 
 def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
-    """Stress at an end, Pa [state]: tension of the cell less the force on its half mass.
+    """Stress at an end, Pa [state], from Newton's law of the half cell there.
 
-    The node of mass m accelerates by the pull on it over m, and half of the cell's mass with it.
+    The node of mass m has the acceleration a = (force on the node)/m, and with it the half cell of
+    mass m_cell/2. Its forces are those of the inner part of the cell, of the soil on it, and of
+    what is beyond the end: the end tension = tension - inward (a m_cell/2 - force of the soil).
     """
     node = end.node
-    pull = tension[:, node + 1] - tension[:, node] + _push_on(motion, node)
+    force = tension[:, node + 1] - tension[:, node] + _push_on(motion, node)
     soil = _soil_on(motion, end)
-    pull = pull + soil.on_node
-    half_cell_force = pull * motion.cells.cell_mass[end.cell] / 2 / motion.mass[node]
+    force = force + soil.on_node
+    half_cell_force = force * motion.cells.cell_mass[end.cell] / 2 / motion.mass[node]
     half_cell_force = half_cell_force - soil.on_half_cell
     end_tension = tension[:, end.cell] - end.inward * half_cell_force
     return np.asarray(end_tension / end.area)
@@ -165,29 +175,36 @@ class SoilForces(NamedTuple):
 def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
     """Forces of the soil at an end of a segment.
 
-    At the end of its rod the half cell has all of the soil of the rod there, inside half of it.
+    At an end of the rod its half cell bears all of the soil about the node; at a node between two
+    segments each half cell bears half of it.
     """
     soil = motion.soil
+    end_of_rod = -end.inward  # -1 if this were the left end of the rod, 1 the right one
     on_node: Floats | float = 0.0
     on_half_cell: Floats | float = 0.0
+    # Two rods that are bonded share a node, and each may have its own soil there.
     for i in np.flatnonzero(soil["node"] == end.node):
         force = motion.soil_force[:, i]
         on_node = on_node + force
         if soil["end_of_rod"][i] == 0:
             on_half_cell = force / 2
-        elif soil["end_of_rod"][i] == -end.inward:
+        elif soil["end_of_rod"][i] == end_of_rod:
             on_half_cell = force
     return SoilForces(on_node, on_half_cell)
 
 
 def _push_on(motion: GridMotion, node: int) -> Floats:
-    """Force to the right on a node from outside its piece, N [state]; [1] if constant."""
+    """Force to the right on a node from outside its piece, N [state]; [1] if there is none.
+
+    Forces are kept as means over steps. At a state between two steps the force is the mean of both,
+    at the first and the last it is extrapolated by half a step.
+    """
     step_means = motion.pushes.get(node, np.zeros(1))
     if len(step_means) == 0:
         return np.zeros(1)
     if len(step_means) == 1:
         return np.repeat(step_means, len(motion.when))
-    ends = 1.5 * step_means[[0, -1]] - 0.5 * step_means[[1, -2]]
+    outer = 1.5 * step_means[[0, -1]] - 0.5 * step_means[[1, -2]]
     between = (step_means[1:] + step_means[:-1]) / 2
-    after_steps = np.concatenate((ends[:1], between, ends[1:]))
+    after_steps = np.concatenate((outer[:1], between, outer[1:]))  # [0 to n steps]
     return np.asarray(after_steps[motion.when])

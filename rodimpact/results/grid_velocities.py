@@ -18,10 +18,11 @@ from ..methods.signals import Floats, Ints
 def node_velocities(motion: GridMotion) -> Floats:
     """Velocities of all nodes in the frame, m/s [state, node]; means in damped rods."""
     velocity = motion.velocity
-    viscosity = motion.cells.viscous
-    is_damped = viscosity[:-1] + viscosity[1:] > 0  # a cell beside the node is
+    viscosity = motion.cells.viscous  # [cell]; cell n lies left of node n
+    is_damped = viscosity[:-1] + viscosity[1:] > 0  # whether a cell beside a node is
     if not is_damped.any() or len(motion.when) < 3:
         return velocity
+    # Means are made in the span of nodes that are damped, and copied to damped nodes alone.
     damped_nodes = np.flatnonzero(is_damped)
     first = int(damped_nodes[0])
     last = int(damped_nodes[-1])
@@ -35,12 +36,13 @@ def node_velocities(motion: GridMotion) -> Floats:
 
 
 def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
-    """Means about the states [state, node]; the velocity where states beside are missing.
+    """Means (v[n - 1] + 2 v[n] + v[n + 1])/4 about the states [state, node].
 
-    `when` is the number of the time step of each state.
+    `when` is the number of the time step of each state. Where the state of the step before or after
+    was not kept, the velocity itself stays, but for one-sided means at both ends of the run.
     """
     means = velocity.copy()
-    follows = np.diff(when) == 1
+    follows = np.diff(when) == 1  # whether a state is that of the next step
     has_both_neighbours = follows[:-1] & follows[1:]
     mean = velocity[:-2] + velocity[2:]
     mean += 2 * velocity[1:-1]
@@ -50,11 +52,15 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
     if when[0] == 0 and len(when) > 4 and follows[:4].all():
         means[1] = _one_sided_mean(velocity[1:5])
     if len(when) > 3 and follows[-3:].all():
-        means[-1] = _one_sided_mean(velocity[:-5:-1])
+        means[-1] = _one_sided_mean(velocity[:-5:-1])  # the last four, backwards
     return means
 
 
 def _one_sided_mean(velocity: Floats) -> Floats:
-    """The mean at the first of four states in a row, from one side, with the same error."""
+    """The mean at the first of four states in a row, from one side, with the same error.
+
+    The mean is v + (second difference about it)/4. Here that is taken two steps later, where motion
+    that changes its sign from step to step has the same sign again.
+    """
     first, second, third, fourth = velocity
     return np.asarray(first + (second - 2 * third + fourth) / 4)

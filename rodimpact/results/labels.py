@@ -58,15 +58,17 @@ _RESULTS = {
 }
 
 
-def parameter(system: System, path: str) -> Quantity:
+def quantity_of_parameter(system: System, path: str) -> Quantity:
     """Name and unit of the number of a system at this path; an unknown path is its own name.
 
     Examples
     --------
     >>> import rodimpact as ri
     >>> system = ri.System([ri.Rod(0.4, area=1e-4, material=ri.materials.steel), ri.Wall()])
-    >>> [parameter(system, path).name for path in ("bodies.0.length", "contacts.0.gap")]
-    ['length of rod 1', 'gap 1-wall']
+    >>> quantity_of_parameter(system, "bodies.0.length")
+    Quantity(name='length of rod 1', unit='m')
+    >>> quantity_of_parameter(system, "contacts.0.gap").name
+    'gap 1-wall'
     """
     match path.split("."):
         case ["gravity"]:
@@ -100,14 +102,16 @@ def parameter(system: System, path: str) -> Quantity:
     return Quantity(f"{name} of {owner}", unit)
 
 
-def outcome(system: System, column: str) -> Quantity:
-    """Name and unit of a column of results or of a field, else of a number as `parameter`.
+def quantity_of_column(system: System, column: str) -> Quantity:
+    """Name and unit of a column of results or of a field, such as ``"stress"``.
+
+    Any other name is taken for the path of a number, see `quantity_of_parameter`.
 
     Examples
     --------
     >>> import rodimpact as ri
     >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
-    >>> outcome(ri.System([rod, rod, rod]), "impulse.1")
+    >>> quantity_of_column(ri.System([rod, rod, rod]), "impulse.1")
     Quantity(name='impulse at contact 2-3', unit='N s')
     """
     kind, _, index = column.partition(".")
@@ -120,7 +124,7 @@ def outcome(system: System, column: str) -> Quantity:
     if kind in _RESULTS:
         name, unit = _RESULTS[kind]
     else:
-        name, unit = parameter(system, column)
+        name, unit = quantity_of_parameter(system, column)
     if index and len(system.contacts) > 1:
         name = f"{name} at contact {_pair(system, index)}"
     return Quantity(name, unit)
@@ -154,11 +158,11 @@ def dataset(
 
 
 def _labelled(system: System, variables: dict[str, Any]) -> dict[str, Any]:
-    """Variables (dimensions, values, attributes) by name, from (dimensions, values) by name."""
+    """Variables with labels: (dimensions, values, attributes) by name, from the first two."""
     labelled = {}
     for name, variable in variables.items():
         dimensions, values = variable
-        attributes = outcome(system, name).attributes
+        attributes = quantity_of_column(system, name).attributes
         labelled[name] = (dimensions, values, attributes)
     return labelled
 
@@ -169,7 +173,10 @@ def _body(system: System, index: str) -> str:
 
 
 def _quantity(name: str, field: QuantityField) -> Quantity:
-    """Name and unit of a number of that name, by its declaration; "1" for no unit."""
+    """Label of a declared number, else its name without underscores, and its unit.
+
+    A number without a unit has the unit "1", and a strain "".
+    """
     label = field.label
     if not label:
         label = name.replace("_", " ")
@@ -180,9 +187,9 @@ def _quantity(name: str, field: QuantityField) -> Quantity:
 
 
 def _of_end(system: System, side: str, path: list[str]) -> Quantity:
-    """Name and unit of a number of what drives an end.
+    """Name and unit of a number of the value that drives an end of the row.
 
-    The path within its value is ["values", "0"], ["at", "0"], ["step"], or empty.
+    `path` is the path within that value: ["values", "0"], ["at", "0"], ["step"], or empty.
     """
     end = system.ends[SIDES.index(side)]
     label, unit = _quantity("value", end.fields["value"])

@@ -216,7 +216,7 @@ class Outcome(OnlyContact[float]):
         1.0
         """
         e = self.restitution
-        first_on_right = self.unilateral[0] + 1
+        first_on_right = self.unilateral[0] + 1  # body on the right of the contact
         left_mass = sum(self.masses[:first_on_right])
         right_mass = sum(self.masses[first_on_right:])
         return collide(
@@ -303,7 +303,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
 
 
 def _balance_warning(momentum: float, energy: float) -> str:
-    """Sentence on relative residuals of momentum and energy; "" if both are small."""
+    """Sentence that warns of relative residuals of momentum and energy; "" if both are small."""
     missing = []
     residuals = {"momentum": abs(momentum), "energy": abs(energy)}
     for name, residual in residuals.items():

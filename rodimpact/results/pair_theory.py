@@ -42,15 +42,15 @@ class PairTheory(NamedTuple):
             return "textbook, box 10.4"
         return "Boussinesq"
 
-    def each(self, change: Callable[[Floats], Floats]) -> PairTheory:
-        """The family with every array of one body changed by a function."""
+    def mapped(self, change: Callable[[Floats], Floats]) -> PairTheory:
+        """A family with `change(array)` in place of each array of each body."""
         changed = []
         for left, right in self:
             changed.append(np.stack([change(left), change(right)]))
         return PairTheory(*changed)
 
-    def along(self, members: Floats, wanted: Floats) -> PairTheory:
-        """The family, which has one axis, at other values of its parameter, by interpolation.
+    def interpolated(self, members: Floats, wanted: Floats) -> PairTheory:
+        """The family, which has one axis, at other values of the parameter of this axis.
 
         Parameters
         ----------
@@ -67,27 +67,32 @@ class PairTheory(NamedTuple):
             logarithms = np.interp(wanted, members, np.log(values))
             return np.exp(logarithms)
 
-        return self.each(between)
+        return self.mapped(between)
 
     def collision(self) -> PairCollision:
-        """What theory says of each member; at a closing speed of 1 m/s where there is none."""
+        """Collision of each member by its closed form, at its closing speed.
+
+        Members that do not approach each other have a closing speed of 1 m/s here.
+        """
         Z = self.impedance
         T = self.transit_time
         left_velocity, right_velocity = self.velocity
         closing_speed = left_velocity - right_velocity
         V = np.where(self.approaches, closing_speed, 1.0)
-        if np.isfinite(Z).all():
+        both_are_rods = np.isfinite(Z).all()
+        if both_are_rods:
             return saint_venant(Z[0], T[0], Z[1], T[1], V)
         rod = 0
         if np.isinf(Z[0]).any():
             rod = 1
-        mass = self.mass[1 - rod]
-        if np.isinf(mass).any():
+        rigid_mass = self.mass[1 - rod]
+        is_wall = np.isinf(rigid_mass).any()
+        if is_wall:
             return rod_on_wall(Z[rod], T[rod], V)
-        return mass_on_rod(mass, Z[rod], T[rod], V)
+        return mass_on_rod(rigid_mass, Z[rod], T[rod], V)
 
     def column(self, name: str) -> Floats:
-        """Results by the name of one of `COLUMNS`, by the shape of the family, in SI units.
+        """The result of that name, one of `COLUMNS`, of each member, in SI units.
 
         nan where the bodies do not approach each other.
         """
@@ -129,14 +134,15 @@ def pair_theory(system: System) -> PairTheory | None:
     is_pair = len(system.bodies) == 2
     if not is_pair or not isinstance(system.contacts[0], Rigid):
         return None
-    if system != System(system.bodies, system.gaps, system.contacts):
+    without_loads = System(system.bodies, system.gaps, system.contacts)
+    if system != without_loads:
         return None  # gravity, or something at the ends, acts on the row
-    left = _numbers(system.bodies[0])
-    right = _numbers(system.bodies[1])
+    left = _body_numbers(system.bodies[0])
+    right = _body_numbers(system.bodies[1])
     if left is None or right is None:
         return None
     arrays = []
-    for of_left, of_right in zip(left, right, strict=True):
+    for of_left, of_right in zip(left, right, strict=True):  # impedances, and so on
         left_array = np.broadcast_to(of_left, system.shape)
         right_array = np.broadcast_to(of_right, system.shape)
         arrays.append(np.stack([left_array, right_array]))
@@ -146,7 +152,7 @@ def pair_theory(system: System) -> PairTheory | None:
     return family
 
 
-class _Numbers(NamedTuple):
+class _BodyNumbers(NamedTuple):
     """Numbers of one body, as `PairTheory` has them of both; each a float or an array."""
 
     impedance: Any  # kg/s; infinite for a wall or a rigid mass
@@ -155,19 +161,21 @@ class _Numbers(NamedTuple):
     velocity: Any  # m/s
 
 
-def _numbers(body: Body) -> _Numbers | None:
+def _body_numbers(body: Body) -> _BodyNumbers | None:
     """Numbers that the closed forms take of a body.
 
-    None of a rod that is not uniform, or does not move as one, or is strained.
+    None if it is a rod that is not uniform, has initial strain, or whose velocity is a profile
+    along it.
     """
     if not isinstance(body, Rod):
-        mass = getattr(body, "mass", np.inf)
-        return _Numbers(np.inf, 0.0, mass, body.velocity)
+        mass = getattr(body, "mass", np.inf)  # a wall has none
+        return _BodyNumbers(np.inf, 0.0, mass, body.velocity)
     segment = body.segments[0]
     is_uniform = len(body.segments) == 1 and segment.ideal
     moves_as_one = isinstance(body.velocity, float | np.ndarray)
-    if not is_uniform or not moves_as_one or np.any(body.strain != 0):
+    is_strained = np.any(body.strain != 0)
+    if not is_uniform or not moves_as_one or is_strained:
         return None
-    return _Numbers(
+    return _BodyNumbers(
         segment.impedance, segment.transit_time, segment.mass, body.velocity
     )

@@ -70,7 +70,7 @@ class Regions:
         return len(self.body)
 
     def body_of_vertices(self) -> Ints:
-        """Body that each vertex belongs to."""
+        """Index of the body to which each vertex belongs, [vertices]."""
         return np.repeat(self.body, np.diff(self.start))
 
 
@@ -152,10 +152,10 @@ def readable_until(solution: Solution, limit: int) -> float:
     stop = solution.t_end
     _, last_tick = _interval(fields, 0.0, stop)
     rods = _rods(fields)
-    while last_tick and count_of_regions(rods, 0, last_tick, limit) > limit:
+    while last_tick > 0 and count_of_regions(rods, 0, last_tick, limit) > limit:
         stop /= 2
         last_tick = int(fields.to_ticks(stop))
-    if not last_tick:
+    if last_tick == 0:
         message = (
             f"has more than {limit} regions of constant state at the start, too many "
             "for a picture; describe the row in fewer pieces"

@@ -24,12 +24,9 @@ from .fields import Fields
 
 DECAY_SAMPLES = 400  # intervals of time at whose ends the vibration is read
 MIN_DECAY_SAMPLES = 50  # with fewer states on a grid no decay is read
-FIRST_FITTED_SHARE = (
-    1 - 1 / 3
-)  # share of the record before its last third, which is fitted
-VIBRATION_RTOL = (
-    1e-12  # vibration below this share of all energy of motion is round-off
-)
+FIRST_FITTED_SHARE = 1 - 1 / 3
+"""Share of the record before its last third, which is fitted."""
+VIBRATION_RTOL = 1e-12  # vibration below this share of all energy is round-off
 DECAY_RATE_RTOL = 1e-9  # slower decay, relative to one over the record, is round-off
 
 
@@ -85,7 +82,10 @@ class RingDown:
 
 
 def ring_down(fields: Fields, start: float, end: float) -> RingDown:
-    """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
+    """How vibration dies out from `start` to `end`, s; see `Solution.ring_down`.
+
+    InvalidModel if a grid has kept too few states in between.
+    """
     even_times = np.linspace(start, end, DECAY_SAMPLES + 1)
     known_ticks = fields.nearest_energy_ticks(fields.to_ticks(even_times))
     ticks = np.unique(known_ticks)
@@ -100,13 +100,14 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     states = bonded_groups(fields, ticks)
     vibration = states.vibration.sum(axis=0)
     largest_energy = float(states.kinetic.max() + vibration.max())
+    round_off = VIBRATION_RTOL * largest_energy
     slowest = _slowest_mode(fields)
     return RingDown(
         times=times,
         vibration=vibration,
         rigid=float(states.kinetic[-1]),
         momentum_change=_momentum_change(fields, states, vibration),
-        decay_time=_decay_time(times, vibration, VIBRATION_RTOL * largest_energy),
+        decay_time=_decay_time(times, vibration, round_off),
         modal_decay_time=slowest.decay_time,
         body=slowest.body,
         frequency=slowest.frequency,
@@ -122,7 +123,7 @@ class RodMode(NamedTuple):
 
 
 def _slowest_mode(fields: Fields) -> RodMode:
-    """The mode that lasts longest of the rods, each free by itself."""
+    """The mode whose decay time is the longest, of all rods, each free by itself."""
     modes = []
     for body, rod in fields.rods.items():
         omega, rate = lasting_mode(rod.segments)
@@ -137,37 +138,38 @@ def _slowest_mode(fields: Fields) -> RodMode:
 def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
     """Largest change of the momentum of the row over the momenta of all bodies together.
 
-    A body of mass m with all the energy E of motion and vibration (J, [time]) would have the
-    momentum sqrt(2 m E).
+    The momentum of a body of mass m is taken to be sqrt(2 m E) = m sqrt(2 E/m), as if it had all
+    the energy E of motion and vibration, J [time], at its largest.
     """
     largest_energy = (states.kinetic + vibration).max()
     scale = 0.0  # kg m/s
-    for group in states.bodies:
+    for group in states.movable_bodies:
         for body in group:
             mass = fields.clock.mass(body)
             scale += mass * math.sqrt(2 * largest_energy / mass)
-    if not scale:
+    if scale == 0:
         return 0.0
-    return float(np.ptp(states.momentum)) / scale
+    largest_change = float(np.ptp(states.momentum))
+    return largest_change / scale
 
 
-def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
+def _decay_time(times: Floats, vibration: Floats, round_off: float) -> float:
     """Time, s, in which vibration falls to 1/e; inf if it does not, or that is not known.
 
-    By the straight line through its logarithm in the last third of the record. Energies [time]
-    of no more than `least`, J, are round-off.
+    A straight line, log(vibration) = constant - rate t, is fitted in the last third of the record;
+    the time is 1/rate. Energies [time] of no more than `round_off`, J, are left out.
     """
-    is_known = vibration > least
+    is_known = vibration > round_off
     t = times[is_known]
     energy = vibration[is_known]
     if len(t) == 0:
         return math.inf
     duration = t[-1] - t[0]
-    late = t >= t[0] + duration * FIRST_FITTED_SHARE
-    if np.count_nonzero(late) < 3:
+    is_late = t >= t[0] + duration * FIRST_FITTED_SHARE
+    if np.count_nonzero(is_late) < 3:
         return math.inf
-    since_start = t[late] - t[0]
-    slope, _ = np.polyfit(since_start, np.log(energy[late]), 1)
+    since_start = t[is_late] - t[0]
+    slope, _ = np.polyfit(since_start, np.log(energy[is_late]), 1)
     rate = -float(slope)  # 1/s
     if rate > DECAY_RATE_RTOL / duration:
         return 1 / rate

@@ -46,7 +46,10 @@ class OutcomeDiffers(UserWarning):
 
 
 def case_of(solution: Any) -> Case:
-    """The case of a solution: its system, the options that were given, and its outcome."""
+    """The case of a solution: its system, the options that were given, and its outcome.
+
+    Options with their default values are left out.
+    """
     options = solution.options.to_dict()
     for name, default in defaults_of(Options).items():
         if options.get(name) == default:
@@ -55,7 +58,10 @@ def case_of(solution: Any) -> Case:
 
 
 def result_of(solution: Any) -> SavedResult:
-    """The record of a solution that its file holds."""
+    """The numbers of the outcome of a solution that its file holds, with their stated errors.
+
+    Numbers of bodies and contacts have names with their index, such as ``impulse.0``.
+    """
     outcome = solution.outcome
     numbers = {}
     for name in OUTCOME_ENERGIES:
@@ -122,14 +128,16 @@ def _allowed_differences(
 ) -> dict[str, float]:
     """Largest differences that the stated errors of both runs allow, by kind of number.
 
-    A kind is a name without an index, such as ``impulse``. The stated relative error of its
-    measure counts over the largest number of that measure in either run.
+    A kind is a name without an index, such as ``impulse``. Each kind has a measure, see
+    `MEASURE_OF`, with a stated relative error. The difference is that error, of both runs and with
+    round-off, times the largest number of the measure in either run.
     """
     outcome = solution.outcome
     errors = {}  # relative, by measure
     for measure in MEASURES:
         stored_error = saved.accuracy.get(measure, 0.0)
         errors[measure] = stored_error + now.accuracy.get(measure, 0.0)
+    # An energy is a square of velocities or impulses: its relative error is twice theirs.
     errors[ENERGY] = 2 * max(errors[VELOCITY], errors[IMPULSE])
     # Where durations are unknown, weak forces may make further episodes.
     errors[COUNT] = 0.0
@@ -148,16 +156,17 @@ def _allowed_differences(
     allowed = {}
     for kind, measure in MEASURE_OF.items():
         error = errors[measure] + round_off
-        allowed[kind] = math.inf
         if error < math.inf:
             allowed[kind] = error * scales[measure]
+        else:
+            allowed[kind] = math.inf  # also where the scale is 0
     return allowed
 
 
 def _agree(value: float, stored: float, allowed: float) -> bool:
-    """Whether two numbers differ by no more than is allowed; nan agrees with nan.
+    """Whether two numbers differ by no more than `allowed`; nan agrees with nan alone.
 
-    With inf, everything is allowed: nan agrees with a number too.
+    If `allowed` is inf, all numbers agree, nan with a number too.
     """
     if allowed == math.inf or value == stored:
         return True

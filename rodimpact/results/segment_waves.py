@@ -65,13 +65,14 @@ class SegmentWaves(NamedTuple):
         A = self.rightward
         B = self.leftward
         T = self.transit
+        # Twice the displacement, as 2 t = p + q + T
         twice = A.integral(0, p) + B.integral(-T, q) + frame * (p + q + T)
         return twice / 2
 
     def strain_integral(self, p: Ints, q: Ints) -> Floats:
-        """(integral of B from 0 to q - integral of A from 0 to p)/(2 c), ticks.
+        """Integral of the strain over time at one place, ticks, up to a constant of that place.
 
-        At one place this grows by the integral of the strain over time.
+        (integral of B from 0 to q - integral of A from 0 to p)/(2 c).
         """
         A = self.rightward
         B = self.leftward
@@ -88,21 +89,24 @@ class SegmentWaves(NamedTuple):
         return float(twice) / 2
 
     def velocity_integral(self, ticks: Ints) -> Floats:
-        """Integral of v over the time that a wave takes through the segment, m/s ticks.
+        """Integral of v over the segment at `ticks`, over its time of travel, m/s ticks.
 
-        With the state at `ticks` this is half the integral of A + B from t - T to t, in
-        the frame of the clock. Times the impedance it is the momentum.
+        All parts of the waves in the segment at the tick t left its ends from t - T to t.
+        So this is half the integral of A + B from t - T to t, in the frame of the clock.
+        Times the impedance it is the momentum.
         """
         A = self.rightward
         B = self.leftward
         starts = ticks - self.transit
-        return (A.integral(starts, ticks) + B.integral(starts, ticks)) / 2
+        twice = A.integral(starts, ticks) + B.integral(starts, ticks)
+        return twice / 2
 
     def squared(self, tick: int, velocity: float) -> SquaredWaves:
-        """Integrals of (A + B)^2 and (A - B)^2 at `tick`, both waves less a velocity, m/s.
+        """Integrals of (A + B)^2 and (A - B)^2 over the segment at `tick`, over its time of travel.
 
-        The part of A that left at `time` meets the part of B that left at
-        start + tick - `time`, so B is taken backwards.
+        Both waves are taken less a velocity, m/s, to which the kinetic energy is relative. The part
+        of A that left at `time` meets the part of B that left at start + tick - `time`, so B is
+        taken backwards.
         """
         start = tick - self.transit
         rightward = self.rightward.within(start, tick)
@@ -110,12 +114,14 @@ class SegmentWaves(NamedTuple):
         breaks_of_A = rightward.breaks_in(start, tick)
         breaks_of_B = leftward.breaks_in(start, tick)
         edges = each_once([start], breaks_of_A, breaks_of_B, [tick])
+        # Gauss's rule with as many points as coefficients is exact for the squares.
         shares, weights = quadrature(max(rightward.size, leftward.size))
         A = rightward.inside(edges[:-1], edges[1:], shares) - velocity
         B = leftward.inside(edges[:-1], edges[1:], shares) - velocity
         total = A + B
         difference = A - B
         widths = np.diff(edges)
+        # [edge, point] times the weights of points, times the widths between edges
         return SquaredWaves(
             of_sum=float((total * total) @ weights @ widths),
             of_difference=float((difference * difference) @ weights @ widths),
@@ -124,16 +130,18 @@ class SegmentWaves(NamedTuple):
     # The state at one time ----------------------------------------------------------
 
     def piece_bounds(self, tick: int) -> Ints:
-        """Bounds of the pieces in which the state at `tick` is constant, [n + 1].
+        """Bounds of n pieces in which the state just after `tick` is constant, [n + 1].
 
         They are times of travel from the left end, ticks, from 0 to T. Smooth waves are
         cut where straight lines between the bounds follow them closely.
         """
         T = self.transit
         start = tick - T
-        from_left = tick - self.rightward.within(start, tick).marks
-        from_right = self.leftward.within(start, tick).marks - start
-        bounds = each_once(from_left, from_right)
+        # A front of A that left at `time` has run for tick - time; one of B for as long
+        # from the right end, so its time of travel from the left end is T less that.
+        fronts_of_A = tick - self.rightward.within(start, tick).marks
+        fronts_of_B = self.leftward.within(start, tick).marks - start
+        bounds = each_once(fronts_of_A, fronts_of_B)
         # The tick was rounded from a time in s, a float: a wave within its round-off of an
         # end has just left it.
         round_off = tick >> 51
@@ -141,12 +149,12 @@ class SegmentWaves(NamedTuple):
         return np.concatenate(([0], bounds[is_inside], [T]))
 
     def smooth_bounds(self, tick: int) -> Ints:
-        """Bounds of the parts in which both waves at `tick` are polynomials, [n + 1].
+        """Bounds of n parts in which both waves at `tick` are single polynomials, [n + 1].
 
-        They are times of travel from the left end, ticks, from 0 to T.
+        They are times of travel from the left end, ticks, from 0 to T; see `piece_bounds`.
         """
         T = self.transit
         start = tick - T
-        from_left = tick - self.rightward.breaks_in(start, tick)
-        from_right = self.leftward.breaks_in(start, tick) - start
-        return each_once([0], from_left, from_right, [T])
+        breaks_of_A = tick - self.rightward.breaks_in(start, tick)
+        breaks_of_B = self.leftward.breaks_in(start, tick) - start
+        return each_once([0], breaks_of_A, breaks_of_B, [T])

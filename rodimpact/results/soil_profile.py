@@ -46,7 +46,10 @@ class SoilProfile(NamedTuple):
 
 
 def soil_profile(fields: Fields, body: int, tick: int) -> SoilProfile:
-    """Soil along a rod that soil holds, at `tick`."""
+    """Soil along a rod that has a `shaft`, at `tick`.
+
+    The plastic set is the displacement less quake (share now - share at t = 0).
+    """
     assert isinstance(fields, GridFields)  # no other method has soil
     rod = fields.clock.system.bodies[body]
     assert isinstance(rod, Rod)
@@ -55,9 +58,9 @@ def soil_profile(fields: Fields, body: int, tick: int) -> SoilProfile:
     now = fields.soil_at_nodes(body, tick)
     x = now.places
     times = [0.0, tick * fields.clock.tick]
-    displacement = fields.displacement(body, x[:, None], times)
-    moved = displacement[:, 1] - displacement[:, 0]
+    displacements = fields.displacement(body, x[:, None], times)  # [node, time]
+    since_start = displacements[:, 1] - displacements[:, 0]
     elastic = float(rod.shaft.quake) * (now.mobilised - at_start.mobilised)
-    plastic_set = moved - elastic
-    plastic_set[now.ultimate == 0] = 0.0  # no soil has yielded there
-    return SoilProfile(x, now.ultimate, now.mobilised, moved, plastic_set)
+    plastic_set = since_start - elastic
+    plastic_set[now.ultimate == 0] = 0.0  # there is no soil that could yield
+    return SoilProfile(x, now.ultimate, now.mobilised, since_start, plastic_set)

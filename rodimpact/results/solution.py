@@ -110,7 +110,7 @@ class Solution(Shown):
         self.method = run.method
         self.until = run.until
         self.stopped_by = run.stopped_by
-        # The cap may end what follows the proof, in which nothing more can happen.
+        # The cap on events may end the round trip after the proof, when all is known.
         if run.final and run.until is None:
             self.stopped_by = "final"
         self.events = run.events
@@ -255,7 +255,7 @@ class Solution(Shown):
         (100.0, 0.9, 1.1)
         """
         index = self._index(body)
-        self.fields.locate(index, 0.0)
+        self.fields.locate(index, 0.0)  # raises for a body that is no rod
         return self.fields.extreme_stress(index)
 
     @_ALLOW_UNDERFLOW
@@ -286,7 +286,7 @@ class Solution(Shown):
         >>> bool(solution.field_error(3e-4).velocity < 0.02)
         True
         """
-        self.fields.to_ticks(t)
+        self.fields.to_ticks(t)  # raises for times outside the solution
         message = (
             "is stated where a grid has searched for its mesh; solve with method="
             '"finite-difference", without cells and dt'
@@ -296,7 +296,10 @@ class Solution(Shown):
 
     @cached_property
     def _coarser(self) -> list[CoarserSolution]:
-        """Solutions of the same collision on coarser meshes, if the mesh was searched for."""
+        """Solutions of the same collision on coarser meshes; none unless the mesh was searched for.
+
+        They are run here, as the search keeps no fields.
+        """
         solutions = []
         for mesh in self.run.coarser:
             solution = Solution(mesh.make_run(), self.options)
@@ -451,7 +454,7 @@ class Solution(Shown):
         )
 
     def _inside(self, x: Array) -> list[Any]:
-        """Which of the points x, m, lie in each body, [body][point].
+        """Whether each of the points x, m from the left end of a body, lies in it, [body][point].
 
         InvalidModel for points that lie in no body.
         """
@@ -467,7 +470,10 @@ class Solution(Shown):
         return inside
 
     def _field(self, name: str, x: Floats, t: Floats, inside: list[Any]) -> Floats:
-        """Values of the field of that name, [body, x, time]; nan outside of a body."""
+        """Values of the field of that name, [body, x, time]; nan where a body has none.
+
+        `inside` tells which points lie in each body, see `_inside`.
+        """
         bodies = self.system.bodies
         values = np.full((len(bodies), x.size, t.size), np.nan)
         field = getattr(self, name)
@@ -478,7 +484,7 @@ class Solution(Shown):
         return values
 
     def _at_contacts(self, name: str, t: Floats) -> Floats:
-        """Values of the method of that name of all contacts, [contact, time]."""
+        """Values at times t, s, of `ContactHistory.force` or `gap`, by name, [contact, time]."""
         values = np.empty((len(self.contacts), t.size))
         for k, contact in enumerate(self.contacts):
             values[k] = getattr(contact, name)(t)

@@ -35,7 +35,10 @@ class WaveSizes(NamedTuple):
 
 
 def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateProfiles:
-    """State of a rod just after `tick`, with the stated error of velocities, m/s."""
+    """State of a rod just after `tick`, with the stated error of velocities, m/s.
+
+    It is one of `Polynomials` if a wave changes in a piece by more than round-off, else of `Steps`.
+    """
     largest_wave = 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         largest = _largest_waves(fields, body, tick)
@@ -52,7 +55,11 @@ def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateP
 
 
 def _largest_waves(fields: WaveFields, body: int, tick: int) -> WaveSizes:
-    """Bounds of the waves in a rod at `tick`, by the sums of their coefficients."""
+    """Bounds of the waves in a rod at `tick`.
+
+    No Chebyshev polynomial exceeds 1, so a wave is at most the sum of its absolute coefficients,
+    and its change that of all but the first one, which is its mean.
+    """
     largest_wave = 0.0
     largest_change = 0.0
     for waves in fields.waves_along(body):
@@ -69,10 +76,11 @@ def _largest_waves(fields: WaveFields, body: int, tick: int) -> WaveSizes:
 def _polynomials(
     fields: WaveFields, body: int, tick: int, error: float
 ) -> StateProfiles:
-    """Both profiles, in intervals in which both waves are single polynomials.
+    """Velocity and strain of a rod at `tick` as `Polynomials`, with the error of velocities, m/s.
 
-    In each interval a profile has as many values as the longest polynomial has
-    coefficients, at Chebyshev-Lobatto points.
+    Their intervals are those in which both waves are single polynomials. In each interval a
+    profile has as many values as the longest polynomial has coefficients, at
+    Chebyshev-Lobatto points. v = (A + B)/2 and strain = (B - A)/(2 c), see `SegmentWaves`.
     """
     frame = fields.frame_velocity(tick)
     segments = list(fields.waves_along(body))
@@ -80,8 +88,8 @@ def _polynomials(
     for waves in segments:
         count = max(count, waves.rightward.size, waves.leftward.size)
     angles = np.pi * np.arange(count) / (count - 1)
-    shares = (1 - np.cos(angles)) / 2
-    ones = np.ones(count)  # constant waves have one value an interval
+    shares = (1 - np.cos(angles)) / 2  # places of the points in an interval, 0 to 1
+    ones = np.ones(count)  # constant waves have one value an interval, to be repeated
     starts: list[float] = []
     velocities = []
     strains = []
@@ -90,9 +98,11 @@ def _polynomials(
         bounds = _lasting_bounds(waves, tick)
         near = bounds[:-1]
         far = bounds[1:]
-        # The part of a wave that has travelled for n ticks left its end at tick - n.
-        from_far = waves.rightward.inside(tick - far, tick - near, shares)
-        A = from_far[:, ::-1]
+        # The part of A that has travelled for n ticks left the left end at tick - n. What
+        # left first is farthest, so in order of time A begins at the far bound.
+        A_in_order_of_time = waves.rightward.inside(tick - far, tick - near, shares)
+        A = A_in_order_of_time[:, ::-1]
+        # B there has travelled for T - n ticks: it left the right end at tick - T + n.
         start = tick - waves.transit
         B = waves.leftward.inside(start + near, start + far, shares)
         velocities.append((A + B) / 2 * ones + frame)
@@ -128,9 +138,12 @@ def _lasting_bounds(waves: SegmentWaves, tick: int) -> Ints:
 
 
 def _steps(edges: Floats, values: Floats, round_off: float) -> Number | Steps:
-    """Values between edges, m, as steps; those that differ by up to `round_off` are one."""
+    """Values between edges, m, as `Steps`; a number if they are all one.
+
+    Neighbours that differ by up to `round_off` are one: the first of them.
+    """
     jumps = np.abs(np.diff(values)) > round_off
-    begins = np.concatenate(([True], jumps))
+    begins = np.concatenate(([True], jumps))  # whether a step begins with a value
     if begins.sum() == 1:
         return float(values[0])
     starts = edges[:-1][begins]

@@ -146,7 +146,11 @@ def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
 
 
 def _sides(domain: Domain) -> list[Side]:
-    """The left and the right end of the segment, and the states at t = 0 and at the end."""
+    """The four sides: the left and the right end of the segment, the states at t = 0 and the end.
+
+    At the left end p = t and q = t - T, at the right end p = t - T and q = t. A state at the tick t
+    is taken over the time p at which A left, with q = 2 t - T - p.
+    """
     A = domain.A
     B = domain.B
     T = domain.T
@@ -196,7 +200,8 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
 
     None if d is nowhere as large as `least`.
     """
-    # d = B(q) - A(p) is large where A is low and B is high.
+    # d = B(q) - A(p) is large where A is low and B is high. Pieces are left out that do not
+    # make d as large as `least` even with the best piece of the other wave.
     lower_A = _bounds(domain.A).lower
     upper_B = _bounds(domain.B).upper
     low = _candidates(domain.A, lower_A <= upper_B.max() - least)
@@ -204,7 +209,7 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
     if len(low.ticks) == 0 or len(high.ticks) == 0:
         return None
     partners = _partners(domain, low.ticks, high.ticks)
-    meets = np.flatnonzero(partners.first < partners.stop)
+    meets = np.flatnonzero(partners.first < partners.stop)  # samples with partners
     if len(meets) == 0:
         return None
     differences = _range_maxima(high.values, partners, meets) - low.values[meets]
@@ -217,10 +222,13 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
 
 
 def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
-    """For each of the ticks p the ticks q, in order, at which it meets B in the domain."""
+    """For each of the ticks p those of the ticks q, which are in order, with which it meets.
+
+    They lie in the domain: |q - p| <= T and 0 <= p + q + T < 2 end.
+    """
     T = domain.T
     earliest_q = np.maximum(p - T, -T - p)
-    # A wave that leaves at the last tick meets nothing.
+    # - 1: meetings at the last tick itself are those of a side.
     latest_q = np.minimum(p + T, 2 * domain.end - T - p - 1)
     first = q.searchsorted(earliest_q, "left")
     stop = q.searchsorted(latest_q, "right")
@@ -238,9 +246,9 @@ def _range_maxima(values: Floats, ranges: Ranges, chosen: Ints) -> Floats:
 def _earliest(
     low: Samples, high: Samples, partners: Ranges, chosen: Ints, least: float, T: int
 ) -> Meeting | None:
-    """The earliest meeting of the chosen samples of A, in order, with d >= `least`.
+    """The earliest meeting of the chosen samples of A, which are in order, with d >= `least`.
 
-    Each of them has at least one; None if none is chosen.
+    Each of them has at least one such meeting; None if none is chosen.
     """
     earliest: Meeting | None = None
     for k in chosen:
@@ -251,7 +259,7 @@ def _earliest(
         first = int(partners.first[k])
         stop = int(partners.stop[k])
         differences = high.values[first:stop] - low.values[k]
-        j = int(np.argmax(differences >= least))
+        j = int(np.argmax(differences >= least))  # the first that is large enough
         q = int(high.ticks[first + j])
         if earliest is None or p + q < earliest.p + earliest.q:
             earliest = Meeting(float(differences[j]), p, q)
@@ -287,7 +295,7 @@ def _exceeds_sliver(signal: Pieces) -> Mask:
 
 
 def _candidates(signal: Pieces, chosen: Mask) -> Samples:
-    """Edges and turning points of the chosen pieces that last, in order of time."""
+    """Edges and turning points of the chosen pieces that are no slivers, in order of time."""
     chosen = chosen & _exceeds_sliver(signal)
     edges = _edges(signal, chosen)
     turning = _turning_points(signal, chosen)
@@ -304,7 +312,7 @@ def _joined(first: Samples, second: Samples) -> Samples:
 
 
 def _edges(signal: Pieces, chosen: Mask) -> Samples:
-    """The first values of the chosen pieces, and then their last ones, if they change."""
+    """The first values of the chosen pieces, then their last ones unless the signal is constant."""
     starts = signal.ticks[chosen]
     first_values = Samples(starts, signal.values[chosen])
     if signal.size == 1:
@@ -316,7 +324,10 @@ def _edges(signal: Pieces, chosen: Mask) -> Samples:
 
 
 def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
-    """Values inside the chosen pieces where the derivative is 0."""
+    """Values inside the chosen pieces where the derivative is 0.
+
+    A zero at y of a piece lies (y + 1)/2 of its width behind its start, less a little at both ends.
+    """
     # Pieces of fewer than three coefficients are straight.
     if signal.size < 3 or not chosen.any():
         return Samples(np.zeros(0, np.int64), np.zeros(0))
@@ -336,19 +347,20 @@ def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
 def _zeros(series: Floats, chosen: Ints) -> Zeros:
     """Zeros between -1 and 1 of the chosen Chebyshev series [series, coefficient].
 
-    The real parts of complex zeros are among them.
+    They are eigenvalues, found together for all series of one degree. The real parts of complex
+    zeros are among them, which does no harm: each is a place where a value is read.
     """
     degrees = _degrees(series)
-    owners: list[Ints] = [np.zeros(0, np.int64)]
+    owners: list[Ints] = [np.zeros(0, np.int64)]  # series of each zero
     zeros: list[Floats] = [np.zeros(0)]
     for degree in range(1, series.shape[1]):
-        same = chosen[degrees[chosen] == degree]
-        if len(same) == 0:
+        of_degree = chosen[degrees[chosen] == degree]
+        if len(of_degree) == 0:
             continue
-        matrices = _colleague_matrices(series[same, : degree + 1])
-        of_series = np.linalg.eigvals(matrices).real
-        owners.append(np.repeat(same, degree))
-        zeros.append(of_series.ravel())
+        matrices = _colleague_matrices(series[of_degree, : degree + 1])
+        eigenvalues = np.linalg.eigvals(matrices).real
+        owners.append(np.repeat(of_degree, degree))
+        zeros.append(eigenvalues.ravel())
     owner = np.concatenate(owners)
     y = np.concatenate(zeros)
     inside = np.abs(y) < 1
@@ -359,8 +371,9 @@ def _degrees(series: Floats) -> Ints:
     """Degree of each series without its negligible last coefficients, [series]."""
     sizes = np.abs(series)
     largest = sizes.max(axis=1, keepdims=True)
-    counts = sizes > largest * NEGLIGIBLE_COEFFICIENT
-    negligible = np.argmax(counts[:, ::-1], axis=1)  # coefficients at the end
+    is_counted = sizes > largest * NEGLIGIBLE_COEFFICIENT
+    # Number of coefficients behind the last one that counts
+    negligible = np.argmax(is_counted[:, ::-1], axis=1)
     return np.asarray(series.shape[1] - 1 - negligible)
 
 

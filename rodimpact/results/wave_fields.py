@@ -52,7 +52,7 @@ class WaveFields(Fields):
     """
 
     def waves(self, segment: int) -> SegmentWaves:
-        """The waves of a segment, counted from 1."""
+        """The waves of the segment of that number in the row, counted from 1."""
         clock = self.clock
         return SegmentWaves(
             segment=segment,
@@ -72,7 +72,8 @@ class WaveFields(Fields):
 
     @cached_property
     def constant_between_fronts(self) -> bool:
-        """Whether all waves are, so that velocity and strain are."""
+        """Whether each wave is constant between its fronts, so that velocity and strain are."""
+        # There is no wave where a line is None; a constant wave has one coefficient.
         return all(wave is None or wave.size == 1 for wave in self.motion.lines)
 
     # Fields at points and times -----------------------------------------------------
@@ -95,7 +96,10 @@ class WaveFields(Fields):
         return self._one_sided_values(body, x, ticks, side, strain)
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the velocity, m, and the displacement at t = 0; x and ticks broadcast."""
+        """Displacement, m, without the way that the frame falls; x, m, and ticks broadcast.
+
+        It is that of the left end of the segment at t = 0 plus `SegmentWaves.displacement`.
+        """
         frame = self.clock.frame
         tick = self.clock.tick
 
@@ -106,15 +110,18 @@ class WaveFields(Fields):
         return self._values(body, x, ticks, displacement)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the strain over time at points x, m [point], ticks, [point, tick]."""
+        """Integral of the strain over time at points x, m, up to each tick, [point, tick].
+
+        Its unit is the tick. It counts from another tick at each point.
+        """
         return self._values(body, x[:, None], ticks, SegmentWaves.strain_integral)
 
     @cached_property
     def _initial_displacements(self) -> list[float]:
-        """Displacement of the left end of each segment at t = 0, m.
+        """Displacement of the left end of each segment at t = 0, m, from the initial strain.
 
-        By the number of the segment in the row. Entry 0 stands for the outside on the left of
-        the row. The left end of each rod has no displacement.
+        The index is the number of the segment in the row, counted from 1: entry 0 is not used. The
+        left end of each rod has the displacement 0.
         """
         displacements = [0.0]
         for body in range(len(self.clock.spans)):
@@ -126,7 +133,7 @@ class WaveFields(Fields):
         return displacements
 
     def _points(self, body: int, x: ArrayLike) -> Points:
-        """Points x of a rod, m from its left end, by segment and in ticks."""
+        """Points x of a rod, m, by segment, and by time of travel in whole ticks."""
         segment, distance = self.locate(body, x)
         length = np.array(self.clock.length)[segment]
         transit = np.array(self.clock.ticks)[segment]
@@ -136,14 +143,17 @@ class WaveFields(Fields):
     def _one_sided_values(
         self, body: int, x: Floats, ticks: Ints, side: Side, formula: Formula
     ) -> Floats:
-        """Limits of a field from one side; x in m and ticks broadcast."""
-        # What is constant between fronts has the value of each front from it on.
+        """Values of a field just after ("right") or before `ticks`; x in m and ticks broadcast.
+
+        A formula gives values of that side. On a grid, those of the right side are found faster.
+        """
+        # A field that is constant between fronts has the value of each front from it on.
         if side == "right" and self.constant_between_fronts and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)
         return self._values(body, x, ticks, formula)
 
     def _values(self, body: int, x: Floats, ticks: Ints, formula: Formula) -> Floats:
-        """Values of a field; x in m and ticks broadcast."""
+        """Values of a field by its formula, segment by segment; x in m and ticks broadcast."""
         points = self._points(body, x)
         values = np.empty(self._broadcast_shape(points.offset, ticks))
         segments, offsets, all_ticks = np.broadcast_arrays(*points, ticks)
@@ -151,6 +161,8 @@ class WaveFields(Fields):
             waves = self.waves(segment)
             here = segments == segment
             offset = offsets[here]
+            # The waves at a tick left the ends at p = tick - offset and
+            # q = tick - (T - offset).
             p = all_ticks[here] - offset
             q = p + 2 * offset - waves.transit
             values[here] = formula(waves, p, q)
@@ -159,10 +171,14 @@ class WaveFields(Fields):
     def _grid_values(
         self, body: int, x: Floats, ticks: Ints, formula: Formula
     ) -> Floats:
-        """Values [point, tick] on a grid, see `_is_grid`, of what fronts alone change."""
+        """Values [point, tick] on a grid, see `_is_grid`, of a field constant between fronts.
+
+        The formula gives one value for each front, which is repeated for the ticks up to the next.
+        """
         points = self._points(body, x)
         values = []
         repeats = []
+        # Neighbouring points of one segment go together, from `start` to `stop`.
         segment_edges = np.diff(points.segment, axis=0, prepend=0, append=0)
         for start, stop in pairwise(np.flatnonzero(segment_edges)):
             waves = self.waves(int(points.segment[start, 0]))
@@ -174,9 +190,10 @@ class WaveFields(Fields):
         return on_grid.reshape(len(points.offset), len(ticks))
 
     def point_history(self, body: int, x: float) -> PassingWaves:
-        """The waves that pass the point x, m: A later by its distance in ticks, B likewise.
+        """The waves that pass the point x, m, from t = 0 to the end of the run.
 
-        Both are cut at the breaks of either, from t = 0 to the end of the run.
+        A arrives later than it left by the time of travel from the left end, B by that from the
+        right one. Both are cut at the breaks of either.
         """
         point = self._points(body, x)
         offset = int(point.offset)
@@ -192,7 +209,10 @@ class WaveFields(Fields):
     # Integrals over bodies ----------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
-        """Sum over segments of Z times the integral of v over their transit time, kg m/s."""
+        """Momentum of a rod at times t in s, kg m/s.
+
+        Sum over its segments of Z times the integral of v over the time of travel through them.
+        """
         clock = self.clock
         ticks = self.to_ticks(t)
         momentum: Any = 0.0
@@ -204,7 +224,10 @@ class WaveFields(Fields):
         return np.asarray(momentum + of_fall)
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
-        """Sums over segments of Z/8 times the integrals of (A + B)^2 and of (A - B)^2."""
+        """Energy of a rod at `tick`; the kinetic energy is relative to a velocity, m/s.
+
+        Sums over its segments of Z/8 times the integrals of (A + B)^2 and of (A - B)^2.
+        """
         clock = self.clock
         in_frame = velocity - clock.frame - clock.gravity * tick * clock.tick
         kinetic = 0.0
@@ -244,7 +267,8 @@ class WaveFields(Fields):
         segment = waves.segment
         T = waves.transit
         left = float(self.edges(body)[segment - first])
-        # Whole ticks, halves rounded up: a field asked for there sees the same waves.
+        # x = c (q - p + T)/2 and t = (p + q + T)/2, in whole ticks with halves rounded up:
+        # a field that is read there sees the same waves.
         offset = min((meeting.q - meeting.p + T + 1) // 2, T)
         tick = (meeting.p + meeting.q + T + 1) // 2
         x = left + waves.length * (offset / T)
@@ -270,7 +294,8 @@ class WaveFields(Fields):
             bounds = waves.piece_bounds(tick)
             near_time = bounds[:-1]  # of travel from the left end, ticks
             far_time = bounds[1:]
-            # The part of a wave that has travelled for n ticks left its end at tick - n.
+            # A there has travelled for n ticks and left the left end at tick - n. B has
+            # travelled for T - n ticks and left the right end at tick - T + n.
             A = waves.rightward.means(tick - far_time, tick - near_time)
             B = waves.leftward.means(tick - T + near_time, tick - T + far_time)
             velocities.append((A + B) / 2 + frame)
@@ -285,7 +310,7 @@ class WaveFields(Fields):
 
 
 def _is_grid(x: Floats, ticks: Ints) -> bool:
-    """Whether places are a column [point, 1], and ticks a row in order."""
+    """Whether places are a column [point, 1], and ticks a row [tick] that does not decrease."""
     is_column = np.ndim(x) == 2 and np.size(x) > 0 and np.shape(x)[1] == 1
     if not is_column or ticks.ndim != 1:
         return False
@@ -301,12 +326,16 @@ def _constant_runs(
     found once, at the front from which it holds.
     """
     T = waves.transit
-    from_left = waves.rightward.ticks[1:] + offsets
-    from_right = waves.leftward.ticks[1:] + T - offsets
-    fronts = np.concatenate((from_left, from_right), axis=1)
-    # Fronts in order: the k-th value holds from the k-th of these ticks on.
+    # Ticks at which the fronts of A and B pass each point, [point, front]
+    fronts_of_A = waves.rightward.ticks[1:] + offsets
+    fronts_of_B = waves.leftward.ticks[1:] + T - offsets
+    fronts = np.concatenate((fronts_of_A, fronts_of_B), axis=1)
+    # Index of the first given tick at or after each front, in order of the fronts.
     first_held = np.sort(ticks.searchsorted(fronts.T), axis=0).T
     repeats = np.diff(first_held, prepend=0, append=len(ticks))
+    # The first value holds before all fronts, so there is one value more than fronts.
     starts = np.sort(np.append(fronts, offsets + BEFORE_ALL_FRONTS, axis=1))
-    values = formula(waves, starts - offsets, starts + offsets - T)
+    p = starts - offsets
+    q = starts + offsets - T
+    values = formula(waves, p, q)
     return ConstantRuns(values, repeats)

@@ -29,7 +29,7 @@ from ..model.paths import (
     with_numbers,
 )
 from ..progress import Progress, ProgressFunction, Report, check_progress
-from ..results.labels import outcome, parameter
+from ..results.labels import quantity_of_column, quantity_of_parameter
 from ..results.outcome import UndefinedRestitution
 from ..units import shown
 from .columns import ENDED
@@ -56,7 +56,7 @@ PROBING_CHANGE = 2.0**-6  # change over the number that shows what physics other
 NOISE_AMPLIFICATION = 16.0  # error of a derivative, times the step, over that of values
 MAX_ERROR_OVER_NOISE = 10.0  # stated error over that by noise at which steps are kept
 SCALED_BY_MOTION = {"velocity", "strain", "value", "position"}
-"""Numbers whose changes are measured by the motion of the row, whatever their value."""
+"""Words in paths of numbers whose changes are measured by the motion of the row alone."""
 NUMBER_RTOL = 2.0**-52  # round-off of a number of the system
 PRINTED_RTOL = 1e-8  # relative error of a derivative printed with 8 digits
 
@@ -165,9 +165,9 @@ class Gradient:
         return "\n".join(lines)
 
     def _described(self, path: str) -> str:
-        """Derivative by the number at a path, with its unit, as text.
+        """Derivative by the number at a path, with its unit, as text; both sides at a kink.
 
-        With its stated error where that is larger than the digits shown.
+        The stated error follows where it is larger than the digits shown.
         """
         unit = f" {self.units[path]}".rstrip()
         error = float(self.errors[path])
@@ -283,23 +283,23 @@ def gradient(
 def _common_options(
     options: Options, system: System, numbers: Sequence["_Number"]
 ) -> Options:
-    """Options by which the system can be solved, and its neighbours.
+    """Options with one method by which the system and all its neighbours can be solved.
 
-    Neighbours may have more physics, such as a gravity that is not 0. Methods with more physics
-    come later in `METHODS`.
+    Neighbours, with one of the numbers changed, may have more physics, such as a gravity that is
+    not 0. Methods with more physics come later in `METHODS`.
     """
     methods = [options.method_for(system)]
     for number in numbers:
         neighbours = number.neighbours([number.size * PROBING_CHANGE])
         methods.append(options.method_for(neighbours.system))
-    slowest = max(methods, key=list(METHODS).index)
-    if slowest == "characteristics" and options.rtol is None:
+    most_able = max(methods, key=list(METHODS).index)
+    if most_able == "characteristics" and options.rtol is None:
         options = replace(options, rtol=SMOOTH_RTOL)
-    return replace(options, method=slowest)
+    return replace(options, method=most_able)
 
 
 def _why_undefined(system: System, of: str, options: Options) -> str:
-    """Why a single collision has no result of that name, a sentence."""
+    """Sentence on why a single collision has no result of that name; the collision is solved."""
     solution = solve(
         system,
         options.until,
@@ -337,7 +337,10 @@ class _Result:
         self._solved = 0
 
     def of_members(self, system: System) -> Estimate:
-        """Values and their stated errors, of the family's shape; nan where a run does not end."""
+        """Values of the result and their stated errors, of the family's shape.
+
+        The value is nan where a run does not end.
+        """
         options = self.options
         is_exact = options.method == "fronts"
         also = ["accuracy"]
@@ -363,9 +366,10 @@ class _Result:
         return Estimate(value, accuracy * self._size(system, columns))
 
     def _size(self, system: System, columns: Mapping[str, Any]) -> Any:
-        """The size to which the stated error of the quantity is relative, of members.
+        """The size, in its unit, to which the stated error of the result is relative, of members.
 
-        Their results are given by column; the size is in the unit of the quantity.
+        It is the velocity scale of the row, the largest impulse, peak force or duration of a
+        contact, or that of a restitution. The results of the members are given by column.
         """
         kind, _, _ = self.of.partition(".")
         if kind == "velocity_after":
@@ -384,8 +388,9 @@ class _Result:
     def _size_of_restitution(
         self, system: System, columns: Mapping[str, Any], k: int
     ) -> Any:
-        """2 V/closing + e at contact k, with the velocity scale V.
+        """2 V/closing + e at contact k, with the velocity scale V, of members.
 
+        Each of the two velocities after, in e = parting/closing, may be wrong by a fraction of V.
         The velocity of closing is parting/e; it counts as V where e = 0.
         """
         e = columns["restitution"]
@@ -408,10 +413,10 @@ def velocity_scale(system: System) -> Any:
 
 
 class _Neighbours(NamedTuple):
-    """Systems with a changed number; the first axis of both is that of the changes."""
+    """Systems with a changed number, by change."""
 
     system: System  # a family, [change, ...]
-    allowed: Any  # whether the change is allowed; if not, the number is not changed
+    allowed: Any  # [change, ...], whether the change is allowed; if not, there is none
 
 
 class _Number(NamedTuple):
@@ -423,14 +428,18 @@ class _Number(NamedTuple):
     size: Any  # the size by which its changes are measured, > 0
 
     def neighbours(self, changes: Any) -> "_Neighbours":
-        """Systems with the number plus each of the changes, [change, ...]."""
+        """Systems with the number plus each of the changes, [change, ...].
+
+        Changes that the declaration of the number or the system refuses are not made.
+        """
         field = field_at(self.system, self.entries[0])
         changes = np.asarray(changes)
         allowed = np.asarray(field.holds(self.x + changes))
         in_range = np.where(allowed, changes, 0.0)
         try:
             return _Neighbours(self._changed(in_range), allowed)
-        except InvalidModel:  # a number may have to be less than another
+        except InvalidModel:
+            # A number may have to be less than another: each change is tried alone.
             for k in range(len(changes)):
                 if not self._can_change(in_range[k]):
                     allowed[k] = False
@@ -438,7 +447,7 @@ class _Number(NamedTuple):
             return _Neighbours(self._changed(in_range), allowed)
 
     def _can_change(self, change: Any) -> bool:
-        """Whether the system may have the number plus a change."""
+        """Whether the system with the number plus a change is a valid one."""
         try:
             self._changed(change)
         except InvalidModel:
@@ -446,7 +455,7 @@ class _Number(NamedTuple):
         return True
 
     def _changed(self, change: Any) -> System:
-        """The system with the number plus a change."""
+        """The system with the number plus a change; a family if the change is an array."""
         value = self.x + change
         if np.ndim(value) == 0:
             value = float(value)
@@ -462,7 +471,12 @@ class _Number(NamedTuple):
 
 
 def _number(system: System, path: str) -> _Number:
-    """The number at a path, with the size by which its changes are measured."""
+    """The number at a path, with the size by which its changes are measured.
+
+    The size of most numbers is their absolute value, that of a gap at most its natural size. The
+    natural size stands for 0, and for all numbers that are `SCALED_BY_MOTION`. InvalidModel if a
+    number is 0 and has no natural size.
+    """
     entries = entries_by_path(system)[path]
     x = numbers_of(system)[entries[0]]
     natural = _natural_size(system, entries[0])
@@ -490,13 +504,14 @@ def _natural_size(system: System, path: str) -> Any:
     """
     row = build_row(system)
     V = velocity_scale(system)
-    unit = parameter(system, path).unit
+    unit = quantity_of_parameter(system, path).unit
     if unit == "m/s":
         return V
     if unit == "1":
         return 1.0
     if len(row.segments) == 0:
         return math.nan
+    # Longest transit time, largest wave speed, impedance and modulus
     T = _largest_of(row.segments, "transit_time")
     c = _largest_of(row.segments, "wave_speed")
     Z = _largest_of(row.segments, "impedance")
@@ -522,7 +537,8 @@ def _largest_of(segments: Sequence[Any], name: str) -> Any:
 def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
     """Derivatives of a result by a number on both sides, from stages of ever smaller steps.
 
-    Further stages are for members alone that are not settled; `value` is the result itself.
+    `value` is the result itself, with its error. Each stage has `STEPS_PER_STAGE` steps. A stage
+    after the first solves only those members that `_unsettled` chooses; others have nan in it.
     """
     shape = number.system.shape
     size = np.broadcast_to(number.size, shape)
@@ -549,9 +565,11 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
         steps = np.concatenate([steps, stage_steps])
         below = np.concatenate([below, stage_below])
         above = np.concatenate([above, stage_above])
-        changes = np.fmax(np.abs(above - value.value), np.abs(below - value.value))
-        largest_slope = np.fmax.reduce(changes / steps, axis=0, initial=0.0)
-        # The number plus a step is rounded, too.
+        # The number plus a step is rounded, which changes the result by slope times rounding.
+        rise_above = np.abs(above - value.value)
+        rise_below = np.abs(below - value.value)
+        slopes = np.fmax(rise_above, rise_below) / steps
+        largest_slope = np.fmax.reduce(slopes, axis=0, initial=0.0)
         rounding = NUMBER_RTOL * np.abs(number.x) * largest_slope
         at_point = sides_of(below, above, steps, noise + rounding)
         chosen = _unsettled(at_point, value, noise + rounding, steps[-1] / 2)
@@ -561,9 +579,11 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
 
 
 def _unsettled(sides: Sides, value: Estimate, noise: Any, next_step: Any) -> Any:
-    """Whether smaller steps may tell more of each member.
+    """Whether smaller steps may tell more of each member: an array of truth values.
 
-    `noise` is the bound of the error of values, and `next_step` the largest of further steps.
+    They may if the derivatives on both sides differ by more than noise would then allow, if the
+    values jump, or if the error is much larger than that by noise. `noise` is the bound of the
+    error of values, and `next_step` the largest of further steps.
     """
     from_noise = NOISE_AMPLIFICATION * noise / next_step  # error of a derivative
     bend = np.abs(sides.bend.value)
@@ -589,6 +609,7 @@ class _Column(NamedTuple):
 def _column(sides: Sides, defined: Any) -> _Column:
     """Derivatives by one number: one where both sides agree, else those of both sides.
 
+    Where they agree it is the central one or the mean of both, whichever has the smaller error.
     `defined` tells of each member whether its result is a number.
     """
     smooth = sides.smooth & defined
@@ -597,7 +618,7 @@ def _column(sides: Sides, defined: Any) -> _Column:
     take_central = sides.central.error <= mean_error
     value = np.where(take_central, sides.central.value, mean)
     error = np.where(take_central, sides.central.error, mean_error)
-    # At a kink it is the larger error of the derivatives that exist.
+    # The error at a kink is the larger one of the derivatives that exist; nan without any.
     exists_below = np.isfinite(sides.below.error)
     exists_above = np.isfinite(sides.above.error)
     exists = exists_below | exists_above
@@ -622,7 +643,10 @@ def _column(sides: Sides, defined: Any) -> _Column:
 
 
 def lasting_bodies(system: System) -> set[int]:
-    """Bodies that have a velocity after: no absorbing end slows them down for ever."""
+    """Indices of the bodies that have a velocity after the collision.
+
+    An absorbing end slows the bodies that are bonded to it down for ever: they have none.
+    """
     last = len(system.bodies) - 1
     radiating = set()
     for body, end in zip((0, last), system.ends, strict=True):
@@ -638,7 +662,7 @@ def lasting_bodies(system: System) -> set[int]:
 def _check_arguments(
     system: System, of: Any, wrt: Any, until: float | None, progress: Any
 ) -> None:
-    """Raise InvalidModel with the mistakes of all arguments.
+    """Raise InvalidModel with the mistakes of all arguments of `gradient`.
 
     `of` must be a result that the system has, and `wrt` a list of paths of its numbers.
     """
@@ -684,8 +708,8 @@ def _is_list_of_text(value: Any) -> bool:
 def _gradient(
     system: System, of: str, wrt: tuple[str, ...], value: Any, columns: list[_Column]
 ) -> Gradient:
-    """The derivatives by path, from a column for each of the numbers `wrt`."""
-    unit = outcome(system, of).unit
+    """The result of `gradient`, from the value of `of` and a column for each path of `wrt`."""
+    unit = quantity_of_column(system, of).unit
     values = {}
     errors = {}
     one_sided = {}
@@ -695,7 +719,7 @@ def _gradient(
         values[path] = column.value
         errors[path] = column.error
         one_sided[path] = (column.below, column.above)
-        units[path] = _per(unit, parameter(system, path).unit)
+        units[path] = _per(unit, quantity_of_parameter(system, path).unit)
         if np.any(column.kinked):
             kinks[path] = Kink(
                 below=np.where(column.kinked, column.below, math.nan)[()],

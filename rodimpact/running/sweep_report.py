@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..model import Wall
-from ..results.labels import outcome
+from ..results.labels import quantity_of_column
 from ..storage.tables import JSON_SCHEMA, align, clean, finite, joules
 from ..units import format_si
 from .columns import columns_of
@@ -25,7 +25,7 @@ TextColumns = dict[str, list[str]]
 
 
 def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
-    """What the collisions of a family did, for people.
+    """Text on what the collisions of a family did, for people.
 
     Parameters
     ----------
@@ -64,9 +64,10 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
     Yields
     ------
     str
-        Of an object with ``schema_version``, ``method``, ``shape``, ``varied`` and ``columns``. A
-        column is a number that varies or a result: a list with one entry a collision, the last axis
-        fastest, in SI units and full precision, with null for what does not exist.
+        Lines of an object with ``schema_version``, ``method``, ``shape``, ``varied`` and
+        ``columns``. A column is a number that varies or a result: a list with one entry a
+        collision, the last axis fastest, in SI units and full precision, with null for a number
+        that does not exist.
     """
     axes = []
     for path, values, unit in varied:
@@ -77,6 +78,7 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
         "shape": result.shape,
         "varied": axes,
     }
+    # One line for each column: the object of the head stays open for them.
     yield json.dumps(head).removesuffix("}") + ', "columns": {'
     columns = result.table()
     last = list(columns)[-1]
@@ -96,7 +98,7 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
         where = f"in a grid of {' x '.join(map(str, result.shape))}"
     rows = [["collisions", str(result.restitution.size), where]]
     for name, extreme in (("smallest", np.fmin), ("largest", np.fmax)):
-        e = extreme.reduce(result.restitution, axis=None)
+        e = extreme.reduce(result.restitution, axis=None)  # nan only if all are
         if not math.isnan(e):
             index = _first(result.restitution == e)
             where = _where(index, varied)
@@ -109,7 +111,8 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     """Table of all collisions of a small family, of evenly spread ones of a large one.
 
     Its columns: what varies, then totals of the only contact that can open or else velocities of
-    the bodies, energy of vibration, and what was asked for besides.
+    the bodies, energy of vibration, and what was asked for besides. If only some are listed, a line
+    below says so, with `more`.
     """
     system = result.system
     count = result.restitution.size
@@ -129,7 +132,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     scale = _energy_scale(result, members, numbers)
     columns["vibration energy"] = list(map(joules, numbers["vibration"], scale))
     for name in columns_of(system, result.readings.also):
-        label = outcome(system, name)
+        label = quantity_of_column(system, name)
         columns[label.name] = _written(numbers[name], label.unit)
     rows = zip(*columns.values(), strict=True)
     table = align([list(columns), *rows], left=())
@@ -152,7 +155,7 @@ def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextCo
 
 
 def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
-    """Columns where only contact k can open, from numbers by column [member]."""
+    """Columns of text on contact k, the only one that can open, from numbers by column [member]."""
     impulses = numbers[f"impulse.{k}"]
     episode_counts = numbers[f"episodes.{k}"]
     episodes = []
@@ -174,7 +177,10 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
 
 
 def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
-    """Columns where several contacts can open: velocities, of a long row some."""
+    """Columns of text with the velocities of the bodies, from numbers by column [member].
+
+    Of more than `MAX_LISTED_BODIES` bodies only the first and the last ones are listed.
+    """
     velocities = _numbered("velocity_after", count, numbers)
     fastest = np.max(np.abs(velocities), axis=0)
     bodies = list(range(count))
@@ -232,14 +238,16 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 
 
 def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
-    """How many members have no e, and why: a sentence for each kind; "" if all have one."""
+    """Sentences on members without e: how many, and why the first of each kind has none.
+
+    Members of a kind have the same status, and have or have not met. "" if all have an e.
+    """
     missing = np.isnan(result.restitution)
     episodes: Any = 0
     for contact in result.contacts:
         episodes = episodes + contact.episodes
     never_met = episodes == 0
-    # One number for each status with contact, another one without
-    kinds = np.asarray(2 * result.columns["status"] + never_met)
+    kinds = np.asarray(2 * result.columns["status"] + never_met)  # a number for each
     sentences = []
     for kind in np.unique(kinds[missing]):
         of_kind = missing & (kinds == kind)
@@ -259,7 +267,7 @@ def _first(chosen: Any) -> Any:
 
 
 def _where(index: Any, varied: Varied) -> str:
-    """What varies, with its value for the member of that index: "path = value, ..."."""
+    """Values of what varies for the member of that index: "path = value, ..."."""
     coordinates = []
     for i, axis in zip(index, varied, strict=True):
         path, values, unit = axis
