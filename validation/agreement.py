@@ -149,7 +149,7 @@ def random_rows(whole_numbers: bool) -> Rows:
 
 
 def compliant_systems() -> dict[str, ri.System]:
-    """Systems in which all waves are smooth."""
+    """Systems with springs, Hertz contacts and a joint, whose waves are all smooth."""
     first = rod(0.4, 1.0, 1.0)
     second = rod(1.0, 2.0)
     mass = ri.RigidMass(0.7, velocity=1.0)

@@ -172,7 +172,7 @@ def restitution_by_modes(tau: float) -> float:
     slow = -rate + s
 
     def momentum(t: float) -> float:
-        """Momentum of rod 1 at a time: its mass times the mean velocity, and modes q'."""
+        """Momentum of rod 1: its mass times the mean velocity, and the modes' q'."""
         slow_part = slow * np.exp(slow * t)
         fast_part = fast * np.exp(fast * t)
         v = (slow_part - fast_part) / (2 * s)

@@ -80,9 +80,9 @@ def glued_pulse(ratios: Floats, round_trips: int) -> Floats:
     """Force over Z V on a bar that a striker is glued to, one value a round trip.
 
     `ratios` are impedances of the striker's segments over that of the bar, from the
-    struck end on. A round trip is that of one segment. At a step from Z1 to Z2 the waves
-    a and b that arrive make the velocity v = (Z1 a + Z2 b)/(Z1 + Z2), and 2 v - a and 2
-    v - b leave.
+    struck end on. A round trip is that of one segment. At a step from Z1 to Z2 the
+    waves a and b that arrive make the velocity v = (Z1 a + Z2 b)/(Z1 + Z2); 2 v - a and
+    2 v - b leave.
     """
     towards = np.ones(len(ratios))  # waves that run towards the bar, one a segment
     away = np.ones(len(ratios))  # waves that run away from the bar
@@ -125,7 +125,7 @@ def reconstructed(ratios: Floats) -> ri.design.PulseDesign:
 
 
 def hidden_strikers() -> Rows:
-    """Strikers that are found from their pulses."""
+    """Areas and pulses of strikers that are found from the pulses of hidden ones."""
     area_errors = []
     misfits = []
     for seed in range(HIDDEN_STRIKERS):

@@ -178,7 +178,7 @@ def key_times(solution: ri.Solution) -> list[float]:
 
 
 def main() -> None:
-    """Draw every picture."""
+    """Draw every picture and the film, and write them as files."""
     FOLDER.mkdir(exist_ok=True)
     unequal = solved(0.4, 1.0)
     equal = solved(1.0, 1.0)

@@ -122,7 +122,7 @@ def scaling_errors(rng: Generator) -> np.ndarray:
 
 
 def sums_of_three(values: np.ndarray) -> np.ndarray:
-    """Sums over the three rods, of the three values of lengths, areas and velocities."""
+    """Sums over the three rods: of lengths' values, areas' and velocities'."""
     return values.reshape(3, 3).sum(axis=1)
 
 

@@ -365,7 +365,7 @@ def impulse_by_characteristics(system: ri.System) -> float:
 
 
 def compliant() -> Rows:
-    """Hertz ends and springs."""
+    """Orders of the errors with Hertz ends and springs, where everything is smooth."""
     hertz = ri.Hertz(STIFFNESS)
     short = rod(segment(1, 1, 0.4), velocity=1.0)
     long = rod(segment(1, 1, 1.0))

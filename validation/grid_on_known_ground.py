@@ -37,7 +37,7 @@ def run() -> Rows:
 
 
 def dropped_bar() -> Rows:
-    """Doyen's bar with gravity, one period."""
+    """Doyen's bar with gravity, one period: contacts, force, height and energy."""
     solution = ri.solve(
         doyen.falling_bar(),
         method=METHOD,

@@ -157,8 +157,8 @@ def mode_frequencies(count: int) -> np.ndarray:
 def modes(count: int) -> Modes:
     """The lowest modes of two rods on the spring, for a tension of 1 in the spring.
 
-    A rod has the velocity a cos(w x/c) with a = 1/(Z w sin(w T)), the first one with the
-    opposite sign, and adds Z a^2 (T/2 + sin(2 w T)/(4 w)) to the modal mass.
+    A rod has the velocity a cos(w x/c) with a = 1/(Z w sin(w T)), the first one with
+    the opposite sign, and adds Z a^2 (T/2 + sin(2 w T)/(4 w)) to the modal mass.
     """
     T = TRANSIT_TIMES[:, None]
     Z = IMPEDANCES[:, None]

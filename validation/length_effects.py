@@ -161,7 +161,7 @@ def bonded_chain_restitution(n: int) -> float:
 
 
 def chains() -> Rows:
-    """Chains of 2 to 10 equal rods."""
+    """Chains of 2 to 10 equal rods: velocities, and e of the first and the others."""
     velocity_errors = []
     errors_of_all = []
     errors_of_last = []

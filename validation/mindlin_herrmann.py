@@ -77,8 +77,8 @@ def two_frequencies(v: np.ndarray, dt: float) -> list[float]:
     """Angular frequencies of two oscillations from values at equal times of their sum.
 
     v(t + 2 dt) + v(t - 2 dt) + p (v(t + dt) + v(t - dt)) + r v(t) = 0, by least
-    squares. With v = cos(w t), x = cos(w dt) and cos(2 w dt) = 2 x^2 - 1 this is 4 x^2 +
-    2 p x + r - 2 = 0.
+    squares. With v = cos(w t), x = cos(w dt) and cos(2 w dt) = 2 x^2 - 1 this is 4 x^2
+    + 2 p x + r - 2 = 0.
     """
     inner = v[3:-1] + v[1:-3]
     outer = v[4:] + v[:-4]

@@ -92,8 +92,8 @@ def leapfrog(
     """Restitution of two rods, c = rho = A = 1, by staggered differences.
 
     Velocities sit on the nodes, stresses in the cells. The contact pushes the two end
-    nodes, each of half a cell's mass, so that they do not overlap. At Courant number 1 a
-    time step is as long as a cell, h.
+    nodes, each of half a cell's mass, so that they do not overlap. At Courant number 1
+    a time step is as long as a cell, h.
     """
     h = 1.0 / cells_per_unit
     first_cells = round(lengths[0] * cells_per_unit)
@@ -414,7 +414,7 @@ def last_ratios() -> dict[str, float]:
 
 
 def print_table(times: dict[str, float], yardsticks: Yardsticks) -> dict[str, float]:
-    """Print a line for each time; return the ratios to the leapfrog, to three digits."""
+    """Print a line for each time; return the ratios to the leapfrog, three digits."""
     last = last_ratios()
     ratios = {}
     print(

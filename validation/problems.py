@@ -291,8 +291,9 @@ class Shot(NamedTuple):
 def shot(m: Any, m_a: Any, m_b: Any, v_a: Any, v_b: Any) -> Shot:
     """What the bullet did, from the speeds v_a and v_b of the blocks afterwards.
 
-    The momentum is balanced at B first, then at A. Each block takes its impulse, m_a v_a
-    or m_b v_b, times the mean of the relative velocities before and after.
+    The momentum is balanced at B first, then at A. Each block takes the energy of its
+    impulse, m_a v_a or m_b v_b, times the mean of the relative velocities before and
+    after.
     """
     between = v_b + m_b * v_b / m
     initial = between + m_a * v_a / m

@@ -216,6 +216,7 @@ class Atlas:
         return f"<Atlas over {self.x[0]}, {self.y[0]}: {self._region_count} regions>"
 
     def __str__(self) -> str:
+        """The largest regions, each with its share of the plane and its formula."""
         title = f"{self._region_count} regions over {self.x[0]} and {self.y[0]}"
         try:
             largest = self.largest(MAX_LISTED)

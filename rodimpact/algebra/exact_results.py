@@ -46,7 +46,7 @@ class Exact(NamedTuple):
 
 
 def map_numbers(results: Exact, convert: Callable[[Any], Any]) -> Exact:
-    """Results with each number converted; None stays None, and `time_unit` becomes 1."""
+    """Results with each number converted; None stays, and `time_unit` becomes 1."""
 
     def converted(x: Any) -> Any:
         if isinstance(x, tuple):

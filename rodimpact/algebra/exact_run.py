@@ -215,7 +215,7 @@ def _impulses(
     motions: list[BodyMotion],
     tick_rate: Fraction,
 ) -> tuple[TracedFraction, ...]:
-    """Impulse of each contact, N s; that of a bond, whose force goes on, is the average.
+    """Impulse of each contact, N s; of a bond, whose force goes on, the average.
 
     The average follows from the momentum of the rod on the left of the bond.
     """

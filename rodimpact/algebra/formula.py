@@ -401,6 +401,7 @@ class ClosedForm:
     # Display
 
     def __str__(self) -> str:
+        """The formula, where it holds, and the formulas that it meets here."""
         lines = []
         for name, value in shown_results(self._results):
             lines.append(f"{name} = {value}")
@@ -458,6 +459,7 @@ class ClosedForm:
         return inequalities
 
     def _repr_latex_(self) -> str:
+        """The formula and its nearest conditions in LaTeX, for a notebook."""
         latex = self._algebra.sympy.latex
         equations = []
         for name, value in shown_results(self._results):

@@ -29,6 +29,7 @@ class FormulaCell:
     def __init__(
         self, algebra: RationalFunctions, run: ExactRun, values: Mapping[str, Fraction]
     ) -> None:
+        """Take the conditions from the run, to be evaluated in symbols when asked."""
         self._algebra = algebra
         self._results = run.results
         self._values = values

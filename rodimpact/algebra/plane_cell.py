@@ -48,6 +48,7 @@ class PlaneCell:
         values: Mapping[str, Fraction],
         axes: Sequence[str],
     ) -> None:
+        """Take the conditions from the run, and prepare to evaluate them in floats."""
         self.results = run.results
         self._wave_speeds = row.wave_speeds
         self._axes = axes

@@ -132,6 +132,7 @@ class PlaneSearch:
         max_events: int,
         report: Report,
     ) -> None:
+        """Begin without any cell."""
         self.cells: list[PlaneCell] = []
         self.regions: list[int] = []
         self._region_of: dict[tuple[Any, ...], int] = {}  # by signature

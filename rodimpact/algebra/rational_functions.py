@@ -165,7 +165,7 @@ class RationalFunctions:
         return independent
 
     def value(self, p: Any, values: Mapping[str, Fraction]) -> Fraction:
-        """Value of a polynomial at a point, the sum of c x1^n1 x2^n2 ... of its terms."""
+        """Value of a polynomial at a point, the sum of its terms c x1^n1 x2^n2 ..."""
         point = [values[name] for name in self._generators]
         total = Fraction(0)
         for powers, c in p.terms():

@@ -44,6 +44,7 @@ class SymbolWords:
     """
 
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
+        """Find the numbers that have a path by the name of their material, too."""
         self.symbols = list(symbols)
         self._material_path_of: dict[str, str] = {}
         for path, entries in entries_by_path(system).items():
@@ -113,6 +114,7 @@ class SymbolicRow:
     """
 
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
+        """Check system and symbols, and give names to the numbers of the row."""
         check_system(system)
         _check_symbols(symbols)
         self.row = build_row(system)
@@ -202,6 +204,7 @@ class _SymbolSource:
     """
 
     def __init__(self, row: Row, words: SymbolWords, roots: SquareRoots) -> None:
+        """Begin without any name."""
         self.paths: dict[str, str] = {}
         self.base: dict[str, Fraction] = {}
         self.wave_speeds: dict[str, NamedWaveSpeed] = {}

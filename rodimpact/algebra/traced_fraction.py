@@ -86,6 +86,7 @@ class TracedFraction:
     __slots__ = ("expression", "value")
 
     def __init__(self, value: Any, expression: Expression = None) -> None:
+        """Take any value of which a fraction can be made; a constant by default."""
         if type(value) is not Fraction:
             value = Fraction(value)
         self.value = value

@@ -217,7 +217,7 @@ class Arguments(argparse.Namespace):
         raise_if_problems(self.problems)
 
     def write(self, **writers: Callable[..., object]) -> int:
-        """Write the outputs that are asked for.
+        """Write the outputs that are asked for, and say at a terminal what was written.
 
         Parameters
         ----------

@@ -292,6 +292,7 @@ class FigureFiles:
     """
 
     def __init__(self, folder: Path, keys: Sequence[str], file_format: str) -> None:
+        """Name a file for each view of each collision, and one for the restitution."""
         self.folder = folder
         self.groups: list[list[str]] = []
         for key in keys:
@@ -331,7 +332,7 @@ def _check_files(args: Arguments, files: FigureFiles) -> None:
 def draw(
     replays: list[Replay], restitutions: list[float], paths: list[Path], force: bool
 ) -> None:
-    """Draw every collision in all `VIEWS`, and e over the ratio of lengths; write files.
+    """Draw all `VIEWS` of all collisions, and e over the ratio of lengths, into files.
 
     The paths are in the same order.
     """
@@ -359,7 +360,7 @@ def draw(
 
 
 def box_page(texts: list[str], groups: list[list[str]]) -> str:
-    """The page, in HTML.
+    """The page, in HTML: each text with its heading, and its figures below it.
 
     Parameters
     ----------

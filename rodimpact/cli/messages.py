@@ -62,7 +62,7 @@ PHRASES = {
     r"solve its system again, and": "solve its case again by",
     r"write solution\.system as a case file": "save its system as a case file",
 }
-"""What the command line says in place of calls of Python, by a pattern of their text."""
+"""Words of the command line in place of calls of Python, by a pattern of their text."""
 
 _NOT_QUOTED = r"(?<![-\w.'\"])"  # no option, key of a case file, or text of the user
 _WITH_VALUE = rf'(?P<named>{"|".join(ARGUMENTS)})=(?:True|"(?P<value>[^"]*)")?'

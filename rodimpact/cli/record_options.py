@@ -199,8 +199,8 @@ def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:
 def _read_files(args: Arguments) -> dict[str, Signal]:
     """Channels of all files of the record.
 
-    If there are several files, a channel bears the name of its file; of a file with several
-    channels, the name of the file, a point, and its own.
+    If there are several files, a channel bears the name of its file; of a file with
+    several channels, the name of the file, a point, and its own.
     """
     signals: dict[str, Signal] = {}
     for path in args.record:

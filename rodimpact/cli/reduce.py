@@ -274,7 +274,7 @@ def _reduce(
 
 
 def _json(reduction: Reduction) -> str:
-    """The reduction as JSON, in SI units."""
+    """The reduction as JSON in SI units: verdict, shifts, doubts, and all columns."""
     columns = {}
     for name, signal in reduction.signals.items():
         columns[name] = signal.values.tolist()

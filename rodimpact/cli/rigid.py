@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Table or JSON of the collision."""
+    """Collide the bodies; a table of both and one of sums and energies, or JSON."""
     m1 = _mass(args, "--m1", args.m1)
     m2 = _mass(args, "--m2", args.m2)
     raise_if_problems(args.problems)

@@ -115,7 +115,7 @@ def _compare_with_saved(case: Case, solution: Solution) -> None:
 def _write(
     args: Arguments, case: Case, solution: Solution, positions: GaugePositions
 ) -> int:
-    """Write the case, the figure and the strains that are asked for; the exit status."""
+    """Write case, figure and strains that are asked for; return the exit status."""
 
     def save(path: str, force: bool) -> None:
         saved = replace(case_of(solution), gauges=case.gauges)

@@ -101,7 +101,7 @@ def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
 
 
 def _pieces(solution: Solution, body: int, time: float) -> str:
-    """Velocity and stress of the pieces of a rod at a time, s, with fronts between them.
+    """Velocity and stress of a rod's pieces at a time, s, with fronts between them.
 
     Numbers that are round-off beside those of the impact, v and rho c v, are 0.
     """

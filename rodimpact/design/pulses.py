@@ -89,7 +89,7 @@ class PulseDesign(Shown):
         return "\n\n".join(blocks)
 
     def _table_of_segments(self) -> list[list[str]]:
-        """Rows of the table of segments, with the header: length, area, diameter, limit."""
+        """Rows of the table of segments, header first: length, area, diameter."""
         rod: Any = self.system.bodies[self.body]
         header = ["segment", "length", "area", "diameter if round"]
         if self.bounded:

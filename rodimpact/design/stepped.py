@@ -205,7 +205,7 @@ def _strikers(
     """The best striker of each number of segments, from 1 on."""
 
     def runs_up_to(n: int) -> int:
-        """Runs for 1 to n segments: a step of least squares for n segments takes n + 1."""
+        """Runs for 1 to n segments, n + 1 for a step of least squares."""
         return n * (n + 3) // 2
 
     segments = search.segments

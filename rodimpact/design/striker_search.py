@@ -83,8 +83,8 @@ class StrikerSearch(NamedTuple):
     def system(self, logarithms: Floats, left_end: Free | Absorbing = FREE) -> System:
         """The row of the striker and the semi-infinite bar.
 
-        Segments of the system count from the left, logarithms from the struck end, which
-        is on the right.
+        Segments of the system count from the left, logarithms from the struck end,
+        which is on the right.
         """
         material = self.material
         transit_time = self.duration / 2
@@ -154,7 +154,7 @@ class StrikerSearch(NamedTuple):
         bonded = self._replace(contact=Bonded())
         for k in range(1, len(force)):
             until = self.edges[k + 1]
-            # An absorbing end reflects 0, a free end 1, and the force is linear between.
+            # An absorbing end reflects 0, a free end 1; the force is linear between.
             if_absorbing = bonded.force(logarithms, until, Absorbing())
             if_free = bonded.force(logarithms, until, FREE)
             force_without_reflection = if_absorbing.values[-1]
@@ -177,8 +177,8 @@ class StrikerSearch(NamedTuple):
     def best_striker(self, coarser: Floats) -> Striker:
         """Striker by least squares, from the best of two or three starts.
 
-        The starts are `peeled`, `matched` and the coarser striker. The residuals are the
-        mean differences of the steps; those within steps count in the misfit only.
+        The starts are `peeled`, `matched` and the coarser striker. The residuals are
+        the mean differences of the steps; those within steps count in the misfit only.
 
         Parameters
         ----------

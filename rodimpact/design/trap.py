@@ -202,7 +202,7 @@ class _TrappedRow(NamedTuple):
     gap: float  # m
 
     def with_length(self, length: float) -> System:
-        """The row with a trap of this length, m, and of the impedance Z = rho A c of the bar.
+        """The row with a trap of this length, m, and of the bar's impedance rho A c.
 
         The trap lies behind the gap and pushes only.
         """

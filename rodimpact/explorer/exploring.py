@@ -61,6 +61,7 @@ class Page:
     """
 
     def __init__(self, html: str, system: System) -> None:
+        """Take the text of the page, and the system with which it begins."""
         self.html = html
         self._system = system
         self._widget: Any = None  # made when a notebook first shows the page

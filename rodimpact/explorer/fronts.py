@@ -326,7 +326,7 @@ def status_of(run: PageRun) -> str:
 
 
 def solve_by_fronts(system: Any, request: Any) -> Any:
-    """Solve a collision.
+    """Solve a collision by fronts, for the page.
 
     Returns
     -------

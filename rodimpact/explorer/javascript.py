@@ -243,7 +243,7 @@ def _plain_table(value: Any) -> Any:
 
 
 def _short_name(k: int) -> str:
-    """Name of the variable number k of a function: a_ to z_, then a1_ to z1_ and so on."""
+    """Name of variable number k of a function: a_ to z_, then a1_ to z1_ and so on."""
     number, letter = divmod(k, len(string.ascii_lowercase))
     return f"{string.ascii_lowercase[letter]}{number or ''}_"
 
@@ -327,7 +327,7 @@ class _Translator(ast.NodeVisitor):
         return re.sub(r"\{(\??)(\w+)\}", text, TEMPLATES[kind])
 
     def part(self, name: str, value: Any) -> str:
-        """Text of a part of a node: of all its items, of one node, or a name as it is."""
+        """Text of a part of a node: of its items, of one node, or a name as it is."""
         if isinstance(value, list):
             return SEPARATORS.get(name, "").join(map(self.visit, value))
         if isinstance(value, ast.AST):

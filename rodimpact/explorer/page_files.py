@@ -52,7 +52,7 @@ SCRIPTS = (
 LOADER = "loader.js"
 """Script that unpacks the others."""
 LETTER_IN_PLACE = str.maketrans("<", ",")
-"""Letters of base 85 that are not used: with < a text may look like the end of its element."""
+"""Replacement of a letter of base 85: < may look like the end of the text's element."""
 
 
 def read(name: str) -> str:

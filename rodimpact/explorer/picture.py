@@ -135,7 +135,7 @@ def gauge_plot(records: Any) -> Any:
 def layout_of_row(system: Any, facts: Any) -> Any:
     """Layout of the row in the moving picture: offsets, magnification, frame, notes.
 
-    A point is drawn at X = left + x + magnification * (offset + displacement - frame t).
+    A point is drawn at X = left + x + magnification (offset + displacement - frame t).
     Bodies lie side by side, a mass with its `mass_width`. The picture moves with the
     slowest body if the row drifts.
     """

@@ -62,8 +62,8 @@ TOO_MUCH_WORK = (
 def clock_of(row: Any, until: Any, share: float) -> Any:
     """The clock of a row with rods; None where times are too far apart for it.
 
-    Without a given end, the clock can count this share of its longest horizon. A smaller
-    share has finer ticks.
+    Without a given end, the clock can count this share of its longest horizon. A
+    smaller share has finer ticks.
     """
     transit_times = [segment.transit_time for segment in row.segments]
     reference = largest(transit_times)
@@ -222,7 +222,7 @@ def run_on_clock(
     earlier: Any,
     deadline: float,
 ) -> Any:
-    """Run the row of a clock once; the arguments and the result are those of `run_of`."""
+    """Run the row of a clock once; arguments and result are those of `run_of`."""
     row = clock.row
     log, outside = initial_lines(row, clock)
     for l in range(len(log)):
@@ -396,7 +396,7 @@ def largest_strain(row: Any, log: list[Any]) -> float:
 def solve_by_pieces(
     system: Any, request: Any, tolerance: float, seconds: float = math.inf
 ) -> Any:
-    """Solve a collision.
+    """Solve a collision by characteristics, for the page, with stated errors.
 
     Returns
     -------

@@ -315,7 +315,7 @@ def mistakes_of_row(case: Any) -> list[Any]:
 
 
 def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
-    """Mistakes (path, message): gauges on no rod, and an end of the run at or before 0."""
+    """Mistakes (path, message): gauges on no rod, an end of the run at or before 0."""
     problems = []
     rods = rods_in(case)
     for i, gauge in enumerate(gauges):
@@ -371,7 +371,10 @@ def mistakes_of_contacts(case: Any) -> list[Any]:
 
 
 def ruled_tables(case: Any, gauges: Any) -> list[RuledTable]:
-    """All tables whose numbers have rules."""
+    """All tables whose numbers have rules, each with its path and its kind of rules.
+
+    A rod occurs as a body, and with each segment; a contact by its gap, and by its law.
+    """
     tables = []
     for name, material in case.get("materials", {}).items():
         tables.append(RuledTable(f"materials.{name}", material, "material"))
@@ -536,7 +539,7 @@ def segment_of(table: Any, materials: Any) -> PageSegment:
 
 
 def law_of(contact: Any) -> PageContact:
-    """Contact law from its table; the exponent is 1 for springs, else 1.5 by default."""
+    """Contact law from its table; the exponent of springs is 1, else 1.5 by default."""
     law = contact.get("law", "rigid")
     exponent = contact.get("exponent", 1.5)
     if law in ("spring", "spring-dashpot"):

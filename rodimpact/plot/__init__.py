@@ -1,14 +1,14 @@
-"""Figures of collisions: each function draws a solution on an Axes and returns its artists.
+"""Figures of collisions: each function draws on an Axes and returns its artists.
 
-Without an Axes a new figure is made; Axes of pyplot can be given, too. `save` writes a figure to
-a file, `show` opens a window from a script, and a notebook shows the figure if the call is the
-last line of a cell. ``with look("dark", width=85):`` makes figures dark and 85 mm wide;
-``plt.style.use("rodimpact.plot.dark")`` gives other figures the same look. Only `show` changes
-matplotlib's global state.
+Without an Axes a new figure is made; Axes of pyplot can be given, too. `save` writes a
+figure to a file, `show` opens a window from a script, and a notebook shows the figure
+if the call is the last line of a cell. ``with look("dark", width=85):`` makes figures
+dark and 85 mm wide; ``plt.style.use("rodimpact.plot.dark")`` gives other figures the
+same look. Only `show` changes matplotlib's global state.
 
-A file draws one kind of figure, and reads as a recipe: what is measured from the solution, then
-what is drawn. Begin with `ledger`, the simplest. `scales` has units and numbers, `labels` words
-and their room, `panels` figures and Axes, `style` colours.
+A file draws one kind of figure, and reads as a recipe: what is measured from the
+solution, then what is drawn. Begin with `ledger`, the simplest. `scales` has units and
+numbers, `labels` words and their room, `panels` figures and Axes, `style` colours.
 
 >>> import rodimpact as ri
 >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)

@@ -1,4 +1,4 @@
-"""The plane of two numbers of a case: e by formula, and the exact borders between formulas."""
+"""The plane of two numbers of a case: e by formula, and borders between formulas."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -40,9 +40,10 @@ BORDER_NAMES = ("another formula", "other contacts", "e = 1")
 
 @styled
 def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
-    """Draw the regions of a plane: e from their formulas, and the changes at their borders.
+    """Draw the regions of a plane: e from formulas, and the changes at their borders.
 
-    The largest regions are numbered, and their formulas are written below (extra ``sympy``).
+    The largest regions are numbered, and their formulas are written below (extra
+    ``sympy``).
 
     Parameters
     ----------
@@ -105,15 +106,19 @@ def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
 
 
 def _border_kinds(plane: Atlas) -> NDArray[np.int_]:
-    """What changes at each border: the formula, the contacts, or neither but e = 1."""
-    contacts = dict(enumerate(plane.contacts))
+    """What changes at each border point: OTHER_FORMULA, OTHER_CONTACTS or E_IS_ONE.
+
+    E_IS_ONE, where the formula of a region beside it gives e = 1, goes before the
+    others.
+    """
+    contacts = dict(enumerate(plane.contacts))  # an unresolved region, -1, has none
     kinds = np.full(len(plane.between), OTHER_FORMULA)
     for border, regions in enumerate(plane.between.tolist()):
         before = contacts.get(regions[0])
         after = contacts.get(regions[1])
         if before is not None and after is not None and before != after:
             kinds[border] = OTHER_CONTACTS
-    cell_of_region = {region: i for i, region in enumerate(plane.region)}
+    cell_of_region = {region: i for i, region in enumerate(plane.region)}  # its last
     for region, i in cell_of_region.items():
         is_beside = (plane.between == region).any(axis=1)
         its_borders = np.flatnonzero(is_beside)
@@ -127,7 +132,7 @@ def _border_kinds(plane: Atlas) -> NDArray[np.int_]:
 def _draw_borders(
     ax: Axes, plane: Atlas, scales: Sequence[Scale], kinds: NDArray[np.int_]
 ) -> list[collections.LineCollection]:
-    """Draw the borders, those of a kind together."""
+    """Draw the borders of each kind together; kinds that do not occur are left out."""
     factors = [scale.factor for scale in scales]
     lines = plane.lines * factors
     styles = {
@@ -153,7 +158,7 @@ def _draw_borders(
 
 
 def _write_formulas(ax: Axes, plane: Atlas, scales: Sequence[Scale]) -> None:
-    """Number the largest regions, and write their formulas below."""
+    """Number the largest regions, and write their formulas below in a few lines."""
     room = FORMULA_WIDTH * size_in_points(ax)[0]
     formulas = []
     for number, region in enumerate(plane.largest(MAX_FORMULAS), 1):
@@ -188,7 +193,7 @@ def _write_formulas(ax: Axes, plane: Atlas, scales: Sequence[Scale]) -> None:
 
 
 def _scale(system: System, path: str, largest: float) -> Scale:
-    """Name and unit of an axis."""
+    """Scale of the axis of the number at a path, for values up to `largest`."""
     body, _, number = path.rpartition(".")
     if number in DERIVED_UNITS:
         name = number.replace("_", " ")

@@ -1,8 +1,8 @@
-"""Bodies of a row at chosen instants: rods as bars, walls, masses, and marks at the ends.
+"""Bodies of a row at instants: rods as bars, walls, masses, and marks at the ends.
 
-A rod is cut into uniform pieces. `Bars.move_to` measures them at the times wanted, and the
-other methods draw them, one row of the picture for each time. Snapshots draw all rows once;
-a film moves one row from time to time.
+A rod is cut into uniform pieces. `Bars.move_to` measures them at the times wanted, and
+the other methods draw them, one row of the picture for each time. Snapshots draw all
+rows once; a film moves one row from time to time.
 """
 
 from collections.abc import Mapping
@@ -68,7 +68,7 @@ PIECE = np.dtype(
         ("speed", float),
     ]
 )
-"""A uniform piece of rod in a row of the picture: its ends, half thickness, state and bar speed."""
+"""Uniform piece of rod in a row: its ends, half thickness, state and bar speed."""
 
 
 class Bars:
@@ -89,6 +89,7 @@ class Bars:
     def __init__(
         self, ax: Axes, layout: PictureLayout, times: Floats, x: Scale
     ) -> None:
+        """Measure the bodies at the times; `x` is the scale of places."""
         self.ax = ax
         self.layout = layout
         self.solution = layout.solution
@@ -98,10 +99,14 @@ class Bars:
         self.largest = 0.0
         self.move_to(times)
 
-    # What is measured --------------------------------------------------------------------
+    # What is measured -----------------------------------------------------------------
 
     def move_to(self, times: Floats) -> None:
-        """Measure the bodies at other times, with the same thickening of the bars."""
+        """Measure the bodies at other times: set `times`, `rows` and `pieces`.
+
+        The first call sets `largest` too, so that later ones thicken bars as much. Of
+        many pieces of a rod with fronts, those of nearly equal velocity become one.
+        """
         self.times = times
         self.rows = -np.arange(float(times.size))
         states: list[tuple[int, int, Profile]] = []
@@ -123,12 +128,16 @@ class Bars:
         self.pieces: Any = np.concatenate(parts).view(np.recarray)
 
     def _pieces_of(self, row: int, body: int, profile: Profile) -> Any:
-        """Pieces of a rod in a row."""
+        """Pieces of a rod in a row, from its profile of velocity and strain.
+
+        Those too short to be seen are left out.
+        """
         edges = profile.edges
         x = middles(edges)
         ends = self.layout.point(body, edges, self.times[row]) * self.x_scale.factor
         segment, _ = self.solution.fields.locate(body, x)
         area, modulus, density = properties(self.solution, body, x)
+        # thickness as that of a round rod, and more of it where the strain is negative
         thickness = np.sqrt(area / self._widest_area())
         thickness = np.maximum(MIN_THICKNESS, thickness)
         swelling = 1 - SWELLING * profile.strain / self.largest
@@ -155,23 +164,24 @@ class Bars:
         return largest
 
     def end(self, body: int, is_right: bool) -> Floats:
-        """Positions of an end of a body, in the unit of the picture."""
+        """Positions [row] of an end of a body at the times, in the picture's unit."""
         X = self.layout.end(body, is_right, self.times)
         return X * self.x_scale.factor
 
-    # What is drawn -----------------------------------------------------------------------
+    # What is drawn --------------------------------------------------------------------
 
     def draw_rods(
         self, numbers: Floats, norm: colors.Normalize
     ) -> collections.PolyCollection:
-        """Draw a polygon for each piece with its number, outlined where pieces are few."""
+        """Draw a polygon with a number for each piece; outlined where pieces are few."""
         outline: dict[str, Any] = {"linewidths": 0.6, "edgecolors": colours().ink}
         if self.is_smooth:
             outline = {"linewidths": 0.0, "antialiased": False}
         pieces = self.pieces
+        # Corners [4, piece] round each piece from its lower left one; row k is at -k.
         x = np.array([pieces.left, pieces.right, pieces.right, pieces.left])
-        up = np.multiply.outer([-1, -1, 1, 1], pieces.half) - pieces.row
-        corners: Any = np.array([x, up])
+        y = np.multiply.outer([-1, -1, 1, 1], pieces.half) - pieces.row
+        corners: Any = np.array([x, y])
         bars = collections.PolyCollection(
             corners.T,
             array=numbers,
@@ -185,7 +195,11 @@ class Bars:
         return bars
 
     def draw_fronts(self) -> list[Line2D]:
-        """Draw triangles above the fronts that show their direction."""
+        """Draw triangles above the fronts that show their direction.
+
+        A front that runs to the right with bar speed c has the jumps dv = -c d(strain),
+        one to the left dv = c d(strain). A border of pieces with neither is no front.
+        """
         if self.is_smooth:
             return []
         pieces = self.pieces
@@ -208,15 +222,16 @@ class Bars:
         return triangles
 
     def draw_outlines(self) -> collections.LineCollection | None:
-        """Draw lines round the rods where pieces are many."""
+        """Draw a line round each rod where pieces are many; None where they are few."""
         if not self.is_smooth:
             return None
         pieces = self.pieces
-        is_other = np.diff(pieces.row) | np.diff(pieces.body)
-        starts = np.flatnonzero(is_other) + 1
+        is_other_rod = np.diff(pieces.row) | np.diff(pieces.body)
+        starts = np.flatnonzero(is_other_rod) + 1
         outlines = []
         for part in np.split(pieces, starts):
             rod = part.view(np.recarray)
+            # along the upper side from left to right, back along the lower side
             x = np.array([rod.left, rod.right]).T.ravel()
             half = np.repeat(rod.half, 2)
             around_x = np.concatenate([x, x[::-1], x[:1]])
@@ -267,6 +282,7 @@ class Bars:
             )
         for contact in self.solution.contacts:
             if isinstance(contact.law, Rigid):
+                # A film has times before 0, at which no contact presses.
                 force = contact.force(np.maximum(self.times, 0.0))
                 presses = (force > 0) & (self.times >= 0)
                 faces = self.end(contact.index, True)
@@ -329,7 +345,7 @@ class Bars:
 
 
 def _largest_strain(profiles: list[Profile]) -> float:
-    """Largest absolute strain of profiles, or 1 if there is none."""
+    """Largest absolute strain of profiles; 1 if all of them are 0."""
     largest = 0.0
     for profile in profiles:
         largest = max(largest, largest_of(profile.strain))
@@ -339,10 +355,14 @@ def _largest_strain(profiles: list[Profile]) -> float:
 
 
 def merged(pieces: Any, spread: float) -> Any:
-    """Neighbours in a segment whose velocities differ by `spread` at most, with their mean."""
+    """Pieces with neighbours joined whose velocities differ by `spread` at most.
+
+    Neighbours are in one segment and one row. A joined piece has the mean state of its
+    parts, weighted by their widths.
+    """
     follow = _follow(pieces)
     velocity = pieces.velocity
-    starts = [0]
+    starts = [0]  # index of the first part of each joined piece
     for i in range(1, len(pieces)):
         if not follow[i - 1] or np.ptp(velocity[starts[-1] : i + 1]) > spread:
             starts.append(i)
@@ -358,6 +378,6 @@ def merged(pieces: Any, spread: float) -> Any:
 
 
 def _follow(pieces: Any) -> NDArray[np.bool_]:
-    """Whether each piece but the first is in the row and segment of the piece before it."""
+    """Whether each piece but the first is in row and segment of the piece before it."""
     owner = np.array([pieces.row, pieces.body, pieces.segment])
     return np.asarray(~np.diff(owner).any(axis=0))

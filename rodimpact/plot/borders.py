@@ -1,4 +1,4 @@
-"""Borders of the rods in a space-time diagram: ends, contacts, masses, walls; and gauges.
+"""Borders in a space-time diagram: ends, contacts, masses, walls; and gauges.
 
 Each method of `Borders` follows one kind of border through time and draws its paths.
 """
@@ -38,7 +38,7 @@ POINTS_OF_CENTRE = 101  # of the path of a centre of mass
 
 
 class ContactLines(NamedTuple):
-    """Lines of contacts: with force, touching without force, and with a gap of no width."""
+    """Lines of contacts: with force, touching without force, with a gap of no width."""
 
     pressing: collections.LineCollection
     touching: collections.LineCollection
@@ -49,6 +49,7 @@ class Borders:
     """Draws the borders of the rods in a plane."""
 
     def __init__(self, plane: Plane, cut: Cut) -> None:
+        """Prepare to draw; `cut` tells where the paths of ends bend."""
         self.plane = plane
         self.ax = plane.ax
         self.layout = plane.layout
@@ -86,19 +87,22 @@ class Borders:
         return absorbing
 
     def contacts(self) -> ContactLines:
-        """Draw where bodies press, touch without force, and are apart without a gap's width."""
+        """Draw where bodies press, touch without force, or are apart by no width."""
         pressing: Stretches = []
         touching: Stretches = []
         apart: Stretches = []
         for contact in self.solution.contacts:
             if not contact.law.opens:
                 continue
+            # State of the contact between each of these times and the next
             times = self._times_of(contact)
             force = np.diff(contact.impulse_until(times)) / np.diff(times)
             gap = np.abs(contact.gap(times))
-            is_closed = np.maximum(gap[:-1], gap[1:]) <= NEGLIGIBLE_RTOL * gap.max()
+            wider_gap = np.maximum(gap[:-1], gap[1:])
+            is_closed = wider_gap <= NEGLIGIBLE_RTOL * gap.max()
             presses = force > NEGLIGIBLE_RTOL * contact.peak_force
             touches = is_closed & ~presses & isinstance(contact.law, Rigid)
+            # In the laboratory the gap itself is seen.
             is_apart = ~presses & ~touches & (self.layout.magnification == 0)
 
             left = self.layout.end(contact.index, True, times)
@@ -127,16 +131,20 @@ class Borders:
         )
 
     def _times_of(self, contact: ContactHistory) -> Floats:
-        """Times between which a contact presses, touches or is open throughout."""
+        """Times in the picture between which a contact keeps its state.
+
+        They are those of its events, and where its force or gap bends; many even times
+        of a smooth solution.
+        """
         events = event_times(contact, MAX_POINTS)
         if is_smooth(self.solution):
             return self._inside([*self.times, *events])
         return self._inside([*contact.breakpoints()[0], *events])
 
     def _inside(self, times: ArrayLike) -> Floats:
-        """The times in the picture, with its first and its last."""
-        both = np.append(times, self.plane.span)
-        return np.unique(np.clip(both, *self.plane.span))
+        """The times inside the picture in order, with its first and its last."""
+        with_span = np.append(times, self.plane.span)
+        return np.unique(np.clip(with_span, *self.plane.span))
 
     def springs(self) -> list[patches.Polygon]:
         """Draw where the springs of compliant contacts are pressed."""
@@ -289,12 +297,12 @@ class Borders:
         return arrows
 
     def _end_path(self, body: int, is_right: bool, times: Floats) -> Floats:
-        """Path of an end of a body, straight between `times`."""
+        """Path [time, 2] of an end of a body, straight between `times`."""
         X = self.layout.end(body, is_right, times)
         return self.plane.points(X, times)
 
     def _fill(self, left: Floats, right: Floats, **style: Any) -> patches.Polygon:
-        """Fill the strip between two paths."""
+        """Fill the strip between two paths [n, 2]."""
         strip = patches.Polygon(np.concatenate((left, right[::-1])), **style)
         self.ax.add_patch(strip)
         return strip
@@ -307,7 +315,7 @@ class Borders:
         return lines
 
 
-# Styles that space-time diagrams, snapshots and films share --------------------------------
+# Styles that space-time diagrams, snapshots and films share ---------------------------
 
 
 def wall_style() -> dict[str, Any]:
@@ -351,7 +359,8 @@ def end_style() -> dict[str, Any]:
 
 
 def _stretches(path: Floats, inside: NDArray[np.bool_]) -> Stretches:
-    """Unbroken parts of a path; inside[i] says whether path[i] to path[i + 1] belongs to one."""
-    edges = np.diff(np.concatenate(([False], inside, [False])))
-    limits = np.flatnonzero(edges).reshape(-1, 2)
+    """Unbroken parts of a path; inside[i]: path[i] to path[i + 1] belongs to one."""
+    # Between two values of [False, *inside, False] that differ, a part begins or ends.
+    is_limit = np.diff(np.concatenate(([False], inside, [False])))
+    limits = np.flatnonzero(is_limit).reshape(-1, 2)
     return [path[first : last + 1] for first, last in limits]

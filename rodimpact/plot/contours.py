@@ -1,4 +1,4 @@
-"""Contour lines of a map: at round values, up to its jumps, with labels that do not collide."""
+"""Contour lines of a map: at round values, up to jumps, with labels that have room."""
 
 from collections.abc import Iterator, Sequence
 
@@ -28,7 +28,10 @@ def draw_contours(
     palette: colors.Colormap,
     norm: colors.Normalize,
 ) -> contour.QuadContourSet | None:
-    """Draw lines at round values [x, y], up to the jumps and not across them."""
+    """Draw lines at round values of a map [x, y], up to the jumps and not across them.
+
+    None where there is no such value, or where every value is beside a jump.
+    """
     levels = _levels(values)
     is_smooth = away_from_jumps(values)
     if not levels or not is_smooth.any():
@@ -54,7 +57,8 @@ def _levels(values: Floats) -> list[float]:
     locator = ticker.MaxNLocator(MAX_LEVELS, steps=[1, 2, 2.5, 5, 10])
     levels = []
     for level in locator.tick_values(low, high):
-        if not low + 10 * near < level < high - 10 * near:
+        is_inside = low + 10 * near < level < high - 10 * near
+        if not is_inside:
             continue
         members = np.sum(np.abs(values - level) < near)
         if members < PLATEAU_ROWS * max(values.shape):
@@ -69,15 +73,17 @@ def label_contours(
 ) -> list[Text]:
     """Write the value of each line into it, clear of other labels, lines and the frame.
 
-    A label stands where matplotlib puts it, or else at the nearest clear point of its line; a
-    line without such a point has none.
+    A label stands where matplotlib puts it, or else at the nearest clear point of its
+    line; a line without such a point has none.
     """
 
     def value(level: float) -> str:
         return signed(f"{level:g}")
 
+    # Matplotlib places labels on trial. Then each is moved along its line until it is
+    # clear of the obstacles: points of other lines, and labels that have their place.
     trial = list(ax.clabel(contours, fmt=value, inline=False, fontsize=LETTERS))
-    obstacles = np.empty((0, 2))
+    obstacles = np.empty((0, 2))  # [n, 2], points on paper
     for border in borders:
         for line in border.allsegs[0]:
             obstacles = np.vstack([obstacles, _points_of(ax, line)])
@@ -88,7 +94,8 @@ def label_contours(
         for point in _candidates(ax, contours, text):
             if not _is_inside(ax, point, half):
                 continue
-            if (np.hypot(*(obstacles - point).T) < half + clear).any():
+            distances = np.hypot(*(obstacles - point).T)
+            if (distances < half + clear).any():
                 continue
             to_map = ax.transData.inverted()
             chosen.append(to_map.transform(point * _pixels(ax)))
@@ -103,7 +110,7 @@ def label_contours(
 
 
 def _pixels(ax: Axes) -> float:
-    """Pixels of a point on paper."""
+    """Pixels that a point, 1/72 inch on paper, takes."""
     return float(ax.figure.dpi) / 72
 
 
@@ -113,7 +120,10 @@ def _in_points(ax: Axes, places: Floats) -> Floats:
 
 
 def _points_of(ax: Axes, line: Floats) -> Floats:
-    """Evenly many points [n, 2] along a line of the map, on paper."""
+    """`POINTS_OF_LINE` points [n, 2] along a line of the map, on paper.
+
+    There are as many of them between any two corners of the line.
+    """
     corners = _in_points(ax, line)
     index = np.linspace(0, len(corners) - 1, POINTS_OF_LINE)
     corner = np.arange(len(corners))
@@ -125,7 +135,7 @@ def _points_of(ax: Axes, line: Floats) -> Floats:
 def _candidates(
     ax: Axes, contours: contour.QuadContourSet, text: Text
 ) -> Iterator[Floats]:
-    """Points for a label: where it stands, then those of its line, the nearest first."""
+    """Points for a label: where it stands, then those of its line, nearest first."""
     start = _in_points(ax, np.array(text.get_position()))
     yield start
     nearest: Floats | None = None

@@ -1,4 +1,4 @@
-"""Wanted and reached pulse of a design over time, below the silhouette of the striker."""
+"""Wanted and reached pulse of a design, below the silhouette of the striker."""
 
 from typing import Any
 
@@ -19,10 +19,10 @@ MIN_MISFIT = 1e-4  # smaller ones cannot be seen
 
 @styled
 def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
-    """Draw the wanted pulse of a design and the pulse that its system reaches, over time.
+    """Draw the wanted pulse of a design and the pulse that its system reaches.
 
-    Their misfit is the root mean square of the difference divided by the peak. A new figure also
-    shows the silhouette of a stepped body, drawn as round.
+    Their misfit is the root mean square of the difference divided by the peak. A new
+    figure also shows the silhouette of a stepped body, drawn as round.
 
     Parameters
     ----------
@@ -34,16 +34,18 @@ def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
     Returns
     -------
     Picture
-        With the lines `wanted` and `reached`, and the silhouette `outline` of a stepped body or
-        None.
+        With the lines `wanted` and `reached`, and the silhouette `outline` of a stepped
+        body or None.
 
     Examples
     --------
     >>> import numpy as np, rodimpact as ri
     >>> steel = ri.materials.steel
     >>> bar = ri.Rod(2.0, area=1e-4, material=steel)
-    >>> half_sine = ri.Signal(6.5e3 * np.sin(np.pi * np.linspace(0, 1, 101)), dt=1e-6, unit="N")
-    >>> found = ri.design.striker(half_sine, bar, velocity=10.0, duration=1e-4, segments=4)
+    >>> phase = np.pi * np.linspace(0, 1, 101)
+    >>> half_sine = ri.Signal(6.5e3 * np.sin(phase), dt=1e-6, unit="N")
+    >>> found = ri.design.striker(
+    ...     half_sine, bar, velocity=10.0, duration=1e-4, segments=4)
     >>> picture = ri.plot.design(found)
     >>> type(picture).__name__
     'Picture'
@@ -96,7 +98,7 @@ def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
 
 
 def _reached(result: PulseDesign, segments: int) -> str:
-    """Name of the reached pulse, with its misfit and the areas at a limit."""
+    """Name of the reached pulse, with its misfit and how many areas are at a limit."""
     name = "reached"
     if result.misfit >= MIN_MISFIT:
         name += f", misfit {result.percent}"
@@ -106,7 +108,7 @@ def _reached(result: PulseDesign, segments: int) -> str:
 
 
 def _draw_silhouette(ax: Axes, rod: Any) -> StepPatch:
-    """Draw the outline of a stepped rod as if it were round."""
+    """Draw the outline of a stepped rod as if it were round, its radius sqrt(A/pi)."""
     lengths = [float(segment.length) for segment in rod.segments]
     areas = [float(segment.area) for segment in rod.segments]
     edges = np.cumsum([0.0, *lengths])

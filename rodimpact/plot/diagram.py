@@ -1,7 +1,7 @@
 """Space-time diagram: where every piece of rod is at every time, coloured by its state.
 
-`polygons` or `raster` has the coloured regions, `borders` everything that bounds the rods,
-`plane` the two axes; here they are put together.
+`polygons` or `raster` has the coloured regions, `borders` everything that bounds the
+rods, `plane` the two axes; here they are put together.
 """
 
 from collections.abc import Mapping
@@ -44,22 +44,23 @@ def spacetime(
 ) -> Picture:
     """Draw where every piece of rod is at every time, coloured by its state.
 
-    Each polygon is a region of constant velocity and strain with its exact corners. The thin lines
-    between them are wave fronts, darker where the velocity jumps more; if they are few, each is
-    named by what it adds to the stress, compression or tension. A solution without fronts has flat
-    cells instead, each with the average over its time; cells and displacements are pixels in SVG
-    and PDF.
+    Each polygon is a region of constant velocity and strain with its exact corners. The
+    thin lines between them are wave fronts, darker where the velocity jumps more; if
+    they are few, each is named by what it adds to the stress, compression or tension. A
+    solution without fronts has flat cells instead, each with the average over its time;
+    cells and displacements are pixels in SVG and PDF.
 
-    In material coordinates (``"body"``) rods are laid end to end and nothing moves: all fronts of
-    one wave speed are parallel. Ticks show the ends of the rods, their lengths, and the instants
-    after whole round trips at which a force ends or a gap opens. In laboratory coordinates
-    (``"lab"``) the bodies move. Displacements and gaps are magnified by the factor named under the
-    picture; fronts are curved because bodies move. Springs are drawn at compliant contacts, and
-    dashed paths for the centres of mass. A row that drifts much farther than it deforms is drawn in
-    a moving frame, whose speed is named there. A thick line marks a contact that presses, a thin
-    line a rigid contact without force, a double line an open gap. Rigid masses are strips of the
-    width named under the picture. Fixed ends are hatched like walls, absorbing ends are dashed,
-    driven ends have arrow heads.
+    In material coordinates (``"body"``) rods are laid end to end and nothing moves: all
+    fronts of one wave speed are parallel. Ticks show the ends of the rods, their
+    lengths, and the instants after whole round trips at which a force ends or a gap
+    opens. In laboratory coordinates (``"lab"``) the bodies move. Displacements and gaps
+    are magnified by the factor named under the picture; fronts are curved because
+    bodies move. Springs are drawn at compliant contacts, and dashed paths for the
+    centres of mass. A row that drifts much farther than it deforms is drawn in a moving
+    frame, whose speed is named there. A thick line marks a contact that presses, a thin
+    line a rigid contact without force, a double line an open gap. Rigid masses are
+    strips of the width named under the picture. Fixed ends are hatched like walls,
+    absorbing ends are dashed, driven ends have arrow heads.
 
     Parameters
     ----------
@@ -67,38 +68,41 @@ def spacetime(
     ax : Axes, optional
         By default the Axes of a new figure.
     field : str
-        ``"velocity"``, ``"stress"`` or ``"strain"``, both positive in tension, ``"displacement"``,
-        or ``"energy"``, kinetic and strain energy per length.
+        ``"velocity"``, ``"stress"`` or ``"strain"``, both positive in tension,
+        ``"displacement"``, or ``"energy"``, kinetic and strain energy per length.
     dimensionless : bool
-        Scale times by l1/c and places by l1, the transit time and length of the first rod;
-        velocities by the closing speed v0, stresses by rho c v0, strains by v0/c, displacements by
-        l1 v0/c, energies by rho A v0^2 of the first rod.
+        Scale times by l1/c and places by l1, the transit time and length of the first
+        rod; velocities by the closing speed v0, stresses by rho c v0, strains by v0/c,
+        displacements by l1 v0/c, energies by rho A v0^2 of the first rod.
     start, stop : float
         Interval of time, s; by default the whole solution.
     magnification : float, optional
-        Of displacements and gaps in the laboratory; by default 1, 2 or 5 times a power of ten that
-        shows them well.
+        Of displacements and gaps in the laboratory; by default 1, 2 or 5 times a power
+        of ten that shows them well.
     coordinates : "body" or "lab"
     across : bool
-        Whether time runs to the right and places lie upward, instead of the other way round.
+        Whether time runs to the right and places lie upward, instead of the other way
+        round.
     gauges : mapping of str to Gauge, optional
         Strain gauges to draw, by name, as for `gauges_to_csv`.
 
     Returns
     -------
     Picture
-        With `regions`, polygons of constant state, triangles between whose corners displacements
-        are linear, or the flat cells [times, places] of a solution without fronts, masked between
-        the rods; collections of the `ends` of the rods, of contacts `pressing`, `touching` and
-        `apart`; lists of `walls`, which are fixed ends too, `masses`, `labels`, `gauges` and
-        `centres`; `colour_bar`; and `scale`, which makes its numbers from SI values.
+        With `regions`, polygons of constant state, triangles between whose corners
+        displacements are linear, or the flat cells [times, places] of a solution
+        without fronts, masked between the rods; collections of the `ends` of the rods,
+        of contacts `pressing`, `touching` and `apart`; lists of `walls`, which are
+        fixed ends too, `masses`, `labels`, `gauges` and `centres`; `colour_bar`; and
+        `scale`, which makes its numbers from SI values.
 
     Raises
     ------
     ValueError
-        If a gauge is not a Gauge, the field or the coordinates are unknown, the interval is empty,
-        or there are more than 100 000 regions; if the magnification is not positive or is given for
-        ``"body"`` coordinates; if `dimensionless` is true and no bodies approach each other.
+        If a gauge is not a Gauge, the field or the coordinates are unknown, the
+        interval is empty, or there are more than 100 000 regions; if the magnification
+        is not positive or is given for ``"body"`` coordinates; if `dimensionless` is
+        true and no bodies approach each other.
 
     Examples
     --------
@@ -138,7 +142,10 @@ def draft_spacetime(
     across: bool = False,
     gauges: Mapping[str, Gauge] | None = None,
 ) -> Draft:
-    """Draft of `spacetime`, with the same parameters."""
+    """Draft of `spacetime`, with the same parameters: all but words and numbers.
+
+    Its regions are polygons between fronts, or the cells of a smooth solution.
+    """
     check_has_rod(solution)
     one_of("field", field, FIELDS)
     one_of("coordinates", coordinates, ("lab", "body"))
@@ -220,6 +227,7 @@ def draft_spacetime(
     )
 
     def write_words() -> None:
+        """Fit labels and legend to the final size; write words and numbers."""
         plane.fit_labels()
         legend_above(ax, named)
         picture.labels = cut.write()
@@ -228,7 +236,7 @@ def draft_spacetime(
 
 
 def _named_contacts(contacts: ContactLines) -> list[artist.Artist]:
-    """Legend entries of the kinds of contact lines that there are."""
+    """Legend entries of the kinds of contact lines that the picture has."""
     named: list[artist.Artist] = []
     for lines in (contacts.pressing, contacts.touching):
         if lines.get_segments():
@@ -239,7 +247,10 @@ def _named_contacts(contacts: ContactLines) -> list[artist.Artist]:
 
 
 def _with_frame(scale: Scale, field: str, layout: PictureLayout) -> Scale:
-    """A scale whose name says in which frame displacements and energies are."""
+    """The scale with the moving frame of displacements or energies in its name.
+
+    Other fields, and pictures at rest, keep the scale as it is.
+    """
     if not layout.frame or field not in ("displacement", "energy"):
         return scale
     frame = written(layout.frame, "m/s")

@@ -1,13 +1,15 @@
-"""A family of collisions: a curve over one axis, a map over two, and theory if it exists.
+"""A family of collisions: a curve over one axis, a map over two; theory if it exists.
 
-Results can jump: the force duration where the impedances are equal, velocities where the
-number of contacts changes. Curves and contour lines are interrupted at a jump: there
-neighbouring values differ far more than around it. On a map each collision is a cell of one
-colour, without interpolation. Each count has its own colour; counts have no contour lines.
+Results can jump: the force duration where the impedances are equal, velocities where
+the number of contacts changes. Curves and contour lines are interrupted at a jump:
+there neighbouring values differ far more than around it. On a map each collision is a
+cell of one colour, without interpolation. Each count has its own colour; counts have no
+contour lines.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -99,14 +101,15 @@ def sweep(
     quantity: str = "restitution",
     varied: Sequence[Varied] | None = None,
 ) -> Picture:
-    """Draw one quantity of a family of collisions: a curve over one axis, a map over two.
+    """Draw a quantity of a family of collisions: a curve over one axis, a map over two.
 
-    An axis is logarithmic if its values are closer to a geometric than to an arithmetic sequence.
-    Collisions without a value leave gaps. For two uniform bodies without initial vibration the
-    closed form is drawn under the curve. Members in no order, such as samples of several uncertain
-    numbers, are drawn as points, beside a histogram of their values. On a map of two such rods a
-    full line marks equal transit times, where e = 1; a dashed line marks equal impedances, where
-    the force duration jumps.
+    An axis is logarithmic if its values are closer to a geometric than to an arithmetic
+    sequence. Collisions without a value leave gaps. For two uniform bodies without
+    initial vibration the closed form is drawn under the curve. Members in no order,
+    such as samples of several uncertain numbers, are drawn as points, beside a
+    histogram of their values. On a map of two such rods a full line marks equal transit
+    times, where e = 1; a dashed line marks equal impedances, where the force duration
+    jumps.
 
     Parameters
     ----------
@@ -114,25 +117,27 @@ def sweep(
     ax : Axes, optional
         By default the Axes of a new figure.
     quantity : str
-        A name of ``result.columns``, such as ``"restitution"``, ``"duration.0"`` of contact 0 or
-        ``"velocity_after.1"`` of body 1.
+        A name of ``result.columns``, such as ``"restitution"``, ``"duration.0"`` of
+        contact 0 or ``"velocity_after.1"`` of body 1.
     varied : sequence of Varied, optional
-        What the user varied along each axis, as the `varied` of a case from `read_case`: it names
-        the axes. By default they bear the names of the numbers in which the systems differ.
+        What the user varied along each axis, as the `varied` of a case from
+        `read_case`: it names the axes. By default they bear the names of the numbers in
+        which the systems differ.
 
     Returns
     -------
     Picture
-        Over one axis with the curve `values` and the closed form `theory` or None; of members in no
-        order with the points `values` and the `histogram`; over two axes with `cells`, `contours`
-        or None, their `labels`, the lines `theory` and `colour_bar`.
+        Over one axis with the curve `values` and the closed form `theory` or None; of
+        members in no order with the points `values` and the `histogram`; over two axes
+        with `cells`, `contours` or None, their `labels`, the lines `theory` and
+        `colour_bar`.
 
     Raises
     ------
     ValueError
-        If the quantity is unknown or has no value in this family, if the family does not have one
-        or two axes (axes with a single value do not count), or if it has two and the members along
-        one of them are in no order.
+        If the quantity is unknown or has no value in this family, if the family does
+        not have one or two axes (axes with a single value do not count), or if it has
+        two and the members along one of them are in no order.
 
     Examples
     --------
@@ -155,11 +160,12 @@ def sweep(
             "or draw part of the family, such as sweep(system[0])",
         )
     axes = [family_axis(result, i, names) for i in varied_axes]
-    sorted_members = np.ix_(*(axis.order for axis in axes))
     shape = [axis.order.size for axis in axes]
+    index_of_sorted = np.ix_(*(axis.order for axis in axes))
 
     def arranged(table: NDArray[Any]) -> NDArray[Any]:
-        return table.reshape(shape)[sorted_members]
+        """Numbers of the members, in the order in which the values of axes increase."""
+        return table.reshape(shape)[index_of_sorted]
 
     values = arranged(column).astype(float)
     largest = float(np.nanmax(np.abs(values)))
@@ -184,7 +190,7 @@ def sweep(
 
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
-    """The values of a quantity, if there are any."""
+    """The column of a quantity; InvalidModel if it is unknown or has no value."""
     of_kind("result", result, SweepResult, "rodimpact.sweep(family)")
     if not isinstance(quantity, str) or quantity not in result.columns:
         raise invalid_argument(
@@ -213,13 +219,17 @@ def _why_no_map(result: SweepResult, dimension: int) -> str:
     )
 
 
-# Over one axis ------------------------------------------------------------------------------
+# Over one axis ------------------------------------------------------------------------
 
 
 def _draw_curve(
     ax: Axes, axis: FamilyAxis, shown: Quantity, theory: PairTheory | None
 ) -> Picture:
-    """Draw values over one axis, over the closed form if there is one."""
+    """Draw values over one axis as a curve, counts as steps; below it the closed form.
+
+    Few values are marked; with a closed form they are not joined. The axis of values
+    includes 0.
+    """
     format_family_axis(ax.xaxis, axis)
     law = None
     if theory is not None:
@@ -264,14 +274,18 @@ def _draw_curve(
 def _draw_law(
     ax: Axes, axis: FamilyAxis, shown: Quantity, theory: PairTheory
 ) -> Line2D:
-    """Draw the closed form as a wide line, also between the values of the family."""
+    """Draw the closed form as a wide line, also between the values of the family.
+
+    Between two members it is taken at equal steps: of the value, or of its logarithm if
+    all values are positive.
+    """
     is_positive = axis.values[0] > 0
     intervals = axis.values.size - 1
     members = axis.values
     if is_positive:
         members = np.log(members)
-    parts = -(-MIN_THEORY_POINTS // intervals)
-    fine = np.arange(intervals * parts + 1) / parts
+    parts = math.ceil(MIN_THEORY_POINTS / intervals)  # of each interval
+    fine = np.arange(intervals * parts + 1) / parts  # index of a member, with fractions
     wanted = np.interp(fine, np.arange(intervals + 1), members)
     family = theory.interpolated(members, wanted)
     values = family.column(shown.name) * shown.scale.factor
@@ -292,7 +306,7 @@ def _draw_law(
 
 
 def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: Quantity) -> Picture:
-    """Draw members in no order as points, and beside them how often each value occurs."""
+    """Draw members in no order as points, and beside them a histogram of values."""
     format_family_axis(ax.xaxis, axis)
     (points,) = ax.plot(
         axis.numbers,
@@ -320,20 +334,25 @@ def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: Quantity) -> Picture:
     return Picture(ax=ax, values=points, theory=None, histogram=histogram)
 
 
-# Over two axes ------------------------------------------------------------------------------
+# Over two axes ------------------------------------------------------------------------
 
 
 def _draw_map(
     ax: Axes, axes: list[FamilyAxis], shown: Quantity, theory: PairTheory | None
 ) -> Picture:
-    """Draw values over two axes, the first one to the right."""
+    """Draw values over two axes as cells, the first axis to the right.
+
+    Numbers that vary have contour lines. The map of a pair has the lines of
+    `EQUALITIES`.
+    """
     palette, norm = _map_colours(shown)
     cells = draw_cells(ax, [axis.edges for axis in axes], shown.values, palette, norm)
     format_family_axis(ax.xaxis, axes[0])
     format_family_axis(ax.yaxis, axes[1])
     contours = None
     span = shown.high - shown.low
-    if not shown.is_count and span > NEGLIGIBLE_RTOL * max(-shown.low, shown.high):
+    varies = span > NEGLIGIBLE_RTOL * max(-shown.low, shown.high)
+    if not shown.is_count and varies:
         grid = (axes[0].numbers, axes[1].numbers)
         contours = draw_contours(ax, grid, shown.values, palette, norm)
     lines: list[contour.QuadContourSet] = []
@@ -359,6 +378,7 @@ def _draw_map(
     )
 
     def write_words() -> None:
+        """Write values into the contour lines."""
         if contours is not None:
             picture.labels = label_contours(ax, contours, lines)
 
@@ -373,7 +393,10 @@ class _MapColours(NamedTuple):
 
 
 def _map_colours(shown: Quantity) -> _MapColours:
-    """Colours and limits: one colour a count, symmetric about 0 where signs differ."""
+    """Colours and limits: one colour a count, symmetric about 0 where signs differ.
+
+    Numbers of one sign run from the least to the largest.
+    """
     low = shown.low
     high = shown.high
     if shown.words:
@@ -401,7 +424,10 @@ def _draw_equality(
     theory: PairTheory,
     equality: Equality,
 ) -> contour.QuadContourSet | None:
-    """Draw the line on which a number of both rods is equal, if it crosses the map."""
+    """Draw the line on which a number of both rods is equal, if it crosses the map.
+
+    It is where the logarithm of the ratio of the two numbers is 0.
+    """
     first, second = getattr(theory, equality.number)
     excess = np.round(np.log(np.divide(first, second)), EQUAL_RTOL_DIGITS)
     excess = np.where(np.isfinite(shown.values), excess, np.nan)
@@ -423,7 +449,7 @@ def _draw_equality(
 
 
 def _equality_line(equality: Equality) -> Line2D:
-    """Legend entry of an equality."""
+    """Legend entry of an equality: a line with its name."""
     return Line2D(
         [],
         [],
@@ -435,7 +461,7 @@ def _equality_line(equality: Equality) -> Line2D:
 
 
 def _set_count_ticks(axis: Axis, shown: Quantity) -> None:
-    """Set ticks at whole numbers, or their meanings."""
+    """Set ticks at whole numbers, or at each count its meaning in words."""
     if shown.words:
         axis.set_ticks(range(len(shown.words)), shown.words)
     else:
@@ -443,17 +469,17 @@ def _set_count_ticks(axis: Axis, shown: Quantity) -> None:
         axis.set_minor_locator(ticker.NullLocator())
 
 
-# Against the law ----------------------------------------------------------------------------
+# Against the law ----------------------------------------------------------------------
 
 
 @styled
 def restitution(
     ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None
 ) -> Picture:
-    """Draw computed coefficients of restitution against the law e = l1/l2, and note the residual.
+    """Draw computed e against the law e = l1/l2, and note the largest residual.
 
-    The law holds for two rods of one material and cross-section, the second at rest inside and
-    longer than the first.
+    The law holds for two rods of one material and cross-section, the second at rest
+    inside and longer than the first.
 
     Parameters
     ----------

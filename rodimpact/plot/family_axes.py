@@ -21,7 +21,7 @@ MAX_DECADES_WITH_2_AND_5 = 2e3  # last over first value up to which 2 and 5 have
 
 
 class FamilyAxis(NamedTuple):
-    """An axis of the family: the order in which its values increase, and these values."""
+    """An axis of the family: the order in which its values increase, and the values."""
 
     order: NDArray[np.intp]
     values: Floats
@@ -36,7 +36,11 @@ class FamilyAxis(NamedTuple):
 
     @property
     def is_log(self) -> bool:
-        """Whether the values have a wide range and are spread more evenly by their logarithms."""
+        """Whether the range is wide and logarithms are spread more evenly.
+
+        Unevenness is the standard deviation of the steps between values, divided by the
+        mean step; that of the logarithms must be less than half.
+        """
         first, last = self.values[[0, -1]]
         if self.values.size < 3 or first <= 0 or last < MIN_LOG_RANGE * first:
             return False
@@ -48,7 +52,11 @@ class FamilyAxis(NamedTuple):
 
     @property
     def edges(self) -> Floats:
-        """Borders half-way between the numbers and as far beyond the outer ones, not beyond 0."""
+        """Borders [n + 1] of cells about the numbers [n] on the axis.
+
+        They lie half-way between the numbers, by their logarithms if the axis is
+        logarithmic, and as far beyond the outer ones, but not below 0.
+        """
         x = self.numbers
         if self.is_log:
             x = np.log(x)
@@ -64,7 +72,13 @@ class FamilyAxis(NamedTuple):
 
 
 def check_varied(result: SweepResult, varied: Any) -> Sequence[tuple[str, Any, str]]:
-    """What the user varied along each axis of a family; InvalidModel for anything else."""
+    """What the user varied along each axis of a family, () for None.
+
+    Raises
+    ------
+    InvalidModel
+        If it is no list or tuple of `Varied` that has the shape of the family.
+    """
     if varied is None:
         return ()
     sizes = []
@@ -82,14 +96,18 @@ def check_varied(result: SweepResult, varied: Any) -> Sequence[tuple[str, Any, s
 def family_axis(
     result: SweepResult, dimension: int, varied: Sequence[tuple[str, Any, str]] = ()
 ) -> FamilyAxis:
-    """What lies along a dimension of the family; members are counted if that is all the same.
+    """The axis of a dimension of the family: order, values, scale and label.
+
+    Members are counted, 0, 1, ..., if all values along the dimension are the same. The
+    label names what else varies along it.
 
     Parameters
     ----------
     result : SweepResult
     dimension : int
     varied : sequence of Varied
-        What the user varied along each axis, and follows on the axis alone; () if unknown.
+        What the user varied along each axis, and follows on the axis alone; () if
+        unknown.
     """
     name, values = result.axes[dimension]
     quantity = quantity_of_parameter(result.system, name)
@@ -124,7 +142,10 @@ def family_axis(
 
 
 def _varying_along(result: SweepResult, dimension: int) -> dict[str, NDArray[Any]]:
-    """Numbers that vary along a dimension, by path, with the dimension first."""
+    """Numbers that vary along a dimension, by path, each with the dimension first.
+
+    Numbers with fewer dimensions than the family vary along its last ones.
+    """
     from_end = len(result.shape) - dimension
     varying = {}
     for path, numbers in result.parameters.items():
@@ -142,7 +163,7 @@ def _is_monotonic(numbers: NDArray[Any]) -> bool:
 
 
 def format_family_axis(axis: Axis, family: FamilyAxis) -> None:
-    """Set limits, label and ticks of an axis."""
+    """Set limits, label, scale and ticks of an axis: 1, 2, 5 where it is logarithmic."""
     first, last = family.edges[[0, -1]]
     axis.set_label_text(family.label)
     scale = "log" if family.is_log else "linear"

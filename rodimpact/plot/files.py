@@ -37,9 +37,10 @@ OUTER_SPACES = rb"(?<=\n) +| (?=\n)"
 
 @explain_arguments
 def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> None:
-    """Write a figure as PNG, SVG or PDF, an animation as GIF or MP4, as the suffix says.
+    """Write a figure as PNG, SVG or PDF, an animation as GIF or MP4, by the suffix.
 
-    The same picture gives the same bytes: nothing in the file depends on date or chance.
+    The same picture gives the same bytes: nothing in the file depends on date or
+    chance.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
 
 
 def _title(figure: Figure) -> str:
-    """Title of a figure, or "y over x", for screen readers."""
+    """Title of a figure in one line, else "y over x" of its first Axes' labels."""
     title = figure.get_suptitle()
     if not title and figure.axes:
         ax = figure.axes[0]
@@ -94,7 +95,7 @@ def _title(figure: Figure) -> str:
 
 
 def _smaller_svg(data: bytes) -> bytes:
-    """An SVG with hundredths of a point, and a font that is named once."""
+    """An SVG with hundredths of a point, and a font that is named once, in its head."""
     family = f"; font-family: '{FONT}'(?=[;\"])".encode()
     data = re.sub(LONG_DECIMALS + b"|" + OUTER_SPACES + b"|" + family, b"", data)
     head = f"<svg font-family=\"'{FONT}', sans-serif\" ".encode()
@@ -102,7 +103,7 @@ def _smaller_svg(data: bytes) -> bytes:
 
 
 def format_of(path: str | os.PathLike[str], formats: Collection[str]) -> str:
-    """The one of the formats that the suffix of a path names; ValueError if it names none."""
+    """The format that the suffix of a path names; ValueError if it is none of these."""
     path = file_name(path)
     kind = Path(path).suffix.lower().removeprefix(".")
     if kind not in formats:
@@ -114,7 +115,7 @@ def format_of(path: str | os.PathLike[str], formats: Collection[str]) -> str:
 
 
 def as_image(data: bytes, kind: str, description: str) -> str:
-    """A picture as HTML that needs no file."""
+    """HTML of a picture with its data in the text, so that it needs no file."""
     code = base64.b64encode(data).decode()
     return (
         f'<img src="data:image/{kind};base64,{code}" alt="{html.escape(description)}" '

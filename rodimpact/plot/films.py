@@ -1,7 +1,7 @@
 """Films as files: GIF, and MP4 by the program ffmpeg.
 
-Matplotlib's own writers of films draw every frame anew through `savefig` and keep it whole:
-of 120 frames the GIF takes 8 times as long, the MP4 4 times.
+Matplotlib's own writers of films draw every frame anew through `savefig` and keep it
+whole: of 120 frames the GIF takes 8 times as long, the MP4 4 times.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ PAPER_TOLERANCE = 9  # of 255: shades nearer to the paper are taken for it
 
 
 def check_film(path: str | os.PathLike[str]) -> str:
-    """Kind of film that a path names.
+    """Kind of film that a path names, a key of `WRITERS`.
 
     Raises
     ------
@@ -41,15 +41,15 @@ def check_film(path: str | os.PathLike[str]) -> str:
 
 
 def write_gif(file: BinaryIO, film: Any, report: Report = no_report) -> None:
-    """Write the frames of an Animation, in the colours of the last one, which shows all of it."""
+    """Write the frames of an Animation, in the colours of the last one."""
     last = film.frame(len(film) - 1)
     palette = _palette(Image.fromarray(last))
     pictures = (
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in film.frames(report)
     )
-    hundredths = max(2, round(100 / film.fps))
-    durations = [10 * hundredths] * len(film)
+    hundredths = max(2, round(100 / film.fps))  # the unit of time of a GIF
+    durations = [10 * hundredths] * len(film)  # ms
     durations[-1] += LAST_FRAME_MS
     next(pictures).save(
         file,
@@ -62,9 +62,9 @@ def write_gif(file: BinaryIO, film: Any, report: Report = no_report) -> None:
 
 
 def _palette(last: Image.Image) -> Any:
-    """Colours of the last frame; those near to the paper are the paper's."""
+    """Picture with the colours of the last frame, all near to the paper the paper's."""
     palette: Any = last.quantize(GIF_COLOURS)
-    paper = last.getpixel((0, 0))
+    paper = last.getpixel((0, 0))  # no panel reaches into the corner
     shades = np.reshape(palette.getpalette(), (-1, 3))
     difference = np.abs(shades - paper).max(axis=1)
     shades[difference < PAPER_TOLERANCE] = paper
@@ -73,6 +73,10 @@ def _palette(last: Image.Image) -> Any:
 
 
 def _write_mp4(file: BinaryIO, film: Any, report: Report) -> None:
+    """Let ffmpeg write the frames of an Animation, raw pixels, to this file's name.
+
+    OSError is raised with the words of ffmpeg if it fails.
+    """
     height, width, _ = film.frame(0).shape
     command = [
         "ffmpeg",

@@ -34,12 +34,12 @@ def gauge(
 ) -> Picture:
     """Draw the record of a strain gauge, its two waves, and its pulses.
 
-    The first wave at the gauge is the incident pulse. The first later wave in the opposite
-    direction is the reflected pulse. The first wave at a second gauge, beyond the specimen, is the
-    transmitted pulse. The incident pulse lasts while its wave exceeds a hundredth of the largest
-    strain of a wave at the gauge. The windows of the other pulses begin at their arrival and are as
-    long. Each window is shaded on the side of its sign. A bar that vibrates at t = 0 has no such
-    pulses.
+    The first wave at the gauge is the incident pulse. The first later wave in the
+    opposite direction is the reflected pulse. The first wave at a second gauge, beyond
+    the specimen, is the transmitted pulse. The incident pulse lasts while its wave
+    exceeds a hundredth of the largest strain of a wave at the gauge. The windows of the
+    other pulses begin at their arrival and are as long. Each window is shaded on the
+    side of its sign. A bar that vibrates at t = 0 has no such pulses.
 
     Strain is given in microstrain.
 
@@ -55,8 +55,8 @@ def gauge(
     Returns
     -------
     Picture
-        With the steps `strain`, `rightward`, `leftward`, and `transmitted` or None; the rectangles
-        `windows` of the pulses by name.
+        With the steps `strain`, `rightward`, `leftward`, and `transmitted` or None; the
+        rectangles `windows` of the pulses by name.
 
     Raises
     ------
@@ -164,9 +164,9 @@ def gauge(
 def _draw_steps(
     ax: Axes, record: Gauge, values: Floats, time: Scale, **style: Any
 ) -> StepPatch:
-    """Draw strains of a record over time; waves of a grid are drawn state by state."""
+    """Draw strains of a record over time as steps, of very many the extreme ones."""
     style.setdefault("linewidth", 1.4)
-    is_smooth = record.record.size > 2
+    is_smooth = record.record.size > 2  # it has samples, not constant states alone
     curve = thinned(steps_until(record.end, record.times, values, is_smooth))
     return ax.stairs(
         curve.values * MICROSTRAIN.factor,
@@ -179,14 +179,16 @@ def _draw_steps(
 def _pulses(records: list[Gauge]) -> dict[str, _Pulse]:
     """Pulses of one record, and the transmitted pulse of a second one, by name.
 
-    The windows of the later pulses are as long as the incident pulse. A bar that vibrates at
-    t = 0 has no such pulses.
+    The windows of the later pulses are as long as the incident pulse. A bar that
+    vibrates at t = 0 has no such pulses.
     """
     incident, reflected = _passing(records[0])
     later = {"reflected": reflected}
     if len(records) > 1:
-        later["transmitted"] = _passing(records[1])[0]
-    if any(pulse.start == 0 for pulse in later.values()):
+        transmitted, _ = _passing(records[1])
+        later["transmitted"] = transmitted
+    vibrates_at_first = any(pulse.start == 0 for pulse in later.values())
+    if vibrates_at_first:
         return {}
     pulses = {"incident": incident}
     for name, pulse in later.items():
@@ -196,12 +198,17 @@ def _pulses(records: list[Gauge]) -> dict[str, _Pulse]:
 
 
 def _passing(record: Gauge) -> list[_Pulse]:
-    """Pulse of each of the two waves of a record, the earlier one first."""
+    """First pulse of each of the two waves of a record, the earlier one first.
+
+    It lasts while the wave exceeds `PULSE_RTOL` of the largest strain of both waves. A
+    wave that never does has a pulse of no duration at the end.
+    """
     times = np.append(record.times, record.end)
     waves = (record.rightward, record.leftward)
     least = PULSE_RTOL * np.abs(waves).max()
     pulses = []
     for wave in waves:
+        # `argmax` finds the first True, `argmin` the first False.
         is_strong = np.abs(wave) > least
         first = int(np.append(is_strong, True).argmax())  # the end if it never is
         after = first + int(np.append(is_strong[first:], False).argmin())
@@ -213,7 +220,10 @@ def _passing(record: Gauge) -> list[_Pulse]:
 def _shade(
     ax: Axes, pulses: dict[str, _Pulse], end: float, time: Scale
 ) -> dict[str, Rectangle]:
-    """Shade the windows of the pulses before the end, s, on the side of their sign."""
+    """Shade the windows of pulses that begin before the end, s; return them by name.
+
+    A window of tension reaches from 0 upward, one of compression downward.
+    """
     series = colours().series
     shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
     low, high = ax.get_ylim()

@@ -1,6 +1,7 @@
 """Force and gap of contacts over time: exact steps, not samples.
 
-Of very many steps the least and the largest in each of five hundred intervals are drawn.
+Of very many steps the least and the largest in each of five hundred intervals are
+drawn.
 """
 
 from collections.abc import Sequence
@@ -58,9 +59,10 @@ def contact(
 ) -> Picture:
     """Draw force and gap of all contacts, or of some of them, against time.
 
-    A negative gap is the overlap of a compliant contact; the gap of a joint is its extension. The
-    impact of two rigid bodies has no duration: its force is drawn as a mean over the time that the
-    label names, which is the time step of a grid or a thousandth of the run.
+    A negative gap is the overlap of a compliant contact; the gap of a joint is its
+    extension. The impact of two rigid bodies has no duration: its force is drawn as a
+    mean over the time that the label names, which is the time step of a grid or a
+    thousandth of the run.
 
     Parameters
     ----------
@@ -68,22 +70,24 @@ def contact(
     ax : two Axes, optional
         For force and gap; by default those of a new figure, one above the other.
     contact : int or sequence of int, optional
-        Index of the contact: it is between body `contact` and the next body; walls are counted. By
-        default all contacts are drawn; of more than twelve those with the largest forces, which the
-        title says. The legend, or for a single contact the label of its force, tells which. For a
-        single contact with up to three episodes, the times at which the force ends and the gap
-        opens are marked. Times of whole round trips of a wave are named, such as 2 l1/c.
+        Index of the contact: it is between body `contact` and the next body; walls are
+        counted. By default all contacts are drawn; of more than twelve those with the
+        largest forces, which the title says. The legend, or for a single contact the
+        label of its force, tells which. For a single contact with up to three episodes,
+        the times at which the force ends and the gap opens are marked. Times of whole
+        round trips of a wave are named, such as 2 l1/c.
 
     Returns
     -------
     Picture
-        With `force_ax` and `gap_ax`, a step patch for each of `forces`, lines of `gaps`, and the
-        annotations `marks`.
+        With `force_ax` and `gap_ax`, a step patch for each of `forces`, lines of
+        `gaps`, and the annotations `marks`.
 
     Raises
     ------
     ValueError
-        If there is no such contact, `ax` is not a pair, or the duration of the solution is 0.
+        If there is no such contact, `ax` is not a pair, or the duration of the solution
+        is 0.
 
     Examples
     --------
@@ -112,7 +116,7 @@ def contact(
 def draft_contact(
     solution: Solution, ax: Sequence[Axes] | None, contacts: Sequence[int]
 ) -> Draft:
-    """Draft of `contact`."""
+    """Draft of `contact` for some contacts; marks are written for a single one."""
     force_ax, gap_ax = two_axes_or_new(ax, "force and gap", 4.2, (1, 1))
 
     # What is measured.
@@ -134,6 +138,7 @@ def draft_contact(
     _set_height(gap_ax)
 
     def label() -> None:
+        """Label both axes in lines as long as the Axes are high at present."""
         for each, scale in ((force_ax, curves.scale), (gap_ax, gap_scale)):
             _, height = size_in_points(each)
             each.set_ylabel(break_label(scale.label, height))
@@ -155,6 +160,7 @@ def draft_contact(
     )
 
     def write_words() -> None:
+        """Label the axes anew; mark the episodes of a single contact."""
         label()
         if len(contacts) == 1:
             picture.marks = _mark_ends(solution, curves, force_ax, gap_ax)
@@ -163,7 +169,7 @@ def draft_contact(
 
 
 def _most_pressed(solution: Solution) -> list[int]:
-    """Contacts of the largest peak forces, up to `MAX_NAMED_CONTACTS`, from left to right."""
+    """Contacts of the largest peak forces, from left to right: `MAX_NAMED_CONTACTS`."""
     contacts = list(range(len(solution.contacts)))
     if len(contacts) <= MAX_NAMED_CONTACTS:
         return contacts
@@ -175,7 +181,10 @@ def _most_pressed(solution: Solution) -> list[int]:
 def _draw_gaps(
     ax: Axes, curves: "ContactCurves", forces: Sequence[StepPatch], factor: float
 ) -> list[Line2D]:
-    """Draw gaps over time, each like the force of its contact."""
+    """Draw gaps over time, each in colour and dash of the force of its contact.
+
+    `factor` makes the numbers of the axis from metres.
+    """
     lines: list[Line2D] = []
     for force, gap in zip(forces, curves.gaps, strict=True):
         lines += ax.plot(
@@ -203,7 +212,11 @@ def _set_height(ax: Axes) -> None:
 def _mark_ends(
     solution: Solution, curves: "ContactCurves", force_ax: Axes, gap_ax: Axes
 ) -> list[Annotation]:
-    """Mark when the force ends and the gap opens, in up to three episodes of one contact."""
+    """Mark when the force ends and the gap opens, in up to three episodes.
+
+    Each time has a dotted line in both Axes, and a caption in one; a contact with more
+    episodes has no marks.
+    """
     episodes = curves.histories[0].episodes
     if len(episodes) > MAX_MARKED_EPISODES:
         return []
@@ -214,7 +227,7 @@ def _mark_ends(
             (force_ax, episode.force_end, "force ends"),
             (gap_ax, episode.opening, "gap opens"),
         ):
-            if not t < np.inf:
+            if not t < np.inf:  # NaN or inf: it does not end in this run
                 continue
             x = t * curves.time.factor
             for each in (force_ax, gap_ax):
@@ -230,7 +243,10 @@ def _mark_ends(
 
 
 def _write_caption(ax: Axes, x: float, caption: str, line: int) -> Annotation:
-    """Write a caption beside a line at x, on the side with more room, inside the Axes."""
+    """Write a caption beside a line at x, on the side with more room, inside the Axes.
+
+    `line` counts the captions above it.
+    """
     low, high = ax.get_xlim()
     width = size_in_points(ax)[0]
     to_right = (high - x) / (high - low) * width
@@ -279,6 +295,7 @@ class ContactCurves:
     """
 
     def __init__(self, solution: Solution, contacts: Sequence[int]) -> None:
+        """Measure forces and gaps of the contacts with these indices."""
         numbers = contact_names(solution.system.kinds)
         self.histories = [solution.contacts[k] for k in contacts]
         self.names = [f"contact {numbers[k]}" for k in contacts]
@@ -296,7 +313,7 @@ class ContactCurves:
                 times, values, _ = history.breakpoints()
                 is_smooth = history.push.size > 1
                 force = steps_until(self.end, times, values, is_smooth)
-            gap = history.gap(force.edges)
+            gap = history.gap(force.edges)  # linear between these times
             chosen = extreme_indices(gap)
             times = force.edges[chosen]
             self.forces.append(thinned(force))
@@ -310,13 +327,17 @@ class ContactCurves:
         self.scale = engineering(f"{name}{mean}", self.largest, "N")
 
     def _mean_force(self, history: ContactHistory) -> StepCurve:
-        """Mean force over even intervals, for impacts take no time."""
+        """Mean force over `INTERVALS` equal intervals: impulse divided by duration."""
         edges: Floats = np.linspace(0.0, self.end, INTERVALS + 1)
         impulse = np.diff(history.impulse_until(edges))
         return StepCurve(impulse / np.diff(edges), edges)
 
     def gap_scale(self) -> Scale:
-        """Scale of the gaps; its name says what negative gaps and gaps of joints are."""
+        """Scale of the gaps.
+
+        Its name says that negative gaps of compliant contacts are overlaps, and that
+        gaps of joints are stretches.
+        """
         gaps = np.concatenate([gap.values for gap in self.gaps])
         low = float(gaps.min())
         high = float(gaps.max())
@@ -352,7 +373,11 @@ class ContactCurves:
         return steps
 
     def draw_rows(self, ax: Axes) -> None:
-        """Draw the forces of many contacts one above the other, to one scale."""
+        """Draw the forces of many contacts one above the other, to one scale.
+
+        Rows are one unit apart and bear the names of some contacts; the title names the
+        largest force.
+        """
         series = colours().series
         factor = ROW_FILL / (self.largest or 1.0)
         for row, force in enumerate(self.forces):

@@ -29,8 +29,13 @@ def broken_at_jumps(x: Floats, y: Floats) -> Curve:
 
 
 def jumps(values: Floats) -> NDArray[np.bool_]:
-    """Whether each difference along the first axis is a jump: far larger than those around it."""
+    """Whether each difference along the first axis is a jump, far larger than its like.
+
+    It is more than `JUMP_FACTOR` times their median, `MIN_JUMP` of the range, and more
+    than round-off.
+    """
     steps = np.abs(np.diff(values, axis=0))
+    # The second axis of a map is not mixed.
     neighbours = (JUMP_NEIGHBOURS, 1)[: values.ndim]
     usual = median_filter(np.nan_to_num(steps), neighbours)
     least = MIN_JUMP * (np.nanmax(values) - np.nanmin(values))
@@ -41,6 +46,7 @@ def jumps(values: Floats) -> NDArray[np.bool_]:
 def away_from_jumps(values: Floats) -> NDArray[np.bool_]:
     """Whether each value of a map is finite and not beside a jump along either axis."""
     is_smooth = np.isfinite(values)
+    # A jump i lies between the values i and i + 1.
     i, j = np.nonzero(jumps(values))
     is_smooth[i, j] = False
     is_smooth[i + 1, j] = False

@@ -1,4 +1,4 @@
-"""Labels: their width on paper, how they are broken into lines, and which of them have room."""
+"""Labels: their width on paper, their lines, and which of them have room."""
 
 import re
 from collections.abc import Sequence
@@ -21,23 +21,26 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 def length_name(system: System, body: int) -> str:
-    """Symbol of the length of a rod, with the number of the rod."""
+    """Symbol of the length of a rod, with the number of the rod: ℓ₂."""
     number = body_numbers(system.kinds)[body]
     return "\N{SCRIPT SMALL L}" + number.translate(SUBSCRIPTS)
 
 
 def text_width(text: str, size: float = NORMAL, letter: float = LETTER) -> float:
-    """Estimated width of the longest line of a text, points."""
+    """Estimated width of the longest line of a text, points.
+
+    `size` is the height of the letters, points, `letter` their width in heights.
+    """
     longest = max(len(line) for line in text.split("\n"))
     return letter * size * longest
 
 
 def break_label(label: str, room: float) -> str:
-    """A label broken after commas and before units, in lines of so many points if possible.
+    """A label broken after commas and before units, in lines of so many points.
 
     Parts that are longer are broken between words.
     """
-    first, *parts = re.split(r"(?<=,) | (?=\()", label)
+    first, *parts = re.split(r"(?<=,) | (?=\()", label)  # spaces after , and before (
     lines = [first]
     for part in parts:
         longer = f"{lines[-1]} {part}"
@@ -60,7 +63,7 @@ def wrap_words(text: str, room: float, size: float = NORMAL) -> str:
 def rod_labels(
     system: System, rods: Sequence[int], centres: Sequence[float], size: float
 ) -> list[str]:
-    """Labels of rods in a row: names, else the symbols of their lengths, "" without room.
+    """Labels of rods in a row: names, else symbols of their lengths, "" without room.
 
     Parameters
     ----------
@@ -85,7 +88,10 @@ def rod_labels(
 def with_room(
     texts: Sequence[str], centres: Sequence[float], widths: Sequence[float], gap: float
 ) -> list[str]:
-    """Texts in a row, "" for those that would overlap one before them."""
+    """Texts in a row, from left to right; "" in place of those too near to one before.
+
+    Those that stay have a gap between them. All lengths are in one unit.
+    """
     shown = []
     free_from = -np.inf
     for text, centre, width in zip(texts, centres, widths, strict=True):
@@ -115,6 +121,7 @@ def spread_apart(centres: Sequence[float], widths: Sequence[float]) -> list[floa
     starts: list[float] = []  # left end of each group
 
     def left_end(group: list[int]) -> float:
+        """Mean of the left ends that the group would need for each of its texts."""
         offset = 0.0
         ends = []
         for k in group:
@@ -126,9 +133,10 @@ def spread_apart(centres: Sequence[float], widths: Sequence[float]) -> list[floa
         groups.append([k])
         starts.append(left_end([k]))
         while len(groups) > 1:
-            before = starts[-2] + sum(widths[i] for i in groups[-2])
-            if before <= starts[-1]:
+            end_before = starts[-2] + sum(widths[i] for i in groups[-2])
+            if end_before <= starts[-1]:
                 break
+            # The last two groups overlap: they become one.
             last = groups.pop()
             starts.pop()
             groups[-1].extend(last)
@@ -145,7 +153,10 @@ def spread_apart(centres: Sequence[float], widths: Sequence[float]) -> list[floa
 def legend_above(
     ax: Axes, artists: Sequence[artist.Artist | None], title: str | None = None
 ) -> None:
-    """Name artists, if any, above an Axes, in as many columns as it has room for."""
+    """Name artists above an Axes in a legend, in as many columns as it has room for.
+
+    Entries that are None are left out; without any there is no legend.
+    """
     named = [each for each in artists if each is not None]
     if not named:
         return

@@ -1,12 +1,16 @@
-"""Layout of the row in a picture: position X of every point, with magnified displacements.
+"""Layout of the row in a picture: position X of all points, displacements magnified.
 
-Rods a metre long move by a tenth of a millimetre while they collide. Figures, films and the
-page therefore magnify displacements and gaps, all by the same factor, so that bodies that
-touch touch in the picture too:
-X = x in the row of unstrained rods without gaps + factor * (gaps to the left + displacement).
-A row that drifts much farther than its bodies move against each other is drawn in a moving
-frame. A rigid mass has no length; in pictures it is a block. A compliant contact is a spring,
-drawn so long that magnified faces stay apart. The left end of the first rod is at X = 0.
+Rods a metre long move by a tenth of a millimetre while they collide. Figures, films and
+the page therefore magnify displacements and gaps, all by the same factor, so that
+bodies that touch touch in the picture too:
+
+    X = x in the row of unstrained rods without gaps
+        + factor * (gaps to the left + displacement).
+
+A row that drifts much farther than its bodies move against each other is drawn in a
+moving frame. A rigid mass has no length; in pictures it is a block. A compliant contact
+is a spring, drawn so long that magnified faces stay apart. The left end of the first
+rod is at X = 0.
 """
 
 from dataclasses import dataclass
@@ -60,8 +64,8 @@ class PictureLayout:
     frame : float
         Velocity of the frame of the picture, m/s.
     left : array
-        Left end of each body in the row of unstrained rods without gaps, m; that of the first
-        rod is 0.
+        Left end of each body in the row of unstrained rods without gaps, m; that of the
+        first rod is 0.
     widths : array
         Of each body in the picture before it moves, m.
     apart : array
@@ -108,12 +112,13 @@ class PictureLayout:
         return left, left + lengths[body]
 
     def walls(self) -> list[RowEnd]:
-        """Faces of walls, and fixed ends."""
+        """Ends of walls, drawn behind their faces, and fixed ends."""
         bodies = self.solution.system.bodies
         faces = []
         for i, body in enumerate(bodies):
             if isinstance(body, Wall):
-                faces.append(RowEnd(i, i > 0))
+                is_right = i > 0  # a wall stands at an end of the row
+                faces.append(RowEnd(i, is_right))
         left, right = self.solution.system.ends
         if isinstance(left, Fixed):
             faces.append(RowEnd(0, False))
@@ -127,7 +132,7 @@ class PictureLayout:
         return RowEnd(0, False), RowEnd(last, True)
 
     def point(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Position X of points of a body, x m from its left end, at t.
+        """Position X, m, of points of a body, x m from its left end, at t, s.
 
         Before t = 0 bodies come as they are at t = 0, with their velocity.
         """
@@ -151,7 +156,7 @@ class PictureLayout:
         return (self.end(body, False, t) + self.end(body, True, t)) / 2
 
     def centre(self, body: int, t: Floats) -> Floats:
-        """Position X of the centre of mass of a rod at t [n]."""
+        """Position X of the centre of mass of a rod at t [n], from its pieces."""
         edges = pieces(self.solution, body)
         x = middles(edges)
         area, _, density = properties(self.solution, body, x)
@@ -160,7 +165,7 @@ class PictureLayout:
         return share @ self.point(body, x[:, None], t)
 
     def springs(self, times: Floats) -> list[SpringPath]:
-        """Springs at times; in an open contact a spring is not stretched."""
+        """Ends of springs at times; an open contact leaves a spring its free length."""
         paths = []
         for i, contact in enumerate(self.solution.contacts):
             if not self.free[i]:
@@ -173,7 +178,11 @@ class PictureLayout:
         return paths
 
     def label(self, x: Scale, room: float) -> str:
-        """Label of the axis of x, in lines of so many points: frame and magnification."""
+        """Label of the axis of x, broken into lines of so many points.
+
+        It names what the picture does to the row: material coordinates or moving frame,
+        widths of masses, long springs, magnification.
+        """
         label = x.label
         if not self.magnification:
             name = x.name.replace("place", "material coordinate")
@@ -198,7 +207,7 @@ def choose_layout(
     magnification: float | None = None,
     still: bool = False,
 ) -> PictureLayout:
-    """Choose frame and magnification (1, 2 or 5 times a power of ten) for an interval of time.
+    """Choose frame and magnification, 1, 2 or 5 times a power of ten, for an interval.
 
     Parameters
     ----------
@@ -244,12 +253,13 @@ def choose_layout(
         magnification = magnified(row, reach, relative, strain)
 
     # Where the bodies stand.
-    masses = np.array([isinstance(b, RigidMass) for b in solution.system.bodies])
+    is_mass = np.array([isinstance(b, RigidMass) for b in solution.system.bodies])
     block = 0.0
-    if masses.any():
+    if is_mass.any():
         block = round_down(BLOCK * row)
-    widths = np.where(masses, block, lengths)
-    left = begin + block * (np.cumsum(masses) - masses)
+    widths = np.where(is_mass, block, lengths)
+    masses_to_the_left = np.cumsum(is_mass) - is_mass
+    left = begin + block * masses_to_the_left
     shortest = MIN_SPRING_LENGTH * (left[-1] + widths[-1])
     times = np.linspace(start, stop, TIMES_OF_OVERLAP)
     free = _spring_lengths(solution, times, magnification, shortest)
@@ -281,7 +291,10 @@ def _lengths(solution: Solution) -> list[float]:
 
 
 def _motion_of_ends(solution: Solution, apart: Floats, times: Floats) -> Floats:
-    """How far both ends of each body are from the unstrained row without gaps, m."""
+    """Displacement of both ends of each body from the unstrained row without gaps, m.
+
+    [end, time]: left and right end of each body in turn.
+    """
     moved = []
     for body, length in enumerate(_lengths(solution)):
         for x in (0.0, length):
@@ -290,7 +303,10 @@ def _motion_of_ends(solution: Solution, apart: Floats, times: Floats) -> Floats:
 
 
 def _reference_velocity(solution: Solution) -> float:
-    """Velocity of a wall, 0 if an end is held, else the least of the bodies' velocities."""
+    """Velocity of the smallest magnitude, m/s: of walls and held ends, else of bodies.
+
+    A held end, fixed or driven at a velocity, counts with the velocity 0.
+    """
     velocities = []
     for body in solution.system.bodies:
         if isinstance(body, Wall):
@@ -317,9 +333,12 @@ def _largest_strain(solution: Solution, times: Floats) -> float:
 def _spring_lengths(
     solution: Solution, times: Floats, magnification: float, shortest: float
 ) -> Floats:
-    """Length of the spring at each contact before it is pressed, m; true to scale none is drawn."""
+    """Length of the spring at each contact before it is pressed, m; 0 without a spring.
+
+    It is long enough that the largest overlap, magnified, leaves the length `shortest`.
+    """
     free = np.zeros(len(solution.contacts))
-    if magnification <= 1:
+    if magnification <= 1:  # true to scale, or at rest: no spring is drawn
         return free
     for contact in solution.contacts:
         if not isinstance(contact.law, Rigid | Bonded):

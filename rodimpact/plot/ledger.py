@@ -63,13 +63,14 @@ class _Energies(NamedTuple):
 
 @styled
 def energy(solution: Solution, ax: Axes | None = None) -> Picture:
-    """Draw the energy of all bodies against time: moving as a whole, vibration, and strain.
+    """Draw the energy of all bodies against time: as a whole, vibration, and strain.
 
-    Further bands show the energy stored in compliant contacts, lost in contacts and in damped
-    material, radiated through absorbing ends, and lost by a grid, if any. If the whole row drifts,
-    the energy is computed in the frame in which `spacetime` draws the row; the energy of the drift
-    would hide the rest. If walls move, ends are driven or gravity acts, a dashed line shows the
-    initial energy plus their work; the bands add up to this line.
+    Further bands show the energy stored in compliant contacts, lost in contacts and in
+    damped material, radiated through absorbing ends, and lost by a grid, if any. If the
+    whole row drifts, the energy is computed in the frame in which `spacetime` draws the
+    row; the energy of the drift would hide the rest. If walls move, ends are driven or
+    gravity acts, a dashed line shows the initial energy plus their work; the bands add
+    up to this line.
 
     Parameters
     ----------
@@ -80,7 +81,8 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
     Returns
     -------
     Picture
-        With the stacked `bands`, their `labels`, and the line `work` of what works add, or None.
+        With the stacked `bands`, their `labels`, and the line `work` of what works add,
+        or None.
 
     Raises
     ------
@@ -101,7 +103,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
 
 
 def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
-    """Draft of `energy`."""
+    """Draft of `energy`: the bands and the line of work, without names in the bands."""
     check_solution(solution)
     ax = axes_or_new(ax, 5.6, 3.2)
     time = time_scale(solution.t_end)
@@ -147,6 +149,7 @@ def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
     borders = np.cumsum(np.concatenate([start, heights]), axis=0) * scale.factor
 
     def write_words() -> None:
+        """Write names into the bands; those without room for it go to the legend."""
         nameless: list[artist.Artist | None] = [work]
         for band, curves in zip(bands, pairwise(borders), strict=True):
             color = "white" if band is bands[0] else INK
@@ -163,7 +166,10 @@ def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
 
 
 def _energies(solution: Solution) -> _Energies:
-    """Energies of a solution, in the frame in which `spacetime` draws the row."""
+    """Energies of a solution, in the frame in which `spacetime` draws the row.
+
+    Bands that are nowhere visible are left out, and so are works that never change.
+    """
     times = _times(solution)
     frame = choose_layout(solution, 0.0, solution.t_end).frame
     ledger = solution.energy(times)
@@ -189,7 +195,11 @@ def _energies(solution: Solution) -> _Energies:
 
 
 def _energy_of_drift(solution: Solution, frame: float, times: Floats) -> Floats:
-    """Energy of a row that drifts at the velocity of a frame, J: v (P - M v/2)."""
+    """Kinetic energy that a row has more at rest than in a moving frame, J, over time.
+
+    It is v (P - M v/2), with the velocity v of the frame, momentum P and mass M of all
+    bodies that can move.
+    """
     bodies = movable(solution.system)
     masses = solution.outcome.masses
     momentum = np.zeros_like(times)
@@ -203,12 +213,17 @@ def _energy_of_drift(solution: Solution, frame: float, times: Floats) -> Floats:
 def _works(ledger: EnergyLedger) -> dict[str, Floats]:
     """Work over time, J, by the name of what works."""
     works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
+    # Waves that bring in more than leaves make the radiated energy negative.
     works[ENTERING_WAVES] = np.maximum(-ledger.radiated, 0.0)
     return works
 
 
 def _times(solution: Solution) -> Floats:
-    """Even times, and those at which waves meet or are reflected, unless they are too many."""
+    """Times, s, at which energies are measured: even ones and events, in order.
+
+    Events are the times at which waves meet or are reflected, unless they are too many;
+    else the first events at the contacts.
+    """
     events: Floats = np.array(contact_event_times(solution)[:MAX_EVENTS])
     if not is_smooth(solution):
         with suppress(ValueError):  # too many regions
@@ -229,6 +244,8 @@ def _name_band(
     width = 0.6 * SMALL * (len(name) + 1) * per_point[0]
     height = 1.5 * SMALL * per_point[1]
     centres = np.linspace(width / 2, float(x[-1]) - width / 2, NAME_PLACES)
+    # [place, time]: whether a time lies under the name. Over these times the band is
+    # free between the highest point of its lower curve and the lowest of its upper one.
     is_under = np.abs(x - centres[:, None]) <= width / 2
     floor = np.where(is_under, low, -np.inf).max(axis=1)
     ceiling = np.where(is_under, high, np.inf).min(axis=1)

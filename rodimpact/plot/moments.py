@@ -1,4 +1,4 @@
-"""Instants of a collision: those for snapshots, the events at contacts, and their names."""
+"""Instants of a collision: for snapshots, the events at contacts, and their names."""
 
 import math
 from typing import Any
@@ -23,11 +23,12 @@ ROUND_TRIP_RTOL = 1e-6
 def moments(solution: Solution, at_most: int = 8) -> Floats:
     """Instructive times, s, at most `at_most` of them.
 
-    The times are the start and the end, each beginning and end of a force, each opening of a
-    gap, waves half-way to their first reflection, and reflections while contacts last, the
-    first at each end of a rod before others. The middles of the longest intervals are added.
-    Solutions with a time step have no reflections.
+    The times are the start and the end, each beginning and end of a force, each opening
+    of a gap, waves half-way to their first reflection, and reflections while contacts
+    last, the first at each end of a rod before others. The middles of the longest
+    intervals are added. Solutions with a time step have no reflections.
     """
+    # Interesting is what happens from the first event to the last: [first, last].
     events: Floats = np.unique(contact_event_times(solution))
     first = 0.0
     last = solution.t_end
@@ -46,7 +47,7 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
     chosen = np.union1d(events, [0.0, solution.t_end])
     chosen = chosen[evenly(chosen.size, at_most)]
     after = reflections.all[reflections.all > first]
-    if after.size and chosen.size < at_most:
+    if after.size and chosen.size < at_most:  # waves half-way to their first reflection
         chosen = np.union1d(chosen, (first + after[0]) / 2)
     for candidates in (reflections.first, reflections.all):
         new = np.setdiff1d(candidates, chosen)
@@ -69,6 +70,7 @@ class _Reflections:
     """
 
     def __init__(self, solution: Solution, last: float) -> None:
+        """Take the times from the ticks of all waves; none from a smooth solution."""
         every = [np.empty(0)]
         first = []
         if not is_smooth(solution):
@@ -87,7 +89,10 @@ class _Reflections:
 def _is_closed_at_the_end(solution: Solution) -> bool:
     """Whether a contact is still closed when the solution ends."""
     for contact in solution.contacts:
-        if contact.episodes and not contact.episodes[-1].opening <= solution.t_end:
+        if not contact.episodes:
+            continue
+        has_opened = contact.episodes[-1].opening <= solution.t_end  # False for NaN
+        if not has_opened:
             return True
     return False
 
@@ -95,7 +100,10 @@ def _is_closed_at_the_end(solution: Solution) -> bool:
 def _with_middles(
     chosen: Floats, span: tuple[float, float], shortest: float, at_most: int
 ) -> Floats:
-    """Times with the middles of the longest waits in a span that are not too short."""
+    """Chosen times, with middles of the longest waits until there are enough.
+
+    Only waits inside the span count; none is halved that is no longer than `shortest`.
+    """
     first, last = span
     while chosen.size < at_most:
         inside = chosen[(chosen >= first) & (chosen <= last)]
@@ -108,7 +116,11 @@ def _with_middles(
 
 
 def events_at(solution: Solution, t: float) -> str:
-    """Events at the contacts at time t: one line for each contact concerned."""
+    """Events at the contacts at time t in words: one line for each contact concerned.
+
+    A line is such as "force ends, gap opens at contact 1-2"; the contact is named only
+    in a row of several.
+    """
     several = len(solution.outcome.unilateral) > 1
     names = contact_names(solution.system.kinds)
     lines = []
@@ -139,7 +151,10 @@ def contact_event_times(solution: Solution) -> list[float]:
 
 
 def event_times(contact: ContactHistory, at_most: int | None = None) -> list[float]:
-    """Times at which one contact begins, stops pressing, or opens, of its first episodes."""
+    """Times at which one contact begins, stops pressing, or opens.
+
+    They are those of its first episodes, `at_most` of them, by default all.
+    """
     times: list[float] = []
     for episode in contact.episodes[:at_most]:
         times += [t for t in episode if not math.isnan(t)]
@@ -147,10 +162,10 @@ def event_times(contact: ContactHistory, at_most: int | None = None) -> list[flo
 
 
 def round_trips(solution: Solution) -> dict[float, str]:
-    """Names of times, s, at which a force ends or a gap opens after round trips: 2 l1/c.
+    """Names, 2 l1/c, of times, s, at which a force ends or a gap opens.
 
-    The contacts press from t = 0 on; a round trip is that of a wave in one of the two rods
-    beside the contact.
+    They are times after whole round trips of a wave in one of the two rods beside the
+    contact. Contacts that do not press from t = 0 on have none.
     """
     system = solution.system
     uniform = {
@@ -173,7 +188,7 @@ def round_trips(solution: Solution) -> dict[float, str]:
                 count = round(t / trip)
                 if t > 0 and math.isclose(t, trip * count, rel_tol=ROUND_TRIP_RTOL):
                     trips.append((count, t, i))
-        for count, t, i in sorted(trips):
+        for count, t, i in sorted(trips):  # the fewest round trips name the time
             length = length_name(system, i)
             speed = "c"
             if len(materials) > 1:

@@ -1,8 +1,8 @@
 """Animation: the row above, its growing space-time diagram and contact forces below.
 
-It begins before the contact and names the events at contacts. The Axes of bodies and words
-are drawn again in each frame, over a picture of the others at the end of the film, whose
-later times get the colour of the paper.
+It begins before the contact and names the events at contacts. The Axes of bodies and
+words are drawn again in each frame, over a picture of the others at the end of the
+film, whose later times get the colour of the paper.
 """
 
 import io
@@ -72,7 +72,7 @@ class _Places(NamedTuple):
 
 
 class Animation:
-    """Frames of an animation, drawn when they are needed; `figure` holds the artists at rest.
+    """Frames of an animation, drawn when needed; `figure` holds the artists at rest.
 
     Attributes
     ----------
@@ -88,6 +88,7 @@ class Animation:
     def __init__(
         self, layout: PictureLayout, field: str, times: Floats, fps: float
     ) -> None:
+        """Draw all that stays the same in each frame, and keep its pixels."""
         solution = layout.solution
         self.fps = fps
         self.title = headline(solution)
@@ -159,7 +160,10 @@ class Animation:
         return bool(self.figure.get_figwidth() < MIN_WIDE)
 
     def _find_captions(self, solution: Solution, start: float, stop: float) -> None:
-        """Find the times of events at contacts, and a caption for before and after each."""
+        """Set the times of events at contacts, and the captions before and after them.
+
+        Caption k stands from event k - 1 to event k. A long one is cut.
+        """
         times = {t for t in contact_event_times(solution) if start <= t <= stop}
         self._event_times = sorted(times)
         share = WORDS_ABOVE if self._is_narrow() else WORDS_BESIDE
@@ -188,9 +192,10 @@ class Animation:
         ax.set_xlim(left=min(ax.get_xlim()[0], left))
 
     def _write_notes(self, solution: Solution, times: Floats) -> None:
-        """Write how slow the film is and what the bars show."""
+        """Write how slow the film is, what part it shows, and what the bars show."""
         stop = float(times[-1])
-        slowness = (times.size - 1) / self.fps / (stop - float(times[0]))
+        seconds = (times.size - 1) / self.fps
+        slowness = seconds / (stop - float(times[0]))
         lines = []
         if slowness > 1:
             rounded = f"{float(f'{slowness:.2g}'):,.0f}"
@@ -213,7 +218,7 @@ class Animation:
         )
 
     def _write_line(self, below: float, size: float) -> Text:
-        """An empty text so many points below the top of the panel of words."""
+        """Add an empty text so many points below the top of the panel of words."""
         return self._words.annotate(
             "",
             (0.0, 1.0),
@@ -227,7 +232,10 @@ class Animation:
 
     @styled
     def frame(self, number: int) -> NDArray[np.uint8]:
-        """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255."""
+        """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255.
+
+        Bodies and words are drawn over the kept pixels, and removed again.
+        """
         t = float(self.times[number])
         self._canvas.restore_region(self._still)
         self._clock.set_text(self.clock(number))
@@ -247,8 +255,9 @@ class Animation:
         """Give the times after t of an Axes the colour of the paper, above a line."""
         left, bottom, right, top = np.rint(ax.bbox.extents).astype(int)
         height = max(t, 0.0) * self._time.factor
-        now = round(ax.transData.transform((0.0, height))[1])
-        upward = picture[::-1]
+        _, y_now = ax.transData.transform((0.0, height))
+        now = round(y_now)  # row of pixels, counted from below
+        upward = picture[::-1]  # the rows of a picture are counted from above
         future = upward[max(bottom, now) : top, left + 1 : right]
         future[:] = 255 * np.array(to_rgb(self.colours.paper))
         future[:NOW_LINE] = 255 * np.array(to_rgb(self.colours.ink))
@@ -265,7 +274,7 @@ class Animation:
         bars.draw_marks()
 
     def clock(self, number: int) -> str:
-        """Time of a frame, in words."""
+        """Time of a frame, such as "t = 317 µs", with the decimals of all frames."""
         now, end = self.times[[number, -1]] * self._time.factor
         power = math.floor(math.log10(end))
         decimals = max(0, 2 - power)
@@ -289,8 +298,8 @@ class Animation:
     ) -> None:
         """Write a GIF or an MP4, whichever the suffix names.
 
-        A GIF shows each frame for a whole number of hundredths of a second. An MP4 is made by the
-        program ffmpeg.
+        A GIF shows each frame for a whole number of hundredths of a second. An MP4 is
+        made by the program ffmpeg.
 
         Parameters
         ----------
@@ -298,8 +307,8 @@ class Animation:
         force : bool
             Replace an existing file.
         progress : bool or function
-            Whether a bar may show how many frames are drawn. A function is called with the number
-            of frames drawn and of all.
+            Whether a bar may show how many frames are drawn. A function is called with
+            the number of frames drawn and of all.
 
         Raises
         ------
@@ -308,7 +317,8 @@ class Animation:
         FileExistsError
             If the file exists and `force` is false.
         OSError
-            If the file cannot be written, or if an MP4 is wanted and ffmpeg is not installed.
+            If the file cannot be written, or if an MP4 is wanted and ffmpeg is not
+            installed.
         """
         problems: Problems = []
         check_progress(problems, progress)
@@ -321,6 +331,7 @@ class Animation:
             write(file, self, report)
 
     def _repr_html_(self) -> str:
+        """The film as a GIF, for a notebook."""
         memory = io.BytesIO()
         with Progress(True, "film", "frames") as report:
             films.write_gif(memory, self, report)
@@ -340,11 +351,11 @@ def animation(
 ) -> Animation:
     """Make a moving picture of a collision; `save` writes it, a notebook plays it.
 
-    Above, the row moves and deforms. Displacements are magnified as in `spacetime`, by the factor
-    named in the picture; compressed pieces are thicker, stretched pieces thinner. Below, the
-    space-time diagram and the forces of the contacts grow. The film makes its own figure and takes
-    no Axes. If bodies touch at t = 0, a film from t = 0 begins with their approach. In a GIF the
-    last frame stays for 1.5 s.
+    Above, the row moves and deforms. Displacements are magnified as in `spacetime`, by
+    the factor named in the picture; compressed pieces are thicker, stretched pieces
+    thinner. Below, the space-time diagram and the forces of the contacts grow. The film
+    makes its own figure and takes no Axes. If bodies touch at t = 0, a film from t = 0
+    begins with their approach. In a GIF the last frame stays for 1.5 s.
 
     Parameters
     ----------
@@ -352,12 +363,14 @@ def animation(
     field : "velocity", "stress" or "strain"
         Quantity that the colours show.
     frames : int
-        2 to 10 000 of them, evenly spread up to `stop`; at most a fifth shows the approach.
+        2 to 10 000 of them, evenly spread up to `stop`; at most a fifth shows the
+        approach.
     fps : float
         Frames a second, 1 to 50.
     start, stop : float
-        Interval of time, s; by default the whole solution. If it has more than 20 000 regions of
-        constant state, the first half, quarter, ... is shown, and the picture states this.
+        Interval of time, s; by default the whole solution. If it has more than 20 000
+        regions of constant state, the first half, quarter, ... is shown, and the
+        picture states this.
     magnification : float, optional
         Of displacements and gaps; by default chosen as in `spacetime`.
 
@@ -368,8 +381,9 @@ def animation(
     Raises
     ------
     ValueError
-        If the field is unknown, `frames` or `fps` is out of range, the interval is empty, there are
-        more than 100 000 regions, or the magnification is not positive.
+        If the field is unknown, `frames` or `fps` is out of range, the interval is
+        empty, there are more than 100 000 regions, or the magnification is not
+        positive.
 
     Examples
     --------
@@ -417,24 +431,33 @@ def check_frames(frames: int, fps: float) -> None:
 def _approach_frames(
     layout: PictureLayout, start: float, stop: float, frames: int
 ) -> int:
-    """Number of frames before t = 0, in which bodies come that touch at t = 0."""
+    """Number of frames before t = 0, in which bodies come that touch at t = 0.
+
+    It is 0 for a film that begins later, and where bodies that touch do not approach.
+    """
     solution = layout.solution
     velocities = solution.outcome.velocities_before
     closing = []
     for k, gap in enumerate(solution.system.gaps):
         if gap == 0:
             closing.append(float(velocities[k] - velocities[k + 1]))
-    if start != 0 or max(closing, default=0.0) <= 0 or min(closing) < 0:
+    if start != 0 or max(closing, default=0.0) <= 0:
+        return 0
+    if min(closing) < 0:
         return 0
     way = MAX_APPROACH_WAY * layout.row / layout.magnification
     duration = way / max(closing)
-    # n frames before 0 and frames - n up to stop have one step, and n steps last no longer
+    # All frames have one step, so n of them before 0 take the share n/(frames - 1) of
+    # the whole film. This share is at most duration/(stop + duration).
     fitting = duration / (stop + duration) * (frames - 1)
     return int(min(fitting, MAX_APPROACH_FRAMES * frames))
 
 
 def _draw_forces(ax: Axes, solution: Solution) -> None:
-    """Draw forces of the contacts that can open, to the right of the space-time diagram."""
+    """Draw forces of the first contacts that can open, upward over time, on an Axes.
+
+    The Axes stands to the right of the space-time diagram and shares its axis of time.
+    """
     contacts = solution.outcome.unilateral
     limits = ax.get_ylim()
     curves = ContactCurves(solution, contacts[:MAX_CONTACTS])

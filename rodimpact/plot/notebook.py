@@ -28,7 +28,7 @@ class _Described(NamedTuple):
 
 
 def html_of(result: Solution | SweepResult | PulseDesign | Fit) -> str:
-    """Pictures and table of a result."""
+    """HTML with the pictures of a result, and its table below them."""
     if isinstance(result, PulseDesign):
         table = str(result)
         pictures = [_Described(design(result), "wanted and reached")]
@@ -62,7 +62,7 @@ def _family_table(result: SweepResult) -> str:
 
 
 def _family_pictures(result: SweepResult) -> list[_Described]:
-    """Picture of e, else of the last body's velocity, else none."""
+    """Picture of e over the family, else of the last body's velocity, else none."""
     last = len(result.system.bodies) - 1
     varied = ", ".join(result.parameters)
     for quantity in ("restitution", f"velocity_after.{last}"):

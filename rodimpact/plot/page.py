@@ -1,4 +1,4 @@
-"""One page about one collision: velocity and stress in space and time, contacts, energy."""
+"""A page about a collision: velocity and stress in space and time, contacts, energy."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -39,8 +39,8 @@ KINDS = {
 def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> Figure:
     """Draw velocity and stress in space and time, contacts, and energy.
 
-    For up to three contacts force and gap are drawn, for more contacts only the forces, one above
-    the other. The page makes its own figure and takes no Axes.
+    For up to three contacts force and gap are drawn, for more contacts only the forces,
+    one above the other. The page makes its own figure and takes no Axes.
 
     Parameters
     ----------
@@ -51,13 +51,14 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     Returns
     -------
     Figure
-        Of the size of a page, 11.7 by 8.3 inches, or a column if `look` asks for less than 140 mm;
-        write it with `save`.
+        Of the size of a page, 11.7 by 8.3 inches, or a column if `look` asks for less
+        than 140 mm; write it with `save`.
 
     Raises
     ------
     ValueError
-        If the duration of the solution is 0, or `gauges` is not a mapping of names to gauges.
+        If the duration of the solution is 0, or `gauges` is not a mapping of names to
+        gauges.
 
     Examples
     --------
@@ -119,16 +120,18 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
 def _page(wanted: list[Any]) -> tuple[Figure, dict[str, Axes]]:
     """A page of two columns, or a narrow one of one column, with its panels by name.
 
-    The last panel fills the last row.
+    `wanted` has the names of the panels in order, in the form of `subplot_mosaic`: a
+    list [["force"], ["gap"]] stands for panels one above the other. The last panel
+    fills the last row.
     """
     columns = 2
     if wanted_width(PAGE[0]) < MIN_PAGE_WIDTH:
         columns = 1
-    if len(wanted) % columns:
+    if len(wanted) % columns:  # the last panel takes two places
         wanted = [*wanted, wanted[-1]]
     rows = [wanted[i : i + columns] for i in range(0, len(wanted), columns)]
     heights = [DIAGRAM_HEIGHT] * (len(rows) - 1) + [1.0]
-    if columns == 1 and isinstance(rows[-2][0], list):
+    if columns == 1 and isinstance(rows[-2][0], list):  # force and gap of a contact
         heights[-2] = CONTACT_HEIGHT
     if columns == 2:
         figure = new_figure(*PAGE)
@@ -151,7 +154,11 @@ def _notes(solution: Solution, stop: float) -> list[str]:
 
 
 def headline(solution: Solution) -> str:
-    """Bodies, closing speed, and results of the collision."""
+    """Bodies, closing speed, and results of the collision, in one line.
+
+    The results are e, impulse and force duration; without an e, the velocities of a
+    short row.
+    """
     outcome = solution.outcome
     parts = [_bodies(solution)]
     speed = closing_speed(solution)
@@ -169,7 +176,7 @@ def headline(solution: Solution) -> str:
 
 
 def _bodies(solution: Solution) -> str:
-    """Numbers of rods, masses and walls, in words."""
+    """Numbers of rods, masses and walls in words: "2 rods and 1 wall"."""
     parts = []
     for kind, (singular, plural) in KINDS.items():
         count = sum(isinstance(body, kind) for body in solution.system.bodies)
@@ -181,7 +188,7 @@ def _bodies(solution: Solution) -> str:
 
 
 def _velocities(solution: Solution) -> str:
-    """Velocities of all bodies at the end, in words."""
+    """Velocities of all bodies at the end in words, in the unit of the largest."""
     velocities = solution.outcome.velocities_after
     largest = max(map(abs, velocities))
     scale = engineering("", largest, "m/s")

@@ -1,8 +1,9 @@
-"""Panels: figures, their Axes, what every Axes has, and the order in which they are laid out.
+"""Panels: figures, their Axes, what every Axes has, and how they are laid out.
 
-Words are written where there is room for them, and how much room there is shows only when
-labels, legends and colour bars have taken theirs. A figure with words is therefore a `Draft`
-first: everything but the words is drawn, then `finish` lays the figure out and writes them.
+Words are written where there is room for them, and how much room there is shows only
+when labels, legends and colour bars have taken theirs. A figure with words is therefore
+a `Draft` first: everything but the words is drawn, then `finish` lays the figure out
+and writes them.
 """
 
 import io
@@ -31,6 +32,7 @@ class Sheet(Figure):
     """A figure that a notebook shows, without any command before."""
 
     def _repr_png_(self) -> bytes:
+        """The figure as PNG, for a notebook."""
         memory = io.BytesIO()
         self.savefig(
             memory, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None}
@@ -47,6 +49,7 @@ class Picture(SimpleNamespace):
     ax: Axes
 
     def _repr_png_(self) -> bytes:
+        """The figure as PNG, also if it is none of this package's."""
         return Sheet._repr_png_(figure_of(self))
 
 
@@ -84,9 +87,10 @@ def figure_of(drawn: Any) -> Any:
 
 
 def new_figure(width: float, height: float, least_height: float = 0.0) -> Sheet:
-    """Figure that pyplot does not keep, of the width asked for or else of this size, inches.
+    """Figure that pyplot does not keep, of the wanted width, or this size, inches.
 
-    A narrow figure is lower too, but not in proportion, for its labels take room as before.
+    A narrow figure is lower too, but not in proportion, for its labels take room as
+    before.
     """
     scale = wanted_width(width) / width
     if scale < 1:
@@ -110,7 +114,7 @@ def axes_or_new(
 def two_axes_or_new(
     ax: Any, contents: str, height: float, ratios: Sequence[float]
 ) -> tuple[Axes, Axes]:
-    """The pair of Axes given, or those of a new figure; ValueError for anything else."""
+    """The pair of Axes given, or a new figure's; ValueError for anything else."""
     if ax is None:
         figure = new_figure(5.6, height)
         upper, lower = figure.subplots(2, sharex=True, height_ratios=ratios)
@@ -127,7 +131,7 @@ def two_axes_or_new(
 
 
 def lay_out(figure: Figure) -> None:
-    """Give labels, legends and colour bars their room, so that sizes of Axes are known."""
+    """Give labels, legends and colour bars room, so that sizes of Axes are known."""
     engine = figure.get_layout_engine()
     if engine is not None:
         engine.execute(figure)
@@ -139,7 +143,10 @@ def size_in_points(ax: Axes) -> Floats:
 
 
 def room_below(ax: Axes) -> float:
-    """Longest line of a label below an Axes, points: wider than the Axes, inside the figure."""
+    """Room for a line of a label below an Axes, points.
+
+    The label is centred. It may be wider than the Axes but stays inside the figure.
+    """
     box = ax.get_window_extent()
     figure = figure_of(ax)
     middle = (box.x0 + box.x1) / 2
@@ -149,7 +156,7 @@ def room_below(ax: Axes) -> float:
 
 
 def units_per_point(ax: Axes) -> Floats:
-    """Units of the two axes that one point on paper takes."""
+    """Units of the axes of x and y that one point on paper takes, [2]."""
     limits = [ax.get_xlim(), ax.get_ylim()]
     return np.asarray(np.ptp(limits, axis=1) / size_in_points(ax))
 
@@ -186,7 +193,7 @@ def draw_zero(ax: Axes) -> None:
 
 
 class Cells(NamedTuple):
-    """Cells of one colour each, and the legend entry of cells without value, or None."""
+    """Cells of one colour each; legend entry of cells without value, or None."""
 
     mesh: collections.QuadMesh
     missing: artist.Artist | None
@@ -200,7 +207,10 @@ def draw_cells(
     norm: colors.Normalize,
     missing: str = "no value",
 ) -> Cells:
-    """Draw values [x, y] as cells; `missing` says why a cell has no value."""
+    """Draw values [x, y] as cells between edges; `missing` says why one has no value.
+
+    The legend entry of cells without a value is returned only if a value is NaN.
+    """
     x, y = edges
     mesh = ax.pcolormesh(
         x,

@@ -1,8 +1,8 @@
-"""Axes of a space-time diagram: which way time runs, and ticks where lengths of rods count.
+"""Axes of a space-time diagram: which way time runs, and ticks at lengths of rods.
 
-In material coordinates the axis of x has a tick at both ends of every rod, and the symbol of
-its length between them. The axis of time has a tick at each instant at which a force ends or
-a gap opens after whole round trips of a wave, such as 2 l1/c.
+In material coordinates the axis of x has a tick at both ends of every rod, and the
+symbol of its length between them. The axis of time has a tick at each instant at which
+a force ends or a gap opens after whole round trips of a wave, such as 2 l1/c.
 """
 
 from typing import NamedTuple
@@ -92,7 +92,10 @@ class Plane:
         return self.ax.xaxis
 
     def points(self, x: Floats, times: Floats) -> Floats:
-        """Points [..., 2] of the picture, from positions X, m, and times, s."""
+        """Points [..., 2] of the picture in units of the axes, from X, m, and times, s.
+
+        The first of the two is to the right: X, or the time if time runs across.
+        """
         scaled_x = x * self.scales.x.factor
         scaled_t = times * self.scales.time.factor
         pair = np.broadcast_arrays(scaled_x, scaled_t)
@@ -101,7 +104,7 @@ class Plane:
         return np.stack(pair, axis=-1)
 
     def path(self, body: int, x: ArrayLike, times: Floats) -> Floats:
-        """Path of a point of a body, x m from its left end, at times, s."""
+        """Path [time, 2] in the picture of a point of a body, x m from its left end."""
         return self.points(self.layout.point(body, x, times), times)
 
     def format(self) -> None:
@@ -138,12 +141,18 @@ class Plane:
         self._fit_names(rods, per_point)
 
     def _fit_times(self, length: float) -> None:
-        """Name whole round trips on the axis of time, and leave out the numbers there."""
+        """Name whole round trips on the axis of time, and leave out the numbers there.
+
+        `length` is that of the axis, points. Without such names matplotlib's own ticks
+        stay.
+        """
         factor = self.scales.time.factor
         low = self.span.start * factor
         high = self.span.stop * factor
-        letters = 3.0 if self.across else 1.3
-        least = letters * NORMAL * (high - low) / length
+        letters = 1.3  # least distance of two ticks, in heights of the letters
+        if self.across:
+            letters = 3.0
+        least = letters * NORMAL * (high - low) / length  # in units of the axis
 
         marks: dict[float, str] = {}
         for t, name in round_trips(self.layout.solution).items():
@@ -181,9 +190,14 @@ class Plane:
         return rods
 
     def _fit_numbers(self, rods: list[RodOnAxis], per_point: float) -> None:
-        """Give ends of rods their material coordinates, which leave out masses."""
-        letters = 1.5 if self.across else 5 * LETTER
-        least = letters * NORMAL * per_point
+        """Set ticks with material coordinates at ends of rods, where they have room.
+
+        `per_point` are units of the axis in a point on paper.
+        """
+        letters = 5 * LETTER  # least distance of two ticks, in heights of the letters
+        if self.across:
+            letters = 1.5
+        least = letters * NORMAL * per_point  # in units of the axis
         last = max(rod.right_number for rod in rods)
         numbers: dict[float, str] = {}
         for rod in rods:
@@ -197,13 +211,17 @@ class Plane:
         self.x_axis.set_ticks(list(numbers), labels=labels)
 
     def _fit_names(self, rods: list[RodOnAxis], per_point: float) -> None:
-        """Name the rods beside the numbers, and their lengths between the numbers."""
+        """Name the rods beside the numbers, and their lengths between the numbers.
+
+        Both are one minor tick in the middle of the rod: the symbol of the length in a
+        first line, "" without room, and the name of the rod in a second one.
+        """
         system = self.layout.solution.system
         size = rcParams["xtick.labelsize"]
         middles = [(rod.left + rod.right) / 2 for rod in rods]
         centres = [middle / per_point for middle in middles]
         names = rod_labels(system, [rod.body for rod in rods], centres, size)
-        # matplotlib leaves out minor ticks at a major one, such as a rod's middle at 0.2
+        # matplotlib leaves out minor ticks at a major one, such as a middle at 0.2
         self.x_axis.remove_overlapping_locs = False
         if self.across:
             self.x_axis.set_ticks(
@@ -217,8 +235,9 @@ class Plane:
             number = digits(rod.right_number, rod.right_number)
             free = (rod.right - rod.left) / per_point - text_width(number, size)
             needed = text_width(symbol, size) + NAME_GAP
-            is_named = symbol == name  # below the numbers
-            if self.layout.magnification or is_named or free < needed:
+            is_below = symbol == name  # the rod is named by the symbol already
+            has_room = free >= needed
+            if self.layout.magnification or is_below or not has_room:
                 symbol = ""
             labels.append(f"{symbol}\n{name}")
         self.x_axis.set_ticks(middles, labels=labels, minor=True)

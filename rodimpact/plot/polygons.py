@@ -1,8 +1,9 @@
-"""Coloured regions of a space-time diagram: exact polygons of constant state, with values.
+"""Coloured regions of a space-time diagram: exact polygons of constant state.
 
-Between the fronts of a solution each region is a polygon with one velocity and one strain.
-The thin lines between them are the fronts. A front bears a word, and a region its value,
-where there is room. Solutions that change smoothly are drawn by `raster` instead.
+Between the fronts of a solution each region is a polygon with one velocity and one
+strain. The thin lines between them are the fronts. A front bears a word, and a region
+its value, where there is room. Solutions that change smoothly are drawn by `raster`
+instead.
 """
 
 import math
@@ -47,14 +48,17 @@ class Polygons:
     Raises
     ------
     ValueError
-        If the interval is empty or outside the solution, or has more than 100 000 regions.
+        If the interval is empty or outside the solution, or has more than 100 000
+        regions.
     """
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
+        """Find the regions, and for each corner its region, body and next corner."""
         self.system = solution.system
         self.regions = regions_of(solution, start, stop)
         starts = self.regions.start
-        # region, body, first corner of the region and next corner, for each corner
+        # For each corner: its region and body, the first corner of its region, and the
+        # next corner.
         self._region = np.repeat(np.arange(len(self.regions)), np.diff(starts))
         self._body = self.regions.body[self._region]
         self._first = starts[self._region]
@@ -62,12 +66,13 @@ class Polygons:
         self._next = np.arange(1, self._body.size + 1)
         self._next[starts[1:] - 1] = starts[:-1]
 
-    # What is measured --------------------------------------------------------------------
+    # What is measured -----------------------------------------------------------------
 
     def values(self, field: str, frame: float) -> Floats:
         """Values of a field in each region; displacements at its corners instead; SI.
 
-        Displacements and energies are those seen from a frame that moves at `frame`, m/s.
+        Displacements and energies are those seen from a frame that moves at `frame`,
+        m/s.
         """
         regions = self.regions
         if field == "displacement":
@@ -77,7 +82,11 @@ class Polygons:
         return np.asarray(getattr(regions, field))
 
     def _energy_per_length(self, frame: float) -> Floats:
-        """Kinetic and strain energy per length in each region, J/m, in a frame at a velocity."""
+        """Energy per length in each region, J/m: m' (v^2 + (c s)^2)/2.
+
+        m' is the mass per length, v the velocity in a frame that moves at `frame`, c
+        the bar speed and s the strain.
+        """
         bodies: Any = self.system.bodies
         mass_per_length = np.empty(len(self.regions))
         wave_speed = np.empty(len(self.regions))
@@ -91,11 +100,19 @@ class Polygons:
         return np.asarray(mass_per_length * squares / 2)
 
     def bends(self, body: int, x: float) -> Floats:
-        """Times at which the path of a rod's end at x, m, may bend, with first and last."""
-        return np.unique(self.regions.t[(self._body == body) & (self.regions.x == x)])
+        """Times at which the path of a rod's end at x, m, may bend, first and last too.
+
+        They are those of the corners of regions at the end.
+        """
+        is_at_end = (self._body == body) & (self.regions.x == x)
+        return np.unique(self.regions.t[is_at_end])
 
     def _fronts(self) -> Fronts:
-        """Sides that two regions share, with their darkness in the picture."""
+        """Sides that two regions share, with their darkness in the picture.
+
+        Darkness is the root of the jump of velocity over the largest jump, 1 for a step
+        of area or material. The region with the earlier mean time is the earlier one.
+        """
         regions = self.regions
         sides = self._shared_sides()
         starts = regions.start[:-1]
@@ -110,12 +127,16 @@ class Polygons:
         largest = jumps.max(initial=0.0)
         if largest == 0:
             largest = 1.0
-        is_step = np.ptp(regions.x[ends], axis=1) == 0
+        is_step = np.ptp(regions.x[ends], axis=1) == 0  # the side stays at one x
         strength = np.where(is_step, 1.0, np.sqrt(jumps / largest))
         return Fronts(ends, owners, is_step, strength)
 
     def _shared_sides(self) -> Ints:
-        """Corners [n, 2] at which the two regions beside a side begin to run along it."""
+        """Corners [n, 2] at which the two regions beside a side begin to run along it.
+
+        All regions are run round in one direction, so that the two run along a shared
+        side in opposite directions.
+        """
         body = self._body.tolist()
         time = self.regions.t.tolist()
         x = self.regions.x.tolist()
@@ -126,11 +147,12 @@ class Polygons:
         shared = []
         for ends, i in side_of.items():
             start, stop = ends
+            # The first condition counts each pair once.
             if start < stop and (stop, start) in side_of:
                 shared.append((i, side_of[stop, start]))
         return np.array(shared, dtype=np.int64).reshape(-1, 2)
 
-    # What is drawn -----------------------------------------------------------------------
+    # What is drawn --------------------------------------------------------------------
 
     def draw(
         self, plane: Plane, numbers: Floats, norm: colors.Normalize
@@ -160,7 +182,11 @@ class Polygons:
         return drawn
 
     def _draw_shaded(self) -> cm.ScalarMappable:
-        """Draw numbers at the corners, linear in triangles between them."""
+        """Draw numbers at the corners, linear in triangles between them.
+
+        The triangles of a region are a fan about its first corner: one for each side
+        that does not touch this corner.
+        """
         corner = np.arange(self._first.size)
         is_inner = (self._next != self._first) & (corner != self._first)
         inner = np.flatnonzero(is_inner)
@@ -178,7 +204,11 @@ class Polygons:
         )
 
     def write(self) -> list[Text]:
-        """Once limits and sizes are set: lines of fronts, words and numbers with room."""
+        """Draw lines of fronts, words and numbers that have room; return the numbers.
+
+        Limits and sizes of the Axes are final by then. Values at corners have no
+        numbers.
+        """
         ax = self._plane.ax
         fronts = self._fronts()
         seen = self._draw_fronts(ax, fronts)
@@ -190,11 +220,14 @@ class Polygons:
         return self._write_numbers(ax)
 
     def _draw_fronts(self, ax: Axes, fronts: Fronts) -> Any:
-        """Draw the strongest fronts, no more than stay apart; return which were drawn."""
+        """Draw the strongest fronts, no more than stay apart; return which were drawn.
+
+        Lines of the total length L stand area/L apart on average.
+        """
         start, stop = np.moveaxis(_in_points(ax, self._corners[fronts.sides]), 1, 0)
         lengths = np.hypot(*(stop - start).T)
         strongest = np.argsort(-fronts.strength, kind="stable")
-        room = math.prod(size_in_points(ax)) / FRONT_SPACING
+        room = math.prod(size_in_points(ax)) / FRONT_SPACING  # of lengths, points
         crowded = np.cumsum(lengths[strongest]) > room
         crowded[:FEW_FRONTS] = False
         weakest = fronts.strength[strongest[crowded]].max(initial=MIN_DARKNESS)
@@ -212,7 +245,16 @@ class Polygons:
         return seen
 
     def _name_fronts(self, ax: Axes, sides: Ints, owners: Ints) -> None:
-        """Write along each front, on its later side, whether it compresses or stretches."""
+        """Write along each front, on its later side, if it compresses or stretches.
+
+        A word is left out if it would come near the number of the later region, or does
+        not fit into this region.
+
+        Parameters
+        ----------
+        sides, owners : [n, 2] arrays of int
+            As in `Fronts`.
+        """
         stress = self.regions.stress
         centres = _in_points(ax, self._centres(self._corners))
         corners = _in_points(ax, self._corners)
@@ -222,20 +264,22 @@ class Polygons:
             word = "tension"
             if stress[after] < stress[before]:
                 word = "compression"
-            start, stop = corners[first], corners[last]
-            if start[0] > stop[0]:
-                start, stop = stop, start
-            length = math.hypot(*(stop - start))
-            to_number = abs(_cross(stop - start, centres[after] - start)) / length
+            # from left to right, as the word is read
+            left, right = sorted(
+                (corners[first], corners[last]), key=lambda point: point[0]
+            )
+            length = math.hypot(*(right - left))
+            # distance of the number from the front: cross product over length
+            to_number = abs(_cross(right - left, centres[after] - left)) / length
             if to_number <= WORD_TO_NUMBER * SMALL:
                 continue
-            rises = stop[1] > start[1]
-            is_below = self._plane.across and rises
-            box = _word_box(start, stop, word, is_below)
+            rises = right[1] > left[1]
+            is_below = self._plane.across and rises  # the later side, to the right
+            box = _word_box(left, right, word, is_below)
             if not self._contains(corners, after, box):
                 continue
             dx, dy = np.diff(self._corners[[first, last]], axis=0)[0]
-            if dx < 0:
+            if dx < 0:  # turned from left to right
                 dx = -dx
                 dy = -dy
             x, y = self._corners[[first, last]].mean(axis=0)
@@ -254,16 +298,20 @@ class Polygons:
             )
 
     def _contains(self, corners: Floats, region: int, points: Floats) -> bool:
-        """Whether points lie inside a convex region or on its sides."""
-        first, last = self.regions.start[region], self.regions.start[region + 1]
-        outline = corners[first:last]
+        """Whether points lie inside a convex region or on its sides, points on paper.
+
+        A point is inside if its distance from each side, inward, is not negative.
+        """
+        first = self.regions.start[region]
+        end = self.regions.start[region + 1]
+        outline = corners[first:end]
         sides = np.roll(outline, -1, axis=0) - outline
         lengths = np.hypot(*sides.T)
         sides = sides[lengths > 0]
         outline = outline[lengths > 0]
         lengths = lengths[lengths > 0]
         centre = outline.mean(axis=0)
-        inward = np.sign(_cross(sides, centre - outline))
+        inward = np.sign(_cross(sides, centre - outline))  # sign on the inner side
         for point in points:
             distance = inward * _cross(sides, point - outline) / lengths
             if (distance < -ON_FRONT).any():
@@ -271,9 +319,14 @@ class Polygons:
         return True
 
     def _write_numbers(self, ax: Axes) -> list[Text]:
-        """Write each number where its region has room for it; boxed, over paths that cross."""
+        """Write the number of each region into its centre, where there is room for it.
+
+        In the laboratory it has a box in the colour of its region, over paths that
+        cross.
+        """
         low, high = self._norm.inverse(np.array([0.0, 1.0])).tolist()
         reach = (high - low) / 2
+        # Three digits of differences: more where all values lie far from 0.
         count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
         texts = [digits(value, reach, count) for value in self._numbers.tolist()]
         half_sizes = []
@@ -304,7 +357,11 @@ class Polygons:
         return written
 
     def _has_room(self, ax: Axes, centres: Floats, half_sizes: Floats) -> Any:
-        """Whether a box about the centre of each region lies inside of every side."""
+        """Whether a box about the centre of each region lies inside of every side.
+
+        With the side (sx, sy) of length s, the centre is cross/s from the side, and a
+        box of half sizes (w, h) reaches (abs(sy) w + abs(sx) h)/s towards it.
+        """
         corners = _in_points(ax, self._corners)
         sides = corners[self._next] - corners
         to_centre = _in_points(ax, centres)[self._region] - corners
@@ -314,7 +371,12 @@ class Polygons:
         return np.logical_and.reduceat(room > needed, starts)
 
     def _centres(self, corners: Floats) -> Floats:
-        """Centre of area of each region, [n, 2]; NaN without area, where no number fits."""
+        """Centre of area of each region, [n, 2]; NaN where the area is 0.
+
+        A fan of triangles about the first corner o has twice the areas a = (p - o) x (q
+        - o), with the corners p and q of a side; the centre is o + sum(a ((p - o) + (q
+        - o)))/(3 sum(a)).
+        """
         origin = corners[self._first]
         starts = self.regions.start[:-1]
         here = corners - origin
@@ -327,7 +389,7 @@ class Polygons:
 
 
 def drawn_until(solution: Solution) -> float:
-    """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which regions can be read."""
+    """Latest of t_end, t_end/2, t_end/4, ..., s, up to which regions can be read."""
     if is_smooth(solution):
         return solution.t_end
     return readable_until(solution, READABLE_REGIONS)
@@ -336,7 +398,7 @@ def drawn_until(solution: Solution) -> float:
 def _word_box(start: Floats, stop: Floats, word: str, is_below: bool) -> Floats:
     """Corners [4, 2] of a word at the middle of a front, with its margins, points."""
     along = (stop - start) / math.hypot(*(stop - start))
-    across = np.array([-along[1], along[0]])
+    across = np.array([-along[1], along[0]])  # a quarter turn to the left: above
     if is_below:
         across = -across
     middle = (start + stop) / 2
@@ -347,11 +409,11 @@ def _word_box(start: Floats, stop: Floats, word: str, is_below: bool) -> Floats:
 
 
 def _in_points(ax: Axes, corners: Floats) -> Floats:
-    """Corners in printer's points."""
+    """Corners [..., 2] of the picture on paper, in points."""
     pixels = ax.transData.transform(corners.reshape(-1, 2)).reshape(corners.shape)
     return np.asarray(pixels * (72.0 / ax.figure.dpi))
 
 
 def _cross(a: Floats, b: Floats) -> Any:
-    """Cross product of vectors [..., 2]."""
+    """Cross product of vectors [..., 2]: positive if b is to the left of a."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -1,4 +1,4 @@
-"""Cells of a space-time diagram of a solution that changes smoothly: averages over time.
+"""Cells of the space-time diagram of a smooth solution: averages over time.
 
 The exact mean over each cell's time leaves no false pattern of waves too quick for it.
 """
@@ -27,6 +27,7 @@ class Raster:
     """
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
+        """Divide the interval into rows of cells: one a tick, `MAX_ROWS` at most."""
         if stop is None:
             stop = solution.t_end
         first_tick, last_tick = solution.fields.to_ticks([start, stop])
@@ -43,8 +44,8 @@ class Raster:
     def values(self, field: str, frame: float) -> Floats:
         """Values of a field in each cell [times, pieces], SI; NaN between rods.
 
-        Displacements, in a frame, are those in the middle; the energy is that of the mean
-        motion.
+        Displacements, in a frame, are those in the middle; the energy is that of the
+        mean motion.
         """
         between = np.full((1, self.times.size - 1), np.nan)
         columns: list[Floats] = []
@@ -53,7 +54,10 @@ class Raster:
         return np.concatenate(columns[:-1]).T
 
     def _values_in_rod(self, body: int, field: str, frame: float) -> Floats:
-        """Values of a field in the cells [pieces, times] of a rod."""
+        """Values of a field in the cells [pieces, times] of a rod, as in `values`.
+
+        The energy per length is A (rho v^2 + stress strain)/2.
+        """
         x = middles(pieces(self.solution, body))
         if field == "displacement":
             t = middles(self.times)
@@ -68,8 +72,8 @@ class Raster:
             return strain
         if field == "stress":
             return stress
-        kinetic = density * (velocity - frame) ** 2
-        return area * (kinetic + stress * strain) / 2
+        twice_kinetic = density * (velocity - frame) ** 2
+        return area * (twice_kinetic + stress * strain) / 2
 
     def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
         """Times between which the path of a rod's end is drawn straight."""

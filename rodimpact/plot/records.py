@@ -1,4 +1,4 @@
-"""Records: a measured and a predicted signal with their residual, and the curve of a specimen."""
+"""Records: measured and predicted signals, and the curve of a specimen."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -44,11 +44,11 @@ def comparison(
     scale: Bounds | None = None,
     band: Signal | None = None,
 ) -> Picture:
-    """Draw a record over its prediction, and below the residual, measured minus predicted.
+    """Draw a record over its prediction; below, the residual, measured minus predicted.
 
-    The prediction is drawn with the given shift and scale, by default with those of the smallest
-    misfit; its label names both. The misfit is the root mean square of the residual divided by the
-    plateau of the record.
+    The prediction is drawn with the given shift and scale, by default with those of the
+    smallest misfit; its label names both. The misfit is the root mean square of the
+    residual divided by the plateau of the record.
 
     Parameters
     ----------
@@ -59,22 +59,23 @@ def comparison(
     ax : two Axes, optional
         For signals and residual; by default those of a new figure, one above the other.
     shift, scale : float or (float, float), optional
-        Of the prediction, s and a factor: fixed, or between bounds, as for `Signal.misfit`.
+        Of the prediction, s and a factor: fixed, or between bounds, as for
+        `Signal.misfit`.
     band : Signal, optional
-        Half width of a band about the prediction, such as two standard errors, over the times and
-        in the unit of the prediction.
+        Half width of a band about the prediction, such as two standard errors, over the
+        times and in the unit of the prediction.
 
     Returns
     -------
     Picture
-        With `residual_ax`, the lines `measured`, `predicted` and `residual`, the `band` or None,
-        and the numbers `misfit`.
+        With `residual_ax`, the lines `measured`, `predicted` and `residual`, the `band`
+        or None, and the numbers `misfit`.
 
     Raises
     ------
     ValueError
-        If `ax` is not a pair, or the units of band and prediction differ; also the errors of
-        `Signal.misfit`.
+        If `ax` is not a pair, or the units of band and prediction differ; also the
+        errors of `Signal.misfit`.
 
     Examples
     --------
@@ -171,7 +172,7 @@ def _check_band(band: Signal, predicted: Signal) -> None:
 def _fill_band(
     ax: Axes, x: Floats, middle: Floats, half_width: Floats
 ) -> PolyCollection:
-    """Fill a band about a curve."""
+    """Fill a band of this half width about a curve."""
     return ax.fill_between(
         x,
         middle - half_width,
@@ -191,7 +192,10 @@ def _draw_line(ax: Axes, x: Floats, y: Floats, **style: Any) -> Line2D:
 
 
 def _predicted(misfit: Misfit, measured: Signal, predicted: Signal) -> str:
-    """Name of a prediction, with its shift and scale in words if it was changed."""
+    """Name of a prediction, with its shift and scale in words if it was changed.
+
+    A shift or scale at a bound of its interval is said to be at its limit.
+    """
     name = "predicted"
     if misfit.shift:
         direction = "later" if misfit.shift > 0 else "earlier"
@@ -208,10 +212,10 @@ def _predicted(misfit: Misfit, measured: Signal, predicted: Signal) -> str:
 
 @explain_arguments
 def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Picture:
-    """Draw a record over its prediction with a band of two standard errors, the residual below.
+    """Draw a record over its prediction, with a band of two standard errors.
 
-    The band follows from the standard errors of the fitted numbers; it does not include model
-    error.
+    The residual is below. The band follows from the standard errors of the fitted
+    numbers; it does not include model error.
 
     Parameters
     ----------
@@ -269,16 +273,18 @@ def side_by_side(count: int) -> list[tuple[Axes, Axes]]:
 
 @styled
 def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
-    """Draw the stress of a specimen over its strain up to the largest, and below the strain rate.
+    """Draw stress over strain of a specimen up to the largest; below, the strain rate.
 
-    The stress from the transmitted wave has an error band. Where the stress from the incident and
-    the reflected wave differs from it, the forces on the two faces are not yet equal.
+    The stress from the transmitted wave has an error band. Where the stress from the
+    incident and the reflected wave differs from it, the forces on the two faces are not
+    yet equal.
 
     Parameters
     ----------
     curve : Reduction
     ax : two Axes, optional
-        For stress and strain rate; by default those of a new figure, one above the other.
+        For stress and strain rate; by default those of a new figure, one above the
+        other.
 
     Returns
     -------
@@ -293,7 +299,7 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     Examples
     --------
     >>> import rodimpact as ri
-    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
     >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])

@@ -1,9 +1,11 @@
 """Samples of solutions that change smoothly, and of long records.
 
-Such a solution has no fronts to draw between; a few hundred pieces show what can be seen of
-it. Of a long record the least and the largest value in each of many intervals are drawn.
+Such a solution has no fronts to draw between; a few hundred pieces show what can be
+seen of it. Of a long record the least and the largest value in each of many intervals
+are drawn.
 """
 
+import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -30,7 +32,11 @@ def rods_of(system: System) -> list[int]:
 
 
 def pieces(solution: Solution, body: int) -> Floats:
-    """Ends of the pieces of a rod, m from its left end; each piece is in one segment."""
+    """Ends of the pieces of a rod, m from its left end; each piece is in one segment.
+
+    The row has about `PIECES_OF_ROW` pieces of about one length, each segment at least
+    one.
+    """
     bodies: Any = solution.system.bodies
     row = sum(float(bodies[i].length) for i in rods_of(solution.system))
     corners = solution.fields.edges(body)
@@ -71,9 +77,10 @@ class StepCurve(NamedTuple):
 
 
 def steps_until(end: float, times: Floats, values: Floats, smooth: bool) -> StepCurve:
-    """Steps of a record that begin before its end, s.
+    """Steps of a record that begin before its end, s; the last one lasts to the end.
 
-    A smooth record has steps too small to be seen, along lines through it.
+    Each value holds from its time to the next. A smooth record has steps too small to
+    be seen, along straight lines through its values.
     """
     if smooth:
         edges = np.linspace(times[0], times[-1], EDGES_OF_SMOOTH_STEPS)
@@ -85,32 +92,33 @@ def steps_until(end: float, times: Floats, values: Floats, smooth: bool) -> Step
 
 
 def evenly(count: int, at_most: int) -> Ints:
-    """Indices of at most so many of `count` values, evenly chosen, with first and last."""
+    """Indices of at most so many of `count` values, even, with first and last."""
     number = max(0, min(count, at_most))
     indices = np.linspace(0, count - 1, number).round().astype(np.int64)
     return np.unique(indices)
 
 
 def extreme_indices(values: Floats) -> Ints:
-    """Indices of the least and the largest value of each of `INTERVALS`, of first and last.
+    """Indices of the extremes of a long curve: they look like all of it.
 
-    All indices of up to twice as many values.
+    They are those of the least and the largest value in each of `INTERVALS`, and of the
+    first and the last value. All indices are returned of up to twice as many values.
     """
     if values.size <= 2 * INTERVALS:
         return np.arange(values.size)
-    width = -(-values.size // INTERVALS)
-    padding = (0, width * INTERVALS - values.size)
+    width = math.ceil(values.size / INTERVALS)  # values in an interval
+    padding = (0, width * INTERVALS - values.size)  # the last value is repeated
     rows = np.pad(values, padding, mode="edge").reshape(-1, width)
     first = width * np.arange(INTERVALS)
     least = first + rows.argmin(axis=1)
     largest = first + rows.argmax(axis=1)
     last = values.size - 1
-    inside = np.minimum(np.concatenate((least, largest)), last)
-    return np.unique(np.append(inside, [0, last]))
+    extremes = np.minimum(np.concatenate((least, largest)), last)
+    return np.unique(np.append(extremes, [0, last]))
 
 
 def thinned(curve: StepCurve) -> StepCurve:
-    """The least and largest steps of a long curve."""
+    """The steps of a long curve with the extreme values; all of a short one."""
     chosen = extreme_indices(curve.values)
     edges = np.append(curve.edges[chosen], curve.edges[-1])
     return StepCurve(curve.values[chosen], edges)

@@ -1,4 +1,4 @@
-"""From SI values to the numbers on an axis: engineering units, and dimensionless ones."""
+"""From SI values to the numbers on an axis: engineering or dimensionless units."""
 
 import math
 from collections.abc import Sequence
@@ -72,7 +72,7 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
         SI unit; "" for strain, which is written in powers of ten.
     """
     largest = abs(largest)
-    exponent = 0
+    exponent = 0  # of ten, a multiple of three
     if largest > 0:
         thousands = math.log10(largest * (1 + NEGLIGIBLE_RTOL)) / 3
         exponent = 3 * math.floor(thousands)
@@ -86,9 +86,10 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
 
 
 def scale_of(quantity: Quantity, largest: float) -> Scale:
-    """Scale of an axis for a quantity with values up to `largest`, as an engineer would choose it.
+    """Scale of an axis for a quantity with values up to `largest`, in customary units.
 
-    Powers of units other than lengths, and counts, are shown as they are.
+    `PLAIN_UNITS` and counts are shown as they are, kg with the prefixes of g, and m^2
+    by the square of a prefix of m.
     """
     name = quantity.name
     unit = quantity.unit
@@ -97,7 +98,7 @@ def scale_of(quantity: Quantity, largest: float) -> Scale:
     if unit in PLAIN_UNITS:
         return Scale(1.0, name, unit.removeprefix("1"))
     if unit == "kg":
-        scale = engineering(name, 1e3 * largest, "g")
+        scale = engineering(name, 1e3 * largest, "g")  # of values in g
         return scale._replace(factor=1e3 * scale.factor)
     if unit == "m":
         return x_scale(largest)._replace(name=name)
@@ -115,7 +116,7 @@ def largest_of(values: Floats) -> float:
 def digits(value: float, largest: float, count: int = 3) -> str:
     """Write a number to some digits; round-off beside the largest number shown is 0.
 
-    Round-off does not decide which way a half is rounded.
+    A half is rounded away from 0, also if round-off makes it a little smaller.
     """
     if abs(value) <= NEGLIGIBLE_RTOL * largest:
         return "0"
@@ -123,7 +124,7 @@ def digits(value: float, largest: float, count: int = 3) -> str:
 
 
 def signed(text: str) -> str:
-    """Write the minus as a minus."""
+    """A text with the printed minus sign in place of each hyphen."""
     return text.replace("-", MINUS)
 
 
@@ -136,7 +137,8 @@ def multiple(value: float, unit: str) -> str:
     ['0', 'v', 'v/2', '2v/5', '0.893v']
     """
     fraction = Fraction(value).limit_denominator(MAX_DENOMINATOR)
-    if abs(value - fraction) > NEGLIGIBLE_RTOL * max(1.0, abs(value)):
+    is_near = abs(value - fraction) <= NEGLIGIBLE_RTOL * max(1.0, abs(value))
+    if not is_near:
         return signed(f"{value:.3g}{unit}")
     if fraction == 0:
         return "0"
@@ -158,7 +160,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def closing_speed(solution: Solution) -> float:
-    """Largest speed at which neighbours approach before the collision, m/s; 0 if none do."""
+    """Largest speed at which neighbours approach at first, m/s; 0 if none do."""
     velocities = solution.outcome.velocities_before
     largest = 0.0
     for k in solution.outcome.unilateral:
@@ -169,7 +171,7 @@ def closing_speed(solution: Solution) -> float:
 
 
 class ReferenceRod(NamedTuple):
-    """Leftmost rod, by which dimensionless pictures are scaled, and the name of its length."""
+    """Leftmost rod, which scales dimensionless pictures, and the name of its length."""
 
     rod: Rod
     length: str
@@ -185,7 +187,7 @@ def first_rod(solution: Solution) -> ReferenceRod:
 
 
 def time_scale(end: float) -> Scale:
-    """Scale of an axis of time from 0 to `end` s; raise ValueError if that is no time at all."""
+    """Scale of an axis of time from 0 to `end` s; ValueError if that is no time."""
     if not end > 0:
         raise invalid_argument(
             "solution", f"lasts {end!r} s and has no history; solve it with until > 0"
@@ -210,7 +212,10 @@ class AxisScales(NamedTuple):
 def axis_scales(
     solution: Solution, dimensionless: bool, duration: float, width: float
 ) -> AxisScales:
-    """Scales for times up to `duration` s and a picture `width` m wide."""
+    """Scales for times up to `duration` s and a picture `width` m wide.
+
+    Dimensionless times are t c/l1, places x/l1, with the first rod's length and speed.
+    """
     if not dimensionless:
         return AxisScales(time_scale(duration), x_scale(width))
     rod, length = first_rod(solution)

@@ -16,9 +16,9 @@ from .panels import figure_of
 def show(picture: Any) -> None:
     """Show a figure in a window, and wait until it is closed.
 
-    In a notebook the figure appears below the cell. Where no window can be opened, such as on
-    a computer without a display, the figure is written to a PNG file in the folder for
-    temporary files, and a line on the standard error names this file.
+    In a notebook the figure appears below the cell. Where no window can be opened, such
+    as on a computer without a display, the figure is written to a PNG file in the
+    folder for temporary files, and a line on the standard error names this file.
 
     Parameters
     ----------
@@ -51,7 +51,10 @@ def show(picture: Any) -> None:
             f"the figure is in {path}. ri.plot.save(picture, path) writes it elsewhere.\n"
         )
         return
-    if not any(plt.figure(number) is figure for number in plt.get_fignums()):
+    # Pyplot opens windows of the figures that it keeps. Its `figure` keeps what the
+    # class given to it makes: here the figure itself.
+    is_kept = any(plt.figure(number) is figure for number in plt.get_fignums())
+    if not is_kept:
         adopt: Any = lambda **_: figure  # noqa: E731
-        plt.figure(FigureClass=adopt)  # pyplot opens windows of its own figures
+        plt.figure(FigureClass=adopt)
     plt.show()

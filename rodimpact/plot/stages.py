@@ -1,4 +1,4 @@
-"""Snapshots: the row at chosen instants, one below the other, as in a textbook figure."""
+"""Snapshots: the row at instants, one below the other, as in a textbook figure."""
 
 from __future__ import annotations
 
@@ -70,14 +70,15 @@ def snapshots(
 ) -> Picture:
     """Draw the row at chosen times, one below the other, coloured by velocity.
 
-    Every uniform piece is labelled with its velocity in the frame of the picture, as a multiple of
-    the closing speed v. If no bodies approach each other, the unit is named under the picture.
-    Displacements and gaps are magnified as in `spacetime`. Compressed pieces are drawn shorter and
-    thicker, stretched pieces longer and thinner. A thick line marks a contact that presses. Small
-    triangles above a bar show the direction of a front. Without fronts there is a colour bar, and
-    parts of nearly equal velocity are labelled with their mean, to two digits. Rigid masses are
-    dark blocks of the width named under the picture, with their velocity below. Fixed ends are
-    hatched like walls, absorbing ends are dashed, driven ends have arrow heads.
+    Every uniform piece is labelled with its velocity in the frame of the picture, as a
+    multiple of the closing speed v. If no bodies approach each other, the unit is named
+    under the picture. Displacements and gaps are magnified as in `spacetime`.
+    Compressed pieces are drawn shorter and thicker, stretched pieces longer and
+    thinner. A thick line marks a contact that presses. Small triangles above a bar show
+    the direction of a front. Without fronts there is a colour bar, and parts of nearly
+    equal velocity are labelled with their mean, to two digits. Rigid masses are dark
+    blocks of the width named under the picture, with their velocity below. Fixed ends
+    are hatched like walls, absorbing ends are dashed, driven ends have arrow heads.
 
     Parameters
     ----------
@@ -85,7 +86,8 @@ def snapshots(
     ax : Axes, optional
         By default the Axes of a new figure.
     times : sequence of float, optional
-        Times, s; by default start, waves half-way, reflections, events at the contacts, and end.
+        Times, s; by default start, waves half-way, reflections, events at the contacts,
+        and end.
     magnification : float, optional
         Of displacements and gaps; by default chosen as in `spacetime`.
     gauges : mapping of str to Gauge, optional
@@ -94,14 +96,15 @@ def snapshots(
     Returns
     -------
     Picture
-        With `bars`, a polygon for each uniform piece, row by row (without fronts, many pieces to a
-        rod, with `outlines` and a `colour_bar`, otherwise None); `times`, `labels`, `fronts`,
-        `walls`, which are fixed ends too, and `masses`.
+        With `bars`, a polygon for each uniform piece, row by row (without fronts, many
+        pieces to a rod, with `outlines` and a `colour_bar`, otherwise None); `times`,
+        `labels`, `fronts`, `walls`, which are fixed ends too, and `masses`.
 
     Raises
     ------
     ValueError
-        If a time is outside the solution, `times` is empty, or the magnification is not positive.
+        If a time is outside the solution, `times` is empty, or the magnification is not
+        positive.
 
     Examples
     --------
@@ -169,10 +172,12 @@ def snapshots(
     )
 
     def set_axis_label() -> None:
+        """Write the lines below the picture, broken at its present width."""
         width = room_below(ax)
         ax.set_xlabel("\n".join(break_label(label, width) for label in labels))
 
     def write_words() -> None:
+        """Label the axis anew; write velocities and names of rods."""
         set_axis_label()
         picture.labels = _label_pieces(bars, norm, velocity.write)
         picture.labels += _label_masses(bars, velocity.write)
@@ -193,7 +198,7 @@ def _set_limits(bars: Bars) -> None:
 
 
 def _draw_first_ends(bars: Bars) -> None:
-    """Draw dashed lines where bodies meet in the first row."""
+    """Draw dashed lines down the picture where bodies meet in the first row."""
     for i in range(len(bars.system.bodies) - 1):
         bars.ax.axvline(
             float(bars.end(i, True)[0]),
@@ -205,7 +210,7 @@ def _draw_first_ends(bars: Bars) -> None:
 
 
 class _VelocityLabels:
-    """Velocities as multiples of the closing speed v, or in the unit named under the picture.
+    """Velocities as multiples of the closing speed v, or in the unit under the picture.
 
     Attributes
     ----------
@@ -216,6 +221,7 @@ class _VelocityLabels:
     """
 
     def __init__(self, bars: Bars) -> None:
+        """Choose the unit from the velocities of all pieces."""
         self._largest = largest_of(bars.pieces.velocity)
         self._closing = closing_speed(bars.solution)
         self._frame = bars.layout.frame
@@ -227,7 +233,11 @@ class _VelocityLabels:
             self.unit = f"velocities ({self.scale.unit})"
 
     def write(self, velocity: float) -> str:
-        """Write a velocity, to hundredths where it varies along the rods."""
+        """Write a velocity as a multiple of v, or in the unit of `scale`.
+
+        Where velocities vary along the rods it is rounded: to hundredths of v, or of
+        the largest velocity.
+        """
         if self._closing:
             part = (velocity - self._frame) / self._closing
         else:
@@ -268,14 +278,14 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
 
 
 def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
-    """Write the velocity of each mass below it; of every second of neighbours above it."""
+    """Write the velocity of each mass below it; of every second neighbour above it."""
     labels: list[Text] = []
     is_above = False
     for i, body in enumerate(bars.system.bodies):
         if not isinstance(body, RigidMass):
             is_above = False
             continue
-        side = -BESIDE
+        side = -BESIDE  # from the middle of the row, upward
         va = "top"
         if is_above:
             side = BESIDE
@@ -300,8 +310,8 @@ class _Label(NamedTuple):
 def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[Text]:
     """Write the velocity into each piece, or below it where it is too narrow.
 
-    Where velocities vary along the rods, the labels stand in stretches in which they hardly
-    do, and never below.
+    Where velocities vary along the rods, the labels stand in stretches of nearly equal
+    velocity, and never below. `write` makes the text of a velocity.
     """
     pieces = bars.pieces
     if bars.is_smooth:
@@ -328,7 +338,10 @@ def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[
 
 
 def _with_room_below(labels: list[_Label]) -> list[tuple[float, str]]:
-    """Labels of a row moved apart; those that would move too far are left out."""
+    """Places and texts of the labels of a row, moved apart.
+
+    As long as a label would move too far, the one that moves farthest is left out.
+    """
     labels = sorted(labels)
     while labels:
         widths = [label.width for label in labels]
@@ -360,7 +373,7 @@ def _name_rods(bars: Bars) -> None:
 
 
 def _width(ax: Axes, text: str) -> float:
-    """Width of a text with a little room beside it, in the unit of the axis of x."""
+    """Width of a text and half a digit more, in the unit of the axis of x."""
     points = text_width(text, LETTERS, DIGIT) + DIGIT * LETTERS / 2
     return points * float(units_per_point(ax)[0])
 
@@ -368,7 +381,7 @@ def _width(ax: Axes, text: str) -> float:
 def _write(
     ax: Axes, x: float, y: float, text: str, *, va: str, color: str | None = None
 ) -> Text:
-    """Write a text, by default in ink."""
+    """Write a text centred at x, by default in ink."""
     if color is None:
         color = colours().ink
     return ax.text(

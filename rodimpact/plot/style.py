@@ -1,13 +1,13 @@
 """Look of all figures: style sheets, colours of bodies, curves and values, and `look`.
 
-The files `light.mplstyle` and `dark.mplstyle` hold everything that matplotlib has a setting
-for; ``plt.style.use("rodimpact.plot.dark")`` gives a user's own figures the same look.
-`Colours` adds the colours that matplotlib has no setting for.
+The files `light.mplstyle` and `dark.mplstyle` hold everything that matplotlib has a
+setting for; ``plt.style.use("rodimpact.plot.dark")`` gives a user's own figures the
+same look. `Colours` adds the colours that matplotlib has no setting for.
 
-Colours of signed values run from blue over nearly the colour of the paper, for 0, to yellow.
-Colours of other values run from dark blue over grey to light yellow; their lightness
-increases, so that the order of values is visible in grey prints, too. Blue and yellow differ
-for every common kind of colour-blindness.
+Colours of signed values run from blue over nearly the colour of the paper, for 0, to
+yellow. Colours of other values run from dark blue over grey to light yellow; their
+lightness increases, so that the order of values is visible in grey prints, too. Blue
+and yellow differ for every common kind of colour-blindness.
 """
 
 import inspect
@@ -78,13 +78,13 @@ class Look(NamedTuple):
 
 
 def _sheet(mode: str) -> RcParams:
-    """Settings of a style sheet of this package."""
+    """Settings of the style sheet of a mode, "light" or "dark"."""
     path = Path(__file__).with_name(f"{mode}.mplstyle")
     return rc_params_from_file(path, use_default_template=False)
 
 
 def _colours(sheet: RcParams, wall: str, mass: str, signed: colors.Colormap) -> Colours:
-    """Colours of a style sheet, and those without a setting."""
+    """Colours of a style sheet, and those for which matplotlib has no setting."""
     return Colours(
         paper=sheet["figure.facecolor"],
         ink=sheet["text.color"],
@@ -134,8 +134,9 @@ def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
     ----------
     mode : "light" or "dark"
     width : float, optional
-        Width of new figures, mm; the size of letters does not change. A column of a journal is
-        about 85 mm wide, a page about 175 mm. By default each figure has its own width.
+        Width of new figures, mm; the size of letters does not change. A column of a
+        journal is about 85 mm wide, a page about 175 mm. By default each figure has its
+        own width.
 
     Raises
     ------
@@ -166,7 +167,10 @@ def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: figures drawn by a function have the look, whatever the user's settings."""
+    """Decorator: figures of a function have the look, whatever the user's settings.
+
+    A text in place of the Axes is refused before the function is called.
+    """
     parameters = inspect.signature(draw).parameters
     checked = explain_arguments(draw)
 
@@ -183,7 +187,10 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 def _check_no_text(
     parameters: Mapping[str, inspect.Parameter], arguments: Mapping[str, Any]
 ) -> None:
-    """InvalidModel for a text in place of the Axes: it is meant for another argument."""
+    """Raise InvalidModel for a text in place of the Axes.
+
+    The text is meant for the first other parameter whose default is a text.
+    """
     ax = arguments.get("ax")
     if not isinstance(ax, str):
         return
@@ -208,7 +215,7 @@ def centred(values: Iterable[float], reference: float = 0.0) -> colors.Normalize
 def ink_on(
     norm: colors.Normalize, value: float, palette: colors.Colormap | None = None
 ) -> str:
-    """Colour of text that can be read on the colour of `value`, by default a signed one."""
+    """Colour of text that is legible on the colour of `value`, by default signed."""
     if palette is None:
         palette = colours().signed
     red, green, blue, _ = palette(norm(value))
