@@ -65,7 +65,7 @@ def restitution_over_length() -> Axes:
 
 
 def restitution_map() -> Axes:
-    """e of two rods of one material, a million pairs."""
+    """e over the ratios of length and area of two rods of one material."""
     ratios = np.geomspace(0.1, 10, 1000)
     length = 1.0  # m
     area = 1e-6  # m^2

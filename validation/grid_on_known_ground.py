@@ -114,7 +114,7 @@ def struck_rod(mass_ratio: float) -> Rows:
 
 
 def loss_at_contact() -> Rows:
-    """Energy that a rigid contact loses as it closes."""
+    """Energy that a rigid contact loses as it closes: its share and its order."""
     first = rod(0.4, velocity=1.0)
     second = rod(1.0)
     system = ri.System([first, second])
@@ -123,6 +123,7 @@ def loss_at_contact() -> Rows:
         outcome = ri.solve(system, method=METHOD, cells=cells).outcome
         shares.append(outcome.numerical / outcome.kinetic_before)
     ratio = shares[0] / shares[-1]
+    # loss ~ cells^-order, and from 100 to 400 cells they double twice
     order = math.log2(ratio) / 2
     case = Case("rods 0.4 : 1", "none")
     yield case.row(

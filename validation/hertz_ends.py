@@ -81,7 +81,7 @@ def run() -> Rows:
 
 
 def by_stiffness() -> Rows:
-    """e falls from 1 to l1/l2 as the dimensionless stiffness grows."""
+    """e at each decade of the dimensionless stiffness: from 1 it falls to l1/l2."""
     e = {n: restitution(10.0**n) for n in range(-3, 7)}
     name = "Hertz ends, rods 0.4 : 1"
     case = Case(name, "two computations independent of this one")

@@ -66,7 +66,7 @@ def angular_frequency(v: np.ndarray, dt: float) -> float:
 
 
 def phase_velocity(half_waves: int) -> Rows:
-    """Standing waves in a free bar of length 1 and radius 1/(10 pi)."""
+    """Phase velocity of a standing wave of some half waves in a free unit bar."""
     k = half_waves * math.pi
     material = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=NU)
     x = np.linspace(0.0, 1.0, 8001)

@@ -224,7 +224,7 @@ def velocity_by_modes(x: float, t: np.ndarray, branches: Branches) -> np.ndarray
 
 
 def solve_ramp(x: int, t: np.ndarray, theory: str) -> np.ndarray:
-    """Velocity at x and at times t of a steel bar by a theory, on a grid."""
+    """Velocity at x and times t of a steel bar whose end smoothly reaches speed 1."""
     s = np.linspace(0.0, 1.0, 401)
     velocity = s - np.sin(2 * math.pi * s) / (2 * math.pi)
     ramp = ri.Samples(velocity, step=RISE / 400)
@@ -317,7 +317,7 @@ PULSE_BOUNDS = {  # diameters: bounds, %, by Rayleigh and Love, by Mindlin and H
 
 
 def distances() -> Rows:
-    """Distance of a pulse by either theory from that by the exact mode."""
+    """Misfit of a pulse carried by either theory to that carried by the exact mode."""
     pulse = striker_pulse()
     first_mode = ri.waves.first_mode(RADII_OVER_WAVELENGTH, NU)
     mindlin_herrmann = ri.waves.mindlin_herrmann(RADII_OVER_WAVELENGTH, NU)[0]

@@ -262,10 +262,10 @@ class Atlas:
         x, y = self._sample_points()
         region_of_cell = np.append(self.region, -1)  # the last is that of cell -1
         regions = region_of_cell[self.locate(x, y)]  # of each point
-        found, counts = np.unique(regions[regions >= 0], return_counts=True)
+        sampled, counts = np.unique(regions[regions >= 0], return_counts=True)
         largest_first = np.argsort(-counts, kind="stable")
         largest = []
-        for region in found[largest_first][:most].tolist():
+        for region in sampled[largest_first][:most].tolist():
             inside = np.flatnonzero(regions == region)
             i = _most_central(x, y, inside)
             formula = self._formula_of(region, algebra)

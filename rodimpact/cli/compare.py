@@ -107,7 +107,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _check_arguments(args: Arguments, positions: GaugePositions) -> None:
-    """Add problems of options that belong together."""
+    """Add a problem for no gauge, a radius not positive, or one without --carried."""
     if not positions:
         args.problems.append(
             (
