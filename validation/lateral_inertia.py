@@ -88,7 +88,7 @@ def phase_velocity(half_waves: int) -> Rows:
         snapshots=times,
     )
     v = solution.velocity(0, 0.0, times)
-    computed = angular_frequency(v, 5 * dt) / k
+    computed = angular_frequency(v, 5 * dt) / k  # omega/k, where c = 1
     gyration = UNIT_RADIUS / math.sqrt(2)
     exact = float(ri.theory.rayleigh_love_speed(1.0, NU, gyration, k))
     case = Case(f"round bar, nu = {NU}", "Rayleigh-Love")

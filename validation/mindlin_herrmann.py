@@ -225,7 +225,8 @@ def velocity_by_modes(x: float, t: np.ndarray, branches: Branches) -> np.ndarray
 
 def solve_ramp(x: int, t: np.ndarray, theory: str) -> np.ndarray:
     """Velocity at x and times t of a steel bar whose end smoothly reaches speed 1."""
-    s = np.linspace(0.0, 1.0, 401)
+    s = np.linspace(0.0, 1.0, 401)  # time over that of the rise
+    # v(s) = s - sin(2 pi s)/(2 pi), which starts and ends without acceleration
     velocity = s - np.sin(2 * math.pi * s) / (2 * math.pi)
     ramp = ri.Samples(velocity, step=RISE / 400)
     bar = ri.Rod(1.2 * x, diameter=2 * RADIUS, material=STEEL, lateral_inertia=theory)

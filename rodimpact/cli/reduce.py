@@ -242,7 +242,7 @@ def _reduce(
     if args.equal_forces:
         shot["equal_forces"] = True
     if args.direct_impact:
-        striker, bars = bars
+        striker, bars = bars  # of the bars only that of output is left
         shot = {"output_gauges": output_gauges, "striker": striker}
     if args.incident is not None:
         incident, reflected = input_gauges
