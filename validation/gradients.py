@@ -127,7 +127,7 @@ def sums_of_three(values: np.ndarray) -> np.ndarray:
 
 
 def scaling() -> Rows:
-    """Derivatives of the last velocity of random rows of three rods."""
+    """Errors in sums of derivatives that scaling fixes, the largest of random rows."""
     rng = default_rng(18)
     worst = np.zeros(3)
     for _ in range(RANDOM_ROWS):

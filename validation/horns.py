@@ -131,7 +131,7 @@ def horns_with_fronts() -> dict[str, Area]:
 
 
 def front(name: str, area: Area) -> Rows:
-    """A front runs through a horn to its free end, where it doubles."""
+    """Arrival of a front at the free end of a horn, and its velocity doubled there."""
     t = np.linspace(0.98, 1.05, 701)
     ends = (ri.Moved(1.0), ri.Free())
     system = ri.System([horn(area)], ends=ends)

@@ -296,7 +296,8 @@ MASS_DAMPING = 0.8
 def stretch_with_mass(t: np.ndarray) -> np.ndarray:
     """Stretch of the joint of a mass and an endless bar, by an exponential of a matrix.
 
-    F = (k x + c V)/(1 + c/Z) pushes the bar; x' = V - F/Z and V' = -F/M.
+    With the shortening x and the velocity V of the mass, the force that pushes the bar
+    is F = (k x + c V)/(1 + c/Z), with x' = V - F/Z and V' = -F/M.
     """
     M = MASS
     Z = IMPEDANCES[1]
@@ -306,7 +307,8 @@ def stretch_with_mass(t: np.ndarray) -> np.ndarray:
     stretch_row = [-rate / Z, 1 - c / (Z + c)]
     velocity_row = [-rate / M, -c / (1 + c / Z) / M]
     A = np.array([stretch_row, velocity_row])
-    start = [0.0, 1.0]
+    start = [0.0, 1.0]  # x and V
+    # exp(A t) (x, V)(0) starts with the shortening x(t)
     stretches = [-(expm(A * time) @ start)[0] for time in t]
     return np.array(stretches)
 

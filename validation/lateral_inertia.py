@@ -209,9 +209,10 @@ def scaled_passage(x: float, spread: float, level: float) -> float:
 
 
 def front(x: float, t: float) -> float:
-    """Velocity by the contour integral, to about 12 digits.
+    """Velocity at x and t by the integral of `rise_by_contour`, to about 12 digits.
 
-    The rule is the trapezoidal one, on a line at the depth x^(-1/3).
+    The rule is the trapezoidal one, on the line k = (u - i) x^(-1/3) with steps of 1/6
+    of u from -8 to 8.
     """
     depth = 1 / float(np.cbrt(x))
     k = depth * (np.arange(-48, 49) / 6 - 1j)

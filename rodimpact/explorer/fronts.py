@@ -215,6 +215,7 @@ def contact_curves(run: PageRun, stop: int) -> list[Any]:
             now = min(state.queue[1], stop)  # tick of the next event
         else:
             now = stop + 1
+        # to this tick; a log that is full stops it until the log is longer
         while events.advance(state, min(now, stop)) == Stop.FULL:
             state.log.extend(blank(len(state.log), FRONT))
     return curves
@@ -274,7 +275,10 @@ def outcome_of(run: PageRun, status: str) -> Any:
 
 
 def clock_of(run: PageRun) -> Clock:
-    """The clock of a run, with its ticks, transit times, frame and impedances."""
+    """The clock of a run, with its ticks, transit times, frame and impedances.
+
+    Its scale, reference and last tick are 0.
+    """
     record = run.record
     row = run.layout.row
     transits = transits_of(run)

@@ -546,7 +546,7 @@ def law_of(contact: Any) -> PageContact:
         exponent = 1.0
     return PageContact(
         law,
-        law != "bonded",
+        law != "bonded",  # whether it can open
         contact.get("restitution"),
         contact.get("stiffness", 0.0),
         exponent,

@@ -181,7 +181,7 @@ class Bars:
         # Corners [4, piece] round each piece from its lower left one; row k is at -k.
         x = np.array([pieces.left, pieces.right, pieces.right, pieces.left])
         y = np.multiply.outer([-1, -1, 1, 1], pieces.half) - pieces.row
-        corners: Any = np.array([x, y])
+        corners: Any = np.array([x, y])  # matplotlib takes [piece, 4, 2]
         bars = collections.PolyCollection(
             corners.T,
             array=numbers,
@@ -226,6 +226,7 @@ class Bars:
         if not self.is_smooth:
             return None
         pieces = self.pieces
+        # a difference is not 0 where the row or the body is another
         is_other_rod = np.diff(pieces.row) | np.diff(pieces.body)
         starts = np.flatnonzero(is_other_rod) + 1
         outlines = []

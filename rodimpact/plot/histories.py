@@ -257,7 +257,8 @@ def _write_caption(ax: Axes, x: float, caption: str, line: int) -> Annotation:
     if to_left > to_right:
         shift = -CAPTION_GAP
         side = "right"
-    if needed > max(to_left, to_right):  # it crosses its line, but stays inside
+    if needed > max(to_left, to_right):
+        # It crosses its line, and ends at the frame on the side with more room.
         shift = to_right if side == "left" else -to_left
         side = "right" if side == "left" else "left"
     return ax.annotate(
