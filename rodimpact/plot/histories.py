@@ -169,7 +169,7 @@ def draft_contact(
 
 
 def _most_pressed(solution: Solution) -> list[int]:
-    """Contacts of the largest peak forces, from left to right: `MAX_NAMED_CONTACTS`."""
+    """Contacts of the largest peak forces, `MAX_NAMED_CONTACTS` at most, in order."""
     contacts = list(range(len(solution.contacts)))
     if len(contacts) <= MAX_NAMED_CONTACTS:
         return contacts
