@@ -21,7 +21,7 @@ from ..methods.abilities import has_external_drive
 from ..methods.run import ALSO
 from ..model.paths import suggestion
 from ..running.columns import layout_of
-from ..running.readings import Readings
+from ..running.readings import RequestedReadings
 from ..running.sweep_report import sweep_json, sweep_table
 from ..units import shown
 from .arguments import Arguments, add_number, add_run_options, figure_writer
@@ -164,11 +164,11 @@ def _check_quantity(args: Arguments, case: Case) -> None:
     The problem names the option --also if that computes it.
     """
     quantity = args.quantity
-    computed = layout_of(case.system, Readings(also=tuple(args.also)))
+    computed = layout_of(case.system, RequestedReadings(also=tuple(args.also)))
     if quantity in computed:
         return
     name, _, _ = quantity.partition(".")
-    if quantity in layout_of(case.system, Readings(also=ALSO)):
+    if quantity in layout_of(case.system, RequestedReadings(also=ALSO)):
         message = f"{shown(quantity)} is not computed; add --also {name}"
     else:
         hint = suggestion(quantity, computed)

@@ -32,7 +32,7 @@ from .jobs import (
     job_size,
     results_of,
 )
-from .readings import Readings
+from .readings import RequestedReadings
 
 
 class Chunk(NamedTuple):
@@ -44,7 +44,7 @@ class Chunk(NamedTuple):
         A smaller family, of these members.
     options : Options
         With the method that is chosen.
-    readings : Readings
+    readings : RequestedReadings
     in_one_call : bool
         Whether the method runs members of this family in one call. Energies of vibration then
         differ in their last digits, so all chunks of a family are run in the same way.
@@ -52,22 +52,26 @@ class Chunk(NamedTuple):
 
     system: System
     options: Options
-    readings: Readings
+    readings: RequestedReadings
     in_one_call: bool
 
 
 def run_jobs(
-    system: System, options: Options, readings: Readings, store: Checkpoint, pool: Pool
+    system: System,
+    options: Options,
+    readings: RequestedReadings,
+    store: Checkpoint,
+    pool: Pool,
 ) -> Generator[list[JobResult]]:
-    """Run the members that are not done, in jobs; see `jobs.results_of`.
+    """Run the members that the store does not have, in jobs; yields as `jobs.results_of`.
 
-    There are about eight jobs a worker, or a hundred if the store is on disk. Without that, a
+    There are about eight jobs a worker, or a hundred if the store is on disk. If it is not, a
     single worker whose method runs many members in one call gets as few jobs as possible.
     """
     size = math.prod(system.shape)
-    row_size = math.prod(system.shape[1:])
+    row_size = math.prod(system.shape[1:])  # members with one index of the first axis
     members_per_call = METHODS[options.method].members_per_call(build_row(system))
-    in_one_call = members_per_call > 0
+    in_one_call = members_per_call > 0  # 0: the method runs each member alone
     largest_job = size
     if in_one_call and not needs_solutions(options, readings):
         largest_job = members_per_call
@@ -80,7 +84,7 @@ def run_jobs(
         """Hand the members from `start` to `stop` over to the executor."""
         members = members_of(system, start, stop)
         chunk = Chunk(members, options, readings, in_one_call)
-        if pool.stop is None:
+        if pool.stop is None:  # other processes cannot ask whether to stop
             return pool.executor.submit(run_chunk, chunk)
         later_members = size - stop  # they follow in this process
         return pool.executor.submit(run_chunk, chunk, pool.stop, later_members)
@@ -96,18 +100,22 @@ def run_jobs(
 
 
 def members_of(system: System, start: int, stop: int) -> System:
-    """Members of a family from `start` to `stop` in C order, as a smaller family."""
+    """Members of a family from `start` to `stop - 1` in C order, as a smaller family."""
     if stop - start == math.prod(system.shape):
         return system
     row_size = math.prod(system.shape[1:])
-    if start % row_size == stop % row_size == 0:
+    are_whole_rows = start % row_size == 0 and stop % row_size == 0
+    if are_whole_rows:  # they keep small what varies along other axes alone
         return system[start // row_size : stop // row_size]
     members = np.arange(start, stop)
     return system[np.unravel_index(members, system.shape)]
 
 
-def needs_solutions(options: Options, readings: Readings) -> bool:
-    """Whether what is to be read needs the solution of each member."""
+def needs_solutions(options: Options, readings: RequestedReadings) -> bool:
+    """Whether the readings need the solution of each member: the method alone has no such columns.
+
+    These are gauges, and names of `also` that the method does not find itself.
+    """
     if readings.gauges:
         return True
     found_by_method = METHODS[options.method].also
@@ -132,6 +140,7 @@ def run_chunk(
         if not chunk.in_one_call or needs_solutions(chunk.options, chunk.readings):
             columns = _one_by_one(chunk, should_stop)
         if chunk.in_one_call:
+            # They take the place of the same columns of single members.
             columns |= _in_one_call(chunk, should_stop, later)
     finally:
         memory.give_back()
@@ -142,7 +151,10 @@ def run_chunk(
 
 
 def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
-    """Columns of members that are solved each alone; a member that is refused has no numbers."""
+    """Columns of members that are solved each alone, by name.
+
+    A member that the method refuses has no numbers, see `_empty_columns`.
+    """
     system = chunk.system
     readings = chunk.readings
     options = _without_unread_states(chunk.options, readings)
@@ -163,8 +175,8 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     return columns
 
 
-def _empty_columns(system: System, readings: Readings) -> Columns:
-    """Columns of members that are refused: nan, or 0 where no nan exists."""
+def _empty_columns(system: System, readings: RequestedReadings) -> Columns:
+    """Columns in which all members are refused: nan, or 0 in columns of whole numbers."""
     count = math.prod(system.shape)
     columns: Columns = {}
     for name, layout in layout_of(system, readings).items():
@@ -176,10 +188,11 @@ def _empty_columns(system: System, readings: Readings) -> Columns:
     return columns
 
 
-def _without_unread_states(options: Options, readings: Readings) -> Options:
-    """Options with two states to keep, where a grid's other states are not read.
+def _without_unread_states(options: Options, readings: RequestedReadings) -> Options:
+    """Options that keep two states of a grid, unless its other states are read.
 
-    An outcome needs the first and the last state alone.
+    An outcome needs the first and the last state alone. Other methods keep no states, and their
+    options stay as they are.
     """
     reads_fields = len(readings.gauges) > 0 or "largest_stress" in readings.also
     if reads_fields or "snapshots" not in METHODS[options.method].takes:
@@ -188,7 +201,7 @@ def _without_unread_states(options: Options, readings: Readings) -> Options:
 
 
 def _in_one_call(chunk: Chunk, should_stop: Callable[[], bool], later: int) -> Columns:
-    """Columns of members that the method runs in one call; `later` as for `run_chunk`."""
+    """Columns of members that the method runs in one call, by name; arguments as `run_chunk`."""
     options = chunk.options
     method = METHODS[options.method]
     assert method.family is not None

@@ -15,7 +15,7 @@ from ..methods.run import ALSO, STOPPED_BY, largest_error
 from ..model import Plastic, Rod, System
 from ..results.centre_of_mass import final_displacement
 from ..results.solution import Solution
-from .readings import Readings
+from .readings import RequestedReadings
 
 STATUS = STOPPED_BY
 """Why each run stopped; the column ``status`` holds indices of this tuple."""
@@ -163,9 +163,10 @@ class Layout(NamedTuple):
 
 
 def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
-    """What each column of a family holds, by the name that users read: "impulse.1".
+    """Columns of a family that have these names in `COLUMNS`: what each holds, by its full name.
 
-    Of the columns of these names of `COLUMNS`; one that no body or contact has is left out.
+    A name such as "impulse" has a column for each contact, "impulse.0", "impulse.1"; one that no
+    body or contact has is left out.
     """
     owners = _owners(system)
     sources = {}
@@ -197,8 +198,8 @@ def _owners(system: System) -> dict[str, list[int]]:
     }
 
 
-def layout_of(system: System, readings: Readings) -> dict[str, Layout]:
-    """How the columns of a family are stored, by name."""
+def layout_of(system: System, readings: RequestedReadings) -> dict[str, Layout]:
+    """How the columns of a family are stored, by name; "strain" is that of the gauges."""
     layout = {}
     for column, source in columns_of(system, (*ALWAYS, *readings.also)).items():
         layout[column] = Layout(COLUMNS[source.name].dtype, ())
@@ -208,7 +209,7 @@ def layout_of(system: System, readings: Readings) -> dict[str, Layout]:
     return layout
 
 
-def row_of(solution: Solution, readings: Readings) -> Columns:
+def row_of(solution: Solution, readings: RequestedReadings) -> Columns:
     """Entries of a finished member in all columns of its family, by name."""
     row: Columns = {}
     sources = columns_of(solution.system, (*ALWAYS, *readings.also))
@@ -219,7 +220,7 @@ def row_of(solution: Solution, readings: Readings) -> Columns:
     return row
 
 
-def _strain(solution: Solution, readings: Readings) -> Any:
+def _strain(solution: Solution, readings: RequestedReadings) -> Any:
     """Strain at the gauges, [gauge, time]; nan after the end of the run."""
     times = readings.times
     latest = solution.t_end * (1 + RUN_END_RTOL)

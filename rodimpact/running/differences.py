@@ -53,14 +53,14 @@ class Sides(NamedTuple):
 
     @property
     def smooth(self) -> Array:
-        """Whether neither the values nor the derivatives on both sides are known to differ."""
+        """Whether values and derivatives on both sides agree within their errors."""
         continuous = np.abs(self.jump.value) <= self.jump.error
         straight = np.abs(self.bend.value) <= self.bend.error
         return np.asarray(continuous & straight)
 
 
 def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
-    """Extrapolate to the point from both sides.
+    """Derivatives and values of a function at a point, extrapolated from both sides.
 
     Parameters
     ----------
@@ -71,23 +71,25 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     noise : [...] array
         Bound of the error of the values.
     """
-    between = steps[:-1] - steps[1:]  # from each step to the next
+    # Arguments of neighbouring steps differ by this; the later one is nearer to the point.
+    between = steps[:-1] - steps[1:]
     slopes_below = (below[1:] - below[:-1]) / between
     slopes_above = (above[:-1] - above[1:]) / between
     central_slopes = (above - below) / (2 * steps)
-    amplification = 2 / between
+    amplification = 2 / between  # two values, each with the noise
     ones = np.ones_like(steps)
     return Sides(
         below=limit(slopes_below, amplification, noise, 2),
         above=limit(slopes_above, amplification, noise, 2),
         value_below=limit(below, ones, noise, 2),
         value_above=limit(above, ones, noise, 2),
+        # The error of a central slope is a series of even powers: it falls by 4.
         central=limit(central_slopes, 1 / steps, noise, 4),
     )
 
 
 def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estimate:
-    """Limit of a sequence at steps that are halved.
+    """Limit of a sequence at steps that are halved: that of the window with the least error.
 
     Parameters
     ----------
@@ -111,7 +113,7 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
         lower = window.value - window.error
         upper = window.value + window.error
         agrees = (lower <= high) & (upper >= low)
-        in_agreement &= ~exists | agrees
+        in_agreement &= ~exists | agrees  # the first that contradicts ends the search
         used = exists & in_agreement
         low = np.where(used, np.maximum(low, lower), low)
         high = np.where(used, np.minimum(high, upper), high)
@@ -122,10 +124,13 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
 
 
 def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
-    """Best window of those that begin at each step; the smallest step comes first.
+    """Window with the least error of those that begin at each step, the smallest step first.
 
     `noise` is the bound of the error of `first` by the values, [step, ...]; see `limit`. A
-    window of order n removes the first n terms of the error by n + 1 steps.
+    window of order n removes the first n terms of the error by n + 1 steps. With the two
+    windows S of order n - 1 in it, Richardson's extrapolation is
+
+        S(smaller steps) + (S(smaller steps) - S(larger steps))/(ratio^n - 1).
     """
     count = len(first)
     values = np.full(first.shape, math.nan)
@@ -136,6 +141,7 @@ def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
         factor = float(ratio**order)
         change = (order_below[1:] - order_below[:-1]) / (factor - 1)
         this_order = order_below[1:] + change
+        # The window is (factor S(smaller steps) - S(larger steps))/(factor - 1).
         noise_sum = factor * noise_below[1:] + noise_below[:-1]
         this_noise = noise_sum / (factor - 1)
         bounds = TRUNCATION_SAFETY * np.abs(change) + this_noise

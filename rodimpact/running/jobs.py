@@ -29,7 +29,7 @@ from ..storage.checkpoint import Span
 
 JOBS_A_WORKER = 8  # number of jobs over that of workers, about
 JOBS_A_WORKER_TO_KEEP = 100  # the same with a checkpoint: a crash undoes a hundredth
-WORKERS_OF_EXECUTOR = 64  # workers of an executor of which the caller does not say it
+WORKERS_OF_EXECUTOR = 64  # workers of an executor if the caller does not say how many
 HEARTBEAT = 0.4  # s, after which progress is reported though no job has ended
 
 
@@ -51,7 +51,7 @@ class Pool(NamedTuple):
 
 
 def check_executor(problems: Problems, executor: object, system: System) -> None:
-    """Add problems of what is no executor, and of laws that its processes cannot be handed."""
+    """Add problems of an executor that is none, and of laws that it cannot hand to processes."""
     if executor is None:
         return
     if not isinstance(executor, Executor):
@@ -79,7 +79,7 @@ def _is_importable(function: Callable[..., Any]) -> bool:
 
 @contextlib.contextmanager
 def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
-    """The given executor, or threads of our own that end with the context."""
+    """The given executor, or threads of our own, which are told to stop when the context ends."""
     if executor is not None:
         if workers is None:
             workers = WORKERS_OF_EXECUTOR
@@ -93,12 +93,12 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
     )
     executor = threads
     try:
-        threads.submit(int)
+        threads.submit(int)  # any job starts a thread
     except RuntimeError:  # no thread can start, as in a browser
         executor = SerialExecutor()
     try:
         yield Pool(executor, workers, stopping.is_set)
-    finally:  # who interrupts does not wait for a member, or for a compiler, to end
+    finally:  # an interrupt does not wait for a member, or for a compiler, to end
         stopping.set()
         threads.shutdown(wait=False, cancel_futures=True)
 
@@ -120,7 +120,7 @@ class SerialExecutor(Executor):
     def submit(
         self, job: Callable[..., Any], /, *arguments: Any, **named: Any
     ) -> Future[Any]:
-        """Do a job, and return its result as a future; what goes wrong is raised here."""
+        """Do a job, and return a future that has its result; errors of the job are raised here."""
         future: Future[Any] = Future()
         future.set_result(job(*arguments, **named))
         return future
@@ -149,7 +149,7 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
 
 
 def cut(spans: Iterable[Span], size: int) -> Iterator[Span]:
-    """Cut spans at multiples of a size."""
+    """Cut spans at multiples of a size, so that each part lies between two of them."""
     for start, stop in spans:
         while start < stop:
             next_multiple = start - start % size + size
@@ -163,7 +163,7 @@ def results_of(
     submit: Callable[[int, int], Future[Any]],
     workers: int,
 ) -> Generator[list[JobResult]]:
-    """Run jobs, of which each worker has one to do and one to go on with.
+    """Run jobs on an executor, two for each worker at a time: one to do, one to go on with.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def results_of(
         may be empty.
     """
     waiting = deque(jobs)
-    running: dict[Future[Any], Span] = {}
+    running: dict[Future[Any], Span] = {}  # members of each job that was handed over
     try:
         while waiting or running:
             while waiting and len(running) < 2 * workers:

@@ -71,7 +71,10 @@ def load(path: PathLike) -> Any:
 
 
 def _solve_again(name: str) -> Solution:
-    """Solve a saved case; warn where the outcome differs from the stored one."""
+    """Solve the case of a file; warn where the outcome differs from the one that it stores.
+
+    InvalidModel if it stores no outcome.
+    """
     case = read_case(name)
     if case.result is None:
         message = (

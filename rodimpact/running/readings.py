@@ -15,8 +15,8 @@ GAUGE_PLACE = quantity("m", "non-negative", scalar=True)
 TIMES = QuantityField("s", "non-negative")
 
 
-class Readings(NamedTuple):
-    """What is read of each member beside its outcome.
+class RequestedReadings(NamedTuple):
+    """What `sweep` was asked to read of each member beside its outcome.
 
     Attributes
     ----------
@@ -35,23 +35,24 @@ class Readings(NamedTuple):
 
 def check_readings(
     problems: Problems, system: System, gauges: Any, times: Any
-) -> Readings:
-    """Gauges, and the times at which they are read; mistakes are added to the problems.
+) -> RequestedReadings:
+    """Check the arguments `gauges` and `times` of `sweep`, and return them as readings.
 
-    Without gauges, or with mistakes that leave none, the readings are empty.
+    Mistakes are added to the problems. Without gauges, or with mistakes that leave none, the
+    readings are empty. `check_also` checks the further columns.
     """
     is_list = isinstance(gauges, Sequence | np.ndarray)
     if not is_list or getattr(gauges, "ndim", 1) == 0:
         message = f"must be [(body, x), ...], got {shown(gauges)}"
         problems.append(("gauges", message))
-        return Readings()
+        return RequestedReadings()
     has_gauges = len(gauges) > 0
     has_times = times is not None
     if has_gauges != has_times:
         message = "go with gauges=[(body, x), ...]; give both or neither"
         problems.append(("times", message))
     if not has_gauges or not has_times:
-        return Readings()
+        return RequestedReadings()
     checked_gauges = []
     for i, gauge in enumerate(gauges):
         checked = _check_gauge(problems, system, f"gauges.{i}", gauge)
@@ -61,13 +62,16 @@ def check_readings(
     if np.ndim(checked_times) != 1:
         message = f"must be a list of times, got {shown(times)}"
         problems.append(("times", message))
-    return Readings(tuple(checked_gauges), checked_times)
+    return RequestedReadings(tuple(checked_gauges), checked_times)
 
 
 def _check_gauge(
     problems: Problems, system: System, path: str, gauge: Any
 ) -> tuple[int, float] | None:
-    """Body, and place in m, of a gauge; None and a problem if it lies in no rod."""
+    """Body of a gauge, and its place in m from the left end; None and a problem if it is faulty.
+
+    It must lie in a rod of every member.
+    """
     try:
         body, x = gauge
     except (TypeError, ValueError):
@@ -75,16 +79,16 @@ def _check_gauge(
         problems.append((path, message))
         return None
     x = GAUGE_PLACE.checked(problems, f"{path}.x", x)
-    lengths = {}
-    for index, each in enumerate(system.bodies):
-        if isinstance(each, Rod):
-            lengths[index] = each.length
+    lengths = {}  # of rods, by their index in the row
+    for index, member in enumerate(system.bodies):
+        if isinstance(member, Rod):
+            lengths[index] = member.length
     if not is_integer(body) or body not in lengths:
         rods = ", ".join(map(str, lengths))
         message = f"must be a rod, {rods}; got {shown(body)}"
         problems.append((f"{path}.body", message))
         return None
-    shortest = float(np.min(lengths[int(body)]))
+    shortest = float(np.min(lengths[int(body)]))  # of all members
     if np.all(x > shortest):
         message = (
             f"must lie in body {body} of every member, 0 to {shortest!r} m, got {x!r}"
@@ -95,7 +99,10 @@ def _check_gauge(
 
 
 def check_also(problems: Problems, names: Any, until: float | None) -> tuple[str, ...]:
-    """Names of further columns in the order of `ALSO`; mistakes are added to the problems."""
+    """Check the argument `also` of `sweep`; return its names, each once, in the order of `ALSO`.
+
+    Mistakes are added to the problems; () if it is no list.
+    """
     choices = ", ".join(f'"{name}"' for name in ALSO)
     if isinstance(names, str | bytes) or not isinstance(names, Sequence):
         message = f"must be a list of {choices}, got {shown(names)}"

@@ -37,7 +37,7 @@ from .columns import (
     columns_of,
     layout_of,
 )
-from .readings import Readings
+from .readings import RequestedReadings
 
 LINES_PER_BLOCK = 4096  # lines of a table that are made at a time
 
@@ -83,7 +83,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         ``largest_stress.I``, the largest absolute stress anywhere in rod I at any time, Pa, as
         `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated error of velocities,
         impulses and peak forces, relative to the largest of each.
-    readings : Readings
+    readings : RequestedReadings
         The `gauges`, the `times` at which they are read, and what was asked for in `also`.
     strain : array or None
         At the gauges, of the family's shape + (gauge, time); nan after the end of a member's run.
@@ -100,7 +100,7 @@ class SweepResult(Shown, OnlyContact[Any]):
     system: System
     options: Options
     columns: Columns
-    readings: Readings = field(default_factory=Readings)
+    readings: RequestedReadings = field(default_factory=RequestedReadings)
     strain: Any = None
     _several = "these rows have {} contacts that can open, not 1; use result.contacts"
 
@@ -135,12 +135,13 @@ class SweepResult(Shown, OnlyContact[Any]):
         axes = []
         for dimension, size in enumerate(self.shape):
             axes.append(Axis(f"axis {dimension}", np.arange(size)))
-        # The first path of several names the axis.
+        # Of several numbers that vary along an axis the first one names it: it comes last here.
         for path, values in reversed(self.parameters.items()):
-            varies = np.greater(values.shape, 1)
+            varies = np.greater(values.shape, 1)  # [axis of the values]
             if np.count_nonzero(varies) == 1:
-                dimension_from_last = int(np.argmax(varies)) - values.ndim
-                axes[dimension_from_last] = Axis(path, values.ravel())
+                # Arrays broadcast from their last axis on, so axes count from there.
+                axis_from_last = int(np.argmax(varies)) - values.ndim
+                axes[axis_from_last] = Axis(path, values.ravel())
         return tuple(axes)
 
     @property
@@ -173,7 +174,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def incomplete(self) -> Any:
-        """Where a run did not come to its end, but to the cap on events or the clock, or failed."""
+        """Whether the cap on events or the clock stopped each run before its end, or it failed."""
         return ~np.isin(self.columns["status"], ENDED)
 
     @cached_property
@@ -221,9 +222,9 @@ class SweepResult(Shown, OnlyContact[Any]):
         return self._requested("largest_stress")
 
     def _requested(self, name: str) -> dict[int, Any]:
-        """Columns of that name by body or contact, by 0 if it is of the whole row.
+        """Columns of that name by the index of their body or contact, 0 for the whole row.
 
-        InvalidModel unless it was asked for in `also`.
+        InvalidModel unless the name was asked for in `also`.
         """
         if name not in self.readings.also:
             raise invalid_argument(
@@ -235,7 +236,9 @@ class SweepResult(Shown, OnlyContact[Any]):
         return by_owner
 
     def explain(self, index: Any) -> str:
-        """Say why one member ended, and why it has no restitution if it has none.
+        """Sentence on one member: why it ended, or why it has no restitution if that is known.
+
+        The member is solved again.
 
         Parameters
         ----------
@@ -253,7 +256,8 @@ class SweepResult(Shown, OnlyContact[Any]):
         solution = Solution(run, self.options)
         outcome = solution.outcome
         reached_end = solution.stopped_by == "until"
-        if outcome.final or (outcome.driven and reached_end):
+        is_complete = outcome.final or (outcome.driven and reached_end)
+        if is_complete:
             reason = outcome.why_no_restitution()  # a longer run would say the same
             if reason:
                 return reason
@@ -276,10 +280,13 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @classmethod
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
-        """Restore a saved family from its document and its arrays by name."""
+        """The result that `save` wrote, from its document and its arrays by name.
+
+        ValueError if a column does not have the family's shape.
+        """
         system, options, stored_readings = restore(document, arrays)
         gauges, times, also = stored_readings
-        readings = Readings(tuple(map(tuple, gauges)), times, tuple(also))
+        readings = RequestedReadings(tuple(map(tuple, gauges)), times, tuple(also))
         columns = {}
         for name, layout in layout_of(system, readings).items():
             columns[name] = arrays[name]

@@ -28,7 +28,7 @@ from ..version import __version__
 from .chunks import run_jobs
 from .columns import layout_of
 from .jobs import check_executor, pool_of
-from .readings import Readings, check_also, check_readings
+from .readings import RequestedReadings, check_also, check_readings
 from .sweep_result import SweepResult
 
 
@@ -186,9 +186,12 @@ def sweep(
 
 
 def describe_sweep(
-    system: System, options: Options, readings: Readings
+    system: System, options: Options, readings: RequestedReadings
 ) -> dict[str, Any]:
-    """Everything on which the results of a sweep depend: a checkpoint goes with these alone."""
+    """Everything on which the results of a sweep depend, by name, ready for JSON.
+
+    A checkpoint may be continued only by a sweep with the same description.
+    """
     return {
         "rodimpact": __version__,
         "system": system.digest,
