@@ -44,7 +44,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     Raises
     ------
     InvalidModel
-        If the value is no number, or one of another sign.
+        If the value is not numeric, or a number has another sign or an extreme magnitude.
     """
     try:
         numbers = floats(value, unit)
@@ -53,12 +53,12 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     if sign:
         field = QuantityField(unit, sign)
         demand(field.holds(numbers), name, field.wanted, numbers)
-        size = np.abs(numbers)
+        magnitude = np.abs(numbers)
         smallest = 0.0
         if "positive" in sign:
             smallest = SMALLEST
-        is_sound = (size >= smallest) & (size <= LARGEST)
-        is_infinite = size == np.inf
+        is_sound = (magnitude >= smallest) & (magnitude <= LARGEST)
+        is_infinite = magnitude == np.inf  # only where the sign allows it
         demand(is_sound | is_infinite, name, OUT_OF_SCALE, numbers)
     return numbers
 
@@ -91,9 +91,10 @@ def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
 
 
 def demand(condition: Any, name: str, message: str, *values: Number) -> None:
-    """Raise InvalidModel where a condition does not hold.
+    """Raise InvalidModel if a condition, an array, does not hold everywhere.
 
-    The message may show the values at the first such place, as in `frozen.require`.
+    The error names the argument `name`. The message may show the values at the first place where
+    the condition does not hold, as in `frozen.require`.
     """
     problems: Problems = []
     require(problems, condition, name, message, *values)
@@ -101,7 +102,7 @@ def demand(condition: Any, name: str, message: str, *values: Number) -> None:
 
 
 def of_kind(name: str, value: Any, kind: type, example: str) -> None:
-    """Raise InvalidModel if an argument is not of a class; `example` names one."""
+    """Raise InvalidModel if an argument is not of the class `kind`; `example` is shown as one."""
     if isinstance(value, kind):
         return
     article = "a"

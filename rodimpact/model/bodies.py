@@ -33,7 +33,7 @@ from .profiles import Floats, Profile, ProfileLike, Samples, Steps
 from .shaft import Shaft, along_rod
 
 LEFT_OUT: Any = None
-"""Default of an argument that may be left out, or that the check of a class demands."""
+"""Default of an argument that the check of its class replaces, or demands."""
 Area: TypeAlias = "TypedAttribute[Number | Samples, ProfileLike | None]"
 Moment: TypeAlias = "TypedAttribute[Number | str | None, ArrayLike | str | None]"
 MAX_STEPS_PER_TAPER = 100_000
@@ -278,7 +278,7 @@ class Segment(FrozenDataclass):
         self._check_magnitudes(area)
 
     def _checked_area(self, problems: Problems) -> Any:
-        """Area from the area or the diameter, m^2; a mistake is added to `problems`."""
+        """Area as given, or pi d^2/4 of the diameter, m^2; a mistake is added to `problems`."""
         area: Any = self.area
         if self.diameter is not None:
             if area is not None:
@@ -324,7 +324,10 @@ class Segment(FrozenDataclass):
         demand(are_sound, name, message, L, area)
 
     def _check_lateral_inertia(self, problems: Problems) -> None:
-        """Add problems of the lateral inertia, and of numbers that it lacks."""
+        """Add problems of the lateral inertia, and of numbers that it lacks.
+
+        A diameter says what "circular" says, so with it the polar moment is set to None.
+        """
         theory = self.lateral_inertia
         moment = self.polar_moment
         has_diameter = self.diameter is not None
@@ -351,7 +354,7 @@ class Segment(FrozenDataclass):
         elif isinstance(self.material, Material):
             self._check_poisson_ratio(problems)
         if has_diameter:
-            self._set(polar_moment=None)  # the diameter implies "circular"
+            self._set(polar_moment=None)
 
     def _check_poisson_ratio(self, problems: Problems) -> None:
         """Add a problem of a Poisson ratio that the theory of lateral inertia cannot take."""
@@ -727,7 +730,10 @@ class Rod(Frozen, kind="rod"):
 def _checked_shaft(
     problems: Problems, shaft: Any, length: Number | None
 ) -> Shaft | None:
-    """Soil or drag along a rod of this length, m; mistakes are added to `problems`."""
+    """Soil or drag along a rod of this length, m, with its profiles checked; None for none.
+
+    Mistakes are added to `problems`.
+    """
     if shaft is None:
         return None
     if not isinstance(shaft, Shaft):
@@ -756,7 +762,10 @@ def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
 
 
 def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments as given; InvalidModel also if a part of the shape is given too."""
+    """Segments as given, as a tuple; InvalidModel if they are none, or if a shape is given too.
+
+    The shape are the arguments of `Segment` that `Rod` was given.
+    """
     if any(value is not None for value in shape.values()):
         message = (
             "give either segments or length, area, material and polar_moment, not both"
@@ -774,7 +783,10 @@ def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ..
 
 
 def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments of a rod whose area jumps; InvalidModel with the mistakes of all."""
+    """Segments between the jumps of an area that is `Steps`; InvalidModel with all mistakes.
+
+    The shape are the arguments of `Segment`. All segments have them, but for length and area.
+    """
     area = shape["area"]
     problems: Problems = []
     L = Segment.fields["length"].checked(problems, "length", shape["length"])
@@ -783,7 +795,7 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
         known_length = L
     profiles.along_rod(problems, "area", area, Segment.fields["area"], known_length)
     frozen.raise_if_problems(problems)
-    edges = (0.0, *area.at, L)
+    edges = (0.0, *area.at, L)  # of the segments, m from the left end
     pieces: list[Segment] = []
     for i, A in enumerate(area.values):
         piece = dict(shape)

@@ -121,7 +121,7 @@ def _are_problems(problems: Any) -> bool:
 
 
 def invalid_argument(path: str, message: str) -> InvalidModel:
-    """Make the error of one mistake."""
+    """The error of one mistake, to be raised by the caller."""
     return InvalidModel([(path, message)])
 
 
@@ -259,7 +259,10 @@ class QuantityField(NamedTuple):
     def _each_checked(
         self, problems: Problems, path: str, items: Any
     ) -> tuple[Any, ...]:
-        """Return a list of numbers as a tuple, each as `checked` returns it; () for none."""
+        """Return a list of numbers as a tuple, each as `checked` returns it.
+
+        () and a problem if the value is no list of numbers.
+        """
         if not isinstance(items, list | tuple):
             try:
                 items = list(floats(items, self.unit))
@@ -354,7 +357,7 @@ def vanishes(value: Number) -> bool:
 
 
 def in_range(value: Number) -> Any:
-    """Boolean array: True where a derived quantity can be computed with."""
+    """Boolean array: True where a derived positive quantity is from `SMALLEST` to `LARGEST`."""
     return (value >= SMALLEST) & (value <= LARGEST)
 
 
@@ -446,7 +449,7 @@ class Frozen:
                 item.flags.writeable = False
 
     def _set(self, **fields: Any) -> None:
-        """Set attributes, which nobody else can."""
+        """Set attributes of this object, which is frozen for everybody else."""
         self.__dict__.update(fields)
 
     def replace(self, **changes: Any) -> Self:
@@ -543,7 +546,10 @@ class Frozen:
         return f"{type(self).__name__}({', '.join(parameters)})"
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Every part of the object with its path in a case file: ``"values.0"``."""
+        """Every parameter of the object with its path in a case file; items of tuples one by one.
+
+        The items of ``values`` have the paths ``"values.0"``, ``"values.1"``.
+        """
         for name, value in self._parameters().items():
             if isinstance(value, tuple):
                 for i, item in enumerate(value):
@@ -584,7 +590,10 @@ class Frozen:
                 yield item_path, item
 
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
-        """The object with every array of numbers replaced by ``change(array)``."""
+        """A new object with ``change(array)`` in place of every array of numbers, unchecked.
+
+        Arrays in its parts are changed too; those that all members share stay.
+        """
 
         def mapped(value: Any) -> Any:
             """A value, or all items of a tuple, with arrays changed."""
@@ -602,7 +611,7 @@ class Frozen:
                 attributes[name] = value
             elif name[0] != "_":
                 attributes[name] = mapped(value)
-        twin = object.__new__(type(self))
+        twin = object.__new__(type(self))  # without the checks of the constructor
         twin._set(**attributes)
         return twin
 
@@ -644,7 +653,10 @@ class FrozenDataclass(Frozen):
         raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Add problems of numbers together, or raise them; each class has its own check."""
+        """Add problems to the list, or raise them; a class may check its numbers together here.
+
+        The numbers have been checked one by one, and `problems` has their mistakes.
+        """
 
 
 @cache
@@ -655,7 +667,7 @@ def defaults_of(kind: Any) -> dict[str, Any]:
 
 
 def short(value: Any) -> str:
-    """A value in few words, for a repr."""
+    """A value as short text for a repr: an array by its shape, an object by its name."""
     if isinstance(value, np.ndarray):
         return f"array{value.shape}"
     name = getattr(value, "name", None)

@@ -57,7 +57,10 @@ class RadialModuli(NamedTuple):
 
 
 def radial_moduli(youngs_modulus: Any, poisson_ratio: Any) -> RadialModuli:
-    """Moduli of the theory of Mindlin and Herrmann.
+    """Moduli of the theory of Mindlin and Herrmann, from E and nu instead of lambda and mu.
+
+    4 (lambda + mu) = 2 E/((1 + nu) (1 - 2 nu)), 2 lambda = nu times this,
+    lambda + 2 mu = E + nu^2 times this, and mu = E/(2 (1 + nu)).
 
     Parameters
     ----------

@@ -97,7 +97,7 @@ class _Compliant(_Law):
         )
         with np.errstate(over="ignore", invalid="ignore"):
             energy: Any = k * d ** (p + 1) / (p + 1)
-        return energy[()]
+        return energy[()]  # a number if it has no dimensions
 
 
 class _Linear(_Compliant):
@@ -405,7 +405,10 @@ class _Face(NamedTuple):
 
 
 def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> _Face:
-    """Face of a Hertz contact from arguments; mistakes are noted in `problems`."""
+    """Face of a Hertz contact, from the radius and the material of one side.
+
+    Mistakes are added to `problems`.
+    """
     radius_path = f"{side}_radius"
     material_path = f"{side}_material"
     R = FACE_RADIUS.checked(problems, radius_path, radius)
@@ -420,10 +423,10 @@ def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> 
             compliance = 1 / (E / (1 - nu**2))  # 1 over the plane strain modulus
     elif material is not None:
         message = "must be a Material with a poisson_ratio, or None for a rigid face"
-        given = material
+        refused = material
         if isinstance(material, Material):
-            given = material.name
-        add_problem(problems, material_path, message, given)
+            refused = material.name
+        add_problem(problems, material_path, message, refused)
     return _Face(R, compliance, numbers)
 
 
@@ -629,7 +632,7 @@ class Tabulated(Plastic, law="tabulated"):
     def slopes(self) -> list[Number]:
         """Stiffness on loading along the line before each point, N/m."""
         slopes = []
-        d_before: Number = 0.0
+        d_before: Number = 0.0  # the first line begins at (0, 0)
         F_before: Number = 0.0
         for d, F in zip(self.compression, self.force, strict=True):
             slopes.append((F - F_before) / (d - d_before))
@@ -702,7 +705,8 @@ class Tabulated(Plastic, law="tabulated"):
         compressions = list(self.compression)
         forces = list(self.force)
         peak_compression: Any
-        if force >= self.force[-1]:  # the last line goes on
+        if force >= self.force[-1]:
+            # The last line goes on: the new table needs one more point on it.
             excess = (force - self.force[-1]) / last_slope
             peak_compression = self.compression[-1] + excess
             compressions.append(peak_compression + force / last_slope)
@@ -712,6 +716,8 @@ class Tabulated(Plastic, law="tabulated"):
         is_elastic = force <= 0 or force >= k * peak_compression * (1 - SLOPE_RTOL)
         if is_elastic:
             return self
+        # Unloading follows k, so the faces have moved by peak_compression - force/k. The new
+        # table is the old one beyond the peak, counted from there, and one line up to the peak.
         elastic_compression = force / k
         new_compressions = [elastic_compression]
         new_forces = [force]
@@ -945,7 +951,9 @@ class Law(_Law, law="own"):
         from scipy.integrate import quad
 
         def energy_at(d: float) -> float:
-            energy: float = quad(self.force, 0.0, d, (0.0,))[0]
+            """Integral of the force from 0 to d at the rate 0, J."""
+            energy: float
+            energy, _ = quad(self.force, 0.0, d, args=(0.0,))
             return energy
 
         overlaps = array("indentation", indentation, "m", "non-negative")

@@ -46,7 +46,11 @@ class _Slot(NamedTuple):
 
 
 def numbers_of(system: System) -> dict[str, Number]:
-    """Every number that can vary, by its entry."""
+    """Every number of a system that can vary, by its entry.
+
+    Beside stored numbers there are those that may be given in their place: the wave speed
+    c = sqrt(E/rho) of a material, and the area pi d^2/4 of a round rod.
+    """
     stored_numbers = dict(system._numbers())
     numbers = dict(stored_numbers)
     for entry, value in stored_numbers.items():
@@ -60,7 +64,7 @@ def numbers_of(system: System) -> dict[str, Number]:
 
 
 def entries_by_path(system: System) -> dict[str, list[str]]:
-    """Every path of a number that can vary, with its entries."""
+    """Entries of every path of a number that can vary: itself, or those of a material."""
     entries: dict[str, list[str]] = {}
     description = system.to_dict()
     for entry in numbers_of(system):
@@ -74,7 +78,10 @@ def entries_by_path(system: System) -> dict[str, list[str]]:
 
 
 def alternative_of(entry: str) -> str:
-    """Entry of the number for which the one of an entry stands, or the entry itself."""
+    """Entry of the number for which that at an entry stands, see `ALTERNATIVES`.
+
+    "bodies.0.diameter" for "bodies.0.area". An entry that stands for no other is returned.
+    """
     owner, dot, field = entry.rpartition(".")
     return owner + dot + ALTERNATIVES.get(field, field)
 
@@ -82,12 +89,12 @@ def alternative_of(entry: str) -> str:
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     """System with other numbers at entries; InvalidModel if the model refuses them.
 
-    A wave speed is set after the density, on which its modulus depends. A negative
-    speed or area is passed on as a negative modulus or diameter, so that the model
-    refuses it.
+    A wave speed c is set as the modulus E = rho c^2, after the density rho. An area A of a round
+    rod is set as the diameter sqrt(4 A/pi). A negative speed or area is passed on as a negative
+    modulus or diameter, so that the model refuses it.
     """
     description = system.to_dict()
-    speeds = []
+    speeds = []  # tables of materials, with the wave speed that each shall have
     for entry, value in numbers.items():
         table, field = _slot(description, entry)
         if field == SPEED:
@@ -103,7 +110,7 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
 
 
 def field_at(system: System, entry: str) -> QuantityField:
-    """Declaration of the number at an entry."""
+    """Declaration of the number at an entry; one without unit if none is known."""
     owner, _, field = entry.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
         parts = entry.split(".")  # contacts, index, field, for a list the index in it
@@ -118,13 +125,13 @@ def unit_at(system: System, entry: str) -> str:
 
 
 def suggestion(path: str, choices: Collection[str]) -> str:
-    """Hint at the choice that may be meant by a path.
+    """Hint at the choice that may be meant by a path: a sentence.
 
-    It is the nearest choice that shares the longest beginning with the path, or a list
-    of these choices.
+    It names the nearest of the choices that share the longest beginning with the path. If none is
+    near it lists them, or if they are many, their next parts.
     """
     beginning = _shared_beginning(path, choices)
-    remainders = []
+    remainders = []  # of the choices, behind the beginning
     for choice in choices:
         if choice.startswith(beginning):
             remainders.append(choice.removeprefix(beginning))
@@ -150,7 +157,7 @@ def _shared_beginning(path: str, choices: Collection[str]) -> str:
 
 
 def _slot(description: Any, entry: str) -> _Slot:
-    """Where ``System.to_dict()``, the description, holds the number at an entry."""
+    """Table and key at which a description, ``System.to_dict()``, holds the number at an entry."""
     *steps, last = entry.split(".")
     table = description
     for step in steps:

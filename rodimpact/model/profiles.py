@@ -141,7 +141,7 @@ class Samples(FrozenDataclass):
         self._set(error=ERROR.checked(problems, "error", self.error))
 
     def _parameters(self) -> dict[str, Any]:
-        """Parameters without a smoothness and an error that are the defaults."""
+        """Parameters, without those of `smooth` and `error` that have their default."""
         parameters = super()._parameters()
         if parameters.get("smooth") is False:
             del parameters["smooth"]
@@ -232,13 +232,13 @@ class Polynomials(FrozenDataclass):
         values = np.asarray(self.values, dtype=float).reshape(n_intervals, -1)
         n = values.shape[1]
         y = -np.cos(np.pi * np.arange(n) / (n - 1))  # places of the values
-        coefficients_to_values = chebyshev.chebvander(y, n - 1)
+        coefficients_to_values = chebyshev.chebvander(y, n - 1)  # T_k(y), [place, k]
         values_to_coefficients = np.linalg.inv(coefficients_to_values)
         coefficients: Floats = values @ values_to_coefficients.T
         return coefficients
 
     def _parameters(self) -> dict[str, Any]:
-        """Parameters without an error of 0, the default."""
+        """Parameters, without the error if it is 0, its default."""
         parameters = super()._parameters()
         if _is_zero(parameters.get("error")):
             del parameters["error"]
@@ -249,7 +249,7 @@ class Polynomials(FrozenDataclass):
 
 
 def _renamed(description: dict[str, Any], key: str) -> dict[str, Any]:
-    """Description of a profile with its values under a key that names its kind."""
+    """Description of a profile with `key` in place of "values"; it is taken from the given one."""
     renamed = {key: description.pop("values")}
     renamed.update(description)
     return renamed
@@ -413,7 +413,7 @@ def jumps_inside(profile: Any) -> bool:
 
 
 def negative(profile: Profile) -> Profile:
-    """Return minus the profile."""
+    """Return minus the profile: all its values with the other sign."""
     if isinstance(profile, Steps | Samples | Polynomials):
         values = [-value for value in profile.values]
         return profile.replace(values=values)
@@ -439,7 +439,7 @@ def flipped(profile: Profile, length: Number) -> Profile:
         return profile.replace(values=profile.values[::-1], at=borders)
     if not isinstance(profile, Steps):
         return profile
-    edges: list[Number] = [0.0]
+    edges: list[Number] = [0.0]  # of the pieces, seen from the other end
     for x in reversed(profile.at):
         edges.append(length - x)
     edges.append(length)
@@ -456,9 +456,9 @@ def flipped(profile: Profile, length: Number) -> Profile:
 
 
 def extremes(profile: Profile) -> list[Any]:
-    """Smallest and largest value of a profile, of each member of a family.
+    """Smallest and largest value of a profile, [smallest, largest], of each member of a family.
 
-    Polynomials may be a little larger between their places.
+    Polynomials may be a little beyond them between the places of their values.
     """
     if isinstance(profile, Samples | Polynomials):
         smallest = float(np.min(profile.values))
@@ -505,10 +505,12 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
     """Mean values of steps between n + 1 edges, m or s, [n]."""
     jumps = np.array(steps.at, dtype=float)
     values = np.array(steps.values, dtype=float)
+    # Indices of the values at the left and the right edge of each interval
     first = np.searchsorted(jumps, edges[:-1], "right")
     last = np.searchsorted(jumps, edges[1:])
     means: Floats = values[first]
-    for i in np.flatnonzero(last > first):
+    has_jump = last > first
+    for i in np.flatnonzero(has_jump):
         start = edges[i]
         stop = edges[i + 1]
         jumps_inside = jumps[first[i] : last[i]]
@@ -536,20 +538,24 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
     knots = width * np.arange(len(values))
     first = np.searchsorted(knots, edges[0], "right")
     last = np.searchsorted(knots, edges[-1], "left")
-    inner = knots[first:last]
+    inner = knots[first:last]  # between the first and the last edge
     cuts = np.insert(edges, np.searchsorted(edges, inner), inner)
     heights = np.interp(cuts, knots, values)
     mean_heights = (heights[1:] + heights[:-1]) / 2
     trapezia = mean_heights * np.diff(cuts)
-    begins = np.searchsorted(cuts, edges[:-1])
-    integrals = np.add.reduceat(trapezia, begins)
+    begins = np.searchsorted(cuts, edges[:-1])  # first part of each interval
+    integrals = np.add.reduceat(trapezia, begins)  # sums of the parts from there on
     return np.asarray(integrals / np.diff(edges))
 
 
 def _averages_of_polynomials(
     profile: Polynomials, edges: Floats, length: float
 ) -> Floats:
-    """Mean values of polynomials along a rod of that length, m, between n + 1 edges, [n]."""
+    """Mean values of polynomials along a rod of that length, m, between n + 1 edges, [n].
+
+    They are differences of the integral from x = 0 on. In an interval of width w that is the
+    integral to its begin plus w/2 times a primitive in y, as dx = w/2 dy.
+    """
     borders = np.concatenate(([0.0], profile.inner, [length]))
     widths = np.diff(borders)
     primitives = chebyshev.chebint(profile.coefficients(), lbnd=-1, axis=1)
@@ -557,17 +563,20 @@ def _averages_of_polynomials(
     integrals = primitives.sum(axis=1) * widths / 2
     integral_to_border = np.concatenate(([0.0], np.cumsum(integrals)))
     x = np.clip(edges, 0.0, length)
-    i = np.searchsorted(borders, x, "right") - 1
+    i = np.searchsorted(borders, x, "right") - 1  # interval in which each edge lies
     i = np.clip(i, 0, len(widths) - 1)
-    y = 2 * (x - borders[i]) / widths[i] - 1
-    in_interval = chebyshev.chebval(y, primitives[i].T, tensor=False)
-    integral = integral_to_border[i] + in_interval * widths[i] / 2  # from x = 0 on
+    y = 2 * (x - borders[i]) / widths[i] - 1  # place in the interval, -1 to 1
+    primitive = chebyshev.chebval(y, primitives[i].T, tensor=False)
+    integral = integral_to_border[i] + primitive * widths[i] / 2
     means: Floats = np.diff(integral) / np.diff(edges)
     return means
 
 
 def profile_from(data: Any) -> Any:
-    """Make the profile that `to_dict` described; other data stay as they are."""
+    """Make the profile that `to_dict` described; data that describe none are returned as such.
+
+    The key "polynomials", "samples" or "values" tells the kind.
+    """
     if not isinstance(data, dict):
         return data
     if "polynomials" in data:
@@ -621,10 +630,10 @@ def _samples_of(
 def _values_of(
     function: Callable[[Any], Any], places: Floats, field: QuantityField
 ) -> Floats:
-    """Values of a function at places, by the unit and sign of a field; else ValueError.
+    """Values of a function at places, in the unit of a field.
 
     The function is called with the array of places, or if it cannot take that, with
-    each place.
+    each place. ValueError if a value is no number, or not of the sign of the field.
     """
     try:
         values = floats(function(places.copy()), field.unit)
@@ -648,7 +657,7 @@ def _values_of(
 def _values_one_by_one(
     function: Callable[[Any], Any], places: Floats, field: QuantityField
 ) -> Floats:
-    """Values of a function of single numbers; ValueError says why it has none."""
+    """Values of a function that takes single numbers, at places; ValueError says why it fails."""
     try:
         returned = [function(x) for x in places.tolist()]
     except Exception as error:

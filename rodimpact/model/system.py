@@ -111,9 +111,11 @@ class System(FrozenDataclass):
         gaps = []
         # Lists of the wrong length have a problem by now; the pairs they have are checked.
         for i, law, gap in zip(range(n_pairs), laws, given_gaps, strict=False):
+            # A law that is none has its problem in `_check_contact`.
+            is_law = type(law) in _LAWS
+            is_compliant = is_law and not isinstance(law, Rigid | Bonded | Joint)
             field = GAP
-            # What is no law has its problem in `_check_contact`.
-            if type(law) in _LAWS and not isinstance(law, Rigid | Bonded | Joint):
+            if is_compliant:
                 field = GAP_OR_OVERLAP
             checked_gap = field.checked(problems, f"gaps.{i}", gap)
             gaps.append(checked_gap)
@@ -201,9 +203,10 @@ class System(FrozenDataclass):
             raise IndexError(f"index: {message}") from None
 
         def pick(array: Floats) -> Number:
-            """The array of a number, or the number, of the chosen members."""
+            """Numbers of the chosen members from those of all: an array, or a float for one."""
             view = np.broadcast_to(array, self.shape)[index]
-            # Axes along which the array does not vary are reduced to one value.
+            # Axes along which the array does not vary are reduced to one value: broadcasting
+            # gave them the stride 0.
             first_only = [slice(None)] * view.ndim
             for axis, stride in enumerate(view.strides):
                 if stride == 0:
@@ -370,7 +373,7 @@ def _mirrored_body(body: Body) -> Body:
 
 
 def _mirrored_end(end: End) -> End:
-    """End with left and right exchanged; a force keeps its sign: it pushes inwards."""
+    """End with left and right exchanged: a motion changes its sign, a push stays inwards."""
     if isinstance(end, Moved) and end.position is not None:
         return Moved(position=negative(end.position))
     if isinstance(end, Moved):
@@ -379,7 +382,10 @@ def _mirrored_end(end: End) -> End:
 
 
 def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
-    """Make the body, the contact law or the end that `to_dict` described."""
+    """Make the body, the contact law or the end that `to_dict` described.
+
+    The entry `tag` of the description, "kind" or "law", is the key of its class in `classes`.
+    """
     description = dict(data)
     kind = description.pop(tag)
     if classes is ENDS:
@@ -388,7 +394,10 @@ def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
 
 
 def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
-    """Parameters of the constructor of an object from its `to_dict`: objects made again."""
+    """Parameters of the constructor of an object from its `to_dict`, without its tag.
+
+    Descriptions of profiles, materials, segments and soil become objects.
+    """
     parameters = {}
     for name, value in description.items():
         parameters[name] = profile_from(value)
@@ -407,10 +416,10 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
 def _one_per_pair(
     problems: Problems, name: str, items: Any, default: Any, n_pairs: int
 ) -> Any:
-    """Items of the neighbouring pairs, or defaults; a problem if their number is wrong.
+    """Items of the neighbouring pairs: as given, or `default` for each if they are None.
 
-    A list of the wrong length is returned as it is, so that its items are checked too;
-    what is no list becomes ().
+    A list of the wrong length has a problem, and is returned so that its items are checked
+    too. () and a problem if the items are no list.
     """
     if items is None:
         return (default,) * n_pairs
@@ -427,7 +436,10 @@ def _one_per_pair(
 
 
 def _check_bodies(problems: Problems, bodies: Any) -> None:
-    """Add problems of what is no body, and of inner walls; InvalidModel without a list."""
+    """Add problems of objects that are no bodies, and of walls inside the row.
+
+    InvalidModel if there is no list, or an empty one.
+    """
     if not isinstance(bodies, list | tuple) or not bodies:
         message = "must be a list of at least one rod or rigid mass"
         raise frozen.invalid_argument("bodies", f"{message}, got {shown(bodies)}")
@@ -444,7 +456,11 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
 
 
 def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
-    """Add a problem if the row has walls alone, or masses that are bonded to them."""
+    """Add a problem if nothing can move: the row has no rod, and all masses are bonded to walls.
+
+    Contacts that are not bonded divide the row into one group more than there are of them. Walls
+    stand at the ends, so all groups have a wall if there are more walls than such contacts.
+    """
     n_walls = 0
     for body in bodies:
         if isinstance(body, Rod):
@@ -463,7 +479,7 @@ def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
 def _check_contact(
     problems: Problems, i: int, law: Any, gap: Number, pair: Any
 ) -> None:
-    """Add a problem of a law that is none, or does not go with its gap or its bodies."""
+    """Add a problem of contact i if its law is none, or does not go with its gap or its bodies."""
     if type(law) not in _LAWS:
         message = f"must be a contact law itself, one of {_class_names(_LAWS)}"
         add_problem(problems, f"contacts.{i}", message, law)
@@ -477,18 +493,23 @@ def _check_contact(
 
 
 def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
-    """Add a problem of a rigid contact that is undetermined, or determined twice."""
+    """Add a problem of a rigid contact that is undetermined, or determined twice.
+
+    Two rigid bodies need a restitution; the waves of a rod decide, so a rod refuses it.
+    """
     kinds = set(map(type, pair))
     has_mass = RigidMass in kinds
-    are_rigid = kinds <= {RigidMass, Wall}  # a wall is rigid too
-    # Two walls, and what is no body, have a problem of their own elsewhere.
+    has_rod = Rod in kinds
+    are_rigid = kinds <= {RigidMass, Wall}
+    are_bodies = kinds <= set(_BODIES)
+    # Two walls, and objects that are no bodies, have a problem of their own elsewhere.
     if law.restitution is None and has_mass and are_rigid:
         message = (
             "no wave decides this contact: give Rigid(restitution=...) or a compliant "
             "law such as Hertz"
         )
         problems.append((f"contacts.{i}", message))
-    elif law.restitution is not None and Rod in kinds and kinds <= set(_BODIES):
+    elif law.restitution is not None and has_rod and are_bodies:
         message = (
             "belongs between rigid bodies; the waves of a rod decide this contact: "
             "leave it out"
@@ -512,7 +533,7 @@ def _check_bonded_velocities(system: System) -> None:
 
 
 def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
-    """Pair of ends, free by default; mistakes are added to `problems`."""
+    """Ends as given, two free ones for None; mistakes are added to `problems`."""
     if ends is None:
         ends = (FREE, FREE)
     if not isinstance(ends, list | tuple) or len(ends) != 2:
@@ -525,7 +546,7 @@ def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
-    """Add a problem of what is no end, or does not go with the body there."""
+    """Add a problem if an end is none, or does not go with the body there."""
     path = f"ends.{side}"
     name = type(end).__name__
     if type(end) not in _ENDS:
