@@ -40,7 +40,7 @@ Report = Callable[[int, int | None], None]
 
 
 def no_report(done: int, total: int | None) -> None:
-    """Report to nobody."""
+    """Do nothing with a report: nobody asked for progress."""
 
 
 def is_function(value: object) -> bool:
@@ -114,7 +114,10 @@ class Progress:
             self._close()
 
     def _report(self, done: int, total: int | None) -> None:
-        """Tell the function, or the bar, of the work that is done and of all."""
+        """Call the user's function, or show the bar, with the work that is done and all of it.
+
+        The bar appears at the first report after two seconds, if somebody can see it.
+        """
         if total is not None:
             total = max(done, total)
         if callable(self._progress):

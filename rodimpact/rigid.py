@@ -230,10 +230,12 @@ def collide(
             "allow_energy_release=True if that is meant"
         )
         demand(np.abs(e) <= 1, "restitution", message, e)
+    # With the reduced mass M = m1 m2/(m1 + m2), m1/(m1 + m2) is M/m2: 1 if m1 is infinite.
     M = np.asarray(reduced_mass(M1, M2))
     mass_fraction_1 = M / M2  # m1/(m1 + m2)
     mass_fraction_2 = M / M1  # m2/(m1 + m2)
     V_cm = mass_fraction_1 * V1 + mass_fraction_2 * V2
+    # Velocities of body 2 relative to body 1, and from these W1 and W2 after the collision
     before = V2 - V1
     after = -e * before
     W1 = V_cm - mass_fraction_2 * after
@@ -384,6 +386,7 @@ def stack_drop(
     >>> round(stack_drop([0.6, 0.06], [0.9, 0.6], height=1.0).top_height, 4)
     3.1104
     """
+    # Members of a family come first: the last axis of M, e and v is that of the balls.
     M = np.atleast_1d(array("masses", masses, "kg", "positive"))
     e = np.atleast_1d(array("restitutions", restitutions, "", "[0, 1]"))
     h, g = broadcast_arguments(
@@ -400,14 +403,14 @@ def stack_drop(
     drop_speed = np.sqrt(2 * g * h)
     shape = np.broadcast_shapes(M.shape[:-1], e.shape[:-1], drop_speed.shape)
     fall_velocity = -drop_speed[..., np.newaxis]
-    v = np.full((*shape, n_balls), fall_velocity)  # upwards
-    v[..., 0] = e[..., 0] * drop_speed
+    v = np.full((*shape, n_balls), fall_velocity)  # positive upwards
+    v[..., 0] = e[..., 0] * drop_speed  # the bottom ball bounces off the floor
     for i in range(1, n_balls):
         below = i - 1
         after = collide(M[..., below], v[..., below], M[..., i], v[..., i], e[..., i])
         v[..., below] = after.velocity_1
         v[..., i] = after.velocity_2
-    rise_speed = np.maximum(v[..., -1], 0.0)
+    rise_speed = np.maximum(v[..., -1], 0.0)  # 0 if the top ball does not rise
     top_height = rise_speed**2 / (2 * g)
     return StackDrop(velocities=v, top_height=float_or_array(top_height))
 

@@ -181,9 +181,11 @@ def saint_venant(
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
     q = numbers.q
-    transits = np.where(q > 0, numbers.long_time, numbers.short_time)
-    duration = 2 * transits
+    # The rod that ends the contact: the long one if the short one goes on pushing.
+    ending_transit = np.where(q > 0, numbers.long_time, numbers.short_time)
+    duration = 2 * ending_transit
     opening = np.where(q == 0, 2 * numbers.long_time, duration)
+    # V Z1 Z2/(Z1 + Z2) = V low (high/(high + low)): no product of impedances overflows.
     high_fraction = high / (high + low)
     return _collision(
         restitution=e,
@@ -191,7 +193,7 @@ def saint_venant(
         duration=duration,
         opening=opening,
         peak_force=V * low * high_fraction,
-        vibration_energy=(1 - e) * (1 + e) * m * V * V / 2,
+        vibration_energy=(1 - e) * (1 + e) * m * V * V / 2,  # 1 - e^2
     )
 
 
@@ -253,7 +255,7 @@ def saint_venant_force(
     time_in_contact = np.clip(t, 0.0, pair.duration)
     round_trip = 2 * numbers.short_time  # s
     k = np.floor(time_in_contact / round_trip)
-    force = pair.peak_force * np.exp(k * numbers.log_q)
+    force = pair.peak_force * np.exp(k * numbers.log_q)  # q^k times the first force
     is_pressing = (t >= 0) & (t < pair.duration)
     return float_or_array(np.where(is_pressing, force, 0.0))
 
@@ -353,7 +355,7 @@ def mass_on_rod(
     rod_mass = Z * T
     mu = rod_mass / M
     round_trip = 2 * T
-    # The fraction of its momentum that the mass hands over
+    # The fraction of its momentum that the mass hands over: 1 - exp(-Z t/M) at t = 2 T
     momentum_fraction = -np.expm1(-2 * mu)
     e = momentum_fraction / mu - 1 + momentum_fraction
     m = reduced_mass(M, rod_mass)
@@ -543,7 +545,7 @@ def rayleigh_love_speed(
 
 
 class PairNumbers(NamedTuple):
-    """Dimensionless numbers of a collision of two rods, and their transit times.
+    """Transit times of two rods, and dimensionless numbers of their collision.
 
     The short and the long rod are those of shorter and of longer transit time.
     """
@@ -571,7 +573,7 @@ def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
     short_has_higher_impedance = np.where(is_equal, False, short_has_higher_impedance)
     abs_q = np.where(is_equal, 0.0, difference / total)
     q = np.where(short_has_higher_impedance, abs_q, -abs_q)
-    p = np.where(is_equal, 1.0, 2 * low / total)
+    p = np.where(is_equal, 1.0, 2 * low / total)  # 1 - difference/total
     # With r = low/high, q = (1 - r)/(1 + r), and log(q) = -2 artanh(r).
     low_over_high = np.where(short_has_higher_impedance, low / high, 0.0)
     log_q = -2 * np.arctanh(low_over_high)
@@ -579,11 +581,15 @@ def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
 
 
 def pair_restitution(numbers: PairNumbers) -> Array:
-    """Coefficient of restitution, by the formulae and with the letters of `saint_venant`."""
+    """Coefficient of restitution e, by the formulae and with the letters of `saint_venant`.
+
+    With p = 1 - abs(q), e = abs(q) + p x for Z_long >= Z_short, else
+    e = (1 + q) x g - q^K (1 - p f), with g = (1 - q^K)/p + q^K f.
+    """
     q = numbers.q
     p = numbers.p
     x = numbers.short_time / numbers.long_time
-    trips = numbers.long_time / numbers.short_time
+    trips = numbers.long_time / numbers.short_time  # K + f
     K = np.floor(trips)
     f = trips - K
     log_q_K = K * numbers.log_q
@@ -594,11 +600,11 @@ def pair_restitution(numbers: PairNumbers) -> Array:
     handed_over = (1 + q) * x * g
     if_short_higher = handed_over - q_K * (1 - p * f)
     e: Array = np.where(q > 0, if_short_higher, if_long_higher)
-    return np.minimum(e, 1.0)
+    return np.minimum(e, 1.0)  # round-off may exceed 1
 
 
 def _collision(**entries: Any) -> PairCollision:
-    """Result of arrays; an array without dimensions becomes a float."""
+    """PairCollision of these arrays, by name; an array without dimensions becomes a float."""
     values = {}
     for name, entry in entries.items():
         values[name] = float_or_array(np.asarray(entry))
@@ -606,9 +612,9 @@ def _collision(**entries: Any) -> PairCollision:
 
 
 def _checked(**arguments: ArrayLike) -> tuple[Array, ...]:
-    """Arguments as arrays of one shape, each checked for its unit and sign."""
+    """Arguments as arrays of one shape, in the order given, each checked by its `RULES`."""
     with_rules = {}
     for name, value in arguments.items():
-        unit, sign = RULES[name.rstrip("_012")]
+        unit, sign = RULES[name.rstrip("_012")]  # "impedance" of "impedance_1"
         with_rules[name] = (value, unit, sign)
     return broadcast_arguments(**with_rules)

@@ -221,6 +221,7 @@ class Bar(FrozenDataclass):
         """
         f = array("frequency", frequency, "Hz", "non-negative")
         x = self._speed_ratio(f)
+        # G = k a, with k = omega/c = 2 pi f/(c0 x)
         G = np.asarray(2 * math.pi * self.radius / self.wave_speed * f / x)
         above = self._scaled_frequency(G * (1 + DIFFERENCE_STEP))
         below = self._scaled_frequency(G * (1 - DIFFERENCE_STEP))
@@ -413,6 +414,8 @@ def mindlin_herrmann(
         # The quadratic equation is multiplied by G^2/(1 + G^2): both limits are finite.
         long = 1 / (1 + G_squared)
         short = 1 / (1 + 1 / G_squared)
+        # short x^2 - root_sum x + root_product = 0; moduli are over E, so that
+        # axial radial - coupling^2 is radial.
         root_sum = (moduli.axial + shear) * short + cut_off * long
         root_product = moduli.axial * shear * short + cut_off * long
         discriminant = root_sum * root_sum - 4 * root_product * short
@@ -460,18 +463,19 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
 def _rayleigh_speed(nu: float) -> float:
     """c/c0 of surface waves for one Poisson ratio.
 
-    With r = (c/c2)^2, Rayleigh's equation is squared and divided by r.
+    With r = (c/c2)^2 and kappa = (c2/c1)^2, Rayleigh's equation squared and divided by r
+    is r^3 - 8 r^2 + (24 - 16 kappa) r + 16 (kappa - 1) = 0.
     """
-    kappa = (1 - 2 * nu) / (2 - 2 * nu)  # (c2/c1)^2
+    kappa = (1 - 2 * nu) / (2 - 2 * nu)
     linear = 24.0 - 16.0 * kappa
     constant = 16.0 * (kappa - 1.0)
 
     def cubic(r: float) -> float:
-        """Rayleigh's equation, squared and divided by r."""
+        """Left-hand side of the equation."""
         return float(np.polyval([1.0, -8.0, linear, constant], r))
 
     r = brentq(cubic, 0.5, 1.0)
-    return math.sqrt(r / (2 + 2 * nu))
+    return math.sqrt(r / (2 + 2 * nu))  # (c2/c0)^2 = 1/(2 + 2 nu)
 
 
 def _uniform_segment(rod: Any) -> Any:
@@ -487,7 +491,7 @@ def _uniform_segment(rod: Any) -> Any:
 
 
 def _same_wavenumber(G: Any, x: Any) -> Any:  # noqa: ARG001
-    """G of a wave that is given by G."""
+    """G of a wave that is given by G itself, whatever its speed."""
     return G
 
 
@@ -532,14 +536,19 @@ def _lowest_roots(
 
 
 def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -> Array:
-    """Lowest roots of some waves: a scan brackets each, Brent's method finds it."""
+    """Lowest roots x of some waves, [wave]; arguments as for `_lowest_roots`.
+
+    The equation is computed at speeds in a row. The first change of its sign brackets the root,
+    and Brent's method finds it. Without a change the root stays 1, as for long waves.
+    """
     roots = np.ones(numbers.size)
+    # All waves are faster than surface waves.
     slowest = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
     speeds = np.arange(slowest, 1.0 + 2 * SPEED_STEP, SPEED_STEP)
     G = wavenumber(numbers[:, None], speeds)  # [wave, speed]
     values = _equation(G, speeds, nu[:, None])
     signs = np.sign(values)
-    has_changed = signs[:, 1:] != signs[:, :1]
+    has_changed = signs[:, 1:] != signs[:, :1]  # since the slowest speed
     first_change = has_changed.argmax(axis=1)
     has_root = (numbers > 0) & has_changed.any(axis=1)
     for i in np.flatnonzero(has_root):
@@ -558,12 +567,13 @@ def _equation_of_wave(
 
 
 def _equation(G: Any, x: Any, nu: Any) -> Any:
-    """Left-hand side of the equation at c = x c0.
+    """Left-hand side of the equation of frequencies, at the head of this module, at c = x c0.
 
-    It is divided by G^4, and by the growth of the functions I.
+    It is divided by G^4, so that A^2 becomes A2 = (A/G)^2 = c^2/c1^2 - 1, and B^2 becomes B2. It is
+    also divided by the growth of the functions I.
     """
-    A2 = x * x * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1  # (A/G)^2
-    B2 = x * x * (2 + 2 * nu) - 1  # (B/G)^2
+    A2 = x * x * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1
+    B2 = x * x * (2 + 2 * nu) - 1
     A = G * np.sqrt(np.abs(A2))
     B = G * np.sqrt(np.abs(B2))
     J0A, jA = _bessel(A, A2)
@@ -576,20 +586,23 @@ def _equation(G: Any, x: Any, nu: Any) -> Any:
 
 
 class _Bessel(NamedTuple):
-    """Bessel functions at x, or modified ones without their growth exp(x)."""
+    """Bessel functions J at x, or the modified ones I over their growth exp(x)."""
 
     order_0: Any  # J0(x) or I0(x)
     order_1_over_x: Any  # J1(x)/x or I1(x)/x
 
 
 def _bessel(x: Any, square: Any) -> _Bessel:
-    """Bessel functions at the root of a square, x its size; modified if it is negative."""
+    """Bessel functions at the root of a square, where x is its absolute value.
+
+    If the square is negative, its root is imaginary, and the functions are the modified ones.
+    """
     is_imaginary = square < 0
     is_small = x < SERIES_LIMIT
     divisor = np.where(is_small, 1.0, x)
     first_order = np.where(is_imaginary, i1e(divisor), j1(divisor))
     order_0 = np.where(is_imaginary, i0e(x), j0(x))
-    order_1_over_x = np.where(is_small, 0.5, first_order / divisor)
+    order_1_over_x = np.where(is_small, 0.5, first_order / divisor)  # the limit is 1/2
     return _Bessel(order_0, order_1_over_x)
 
 
