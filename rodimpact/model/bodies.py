@@ -131,6 +131,7 @@ class Material(FrozenDataclass):
         frozen.raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
+        """Add problems of a name that is no text, and of a wave speed sqrt(E/rho) out of range."""
         if not isinstance(self.name, str) or not self.name:
             problems.insert(0, ("name", f"must be a word, got {shown(self.name)}"))
         if problems:
@@ -262,6 +263,10 @@ class Segment(FrozenDataclass):
     lateral_inertia: str | None = None
 
     def _check(self, problems: Problems) -> None:
+        """Set the area, and refuse numbers that do not go together.
+
+        A taper is refused if a uniform segment of its smallest or largest area would be.
+        """
         area = self._checked_area(problems)
         self._set(area=area)
         if self.lateral_inertia is not None or self.polar_moment is not None:
@@ -374,6 +379,7 @@ class Segment(FrozenDataclass):
             )
 
     def _parameters(self) -> dict[str, Any]:
+        """Parameters of the constructor, without the area if there is a diameter."""
         parameters = super()._parameters()
         if self.diameter is not None:
             del parameters["area"]
@@ -664,6 +670,7 @@ class Rod(Frozen, kind="rod"):
         self._set(segments=pieces, velocity=v, strain=e, shaft=along)
 
     def _parameters(self) -> dict[str, Any]:
+        """Parameters of the constructor: the segments, or those of the only one."""
         if len(self.segments) > 1:
             return super()._parameters()
         parameters = self.segments[0]._parameters()

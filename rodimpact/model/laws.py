@@ -223,6 +223,7 @@ class Joint(_Linear, law="joint"):
     stretch: Numeric = quantity("m", default=0.0)
 
     def _check(self, problems: Problems) -> None:
+        """Add a problem if both the stiffness and the damping are 0."""
         if problems:
             return
         has_force = np.add(self.stiffness, self.damping) > 0
@@ -532,6 +533,7 @@ class Yielding(Plastic, law="yielding"):
     hardening: Numeric = quantity("N/m", "non-negative", default=0.0)
 
     def _check(self, problems: Problems) -> None:
+        """Add a problem if the hardening is not less than the stiffness."""
         if problems:
             return
         k = self.stiffness
@@ -605,6 +607,7 @@ class Tabulated(Plastic, law="tabulated"):
     unloading: NumericOrNone = quantity("N/m", "positive", default=None)
 
     def _check(self, problems: Problems) -> None:
+        """Refuse tables of unequal lengths, that do not increase, or with too soft an unloading."""
         if problems:
             return
         n_compressions = len(self.compression)
@@ -906,6 +909,7 @@ class Law(_Law, law="own"):
     force: Callable[[float, float], float]
 
     def _check(self, problems: Problems) -> None:
+        """Refuse a force that is no function, or whose values at `TRIAL_STATES` are not sound."""
         force: Any = self.force
         if not is_function(force):
             add_problem(problems, "force", "must be a function of d and d'", force)

@@ -73,6 +73,7 @@ class Steps(FrozenDataclass):
     at: Sequence[Any] = quantity("", "positive", many=True)
 
     def _check(self, problems: Problems) -> None:
+        """Add a problem unless jumps increase, and are one fewer than the values."""
         if problems:
             return
         n_values = len(self.values)
@@ -131,6 +132,7 @@ class Samples(FrozenDataclass):
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "error")
 
     def _check(self, problems: Problems) -> None:
+        """Add problems of values that are no list, and of the smoothness and the error."""
         is_list = np.ndim(self.values) == 1 and len(self.values) > 1
         if not problems and not is_list:
             wanted = "must be a list of at least two numbers"
@@ -195,6 +197,7 @@ class Polynomials(FrozenDataclass):
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "at", "error")
 
     def _check(self, problems: Problems) -> None:
+        """Add a problem unless borders increase, and all intervals have equally many values."""
         self._set(error=ERROR.checked(problems, "error", self.error))
         if problems:
             return

@@ -101,6 +101,7 @@ class System(FrozenDataclass):
     _shape: ClassVar[tuple[int, ...]] = ()
 
     def _check(self, problems: Problems) -> None:
+        """Check bodies, laws, gaps and ends together; set them as tuples, and the shape."""
         bodies: Any = self.bodies
         _check_bodies(problems, bodies)
         n_pairs = len(bodies) - 1
@@ -160,6 +161,7 @@ class System(FrozenDataclass):
         return NamedItems(varied)
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
+        """Parts with their paths: gaps stand with their contacts, and ends bear their sides."""
         for path, value in super()._parts():
             kind, _, index = path.partition(".")
             if kind == "gaps":

@@ -59,15 +59,13 @@ class SegmentWaves(NamedTuple):
     def displacement(self, p: Ints, q: Ints, frame: float) -> Floats:
         """(integral of A from 0 to p + integral of B from -T to q)/2 + frame t, m/s ticks.
 
-        It counts from the displacement of the left end at t = 0; the velocity `frame` of
-        the clock's frame is in m/s.
+        It counts from the displacement of the left end at t = 0. `frame` is the velocity
+        of the clock's frame, m/s, and 2 t = p + q + T.
         """
         A = self.rightward
         B = self.leftward
         T = self.transit
-        # Twice the displacement, as 2 t = p + q + T
-        twice = A.integral(0, p) + B.integral(-T, q) + frame * (p + q + T)
-        return twice / 2
+        return (A.integral(0, p) + B.integral(-T, q) + frame * (p + q + T)) / 2
 
     def strain_integral(self, p: Ints, q: Ints) -> Floats:
         """Integral of the strain over time at one place, ticks, up to a constant of that place.

@@ -83,6 +83,7 @@ class WaveFields(Fields):
         frame = self.clock.frame
 
         def velocity(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
+            """v where two parts of the waves meet, m/s."""
             return waves.velocity(p, q, side) + frame
 
         return self._one_sided_values(body, x, ticks, side, velocity)
@@ -91,6 +92,7 @@ class WaveFields(Fields):
         """(B(q) - A(p))/(2 c); of the shape to which x, m, and ticks broadcast."""
 
         def strain(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
+            """Strain where two parts of the waves meet."""
             return waves.strain(p, q, side)
 
         return self._one_sided_values(body, x, ticks, side, strain)
@@ -104,8 +106,9 @@ class WaveFields(Fields):
         tick = self.clock.tick
 
         def displacement(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
-            since_start = waves.displacement(p, q, frame) * tick
-            return since_start + self._initial_displacements[waves.segment]
+            """Displacement where two parts of the waves meet, m."""
+            of_left_end = self._initial_displacements[waves.segment]
+            return waves.displacement(p, q, frame) * tick + of_left_end
 
         return self._values(body, x, ticks, displacement)
 
