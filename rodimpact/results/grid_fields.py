@@ -342,9 +342,9 @@ class GridFields(Fields):
         """
         soil = self.motion.soil
         nodes = self._span(body).nodes
-        shaft = shaft_bodies(self.clock.row).index(body)
-        columns = np.flatnonzero(soil["shaft"] == shaft)  # those of this rod
-        held = soil["node"][columns] - nodes.start  # nodes of the rod in soil
+        shaft = shaft_bodies(self.clock.row).index(body)  # index among such rods
+        columns = np.flatnonzero(soil["shaft"] == shaft)  # nodes in soil of this rod
+        held = soil["node"][columns] - nodes.start  # the same, counted in the rod
         resistance = self._between_states(
             self.motion.resistance, columns, np.asarray(tick)
         )

@@ -177,7 +177,9 @@ class Outcome(OnlyContact[float]):
         k = self.unilateral[0]
         before = self.velocities_before[k : k + 2]
         after = self.velocities_after[k : k + 2]
-        return float(effective_restitution(True, 1, before, after))
+        # The collision is final, and the contact pressed once at least: no reason is left.
+        e = effective_restitution(final=True, episodes=1, before=before, after=after)
+        return float(e)
 
     def why_no_restitution(self) -> str:
         """Return the sentence that says why `restitution` is undefined, empty if it is defined."""

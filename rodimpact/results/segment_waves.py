@@ -99,7 +99,7 @@ class SegmentWaves(NamedTuple):
         twice = A.integral(starts, ticks) + B.integral(starts, ticks)
         return twice / 2
 
-    def squared(self, tick: int, velocity: float) -> SquaredWaves:
+    def squared_integrals(self, tick: int, velocity: float) -> SquaredWaves:
         """Integrals of (A + B)^2 and (A - B)^2 over the segment at `tick`, over its time of travel.
 
         Both waves are taken less a velocity, m/s, to which the kinetic energy is relative. The part
@@ -119,7 +119,7 @@ class SegmentWaves(NamedTuple):
         total = A + B
         difference = A - B
         widths = np.diff(edges)
-        # [edge, point] times the weights of points, times the widths between edges
+        # Squares [interval, point] times the weights of points, times the widths.
         return SquaredWaves(
             of_sum=float((total * total) @ weights @ widths),
             of_difference=float((difference * difference) @ weights @ widths),

@@ -365,6 +365,8 @@ class Solution(Shown):
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
         x = scalar("x", x, "m", "")
+        # With A = v - c eps, the wave running right, and B = v + c eps, the one running left:
+        # eps = (B - A)/(2 c) and v = (A + B)/2, in the clock's frame.
         waves = self.fields.point_history(self._index(body), x)
         clock = self.fields.clock
         ticks = each_once(waves.rightward.marks, waves.leftward.marks)
@@ -645,7 +647,9 @@ class Solution(Shown):
                 value = getattr(segment.material, name)
             if isinstance(value, Samples):
                 value = value.values
-            samples = np.atleast_1d(value)
+            samples = np.atleast_1d(
+                value
+            )  # a number is a single sample, which holds on
             places = np.linspace(0.0, float(segment.length), len(samples))
             here = location.segment == number
             values[here] = np.interp(location.distance[here], places, samples)

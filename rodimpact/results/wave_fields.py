@@ -232,11 +232,12 @@ class WaveFields(Fields):
         Sums over its segments of Z/8 times the integrals of (A + B)^2 and of (A - B)^2.
         """
         clock = self.clock
+        # The velocity as it is in the frame, to which the waves refer
         in_frame = velocity - clock.frame - clock.gravity * tick * clock.tick
         kinetic = 0.0
         strain = 0.0
         for waves in self.waves_along(body):
-            squared = waves.squared(tick, in_frame)
+            squared = waves.squared_integrals(tick, in_frame)
             factor = waves.impedance * clock.tick / 8
             kinetic += squared.of_sum * factor
             strain += squared.of_difference * factor

@@ -154,13 +154,13 @@ def sweep(
         check_executor(problems, executor, system)
         readings = check_readings(problems, system, gauges, times)
         readings = readings._replace(also=check_also(problems, also, options.until))
-        if not math.prod(system.shape):
+        size = math.prod(system.shape)
+        if size == 0:
             message = f"has no members, its shape is {system.shape}; select one or more"
             problems.append(("system", message))
     except InvalidModel as error:
         problems += error.problems
     raise_if_problems(problems)
-    size = math.prod(system.shape)
     description: dict[str, Any] = {}
     if checkpoint is not None:
         description = describe_sweep(system, options, readings)
