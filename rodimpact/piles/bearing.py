@@ -284,20 +284,27 @@ def with_resistance(
     on_shaft = shaft_resistance(system)
     bodies: list[Any] = []
     for body in system.bodies:
-        if isinstance(body, Rod) and isinstance(body.shaft, Soil):
-            soil = None
-            if shaft_share > 0:
-                factor = shaft_share * resistance / on_shaft
-                soil = body.shaft.replace(
-                    resistance=scaled(body.shaft.resistance, factor), mobilised=0.0
-                )
-            body = body.replace(shaft=soil, strain=0.0)
+        if isinstance(body, Rod):
+            shaft = body.shaft
+            if isinstance(shaft, Soil):
+                shaft = None
+                if shaft_share > 0:
+                    factor = shaft_share * resistance / on_shaft
+                    shaft = _unloaded(body.shaft, factor)
+            body = body.replace(shaft=shaft, strain=0.0)
         bodies.append(body)
     contacts = list(system.contacts)
     toe: Any = contacts[row.toe]
     contacts[row.toe] = toe.replace(resistance=(1 - shaft_share) * resistance)
     gaps = [max(0.0, float(gap)) for gap in system.gaps]
     return system.replace(bodies=bodies, contacts=contacts, gaps=gaps)
+
+
+def _unloaded(soil: Any, factor: float) -> Soil:
+    """Soil of a resistance larger by a factor, with nothing mobilised."""
+    resistance = scaled(soil.resistance, factor)
+    unloaded: Soil = soil.replace(resistance=resistance, mobilised=0.0)
+    return unloaded
 
 
 def _point(system: System, resistance: float, settings: Settings) -> BearingPoint:
@@ -308,7 +315,11 @@ def _point(system: System, resistance: float, settings: Settings) -> BearingPoin
     fine = _blow(pile, resistance, settings)
     # Both have the same duration, so that they saw the same stresses.
     coarser = settings._replace(cells=settings.cells // 2, until=fine.solution.t_end)
-    coarse = _blow(pile, resistance, coarser)
+    try:
+        coarse = _blow(pile, resistance, coarser)
+    except InvalidModel as error:
+        message = f"half of them are too few for the stated errors: {error}"
+        raise invalid_argument("cells", message) from error
     compression = -fine.compression.stress
     tension = fine.tension.stress
     stress_change = max(

@@ -10,6 +10,7 @@ with the stiffness s of springs and k of soil that does not yield. A contact is 
 cannot pull: where it would, it opens.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -119,6 +120,8 @@ def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
         if stays:
             is_fixed[nodes_of(row, mesh, i)] = True
     stiffness = mesh.cells.relaxed
+    shafts = soil_of(mesh, step=1.0)
+    resists_at_rest = shafts["ultimate"] > 0  # drag does not
     return Chain(
         system=system,
         row=row,
@@ -128,7 +131,7 @@ def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
         weight=mesh.mass * float(system.gravity),
         stiffness=stiffness,
         tension=_tensions(row, mesh),
-        soil=soil_of(mesh, step=1.0),
+        soil=shafts[resists_at_rest],
         contacts=_contacts(row, mesh, is_moving, float(stiffness.max(initial=0.0))),
     )
 
@@ -192,13 +195,14 @@ def _contacts(
     linear = []
     rigid = []
     for k, link in row.by_law.items():
-        law: Any = system.contacts[k]
+        law = system.contacts[k]
         if not _can_bear(system, is_moving, k):
             continue
         _, right_node = mesh.touching[link]
         stiffness = 0.0
         if isinstance(law, Joint | Spring | SpringDashpot | Plastic):
-            stiffness = float(law.stiffness)
+            linear_law: Any = law
+            stiffness = float(linear_law.stiffness)
         elif not isinstance(law, Rigid):
             message = (
                 "has no constant stiffness, with which rest is computed; use Spring, "
@@ -361,12 +365,22 @@ def yielding_places(chain: Chain, equilibrium: Equilibrium) -> list[tuple[str, s
             x = cell_edges(chain.row, chain.mesh, i)[node - first_node]
             places.append((f"bodies.{i}.shaft", f"the soil yields at {x:.6g} m"))
     for contact, overlap in zip(chain.contacts, equilibrium.overlaps, strict=True):
-        law: Any = chain.system.contacts[contact.number]
         force = contact.stiffness * overlap
-        is_plastic = isinstance(law, Plastic) and law.hardening == 0
-        if is_plastic and force > float(law.yield_force) * (1 + YIELD_RTOL):
+        if force > _flow_force(chain, contact) * (1 + YIELD_RTOL):
             places.append((f"contacts.{contact.number}", "the contact yields"))
     return places
+
+
+def _flow_force(chain: Chain, contact: Contact) -> float:
+    """Force at which a contact yields without hardening, N; inf for other laws.
+
+    A cushion, which hardens, may yield on.
+    """
+    law: Any = chain.system.contacts[contact.number]
+    is_plastic = isinstance(law, Plastic)
+    if not is_plastic or law.hardening > 0:
+        return math.inf
+    return float(law.yield_force)
 
 
 def check_bears(chain: Chain, equilibrium: Equilibrium) -> None:
@@ -429,10 +443,7 @@ def can_yield(chain: Chain, equilibrium: Equilibrium, energy: float) -> bool:
         if np.any(is_soil & (forces >= soil["ultimate"])):
             return True
     for contact, overlap in zip(chain.contacts, equilibrium.overlaps, strict=True):
-        law: Any = chain.system.contacts[contact.number]
-        if not isinstance(law, Plastic) or law.hardening > 0:
-            continue  # a cushion may yield on
-        left = float(law.yield_force) / contact.stiffness - max(0.0, overlap)
+        left = _flow_force(chain, contact) / contact.stiffness - max(0.0, overlap)
         if left <= 0 or contact.stiffness * left**2 / 2 <= energy:
             return True
     return False

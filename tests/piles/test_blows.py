@@ -198,6 +198,22 @@ def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():
     assert series[0].blow_count == pytest.approx(1 / series[0].set)
 
 
+def test_drag_along_a_shaft_bears_nothing_at_rest():
+    dragged = PILE.replace(length=2.0, shaft=ri.Drag(3e3))
+    system = ri.System(
+        [RAM, dragged, PILE, ri.Wall()], contacts=[CUSHION, ri.Bonded(), TOE]
+    )
+
+    (blow,) = ri.blows(ri.at_rest(system.replace(gravity=9.81), 20), 1, cells=20)
+    graph = ri.bearing_graph(system, 600e3, cells=16, until=0.01)
+
+    assert blow.is_over
+    assert blow.next_system.bodies[1].shaft == dragged.shaft
+    assert graph.shaft_share == 0.5
+    with pytest.raises(ri.InvalidModel, match=r"cells: half of them are too few"):
+        ri.bearing_graph(system, 600e3, cells=8, until=0.01)
+
+
 def test_places_count_from_the_head_of_a_pile_of_two_rods():
     half = PILE.replace(length=7.5, shaft=SOIL.replace(resistance=150e3))
     two = ri.System([RAM, half, half, ri.Wall()], contacts=[CUSHION, ri.Bonded(), TOE])
