@@ -99,5 +99,5 @@ def run(args: Arguments) -> CommandResult:
     )
     status = status_of(solution)
     if status != DONE:
-        text = f"{text}\n{solution.status}"
+        text = f"{text}\n{args.name_entries(solution.status)}"
     return CommandResult(text, status)

@@ -18,7 +18,13 @@ from ..model.frozen import Problems, raise_if_problems
 from ..storage.writing import check_target
 from ..units import parse, shown, shown_path
 from .exit_status import DONE, INCOMPLETE, MISTAKE
-from .messages import complain, option_of, print_progress
+from .messages import (
+    NOT_QUOTED,
+    ONLY_ARGUMENTS,
+    complain,
+    option_of,
+    print_progress,
+)
 
 T = TypeVar("T")
 RUN_NUMBERS = {
@@ -169,6 +175,21 @@ class Arguments(argparse.Namespace):
         if checked is not None and case is not None:
             self.build_or_add_problems(checked.method_for, case.system, names=entries)
         return options
+
+    def name_entries(self, text: str) -> str:
+        """The text with entries of the case in place of the arguments that they gave.
+
+        Options stand for the other arguments when the text is printed.
+        """
+        for name in RUN_NUMBERS:
+            entry = self.options.get(name, "")
+            if not entry.startswith("solve."):
+                continue
+            pattern = rf"{NOT_QUOTED}{name}="
+            if name in ONLY_ARGUMENTS:
+                pattern += r"?(?!\w)"
+            text = re.sub(pattern, entry, text)
+        return text
 
     # Output files
 

@@ -64,10 +64,10 @@ PHRASES = {
 }
 """Words of the command line in place of calls of Python, by a pattern of their text."""
 
-_NOT_QUOTED = r"(?<![-\w.'\"])"  # no option, key of a case file, or text of the user
+NOT_QUOTED = r"(?<![-\w.'\"])"  # no option, key of a case file, or text of the user
 _WITH_VALUE = rf'(?P<named>{"|".join(ARGUMENTS)})=(?:True|"(?P<value>[^"]*)")?'
 _BARE = rf"(?P<bare>{'|'.join(ONLY_ARGUMENTS)})\b"
-_ARGUMENT = re.compile(rf"{_NOT_QUOTED}(?:{_WITH_VALUE}|{_BARE}|\(until\))")
+_ARGUMENT = re.compile(rf"{NOT_QUOTED}(?:{_WITH_VALUE}|{_BARE}|\(until\))")
 _GRID = re.compile(r'vary=\{"([^"]+)": "([^"]+)"\}')
 
 

@@ -73,7 +73,7 @@ def run(args: Arguments) -> CommandResult:
         text = solution_json(solution)
     else:
         text = solution_table(solution)
-    return CommandResult(text, status)
+    return CommandResult(args.name_entries(text), status)
 
 
 def _check_gauges(args: Arguments, positions: GaugePositions) -> None:

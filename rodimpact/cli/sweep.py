@@ -112,7 +112,7 @@ def run(args: Arguments) -> CommandResult:
     if args.json:
         return CommandResult(sweep_json(result, case.varied), status)
     table = sweep_table(result, case.varied, OUTPUT_HINT)
-    return CommandResult(table, status)
+    return CommandResult(args.name_entries(table), status)
 
 
 def _grids(args: Arguments) -> dict[str, str]:

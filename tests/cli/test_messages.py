@@ -70,11 +70,11 @@ def said_by(capsys, text, command, *options, name="case.toml"):
         (THREE, ["run"], "this row has 2; read the velocities instead"),
         (UNEQUAL, ["run", "--max-events", "3"], "Raise --max-events"),
         (HIT, ["run", "--until", "1 ns"], "Leave out --until"),
-        (HIT + "[solve]\nuntil = 1e-9", ["run", "--json"], "Leave out --until"),
+        (HIT + "[solve]\nuntil = 1e-9", ["run", "--json"], "Leave out solve.until"),
         (
             UNEQUAL + CAPPED,
             ["animate", "-o", "film.gif"],
-            "Raise --max-events",
+            "Raise solve.max_events",
         ),
         (
             UNEQUAL,
