@@ -64,6 +64,17 @@ class BearingPoint(NamedTuple):
         Whether the blow came to its end, so that the set is final.
     status : str
         The same in a sentence.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> pile = ri.Rod(15.0, area=9.4e-3, material=ri.materials.steel)
+    >>> toe = ri.SmithToe(resistance=1.0, quake=2.5e-3, damping=0.5)
+    >>> ram = ri.RigidMass(4536.0, velocity=3.466)
+    >>> system = ri.System([ram, pile, ri.Wall()], contacts=[ri.Spring(5e8), toe])
+    >>> (point,) = ri.bearing_graph(system, 400e3, cells=20).points
+    >>> point.toe, round(1 / point.blow_count, 3) == round(point.set, 3)
+    (400000.0, True)
     """
 
     resistance: float
