@@ -255,7 +255,7 @@ def _signals(
         doubt = _clipping(table, j)
         values, si = _take_in_si(table, j, unit, "units")
         if doubt:
-            warnings.warn(doubt, ClippedSignal, stacklevel=3)
+            warnings.warn(doubt, ClippedSignal, stacklevel=4)
         signals[name] = signal_of(values, times[: len(values)], si, name)
     return signals
 
@@ -336,7 +336,7 @@ def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
             "'ns', or give the head of the column of times as time="
         )
 
-    return checked_times(times, name, table.place_of, stacklevel=5)
+    return checked_times(times, name, table.place_of, stacklevel=6)
 
 
 def _clipping(table: ColumnTable, column: int) -> str:

@@ -156,7 +156,7 @@ def reduce(
             else:
                 reduction = _reduce_two_bars(records, limit, report)
     for doubt in reduction.doubts:
-        warnings.warn(doubt, DoubtfulReduction, stacklevel=2)
+        warnings.warn(doubt, DoubtfulReduction, stacklevel=3)
     return reduction
 
 
