@@ -211,12 +211,12 @@ def _fit_with_addition(
     """Fit with more numbers, from the end of a fit without them."""
     grids = _grids(task, vary)
     objective = grids.fine
-    known = {}
+    value_at = {}
     for number, scaled_value in zip(base.objective.numbers, base.end.x, strict=True):
-        known[number.path] = scaled_value
+        value_at[number.path] = scaled_value
     start = objective.point_at(objective.initial_shares)
     for i, number in enumerate(objective.numbers):
-        start[i] = known.get(number.path, start[i])
+        start[i] = value_at.get(number.path, start[i])
     start = np.clip(start, objective.low, objective.high)
     sizes = sizes_of_numbers(objective, start)
     end = search_on(grids, start, sizes)

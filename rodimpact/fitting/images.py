@@ -19,7 +19,7 @@ from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..records import filters
 from ..records.signal import Signal
-from ..records.waveguide import SLOW_WAVE_RATIO
+from ..records.waveguide import SLOW_WAVE_RATIO, Waveguide
 from ..results.solution import Solution
 
 
@@ -51,8 +51,7 @@ class Place(NamedTuple):
         rod = solution.system.bodies[self.body]
         assert isinstance(rod, Rod)
         bar = waves.Bar.of(rod, self.radius)
-        segment = rod.segments[0]
-        stiffness = float(segment.material.youngs_modulus * segment.area)  # E A
+        stiffness = Waveguide(rod, signal.dt).stiffness  # E A
         length = float(rod.length)
         farthest = signal.end * bar.wave_speed + 2 * length
         travel_samples = farthest / bar.wave_speed / signal.dt

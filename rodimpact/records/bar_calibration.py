@@ -142,14 +142,14 @@ def calibrate_bar(
     way = scalar("distance", distance, "m", "positive")
     of_kind("bar", bar, Rod, "Rod(2.0, diameter=0.02, material=steel)")
     if first.unit != second.unit:
-        message = f"must be in the unit of first, {first.unit or '1'}"
-        raise invalid_argument("second", f"{message}, got {second.unit or '1'}")
+        message = f"must be in the unit of first, {first.unit!r}, got {second.unit!r}"
+        raise invalid_argument("second", message)
     if bar.segments[0].material.poisson_ratio is None:
         bar = _with_poisson_ratio(bar, USUAL_POISSON_RATIO)
     pair = _pair(first, second, way, waves.Bar.of(bar))
-    found = _least_squares(pair)
-    values = found.values
-    errors = found.errors
+    search_end = _least_squares(pair)
+    values = search_end.values
+    errors = search_end.errors
     return BarCalibration(
         bar=with_speed(_with_poisson_ratio(bar, values.nu), values.speed),
         wave_speed=values.speed,
@@ -158,7 +158,7 @@ def calibrate_bar(
         poisson_ratio_error=errors.nu,
         gain=values.gain,
         gain_error=errors.gain,
-        misfit=found.misfit,
+        misfit=search_end.misfit,
     )
 
 
@@ -247,7 +247,7 @@ def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pa
     return _Pair(first, second, distance, start, bar.radius, compared, level)
 
 
-class _Found(NamedTuple):
+class _SearchEnd(NamedTuple):
     """End of the least-squares search."""
 
     values: _Numbers
@@ -255,7 +255,7 @@ class _Found(NamedTuple):
     misfit: float
 
 
-def _least_squares(pair: _Pair) -> _Found:
+def _least_squares(pair: _Pair) -> _SearchEnd:
     """Best numbers; the variables count from `pair.start` in `units`, and begin at 1."""
     from scipy.optimize import least_squares
 
@@ -280,7 +280,8 @@ def _least_squares(pair: _Pair) -> _Found:
             predicted / pair.level,
             np.full(len(here), 1 / pair.level),
         ]
-        return np.stack(columns, axis=1) * units
+        scaled: Floats = np.stack(columns, axis=1) * units
+        return scaled
 
     low = np.full(len(start), -np.inf)
     high = np.full(len(start), np.inf)
@@ -301,7 +302,7 @@ def _least_squares(pair: _Pair) -> _Found:
     independent_share = min(1.0, 2 * bar.cut_off * pair.second.dt)
     covariance = np.linalg.inv(end.jac.T @ end.jac) * mean_square / independent_share
     errors = units * np.sqrt(np.diag(covariance))
-    return _Found(
+    return _SearchEnd(
         values=numbers_at(end.x),
         errors=_Numbers(*errors.tolist()),
         misfit=math.sqrt(mean_square),
