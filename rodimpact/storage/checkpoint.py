@@ -178,7 +178,9 @@ class Checkpoint:
 
     def _write(self, file: Path, start: int, stop: int) -> None:
         """Write the members from `start` to `stop` to a file."""
-        part = {name: column[start:stop] for name, column in self.columns.items()}
+        part = {}
+        for name, column in self.columns.items():
+            part[name] = column[start:stop]
         document = {"sweep": self._sweep, "start": start}
         try:
             write_npz(file, KIND, document, part, force=True)

@@ -134,7 +134,8 @@ def names_of_numbers(bodies: int) -> list[str]:
     names = [*OUTCOME_ENERGIES]
     for by_owner, count in ((BY_BODY, bodies), (BY_CONTACT, bodies - 1)):
         for name in by_owner:
-            names += [f"{name}.{owner}" for owner in range(count)]
+            for owner in range(count):
+                names.append(f"{name}.{owner}")
     return names
 
 
