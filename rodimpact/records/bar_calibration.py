@@ -135,7 +135,16 @@ def calibrate_bar(
 
     Examples
     --------
-    See `BarCalibration`.
+    >>> import numpy as np, rodimpact as ri
+    >>> steel = ri.Material("steel", youngs_modulus=2e11, density=8000, poisson_ratio=0.29)
+    >>> bar = ri.Rod(3.0, diameter=0.02, material=steel)       # c0 = 5000 m/s
+    >>> shape = np.clip(np.minimum(np.arange(400) - 50, 170 - np.arange(400)) / 10, 0, 1)
+    >>> first = ri.Signal(shape, dt=5e-7)
+    >>> second = first.extended(after=2e-4).propagated(2.0, bar)
+    >>> guess = bar.replace(material=steel.replace(youngs_modulus=2.1e11, poisson_ratio=0.33))
+    >>> found = ri.calibrate_bar(first, second, 2.0, guess)
+    >>> round(found.wave_speed, 1), round(found.poisson_ratio, 3)
+    (5000.0, 0.29)
     """
     of_kind("first", first, Signal, "incident.window(0.0, 2e-4)")
     of_kind("second", second, Signal, "incident.window(4e-4, 6e-4)")
