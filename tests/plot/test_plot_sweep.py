@@ -609,7 +609,7 @@ MASSES = rods_and_masses()
     ],
 )
 def test_parameters_in_words(system, name, largest, label):
-    words = labels.parameter(system, name)
+    words = labels.quantity_of_parameter(system, name)
 
     assert scale_of(words, largest).label == label
 
@@ -627,7 +627,7 @@ def test_parameters_in_words(system, name, largest, label):
     ],
 )
 def test_results_in_words(system, name, largest, label):
-    words = labels.outcome(system, name)
+    words = labels.quantity_of_column(system, name)
 
     assert scale_of(words, largest).label == label
 
