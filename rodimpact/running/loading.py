@@ -85,5 +85,6 @@ def _solve_again(name: str) -> Solution:
     solution = solve(case.system, **case.solve)
     differences = difference(case.result, solution)
     if differences:
-        warnings.warn(f"{name}: {differences}", OutcomeDiffers, stacklevel=3)
+        # The line that calls `load`, whose frame is behind that of its decorator.
+        warnings.warn(f"{name}: {differences}", OutcomeDiffers, stacklevel=4)
     return solution

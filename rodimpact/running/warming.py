@@ -47,7 +47,7 @@ def warm() -> float:
     reason = kernels.why_not()
     if reason:
         message = f"nothing can be compiled: {reason}"
-        warnings.warn(message, kernels.NoCompiler, stacklevel=2)
+        warnings.warn(message, kernels.NoCompiler, stacklevel=3)
         return 0.0
     for name in METHODS:
         warm_method(name)
