@@ -794,3 +794,26 @@ def test_grazing_is_up_to_the_tolerance(closing, episodes):
     bodies = [unit_rod(velocity=closing), unit_rod(), unit_rod(velocity=1.0)]
     solution = solve_row(bodies, 0.25, dt=1 / 32, gaps=[0.0, 1.0])
     assert solution.outcome.contacts[0].episodes == episodes
+
+
+@pytest.mark.parametrize("end", [ri.Fixed(), ri.Moved(0.5)])
+def test_a_rod_that_hangs_stays_as_it_is_from_the_first_step_on(end):
+    """What holds the rod falls behind the frame in the first half step as in all others."""
+    cells = 20
+    edges = np.arange(cells + 1) / cells
+    material = ri.Material("soft", youngs_modulus=1.0, density=1.0)
+    strain = 0.1 * (1 - (edges[1:] + edges[:-1]) / 2)  # of a rod under its weight
+    velocity = 0.5 * isinstance(end, ri.Moved)
+    rod = ri.Rod(
+        1.0,
+        area=1.0,
+        material=material,
+        velocity=velocity,
+        strain=ri.Steps(strain, at=edges[1:-1]),
+    )
+    system = ri.System([rod], ends=(end, ri.Free()), gravity=0.1)
+
+    run = ri.solve(system, until=1.0, cells=cells, method="finite-difference")
+
+    velocities = run.velocity(0, edges[:, None], [0.0, 0.3, 1.0])
+    assert np.abs(velocities - velocity).max() < 1e-12

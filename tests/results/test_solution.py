@@ -325,7 +325,7 @@ def test_to_xarray_asks_every_field(mixed, data, field, inside_wall):
 
 
 def test_to_xarray_has_contacts_and_energies(mixed, data):
-    sizes = {"body": 4, "x": 4, "time": 3, "contact": 3, "part": 13}
+    sizes = {"body": 4, "x": 4, "time": 3, "contact": 3, "part": 14}
     assert dict(data.sizes) == sizes
     assert data["kind"].values.tolist() == ["wall", "rod", "rod", "rod"]
     gap = mixed.contacts[1].gap(TIMES)

@@ -134,7 +134,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     row = mesh.row
     force = np.diff(tension)
     soil = grid.soil
-    v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
+    ground = grid.run["ground_velocity"] + grid.run["ground_acceleration"] / 2
+    v = grid.velocity[soil["node"]] - ground  # mean of the ground over the step
     np.subtract.at(force, soil["node"], soil["resistance"] + soil["damping"] * v)
     for side, (kind, _) in enumerate(row.boundaries):
         node = mesh.ends[side]
@@ -158,8 +159,10 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
             force[left] -= push
             force[right] += push
     factors = scheme.Factors(grid.lower, grid.inverse_diagonal, grid.upper)
+    # In the frame that falls, what is held gains velocity as the ground does.
+    held = grid.run["ground_acceleration"] / 2
     return scheme.velocity_changes(
-        factors, np.where(mesh.is_prescribed == 1, 0.0, force / 2)
+        factors, np.where(mesh.is_prescribed == 1, held, force / 2)
     )
 
 
