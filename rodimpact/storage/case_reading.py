@@ -389,7 +389,8 @@ def read_ends(sides: Table) -> list[End]:
         if sides.has(side):
             table = sides.table(side)
             kind = table.get("kind")
-            if kind not in EARLIER_KINDS:
+            is_earlier = isinstance(kind, str) and kind in EARLIER_KINDS
+            if not is_earlier:
                 kind = table.word("kind", ENDS)
             if kind is not None:
                 end = table.build(ENDS[EARLIER_KINDS.get(kind, kind)])
