@@ -110,7 +110,7 @@ class DirectImpactShot:
         timing_error = format_si(timing_error_of(self.output), "s", 2)
         return (
             f"velocity of the input face from the momentum of the striker, {kind}; the impact is "
-            f"where the rise of the force comes from zero, within some {timing_error}"
+            f"when the force begins to rise from zero, within some {timing_error}"
         )
 
 

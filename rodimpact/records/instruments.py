@@ -26,7 +26,7 @@ YOKOGAWA = {"tracename", "hresolution", "hoffset"}
 KEYSIGHT = {"revision", "xinc", "xorg"}
 """Entries of Keysight Infiniium scopes, whose rows have a time before each value."""
 KEYSIGHT_ENTRY = re.compile(r"([A-Za-z]+)\s*:\s*,?(.*)")
-BESIDE = 3
+COLUMNS_BESIDE = 3
 """Columns of entries that Tektronix writes to the left of a table."""
 MAX_ENTRY_LINES = 100
 """Lines that are searched for entries."""
@@ -75,10 +75,11 @@ def find_layout(lines: list[str]) -> Layout:
         cells = [cell.strip(' "') for cell in line.split(mark)]
         name = cells[0].casefold()
         entries[name] = cells[1:]
+        # The row of heads stands below all entries, which are complete now.
         if name == LABVIEW_HEAD and LABVIEW in entries:
             return _labview_layout(index, cells, entries, mark)
     if lines[0].startswith(LECROY):
-        return Layout("Time [s],Ampl [V]", as_written)
+        return Layout(head="Time [s],Ampl [V]", table_line=as_written)
     if len(lines) > 1 and set(_cells(lines[0])) >= RIGOL_HEADS:
         return _rigol_layout(_cells(lines[0]), _cells(lines[1]))
     if entries.keys() >= YOKOGAWA:
@@ -88,8 +89,9 @@ def find_layout(lines: list[str]) -> Layout:
         return _keysight_layout(lines[0], keysight)
     is_tektronix = any(name in entries for name in TEKTRONIX)
     if is_tektronix and "horizontal units" in entries:
-        return _tektronix_layout(lines[0].count(",") >= BESIDE, entries)
-    return Layout("", as_written)
+        is_beside = lines[0].count(",") >= COLUMNS_BESIDE
+        return _tektronix_layout(entries, is_beside)
+    return Layout(head="", table_line=as_written)
 
 
 def _cells(line: str) -> list[str]:
@@ -125,7 +127,8 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
         time = start + int(number) * step
         return ",".join([repr(time), *values[: start_column - 1]])
 
-    return Layout(",".join([_head("time", "s"), *channels]), table_line)
+    head = ",".join([_head("time", "s"), *channels])
+    return Layout(head, table_line)
 
 
 def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
@@ -161,7 +164,8 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
 
     units = [spelt(unit) for unit in entries.get("vunit", [])]
     time_unit = spelt(first_value(entries, "hunit", "s"))
-    return Layout(_head_line(channels, units, time_unit, ","), table_line)
+    head = _head_line(channels, units, time_unit, mark=",")
+    return Layout(head, table_line)
 
 
 def _has_numbers_alone(line: str) -> bool:
@@ -203,7 +207,8 @@ def _keysight_layout(first_line: str, entries: Entries) -> Layout:
         channel = names[-1].strip(' "')
     time_unit = spelt(first_value(entries, "xunits", "s"))
     unit = spelt(first_value(entries, "yunits", "V"))
-    return Layout(_head_line([channel], [unit], time_unit, ","), as_written)
+    head = _head_line([channel], [unit], time_unit, mark=",")
+    return Layout(head, table_line=as_written)
 
 
 def _labview_layout(
@@ -224,7 +229,8 @@ def _labview_layout(
     if count.isdecimal():
         channels = channels[: int(count)]  # a column of comments follows
     units = entries.get("y_unit_label", [])
-    return Layout(_head_line(channels, units, "s", mark), table_line)
+    head = _head_line(channels, units, time_unit="s", mark=mark)
+    return Layout(head, table_line)
 
 
 def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
@@ -250,32 +256,35 @@ def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
     return table_line
 
 
-def _tektronix_layout(is_beside: bool, entries: Entries) -> Layout:
-    """Layout of a file whose table stands below its entries or beside them."""
-    time = first_value(entries, "horizontal units", "")
+def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
+    """Layout of a file whose table stands below its entries, or beside them: to their right."""
+    time_unit = first_value(entries, "horizontal units", "")
     units = entries.get("vertical units", [])
-    if "time" in entries:
-        return Layout(_head_line(entries["time"], units, time, ","), as_written)
+    if "time" in entries:  # this entry is the row of heads
+        head = _head_line(entries["time"], units, time_unit, mark=",")
+        return Layout(head, table_line=as_written)
     if not is_beside:
-        return Layout("", as_written)
+        return Layout(head="", table_line=as_written)
     channel = first_value(entries, "source", "CH1")
 
     def table_line(_: int, line: str) -> str:
-        return line.split(",", BESIDE)[-1]
+        return line.split(",", COLUMNS_BESIDE)[-1]
 
-    return Layout(_head_line([channel], units[:1], time, ","), table_line)
+    head = _head_line([channel], units[:1], time_unit, mark=",")
+    return Layout(head, table_line)
 
 
-def _head_line(channels: list[str], units: list[str], time: str, mark: str) -> str:
-    """A line of heads: a single unit is that of all channels; a channel may have none.
+def _head_line(channels: list[str], units: list[str], time_unit: str, mark: str) -> str:
+    """A line of heads, with `mark` between them: the time, then the channels.
 
-    Columns without a name, and one of comments, have no numbers.
+    A single unit is that of all channels; a channel may have none. Columns without a name, and one
+    of comments, have no numbers.
     """
     while units and not units[-1]:
         units = units[:-1]
     if len(units) == 1:
         units = units * len(channels)
-    heads = [_head("time", time)]
+    heads = [_head("time", time_unit)]
     for channel, unit in zip_longest(channels, units, fillvalue=""):
         if channel and channel.casefold() != "comment":
             heads.append(_head(channel, unit))

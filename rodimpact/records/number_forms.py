@@ -95,6 +95,9 @@ class TableStart(NamedTuple):
 def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableStart:
     """The first line of numbers, and how it is cut into them.
 
+    The form is that of the first `FIRST_ROWS` rows of equally many numbers. The table may begin
+    above them, see `_first_row`.
+
     Parameters
     ----------
     lines : list of str
@@ -113,41 +116,58 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
         is_wanted = decimal in (None, form.decimal)
         if is_wanted and (form != QUOTED or survey.quotes_commas):
             forms.append(form)
-    start = 0
     matching: list[NumberForm] = []
-    while start < len(lines) and not matching:
-        matching = _forms_from(lines, start, forms)
-        start += 1
+    start = 0
+    for index in range(len(lines)):
+        matching = _forms_from(lines, index, forms)
+        if matching:
+            start = index
+            break
     if not matching:
         raise FileFormatError(f"has no table of numbers{_why_none(lines, forms)}")
-    start -= 1
     form = _chosen(matching, lines, start, survey)
-    # The table begins at the first row of as many numbers, two or more: below it may stand
-    # rows of other lengths, such as one without some channels. A line without any number ends
-    # the search: what is above it belongs to the head.
-    count = form.count_numbers(lines[start])
-    first = start
-    for earlier in reversed(range(start)):
-        cells = form.cells(lines[earlier])
-        if any(cells) and not any(map(form.is_number, cells)):
-            break
-        if form.count_numbers(lines[earlier]) == count > 1:
-            first = earlier
-    return TableStart(form, first)
+    return TableStart(form, _first_row(lines, start, form))
 
 
 def _forms_from(
     lines: list[str], start: int, forms: list[NumberForm]
 ) -> list[NumberForm]:
-    """Forms by which the rows from a line on, or all that follow, have equally many numbers."""
-    rows = list(filter(str.strip, lines[start : start + 2 * FIRST_ROWS]))
+    """Forms by which the first `FIRST_ROWS` rows from a line on have equally many numbers.
+
+    Blank lines between them do not count; there may be fewer rows, if the lines end.
+    """
+    # A blank line may stand below each row.
+    nearest = lines[start : start + 2 * FIRST_ROWS]
+    filled = list(filter(str.strip, nearest))
+    first_rows = filled[:FIRST_ROWS]
     matching = []
     for form in forms:
         count = form.count_numbers(lines[start])
-        counts = set(map(form.count_numbers, rows[:FIRST_ROWS]))
-        if count and counts <= {count}:
+        counts = set(map(form.count_numbers, first_rows))
+        if count > 0 and counts == {count}:  # all rows have as many
             matching.append(form)
     return matching
+
+
+def _first_row(lines: list[str], start: int, form: NumberForm) -> int:
+    """Index of the first row of the table, whose form is that of the rows from `start` on.
+
+    It is the first row of as many numbers as that at `start`, two or more: below it may stand rows
+    of other lengths, such as one without some channels. A line of words ends the search: what is
+    above it belongs to the head. A blank line does not.
+    """
+    count = form.count_numbers(lines[start])
+    if count == 1:
+        return start
+    first = start
+    for earlier in reversed(range(start)):
+        cells = form.cells(lines[earlier])
+        is_head = any(cells) and not any(map(form.is_number, cells))
+        if is_head:
+            break
+        if form.count_numbers(lines[earlier]) == count:
+            first = earlier
+    return first
 
 
 def _chosen(

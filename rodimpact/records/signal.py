@@ -452,7 +452,9 @@ class Signal(Frozen):
         """
         of_kind("other", other, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         if scale is not None:
-            self._same_unit(other, "compared with a fixed scale; leave scale out")
+            self._require_same_unit(
+                other, what_cannot_be="compared with a fixed scale; leave scale out"
+            )
         return misfit_of(
             TimeSeries(self.times, self.values),
             TimeSeries(other.times, other.values),
@@ -460,18 +462,22 @@ class Signal(Frozen):
             bounds_of("scale", scale, ""),
         )
 
-    def _same_unit(self, other: Signal, done: str) -> None:
+    def _require_same_unit(self, other: Signal, what_cannot_be: str) -> None:
+        """Raise ValueError unless both have one unit; it ends with ``cannot be ...``."""
         if self.unit != other.unit:
             raise ValueError(
                 f"{self._title} is in {_unit_text(self.unit)} and {other._title} in "
-                f"{_unit_text(other.unit)}; they cannot be {done}"
+                f"{_unit_text(other.unit)}; they cannot be {what_cannot_be}"
             )
 
     def _operand(self, other: Any, done: str) -> Any:
-        """The addend: a number in `unit`, or the values of a signal at the same times."""
+        """The addend: a number in `unit`, or the values of a signal at the same times.
+
+        `done` is what is done with it, in errors: "added" or "subtracted".
+        """
         if not isinstance(other, Signal):
             return _single_number(other, self.unit)
-        self._same_unit(other, done)
+        self._require_same_unit(other, what_cannot_be=done)
         if not np.array_equal(self.times, other.times):
             raise ValueError(
                 f"{self._title} and {other._title} have different times; use "

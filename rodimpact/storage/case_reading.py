@@ -273,6 +273,7 @@ def read_drag(table: Table) -> Drag | None:
     """The drag along a rod; None if it has mistakes."""
     entries = table.entries(Drag)
     if isinstance(table.get("coefficient"), dict):
+        # A table is a profile along the rod, and per length: in N s/m^2, not N s/m.
         entries["coefficient"] = table.number("coefficient", COEFFICIENT_PER_LENGTH)
     drag: Drag | None = table.make(Drag, **entries)
     table.close()
@@ -283,6 +284,7 @@ def read_soil(table: Table) -> Soil | None:
     """The soil along a rod; None if it has mistakes."""
     entries = table.entries(Soil)
     if isinstance(table.get("resistance"), dict):
+        # A table is a profile along the rod, and per length: in N/m, not N.
         entries["resistance"] = table.number("resistance", RESISTANCE_PER_LENGTH)
     if table.has("law"):
         word = table.word("law", DAMPING_LAWS)
@@ -316,9 +318,13 @@ class Contacts(NamedTuple):
 def read_contacts(
     top: Table, bodies: list[Body | None], library: Materials
 ) -> Contacts:
-    """Gaps and contact laws, as the constructor of a system takes them."""
+    """Gaps and contact laws, as the constructor of a system takes them.
+
+    Without tables of contacts all of them are rigid and have no gap, but a grid may say otherwise.
+    """
     tables = top.tables("contacts")
     if not top.has("contacts"):
+        # Empty tables give each contact the defaults, and grids at their paths.
         for i in range(len(bodies) - 1):
             tables.append(Table(top.reading, f"contacts.{i}", {}))
     gaps = []
@@ -450,25 +456,33 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
 
 
 def check_grids(top: Table, system: System | None) -> None:
-    """Note grids of unknown numbers, and grids that change nothing."""
+    """Note grids of unknown numbers, and grids that change nothing.
+
+    They are all those that were given for this file. The grid of a number has had its values
+    since the number was read; that of a variable gets them here, in `Grid.varied`.
+    """
     reading = top.reading
-    # The numbers of a table that could not be read are unknown.
-    unread = [re.sub(r"\.(kind|law)$", "", path) + "." for path in reading.mistakes]
+    # With a wrong kind or law a table is not read, and its numbers are not known.
+    unread_tables = []
+    for path in reading.mistakes:
+        table_path = re.sub(r"\.(kind|law)$", "", path)
+        unread_tables.append(f"{table_path}.")  # with this its paths begin
     variables = variables_of(reading.grids, reading.numbers)
     for path in reading.grids:
-        if path in variables:
+        if path in variables or path in reading.numbers:
             continue
-        if path not in reading.numbers and not path.startswith(tuple(unread)):
-            near = suggestion(path, reading.numbers)
-            top.note(path, f"is no number that can vary; {near}")
-    if system is None or reading.mistakes:  # stand-ins may not vary
-        return
+        if path.startswith(tuple(unread_tables)):
+            continue  # it may be a number all the same
+        near = suggestion(path, reading.numbers)
+        top.note(path, f"is no number that can vary; {near}")
+    if system is None or reading.mistakes:
+        return  # what stands in for an object with mistakes need not vary
     grids = reading.axes
     for grid in grids:
         if grid.path in variables:
             grid.varied = grid.amounts()
     shape = system.shape
-    if not shape:
+    if not shape:  # nothing varies: every grid changes nothing
         shape = (0,) * len(grids)
     for size, grid in zip(shape, grids, strict=True):
         if grid.varied is None or size != grid.varied.values.size:

@@ -99,16 +99,16 @@ class Table:
         self.keys[key] = None
         return self.data.get(key, default)
 
-    def grid(self, key: str) -> Grid | Tie | None:
-        """The grid or the tie that stands in for this number, which can vary."""
+    def grid_or_tie(self, key: str) -> Grid | Tie | None:
+        """The grid or the tie in place of this number; its path is noted as one that can vary."""
         path = self.where(key)
         self.reading.numbers[path] = None
         return self.reading.grids.get(path)
 
     def gives(self, key: str) -> bool:
-        """Whether this number is in the file, or a grid stands in for it."""
-        grid = self.grid(key)
-        return self.has(key) or grid is not None
+        """Whether this number is in the file, or a grid or a tie in its place; it can vary."""
+        varying = self.grid_or_tie(key)
+        return self.has(key) or varying is not None
 
     def entries(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
         """Numbers of the fields of a class that are given, and of those that must be.
@@ -162,7 +162,10 @@ class Table:
             return math.nan
 
     def numbers(self, key: str, dimension: str, vary: bool = True) -> Any:
-        """A list of numbers, each of which may vary or not; None for anything else."""
+        """A list of numbers; with `vary` a grid or a tie may be given in place of an item.
+
+        An item with a mistake is nan. Anything but a list is None; all mistakes are noted.
+        """
         values = self.get(key)
         if not isinstance(values, list):
             message = f"must be a list of numbers, got {shown(values)}"
@@ -174,9 +177,9 @@ class Table:
         for i, value in enumerate(values):
             item = f"{key}.{i}"
             if vary:
-                grid = self.grid(item)
-                if grid is not None:
-                    value = grid
+                varying = self.grid_or_tie(item)
+                if varying is not None:
+                    value = varying
             numbers.append(self.quantity(item, value, dimension))
         return numbers
 

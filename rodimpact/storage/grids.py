@@ -170,24 +170,25 @@ def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
         shape = [1] * len(axes)
         shape[axis] = -1
         grids[path] = Grid(path, texts[path], shape)
-    stand_ins: dict[str, Grid | Tie] = {}
+    by_path: dict[str, Grid | Tie] = {}
     for path, source in sources.items():
         if source == "":
-            stand_ins[path] = grids[path]
+            by_path[path] = grids[path]
         elif source in grids:
-            stand_ins[path] = Tie(path, texts[path], grids[source])
+            by_path[path] = Tie(path, texts[path], grids[source])
         else:
             message = f"is tied to {source}, which is tied itself; tie it to a grid"
             raise invalid_argument(path, message)
-    return stand_ins
+    return by_path
 
 
-def variables_of(
-    stand_ins: Mapping[str, Grid | Tie], numbers: Collection[str]
-) -> set[str]:
-    """Names of the grids that are variables: no numbers, and others are tied to them."""
+def variables_of(grids: Mapping[str, Grid | Tie], numbers: Collection[str]) -> set[str]:
+    """Names of the grids that are variables: no numbers, and others are tied to them.
+
+    `grids` are grids and ties by path, `numbers` the paths of numbers that can vary.
+    """
     names = set()
-    for tie in stand_ins.values():
+    for tie in grids.values():
         if isinstance(tie, Tie):
             name = tie.source.path
             if name not in numbers and VARIABLE.fullmatch(name):

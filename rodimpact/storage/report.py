@@ -118,7 +118,7 @@ def ring_down_table(ring_down: Any) -> str:
             f"the slowest to decay, {frequency}, falls to 1/e in",
             _duration(ring_down.modal_decay_time),
         ],
-        ["momentum changed by, relative", _residual(ring_down.momentum_change)],
+        ["momentum changed by, relative", _error_text(ring_down.momentum_change)],
     ]
     return align(rows)
 
@@ -261,16 +261,16 @@ def _balances_table(outcome: Any) -> str:
     """Restitution, and the relative errors of the balances."""
     restitution = "-"
     if not outcome.why_no_restitution():
-        restitution = f"{clean(outcome.restitution, 1.0):.9g}"
+        restitution = f"{clean(outcome.restitution, scale=1.0):.9g}"
     rows = [
         ["coefficient of restitution e", restitution],
-        ["momentum balance, relative error", _residual(outcome.momentum_residual)],
-        ["energy balance, relative error", _residual(outcome.energy_residual)],
+        ["momentum balance, relative error", _error_text(outcome.momentum_residual)],
+        ["energy balance, relative error", _error_text(outcome.energy_residual)],
     ]
     return align(rows)
 
 
-def _residual(value: float) -> str:
+def _error_text(value: float) -> str:
     """A relative error for a table."""
     if abs(value) < 1e-15:
         return "below 1e-15"
