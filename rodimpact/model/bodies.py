@@ -116,7 +116,9 @@ class Material(FrozenDataclass):
             )
             frozen.add_problem(problems, "wave_speed", message, wave_speed)
         if problems:
-            modulus = 1.0  # stands for the modulus of faulty numbers
+            modulus = (
+                1.0  # any: the other arguments are still checked, for one error of all
+            )
         self._set(
             name=name,
             youngs_modulus=modulus,
@@ -125,7 +127,7 @@ class Material(FrozenDataclass):
             viscosity=viscosity,
         )
         try:
-            self.__post_init__()
+            self.__post_init__()  # a dataclass with a constructor of its own does not call it
         except frozen.InvalidModel as error:
             problems += error.problems
         frozen.raise_if_problems(problems)
@@ -549,7 +551,7 @@ class Segment(FrozenDataclass):
         >>> [round(segment.area, 9) for segment in wedge.in_steps(2)]
         [0.00015, 0.00025]
         """
-        integer("n", n, 1, MAX_STEPS_PER_TAPER)
+        integer("n", n, low=1, high=MAX_STEPS_PER_TAPER)
         if not self.tapered:
             return [self]
         length = self.length / n
@@ -727,7 +729,7 @@ class Rod(Frozen, kind="rod"):
         >>> len(steps.segments), abs(steps.mass / cone.mass - 1) < 1e-14
         (200, True)
         """
-        count = integer("n", n, 1, MAX_STEPS_PER_TAPER)
+        count = integer("n", n, low=1, high=MAX_STEPS_PER_TAPER)
         pieces = []
         for segment in self.segments:
             pieces.extend(segment.in_steps(count))

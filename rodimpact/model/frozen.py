@@ -495,7 +495,10 @@ class Frozen:
         return kind(**parameters)  # type: ignore[no-any-return]
 
     def _parameters(self) -> dict[str, Any]:
-        """Parameters of the constructor that make this object, in a new dictionary."""
+        """Parameters of the constructor that make this object, in a new dictionary.
+
+        Attributes with an underscore are no parameters: they keep values for speed.
+        """
         return {name: v for name, v in self.__dict__.items() if name[0] != "_"}
 
     def to_dict(self) -> dict[str, Any]:
@@ -539,6 +542,7 @@ class Frozen:
         return hash(self.digest)
 
     def __repr__(self) -> str:
+        """The call that makes the object, without the parameters that are None."""
         parameters = []
         for name, value in self._parameters().items():
             if value is not None:
@@ -592,7 +596,8 @@ class Frozen:
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
         """A new object with ``change(array)`` in place of every array of numbers, unchecked.
 
-        Arrays in its parts are changed too; those that all members share stay.
+        Arrays in its parts are changed too; those that all members share stay. Values that are
+        kept for speed, in attributes with an underscore, are left out.
         """
 
         def mapped(value: Any) -> Any:
@@ -609,7 +614,7 @@ class Frozen:
         for name, value in self.__dict__.items():
             if name in self._shared_fields:
                 attributes[name] = value
-            elif name[0] != "_":
+            elif name[0] != "_":  # the others were found from the old arrays
                 attributes[name] = mapped(value)
         twin = object.__new__(type(self))  # without the checks of the constructor
         twin._set(**attributes)

@@ -508,9 +508,10 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
     """Mean values of steps between n + 1 edges, m or s, [n]."""
     jumps = np.array(steps.at, dtype=float)
     values = np.array(steps.values, dtype=float)
-    # Indices of the values at the left and the right edge of each interval
-    first = np.searchsorted(jumps, edges[:-1], "right")
-    last = np.searchsorted(jumps, edges[1:])
+    # Index of the first and the last value in each interval: just right of its left edge, and
+    # just left of its right one. A jump on an edge lies inside neither of two intervals.
+    first = np.searchsorted(jumps, edges[:-1], side="right")
+    last = np.searchsorted(jumps, edges[1:], side="left")
     means: Floats = values[first]
     has_jump = last > first
     for i in np.flatnonzero(has_jump):
@@ -539,8 +540,8 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
     else:
         width = float(samples.step)
     knots = width * np.arange(len(values))
-    first = np.searchsorted(knots, edges[0], "right")
-    last = np.searchsorted(knots, edges[-1], "left")
+    first = np.searchsorted(knots, edges[0], side="right")
+    last = np.searchsorted(knots, edges[-1], side="left")
     inner = knots[first:last]  # between the first and the last edge
     cuts = np.insert(edges, np.searchsorted(edges, inner), inner)
     heights = np.interp(cuts, knots, values)
@@ -566,7 +567,8 @@ def _averages_of_polynomials(
     integrals = primitives.sum(axis=1) * widths / 2
     integral_to_border = np.concatenate(([0.0], np.cumsum(integrals)))
     x = np.clip(edges, 0.0, length)
-    i = np.searchsorted(borders, x, "right") - 1  # interval in which each edge lies
+    # Index of the interval in which each edge lies
+    i = np.searchsorted(borders, x, side="right") - 1
     i = np.clip(i, 0, len(widths) - 1)
     y = 2 * (x - borders[i]) / widths[i] - 1  # place in the interval, -1 to 1
     primitive = chebyshev.chebval(y, primitives[i].T, tensor=False)

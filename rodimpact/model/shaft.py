@@ -1,4 +1,4 @@
-"""What acts along a rod: soil or drag."""
+"""What acts along the shaft of a rod: soil or drag."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from .profiles import flipped, negative
 from .soil import Soil
 
 Shaft: TypeAlias = Soil | Drag
+"""The resistance along a rod; not the rod itself."""
 SHAFTS: dict[str, type[Shaft]] = {kind.kind: kind for kind in get_args(Shaft)}
 
 
@@ -25,9 +26,13 @@ def along_rod(shaft: Shaft, length: Number | None) -> Shaft:
 
 
 def mirrored(shaft: Shaft, length: Number) -> Shaft:
-    """Shaft of a rod of this length, m, with left and right exchanged."""
+    """The soil or drag along a rod of this length, m, with left and right exchanged.
+
+    Profiles are read from the other end; numbers without a direction stay.
+    """
     if isinstance(shaft, Drag):
         return shaft.replace(coefficient=flipped(shaft.coefficient, length))
+    # A positive mobilised share pushes the rod to the left, which is to the right then.
     return shaft.replace(
         resistance=flipped(shaft.resistance, length),
         mobilised=negative(flipped(shaft.mobilised, length)),

@@ -99,12 +99,13 @@ def _error_of(
     for mesh, coarse in coarser:
         near_steps = coarse.fields.step * np.array(COMPARED_STEPS)
         times = np.clip(t[:, None] + near_steps, 0.0, fine.t_end)  # [time, near]
+        # A time counts where the coarser run reaches all the times near it.
         is_reached = times.max(axis=1) <= coarse.t_end
         if not is_reached.any():
             continue
         by_this_mesh = mesh.share * _difference(name, fine, coarse, times[is_reached])
         by_others = error[is_reached]
-        by_others[np.isinf(by_others)] = 0.0
+        by_others[np.isinf(by_others)] = 0.0  # this mesh is the first to be compared
         error[is_reached] = np.maximum(by_others, by_this_mesh)
     return error
 

@@ -36,9 +36,9 @@ class PassingWaves(NamedTuple):
     With velocity v, strain eps and wave speed c:
     """
 
-    rightward: Pieces  # v - c eps, m/s
-    leftward: Pieces  # v + c eps, m/s
-    difference: Pieces  # 2 c eps, m/s
+    rightward: Pieces  # A = v - c eps, m/s
+    leftward: Pieces  # B = v + c eps, m/s
+    difference: Pieces  # B - A = 2 c eps, m/s
     wave_speed: float  # c, m/s
 
 
@@ -190,6 +190,7 @@ class Fields(Protocol):
         latest = end * (1 + END_RTOL) + self.clock.tick  # times are rounded
         inside = (t >= 0) & (t <= latest)
         if not inside.all():
+            # `demand` puts the first value outside in place of {0!r}.
             message = f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}"
             demand(inside, "t", message, t)
         nearest = np.rint(t / self.clock.tick).astype(np.int64)
@@ -202,8 +203,10 @@ class Fields(Protocol):
 
     def edges(self, body: int) -> Floats:
         """Ends of the n segments of a rod, m from its left end, [n + 1]."""
-        first, last = self.clock.spans[body]
-        lengths = self.clock.length[first : last + 1]
+        first, last = self.clock.spans[body]  # segments in the row, counted from 1
+        lengths = self.clock.length[
+            first : last + 1
+        ]  # its entry 0 is outside of the row
         return np.array([0.0, *accumulate(lengths)])
 
     def locate(self, body: int, x: ArrayLike) -> Location:
@@ -212,15 +215,16 @@ class Fields(Protocol):
         A point between two segments lies in the right one.
         """
         self._check_rod(body)
-        first, last = self.clock.spans[body]
+        first, last = self.clock.spans[body]  # segments in the row, counted from 1
         x = array("x", x, "m")
         edges = self.edges(body)
         length = edges[-1]
         inside = (x >= 0) & (x <= length * (1 + END_RTOL))
         if not inside.all():
+            # `demand` puts the first value outside in place of {0!r}.
             message = f"must lie in body {body}, 0 to {length:.9g} m, got {{0!r}}"
             demand(inside, "x", message, x)
-        index_in_rod = np.searchsorted(edges, x, "right") - 1
+        index_in_rod = np.searchsorted(edges, x, side="right") - 1  # counted from 0
         # The right end of the rod lies in its last segment.
         index_in_rod = np.clip(index_in_rod, 0, last - first)
         segment = np.asarray(index_in_rod + first)
@@ -251,7 +255,7 @@ class Fields(Protocol):
 
     def _is_rod(self, body: int) -> bool:
         """Whether a body has segments: walls and rigid masses have none."""
-        _, last_segment = self.clock.spans[body]
+        _, last_segment = self.clock.spans[body]  # counted from 1; 0 without segments
         return last_segment > 0
 
     def _is_wall(self, body: int) -> bool:
@@ -279,6 +283,7 @@ class Fields(Protocol):
 
         InvalidModel unless all points are 0, as the body has no length.
         """
+        # `demand` puts the first other value in place of {0!r}.
         message = f"must be 0 in body {body}, which has no length, got {{0!r}}"
         demand(x == 0, "x", message, x)
         return np.broadcast_to(ticks, self._broadcast_shape(x, ticks))
@@ -357,7 +362,7 @@ class Fields(Protocol):
             positions.append(left_end)
             right_end = left_end
             if self._is_rod(body):
-                first, last = clock.spans[body]
+                first, last = clock.spans[body]  # segments, counted from 1
                 right_end += sum(clock.length[first : last + 1])
                 # The initial strain moves the right end.
                 length = self.edges(body)[-1]

@@ -119,10 +119,10 @@ def region(
     p0, p1 = p_range
     q0, q1 = q_range
     corners = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
-    corners = clip(corners, -1, 1, T)
-    corners = clip(corners, 1, -1, T)
-    corners = clip(corners, 1, 1, 2 * stop - T)
-    return clip(corners, -1, -1, T - 2 * start)
+    corners = clip(corners, -1, 1, T)  # q - p <= T
+    corners = clip(corners, 1, -1, T)  # p - q <= T
+    corners = clip(corners, 1, 1, 2 * stop - T)  # p + q <= 2 stop - T
+    return clip(corners, -1, -1, T - 2 * start)  # -p - q <= T - 2 start
 
 
 def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:

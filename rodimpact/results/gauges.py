@@ -197,7 +197,7 @@ class Gauge:
         first, stop = all_breaks.searchsorted(bounds[[0, -1]])
         breaks = all_breaks[first:stop]
         # A break lies before the bound `next_bound`, in the cell before that bound.
-        next_bound = bounds[:-1].searchsorted(breaks, "right")
+        next_bound = bounds[:-1].searchsorted(breaks, side="right")
         cuts = np.insert(bounds, next_bound, breaks)
         cell_count = len(bounds) - 1
         # Each break makes one more part of its cell.

@@ -96,7 +96,7 @@ class GridFields(Fields):
         states = self.state_ticks
         # The nearest state changes in the middle between two states.
         middles = (states[1:] + states[:-1]) / 2
-        return states[np.searchsorted(middles, ticks, "right")]
+        return states[np.searchsorted(middles, ticks, side="right")]
 
     # Between states and between nodes -------------------------------------------------------------
 
@@ -107,7 +107,8 @@ class GridFields(Fields):
         """
         states = self.state_ticks
         last = len(states) - 1  # 0 where nothing moves: there is one state
-        before = np.searchsorted(states, ticks, "right") - 1  # the state before a tick
+        # Index of the state before a tick
+        before = np.searchsorted(states, ticks, side="right") - 1
         before = np.clip(before, 0, max(last - 1, 0))
         after = np.minimum(before + 1, last)
         duration = np.maximum(states[after] - states[before], 1)  # 0 of a single state
@@ -125,7 +126,7 @@ class GridFields(Fields):
         self._broadcast_shape(location.segment, ticks)  # raises for wrong shapes
         places = table.places
         # At a jump a place is there twice; "right" takes the second one, to its right.
-        left = np.searchsorted(places, x, "right") - 1
+        left = np.searchsorted(places, x, side="right") - 1
         left = np.clip(left, 0, len(places) - 2)
         distance = places[left + 1] - places[left]
         share = np.minimum((x - places[left]) / distance, 1.0)
@@ -140,7 +141,8 @@ class GridFields(Fields):
 
         Two neighbouring segments share a node.
         """
-        first, last = self.clock.spans[body]  # counted from 1
+        first, last = self.clock.spans[body]  # segments in the row, counted from 1
+        # Counts have no entry for what lies left of the row: that of segment 1 has the index 0.
         cell_counts = self.motion.counts[first - 1 : last]
         edges = self.edges(body)
         places = []
@@ -157,7 +159,8 @@ class GridFields(Fields):
 
     def _span(self, body: int) -> Span:
         """The part of the mesh that is a rod."""
-        first, last = self.clock.spans[body]
+        first, last = self.clock.spans[body]  # segments in the row, counted from 1
+        # Lists of first and last nodes are by this number: their entry 0 is empty.
         first_node = self.motion.first[first]
         last_node = self.motion.last[last]
         nodes = slice(first_node, last_node + 1)
@@ -192,13 +195,14 @@ class GridFields(Fields):
     def _strain_tables(self) -> StrainTables:
         """Strains of each rod, and their rates, 1/s, by body.
 
-        Places are the ends of segments, on either side of a step, and the middles of cells.
+        Places are the ends of segments, on either side of a step, and the middles of cells. The
+        rates are differences of the velocities of nodes, not of strains over time.
         """
         cells = cell_states(self.motion, self._cell_strain, self._node_velocity)
         strains = {}
         rates = {}
         for body, rod in self.rods.items():
-            first, _ = self.clock.spans[body]
+            first, _ = self.clock.spans[body]  # segment in the row, counted from 1
             places = []
             strain = []
             rate = []
@@ -206,7 +210,11 @@ class GridFields(Fields):
                 middles = (nodes[1:] + nodes[:-1]) / 2
                 places += [nodes[:1], middles, nodes[-1:]]
                 in_segment = segment_strain(
-                    self.motion, cells, first + i, rod.segments[i], self.step
+                    self.motion,
+                    cells,
+                    number=first + i,
+                    segment=rod.segments[i],
+                    step=self.step,
                 )
                 strain.append(in_segment.strain)
                 rate.append(in_segment.rate)
@@ -229,7 +237,7 @@ class GridFields(Fields):
         tables = {}
         for body in self.rods:
             nodes = self._span(body).nodes
-            piece = int(np.searchsorted(motion.starts, nodes.start, "right")) - 1
+            piece = int(np.searchsorted(motion.starts, nodes.start, side="right")) - 1
             stretch_at_left = stretch[:, nodes.start]
             stretch_in_piece = stretch_at_left - stretch[:, motion.starts[piece]]
             u_first = motion.displacement[:, piece] * self.step
@@ -276,8 +284,12 @@ class GridFields(Fields):
         return np.array(integrals)
 
     def point_history(self, body: int, x: float) -> PassingWaves:
-        """The waves v - c strain and v + c strain at the point x, m, as lines between states."""
-        segment = int(self.locate(body, x)[0])
+        """The waves A = v - c strain and B = v + c strain at the point x, m.
+
+        Velocity v and strain are interpolated to the point in every state, and the waves are lines
+        between states.
+        """
+        segment = int(self.locate(body, x).segment)
         c = self.clock.wave_speed[segment]
         ticks = self.state_ticks
         point = np.asarray(x)
@@ -285,11 +297,11 @@ class GridFields(Fields):
         strain = self._interpolated(
             body, point, ticks, self._strain_tables.strain[body]
         )
-        half_difference = c * strain
+        c_strain = c * strain
         return PassingWaves(
-            rightward=Pieces.through(ticks, v - half_difference),
-            leftward=Pieces.through(ticks, v + half_difference),
-            difference=Pieces.through(ticks, 2 * half_difference),
+            rightward=Pieces.through(ticks, v - c_strain),
+            leftward=Pieces.through(ticks, v + c_strain),
+            difference=Pieces.through(ticks, 2 * c_strain),  # B - A
             wave_speed=c,
         )
 

@@ -118,20 +118,20 @@ def segment_strain(
 
 
 def _left_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
-    """The left end of a segment; cell n lies left of node n."""
+    """The left end of a segment, by its number from 1; cell n lies left of node n."""
     node = motion.first[number]
     cell = node + 1
     second_cell = min(cell + 1, motion.last[number])
-    return SegmentEnd(node, cell, second_cell, 1, end_areas(segment).left)
+    return SegmentEnd(node, cell, second_cell, inward=1, area=end_areas(segment).left)
 
 
 def _right_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
-    """The right end of a segment; cell n lies left of node n."""
+    """The right end of a segment, by its number from 1; cell n lies left of node n."""
     node = motion.last[number]
     cell = node
     first_cell = motion.first[number] + 1
     second_cell = max(cell - 1, first_cell)
-    return SegmentEnd(node, cell, second_cell, -1, end_areas(segment).right)
+    return SegmentEnd(node, cell, second_cell, inward=-1, area=end_areas(segment).right)
 
 
 def _extrapolated(values: Floats, end: SegmentEnd) -> Floats:

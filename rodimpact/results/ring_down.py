@@ -24,8 +24,8 @@ from .fields import Fields
 
 DECAY_SAMPLES = 400  # intervals of time at whose ends the vibration is read
 MIN_DECAY_SAMPLES = 50  # with fewer states on a grid no decay is read
-FIRST_FITTED_SHARE = 1 - 1 / 3
-"""Share of the record before its last third, which is fitted."""
+UNFITTED_SHARE = 1 - 1 / 3
+"""Share of the record before its last third: this last third is fitted."""
 VIBRATION_RTOL = 1e-12  # vibration below this share of all energy is round-off
 DECAY_RATE_RTOL = 1e-9  # slower decay, relative to one over the record, is round-off
 
@@ -132,7 +132,7 @@ def _slowest_mode(fields: Fields) -> RodMode:
             decay_time = 1 / (2 * rate)  # energy decays twice as fast as the motion
         frequency = omega / (2 * math.pi)
         modes.append(RodMode(decay_time, body, frequency))
-    return max(modes)
+    return max(modes)  # by their first field, the decay time
 
 
 def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
@@ -165,12 +165,13 @@ def _decay_time(times: Floats, vibration: Floats, round_off: float) -> float:
     if len(t) == 0:
         return math.inf
     duration = t[-1] - t[0]
-    is_late = t >= t[0] + duration * FIRST_FITTED_SHARE
+    is_late = t >= t[0] + duration * UNFITTED_SHARE
     if np.count_nonzero(is_late) < 3:
         return math.inf
     since_start = t[is_late] - t[0]
     slope, _ = np.polyfit(since_start, np.log(energy[is_late]), 1)
     rate = -float(slope)  # 1/s
-    if rate > DECAY_RATE_RTOL / duration:
+    lowest_rate = DECAY_RATE_RTOL / duration  # 1/s; slower decay is round-off
+    if rate > lowest_rate:
         return 1 / rate
     return math.inf

@@ -345,7 +345,7 @@ class Solution(Shown):
             If no soil holds the body along its shaft, or the time lies outside the solution.
         """
         index = self._index(body)
-        tick = int(self.fields.to_ticks(scalar("t", t, "s", "")))
+        tick = int(self.fields.to_ticks(scalar("t", t, "s", sign="")))
         shaft = getattr(self.system.bodies[index], "shaft", None)
         demand(
             isinstance(shaft, Soil), "body", f"has no soil along its shaft, got {index}"
@@ -364,7 +364,7 @@ class Solution(Shown):
     @_ALLOW_UNDERFLOW
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
-        x = scalar("x", x, "m", "")
+        x = scalar("x", x, "m", sign="")
         # With A = v - c eps, the wave running right, and B = v + c eps, the one running left:
         # eps = (B - A)/(2 c) and v = (A + B)/2, in the clock's frame.
         waves = self.fields.point_history(self._index(body), x)
@@ -441,7 +441,9 @@ class Solution(Shown):
         energies = vars(self.energy(t))
         energy = np.array(list(energies.values()))
         data["energy"] = ["part", "time"], energy
-        laws = [law.law for law in self.system.contacts]
+        laws = []  # words such as "hertz"
+        for contact_law in self.system.contacts:
+            laws.append(contact_law.law)
         coordinates = {
             "body": (["body"], range(len(self.system.bodies))),
             "kind": (["body"], self.system.kinds),
@@ -559,7 +561,7 @@ class Solution(Shown):
         ValueError
             If an end is driven by a function of time; the new system would begin within it.
         """
-        time = scalar("t", t, "s", "")
+        time = scalar("t", t, "s", sign="")
         tick = int(self.fields.to_ticks(time))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), IN_TIME):
@@ -629,7 +631,7 @@ class Solution(Shown):
 
     def _index(self, body: int) -> int:
         """Return the index of a body; InvalidModel unless the row has such a body."""
-        return integer("body", body, 0, len(self.system.bodies) - 1)
+        return integer("body", body, low=0, high=len(self.system.bodies) - 1)
 
     def _property_along(self, body: int, x: ArrayLike, name: str) -> Floats:
         """Values of ``"area"``, or of a number of the material, at points x of a rod.
@@ -639,9 +641,9 @@ class Solution(Shown):
         """
         location = self.fields.locate(body, x)
         values = np.empty(location.segment.shape)
-        first, _ = self.fields.clock.spans[body]
+        first, _ = self.fields.clock.spans[body]  # segment in the row, counted from 1
         segments = self.fields.rods[body].segments
-        for number, segment in enumerate(segments, first):
+        for number, segment in enumerate(segments, start=first):
             value: Any = segment.area
             if name != "area":
                 value = getattr(segment.material, name)

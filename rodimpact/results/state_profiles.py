@@ -35,11 +35,15 @@ class WaveSizes(NamedTuple):
 
 
 def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateProfiles:
-    """State of a rod just after `tick`, with the stated error of velocities, m/s.
+    """Velocity and strain of a rod just after `tick`.
 
-    It is one of `Polynomials` if a wave changes in a piece by more than round-off, else of `Steps`.
+    They are `Polynomials` if a wave changes in a piece by more than round-off, else `Steps` or
+    numbers. Polynomials alone take the stated `error` of velocities, m/s.
     """
-    largest_wave = 0.0
+    largest_wave = (
+        0.0  # without waves, or with constant ones, every difference is a step
+    )
+    # Only the other waves may change within a piece.
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         largest = _largest_waves(fields, body, tick)
         largest_wave = largest.wave
@@ -47,6 +51,7 @@ def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateP
             return _polynomials(fields, body, tick, error)
     profile = fields.profile(body, tick)
     velocity_round_off = CONSTANT_WAVE_RTOL * largest_wave
+    # The fastest segment of the row gives the strictest bound.
     strain_round_off = velocity_round_off / max(fields.clock.wave_speed)
     return StateProfiles(
         velocity=_steps(profile.edges, profile.velocity, velocity_round_off),

@@ -230,8 +230,8 @@ def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
     earliest_q = np.maximum(p - T, -T - p)
     # - 1: meetings at the last tick itself are those of a side.
     latest_q = np.minimum(p + T, 2 * domain.end - T - p - 1)
-    first = q.searchsorted(earliest_q, "left")
-    stop = q.searchsorted(latest_q, "right")
+    first = q.searchsorted(earliest_q, side="left")
+    stop = q.searchsorted(latest_q, side="right")
     return Ranges(first, stop)
 
 
@@ -246,20 +246,23 @@ def _range_maxima(values: Floats, ranges: Ranges, chosen: Ints) -> Floats:
 def _earliest(
     low: Samples, high: Samples, partners: Ranges, chosen: Ints, least: float, T: int
 ) -> Meeting | None:
-    """The earliest meeting of the chosen samples of A, which are in order, with d >= `least`.
+    """The earliest meeting of the chosen samples of A with d >= `least`; None if none is chosen.
 
-    Each of them has at least one such meeting; None if none is chosen.
+    `low` has the samples of A and `high` those of B, both in order of time, and
+    d = B(q) - A(p). Each chosen sample has at least one such meeting. The tick of a meeting is
+    (p + q + T)/2, so that the earliest one has the least p + q.
     """
     earliest: Meeting | None = None
     for k in chosen:
         p = int(low.ticks[k])
-        # What leaves at p meets what left at p - T or later.
+        # What leaves at p meets only what left at q >= p - T: p + q is 2 p - T at least, and
+        # more for every later sample.
         if earliest is not None and 2 * p - T >= earliest.p + earliest.q:
             break
         first = int(partners.first[k])
         stop = int(partners.stop[k])
         differences = high.values[first:stop] - low.values[k]
-        j = int(np.argmax(differences >= least))  # the first that is large enough
+        j = int(np.argmax(differences >= least))  # the first True: there is one
         q = int(high.ticks[first + j])
         if earliest is None or p + q < earliest.p + earliest.q:
             earliest = Meeting(float(differences[j]), p, q)

@@ -66,7 +66,7 @@ class WaveFields(Fields):
 
     def waves_along(self, body: int) -> Iterator[SegmentWaves]:
         """The waves of the segments of a rod, from left to right."""
-        first, last = self.clock.spans[body]
+        first, last = self.clock.spans[body]  # segments in the row, counted from 1
         for segment in range(first, last + 1):
             yield self.waves(segment)
 
@@ -267,7 +267,7 @@ class WaveFields(Fields):
 
         `per_difference` is E/(2 c), Pa s/m: stress over the difference of the waves.
         """
-        first, last = self.clock.spans[body]  # segments of the body
+        first, last = self.clock.spans[body]  # segments in the row, counted from 1
         segment = waves.segment
         T = waves.transit
         left = float(self.edges(body)[segment - first])

@@ -95,7 +95,10 @@ def run_jobs(
     if store.path is not None:
         jobs_a_worker = JOBS_A_WORKER_TO_KEEP
     job_count = jobs_a_worker * pool.workers
-    jobs = cut(missing, job_size(to_do, row_size, job_count, largest_job))
+    job_members = job_size(
+        members=to_do, row=row_size, jobs=job_count, most=largest_job
+    )
+    jobs = cut(missing, job_members)
     return results_of(jobs, submit, pool.workers)
 
 
@@ -176,7 +179,11 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
 
 
 def _empty_columns(system: System, readings: RequestedReadings) -> Columns:
-    """Columns in which all members are refused: nan, or 0 in columns of whole numbers."""
+    """Columns in which all members are refused: ``status`` says so.
+
+    Columns of floats are nan. Those of whole numbers and of truth values are 0, and have whole
+    numbers here; `run_chunk` gives every column the dtype of its layout.
+    """
     count = math.prod(system.shape)
     columns: Columns = {}
     for name, layout in layout_of(system, readings).items():

@@ -202,7 +202,7 @@ def layout_of(system: System, readings: RequestedReadings) -> dict[str, Layout]:
     """How the columns of a family are stored, by name; "strain" is that of the gauges."""
     layout = {}
     for column, source in columns_of(system, (*ALWAYS, *readings.also)).items():
-        layout[column] = Layout(COLUMNS[source.name].dtype, ())
+        layout[column] = Layout(COLUMNS[source.name].dtype, member_shape=())
     if readings.gauges:
         member_shape = (len(readings.gauges), len(readings.times))
         layout["strain"] = Layout(np.float64, member_shape)

@@ -79,12 +79,12 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     amplification = 2 / between  # two values, each with the noise
     ones = np.ones_like(steps)
     return Sides(
-        below=limit(slopes_below, amplification, noise, 2),
-        above=limit(slopes_above, amplification, noise, 2),
-        value_below=limit(below, ones, noise, 2),
-        value_above=limit(above, ones, noise, 2),
+        below=limit(slopes_below, amplification, noise, ratio=2),
+        above=limit(slopes_above, amplification, noise, ratio=2),
+        value_below=limit(below, ones, noise, ratio=2),
+        value_above=limit(above, ones, noise, ratio=2),
         # The error of a central slope is a series of even powers: it falls by 4.
-        central=limit(central_slopes, 1 / steps, noise, 4),
+        central=limit(central_slopes, 1 / steps, noise, ratio=4),
     )
 
 

@@ -260,7 +260,7 @@ def gradient(
       bodies.0.length: 1 1/m
       bodies.1.length: -0.4 1/m
     """
-    options = Options(until, method, max_events, rtol=rtol)
+    options = Options(until=until, method=method, max_events=max_events, rtol=rtol)
     options.method_for(system)
     _check_arguments(system, of, wrt, until, progress)
     numbers = []

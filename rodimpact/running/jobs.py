@@ -129,13 +129,15 @@ class SerialExecutor(Executor):
 def job_size(members: int, row: int, jobs: int, most: int) -> int:
     """Number of members of a job.
 
+    It is rounded down to whole rows if a job holds a row at least, and stays what it is if not.
+
     Parameters
     ----------
     members : int
         All that are to be run.
     row : int
-        Members of a row of the family, which vary along all axes but the first. Jobs of
-        whole rows keep numbers small that vary along other axes alone.
+        Members with one index of the first axis. Numbers that vary along other axes alone are
+        the same in every row, so a job of whole rows has them once.
     jobs : int
         How many there shall be, about.
     most : int

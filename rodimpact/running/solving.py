@@ -95,7 +95,15 @@ def solve(
     0.0
     """
     of_kind("system", system, System, "System([left, right])")
-    options = Options(until, method, max_events, dt, rtol, cells, snapshots)
+    options = Options(
+        until=until,
+        method=method,
+        max_events=max_events,
+        dt=dt,
+        rtol=rtol,
+        cells=cells,
+        snapshots=snapshots,
+    )
     chosen = options.method_for(system)
     problems: Problems = []
     check_progress(problems, progress)

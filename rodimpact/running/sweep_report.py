@@ -103,7 +103,7 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
             index = _first(result.restitution == e)
             where = _where(index, varied)
             label = f"{name} coefficient of restitution e"
-            rows.append([label, f"{clean(e, 1.0):.9g}", where])
+            rows.append([label, f"{clean(e, scale=1.0):.9g}", where])
     return align(rows, left=(0, 2))
 
 

@@ -286,7 +286,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         """
         system, options, stored_readings = restore(document, arrays)
         gauges, times, also = stored_readings
-        readings = RequestedReadings(tuple(map(tuple, gauges)), times, tuple(also))
+        # The document is of JSON, which has lists in place of tuples.
+        readings = RequestedReadings(
+            gauges=tuple(map(tuple, gauges)), times=times, also=tuple(also)
+        )
         columns = {}
         for name, layout in layout_of(system, readings).items():
             columns[name] = arrays[name]
@@ -379,6 +382,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         coordinates: Columns = {}
         for path, values in self.parameters.items():
             coordinates[path] = names, np.broadcast_to(values, self.shape)
+        # An axis takes the place of the number that names it.
         for axis in self.axes:
             coordinates[axis.name] = [axis.name], axis.values
         variables: Columns = {}

@@ -149,7 +149,14 @@ def sweep(
         workers = count(problems, "workers", workers)
     check_progress(problems, progress)
     try:
-        options = Options(until, method, max_events, dt, rtol, cells)
+        options = Options(
+            until=until,
+            method=method,
+            max_events=max_events,
+            dt=dt,
+            rtol=rtol,
+            cells=cells,
+        )
         options = replace(options, method=options.method_for(system))
         check_executor(problems, executor, system)
         readings = check_readings(problems, system, gauges, times)
