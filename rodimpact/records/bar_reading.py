@@ -36,10 +36,18 @@ def instrumented_bars(
     rods = rods_of(bars)
     return InstrumentedBars(
         input=_instrumented_bar(
-            "input_gauges", input_gauges, rods.input, False, compression
+            "input_gauges",
+            input_gauges,
+            rods.input,
+            is_output=False,
+            compression=compression,
         ),
         output=_instrumented_bar(
-            "output_gauges", output_gauges, rods.output, True, compression
+            "output_gauges",
+            output_gauges,
+            rods.output,
+            is_output=True,
+            compression=compression,
         ),
     )
 
@@ -50,7 +58,9 @@ def output_bar_of(gauges: Any, bar: Any, compression: Any) -> InstrumentedBar:
     if not _is_uniform(bar):
         message = "must be the output bar alone, a uniform Rod"
         raise invalid_argument("bars", f"{message}, got {shown(bar)}")
-    return _instrumented_bar("output_gauges", gauges, bar, True, compression)
+    return _instrumented_bar(
+        "output_gauges", gauges, bar, is_output=True, compression=compression
+    )
 
 
 class Rods(NamedTuple):
@@ -190,7 +200,7 @@ def _rest_samples(name: str, times: _Times, first: _Record) -> int:
     end = rest_end(times.values, values, first.first_pulse)
     count = int(np.searchsorted(times.values, end))
     if count < MIN_REST_SAMPLES:
-        duration = format_si(MIN_REST_SAMPLES * times.dt, "s", 3)
+        duration = format_si(MIN_REST_SAMPLES * times.dt, "s", digits=3)
         message = f"the record has {count} samples at rest before the pulse rises"
         remedy = (
             f"{MIN_REST_SAMPLES} are needed, {duration}, for its level and noise; record "

@@ -107,7 +107,7 @@ class DirectImpactShot:
         kind = "a rigid mass"
         if isinstance(self.striker, Rod):
             kind = "a rod with a free far end"
-        timing_error = format_si(timing_error_of(self.output), "s", 2)
+        timing_error = format_si(timing_error_of(self.output), "s", digits=2)
         return (
             f"velocity of the input face from the momentum of the striker, {kind}; the impact is "
             f"when the force begins to rise from zero, within some {timing_error}"

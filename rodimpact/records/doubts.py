@@ -370,7 +370,7 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
     if speed is None or abs(speed / bar.speed - 1) <= ECHO_RTOL:
         return
     density = float(bar.rod.segments[0].material.density)
-    modulus = format_si(density * speed**2, "Pa", 4)
+    modulus = format_si(density * speed**2, "Pa", digits=4)
     stress_error = _percent(abs((bar.speed / speed) ** 2 - 1))
     yield (
         f"the transmitted wave comes back from the far end of the output bar at {speed:.0f} m/s; "

@@ -71,8 +71,8 @@ class MeanCurve(NamedTuple):
                 [
                     strain_label(strain, at_peak),
                     f"{rate:.0f} 1/s",
-                    format_si(stress, "Pa", 4),
-                    format_si(scatter, "Pa", 2),
+                    format_si(stress, "Pa", digits=4),
+                    format_si(scatter, "Pa", digits=2),
                 ]
             )
         title = (
@@ -122,7 +122,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:
             "shots",
             f"must be two or more Reductions from ri.reduce, got {shown(shots)}",
         )
-    points = integer("points", points, 2, MAX_CURVE_POINTS)
+    points = integer("points", points, low=2, high=MAX_CURVE_POINTS)
     common_strain = min(float(shot.strain.max()) for shot in shots)
     strain = np.linspace(0, common_strain, points)
     stresses = []

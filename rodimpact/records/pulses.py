@@ -98,6 +98,7 @@ def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:
     i = below[after_top - 1]
     j = below[after_top]
     rises = np.interp(level, values[i : i + 2], times[i : i + 2])
+    # `interp` takes rising values alone, so the fall is read with the other sign.
     falls = np.interp(-level, -values[j - 1 : j + 1], times[j - 1 : j + 1])
     return _Stretch(slice(i + 1, j), float(rises), float(falls))
 

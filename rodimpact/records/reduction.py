@@ -199,9 +199,9 @@ class Reduction(Curve):
                 [
                     strain_label(strain, at_peak),
                     f"{columns['strain_rate'][i]:.0f} 1/s",
-                    format_si(columns["stress"][i], "Pa", 4),
-                    format_si(columns["stress_band"][i], "Pa", 2),
-                    format_si(columns["one_sample"][i], "Pa", 2),
+                    format_si(columns["stress"][i], "Pa", digits=4),
+                    format_si(columns["stress_band"][i], "Pa", digits=2),
+                    format_si(columns["one_sample"][i], "Pa", digits=2),
                     balance,
                 ]
             )

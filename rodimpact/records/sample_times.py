@@ -133,10 +133,10 @@ def _equal_steps(times: Floats) -> Floats:
 
 def _sentence(name: str, times: Floats, steps: Floats, equal: Floats) -> str:
     """What was rounded, and what is taken."""
-    distance = format_si(float(np.abs(times - equal).max()), "s", 2)
-    shortest = format_si(float(steps.min()), "s", 3)
-    longest = format_si(float(steps.max()), "s", 3)
-    step = format_si(float(equal[1] - equal[0]), "s", 4)
+    distance = format_si(float(np.abs(times - equal).max()), "s", digits=2)
+    shortest = format_si(float(steps.min()), "s", digits=3)
+    longest = format_si(float(steps.max()), "s", digits=3)
+    step = format_si(float(equal[1] - equal[0]), "s", digits=4)
     return (
         f"column {name}: the times are rounded, their steps are {shortest} to {longest}; equal "
         f"steps of {step} are taken, which agree with all times within {distance}; if you "

@@ -64,10 +64,14 @@ class TwoBarShot:
         input_waves = waves_at_face(input_bar)
         output_waves = waves_at_face(output_bar)
         shifts = self.shifts
-        incident = self._sampled(input_bar, input_waves.towards, 0.0)
-        reflected = self._sampled(input_bar, input_waves.away, shifts.reflected)
-        returning = self._sampled(output_bar, output_waves.towards, shifts.transmitted)
-        transmitted = self._sampled(output_bar, output_waves.away, shifts.transmitted)
+        incident = self._sampled(input_bar, input_waves.towards, shift=0.0)
+        reflected = self._sampled(input_bar, input_waves.away, shift=shifts.reflected)
+        returning = self._sampled(
+            output_bar, output_waves.towards, shift=shifts.transmitted
+        )
+        transmitted = self._sampled(
+            output_bar, output_waves.away, shift=shifts.transmitted
+        )
 
         faces = Faces(
             input_force=input_bar.stiffness * (incident + reflected),
@@ -96,7 +100,7 @@ class TwoBarShot:
             """Imbalance of forces, and distance from the elastic line, over the stress."""
             nonlocal curves
             curves += 1
-            report(curves, None)
+            report(curves, None)  # nobody knows how many there will be
             curve = replace(self, shifts=Shifts(*shifts)).curve()
             imbalance = curve.input_force - curve.output_force
             parts = [imbalance[start] / self.specimen.section]
@@ -107,7 +111,7 @@ class TwoBarShot:
 
         solution = least_squares(
             residuals,
-            (0.0, 0.0),
+            x0=(0.0, 0.0),
             bounds=(-limit, limit),
             diff_step=1e-3,
             x_scale=self.bars.input.dt,

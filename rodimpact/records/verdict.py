@@ -129,7 +129,12 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
             "use a shorter specimen or a slower rise of the pulse"
         )
     return _with_numbers(
-        curve, plateau, in_equilibrium, equilibrium_from, imbalance, sentence
+        curve,
+        plateau,
+        in_equilibrium=in_equilibrium,
+        equilibrium_from=equilibrium_from,
+        imbalance=imbalance,
+        sentence=sentence,
     )
 
 
@@ -150,7 +155,14 @@ def verdict_of_equal_forces(curve: Curve, method: str) -> Verdict:
             f"of the specimen, so expect it from {_percent(strain)} of strain on"
         )
     plateau = _plateau(curve)
-    verdict = _with_numbers(curve, plateau, None, math.nan, math.nan, sentence)
+    verdict = _with_numbers(
+        curve,
+        plateau,
+        in_equilibrium=None,
+        equilibrium_from=math.nan,
+        imbalance=math.nan,
+        sentence=sentence,
+    )
     return verdict._replace(sentences=(*verdict.sentences, method))
 
 

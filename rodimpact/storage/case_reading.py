@@ -193,7 +193,9 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
     name = table.word(key, library)
     if name is None:
         return materials.steel
-    material = with_grids(Table(table.reading, f"materials.{name}", {}), library[name])
+    # The table of a material has been read. An empty one at its path has the grids alone.
+    in_library = Table(table.reading, f"materials.{name}", {})
+    material = with_grids(in_library, library[name])
     if key == "material":  # it may also vary in this body alone
         in_body = Table(table.reading, table.where(key), {})
         material = with_grids(in_body, material)
@@ -370,7 +372,8 @@ def read_faces(
 ) -> dict[str, Any]:
     """Radii and materials of a Hertz contact, for `Hertz.from_radii`."""
     faces: dict[str, Any] = {}
-    bodies = [*pair, None, None]
+    bodies = [*pair, None, None]  # None for a body that is missing
+    # The last segment of the left body touches the first one of the right body.
     for side, body, touching in zip(SIDES, bodies, (-1, 0), strict=False):
         radius_key = f"{side}_radius"
         faces[radius_key] = math.inf

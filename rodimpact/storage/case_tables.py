@@ -233,7 +233,9 @@ class Table:
         if isinstance(data, dict):
             return Table(self.reading, self.where(key), data)
         self.note(key, f"must be a table, got {shown(data)}")
-        return Table(Reading({}), self.where(key), {})
+        # What is missing in it is noted in a reading of its own, which nobody sees.
+        apart = Reading(grids={})
+        return Table(apart, self.where(key), {})
 
     def tables(self, key: str) -> list[Table]:
         """All tables of that name, in their order."""

@@ -103,12 +103,12 @@ def ring_down_table(ring_down: Any) -> str:
     first = float(ring_down.vibration[0])
     last = float(ring_down.vibration[-1])
     lasted = float(ring_down.times[-1] - ring_down.times[0])
-    frequency = format_si(ring_down.frequency, "Hz", 4)
-    last_shown = format_si(clean(last, first + ring_down.rigid), "J", 4)
+    frequency = format_si(ring_down.frequency, "Hz", digits=4)
+    last_shown = format_si(clean(last, scale=first + ring_down.rigid), "J", digits=4)
     rows = [
-        ["vibration when the collision is over", format_si(first, "J", 4)],
+        ["vibration when the collision is over", format_si(first, "J", digits=4)],
         ["vibration at the end", last_shown],
-        ["energy of the rigid motion", format_si(ring_down.rigid, "J", 4)],
+        ["energy of the rigid motion", format_si(ring_down.rigid, "J", digits=4)],
         ["time from then to the end", _duration(lasted)],
         [
             "vibration falls to 1/e in, by its last third",
@@ -126,7 +126,7 @@ def ring_down_table(ring_down: Any) -> str:
 def _duration(seconds: float) -> str:
     """A time for a table; infinity is never."""
     if seconds < math.inf:
-        return format_si(seconds, "s", 4)
+        return format_si(seconds, "s", digits=4)
     return "never"
 
 
@@ -181,7 +181,7 @@ def _bodies_table(outcome: Any) -> str:
     after = outcome.velocities_after
     velocities = [*before, *after]
     largest = max(map(abs, velocities))
-    spread = clean(max(velocities) - min(velocities), largest)
+    spread = clean(max(velocities) - min(velocities), scale=largest)
     digits = 6
     if spread > 0:
         # Velocities agree in their first digits; their differences keep six.
@@ -199,7 +199,7 @@ def _bodies_table(outcome: Any) -> str:
             vibration = joules(outcome.vibration_after[i], vibration_scale)
         row = [name, mass]
         for velocity in (before[i], after[i]):
-            row.append(f"{clean(velocity, largest):.{digits}g} m/s")
+            row.append(f"{clean(velocity, scale=largest):.{digits}g} m/s")
         rows.append([*row, vibration])
     return align(rows)
 
