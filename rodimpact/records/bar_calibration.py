@@ -269,7 +269,11 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
     from scipy.optimize import least_squares
 
     start = np.array(pair.start)
-    units = np.array([start[0], 1.0, start[2], pair.level])
+    units = np.array(
+        _Numbers(
+            speed=pair.start.speed, nu=1.0, gain=pair.start.gain, offset=pair.level
+        )
+    )
 
     def numbers_at(x: Floats) -> _Numbers:
         return _Numbers(*(start + units * (x - 1.0)).tolist())
@@ -292,14 +296,16 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
         scaled: Floats = np.stack(columns, axis=1) * units
         return scaled
 
+    # Of the variables that of nu alone is bounded: 1 + nu - its start, as its unit is 1.
     low = np.full(len(start), -np.inf)
     high = np.full(len(start), np.inf)
-    low[1] = 1.0 + POISSON_BOUNDS[0] - pair.start.nu
-    high[1] = 1.0 + POISSON_BOUNDS[1] - pair.start.nu
+    nu_index = _Numbers._fields.index("nu")
+    low[nu_index] = 1.0 + POISSON_BOUNDS[0] - pair.start.nu
+    high[nu_index] = 1.0 + POISSON_BOUNDS[1] - pair.start.nu
     end = least_squares(
         residuals,
-        np.ones(len(start)),
-        jacobian,
+        x0=np.ones(len(start)),
+        jac=jacobian,
         bounds=(low, high),
         x_scale="jac",
         ftol=SEARCH_TOLERANCE,

@@ -321,9 +321,11 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
     passing = _passing(output_bar)
 
     def returned(bar: InstrumentedBar) -> Floats:
-        return -bar.propagated(passing, path)
+        return -bar.propagated(passing, path)  # a free end turns the sign of the strain
 
-    return _fit_wave_speed(output_bar, path, output_bar, returned)
+    return _fit_wave_speed(
+        output_bar, path=path, recording=output_bar, predict=returned
+    )
 
 
 def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
@@ -335,7 +337,9 @@ def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     def transmitted(bar: InstrumentedBar) -> Floats:
         return _at_output_gauge(bar, output_bar)
 
-    timed = _fit_wave_speed(input_bar, input_path, output_bar, transmitted)
+    timed = _fit_wave_speed(
+        input_bar, path=input_path, recording=output_bar, predict=transmitted
+    )
     # error of the travel time in the output bar, s
     output_delay = (
         output.speed_error / output_bar.speed * output_path / output_bar.speed

@@ -184,6 +184,7 @@ class Signal(Frozen):
         t = array("t", t, "s")
         slack = RECORD_END_RTOL * (self.end - self.start)
         inside = (t >= self.start - slack) & (t <= self.end + slack)
+        # `demand` puts the first value outside in place of {0!r}.
         message = f"must be from {self.start!r} to {self.end!r} s, as the signal is, got {{0!r}}"
         demand(inside, "t", message, t)
         return float_or_array(np.interp(t, self.times, self.values))

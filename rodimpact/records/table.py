@@ -82,7 +82,8 @@ class Table:
 
     def place_of(self, row: int) -> str:
         """The line in which a row stands, from 1 on."""
-        return f"line {next(islice(self._rows(), row, None))[0]}"
+        number, _ = next(islice(self._rows(), row, None))
+        return f"line {number}"
 
     def _rows(self) -> Iterator[tuple[int, str]]:
         """Number and text of each line of the table that is not empty."""

@@ -204,9 +204,7 @@ class Fields(Protocol):
     def edges(self, body: int) -> Floats:
         """Ends of the n segments of a rod, m from its left end, [n + 1]."""
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
-        lengths = self.clock.length[
-            first : last + 1
-        ]  # its entry 0 is outside of the row
+        lengths = self.clock.length[first : last + 1]  # by this number, from entry 1
         return np.array([0.0, *accumulate(lengths)])
 
     def locate(self, body: int, x: ArrayLike) -> Location:

@@ -224,6 +224,7 @@ class Gauge:
     def strain_at(self, t: ArrayLike) -> Floats:
         """Strain at times t in s, from 0 to `end`; ValueError at others."""
         t = array("t", t, "s")
+        # `demand` puts the first value outside in place of {0!r}.
         message = f"must be from 0 to {self.end!r} s, got {{0!r}}"
         inside = (t >= 0) & (t <= self.end * (1 + RECORD_END_RTOL))
         demand(inside, "t", message, t)

@@ -70,6 +70,7 @@ def quantity_of_parameter(system: System, path: str) -> Quantity:
     >>> quantity_of_parameter(system, "contacts.0.gap").name
     'gap 1-wall'
     """
+    # Indices in paths count from 0, names of bodies and their parts from 1.
     match path.split("."):
         case ["gravity"]:
             return _quantity(path, FIELDS["gravity"])

@@ -74,6 +74,7 @@ class PairTheory(NamedTuple):
 
         Members that do not approach each other have a closing speed of 1 m/s here.
         """
+        # Index 0 is the left body, 1 the right one.
         Z = self.impedance
         T = self.transit_time
         left_velocity, right_velocity = self.velocity
@@ -146,7 +147,7 @@ def pair_theory(system: System) -> PairTheory | None:
         left_array = np.broadcast_to(of_left, system.shape)
         right_array = np.broadcast_to(of_right, system.shape)
         arrays.append(np.stack([left_array, right_array]))
-    family = PairTheory(*arrays)
+    family = PairTheory(*arrays)  # its fields are those of `_BodyNumbers`
     if not family.approaches.any():
         return None
     return family

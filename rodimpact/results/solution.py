@@ -469,6 +469,7 @@ class Solution(Shown):
             longest = max(longest, length)
             latest = length * (1 + END_RTOL)
             inside.append((x >= 0) & (x <= latest))
+        # `demand` puts the first value outside in place of {0!r}.
         message = f"must lie in a body, from 0 to {longest:.9g} m, got {{0!r}}"
         demand(np.any(inside, axis=0), "x", message, x)
         return inside

@@ -302,8 +302,8 @@ def _why_undefined(system: System, of: str, options: Options) -> str:
     """Sentence on why a single collision has no result of that name; the collision is solved."""
     solution = solve(
         system,
-        options.until,
-        options.method,
+        until=options.until,
+        method=options.method,
         max_events=options.max_events,
         rtol=options.rtol,
     )

@@ -166,7 +166,7 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
             episodes.append(str(episode_count))
     restitution = []
     for e in numbers["restitution"]:
-        restitution.append(_digits(e, 1.0))
+        restitution.append(_digits(e, scale=1.0))
     return {
         "e": restitution,
         "impulse": _written(impulses, "N s"),
@@ -191,7 +191,7 @@ def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
     for i in bodies:
         entries = []
         for velocity, scale in zip(velocities[i], fastest, strict=True):
-            entries.append(_digits(velocity, scale, " m/s"))
+            entries.append(_digits(velocity, scale, unit=" m/s"))
         columns[f"velocity {i} after"] = entries
     return columns
 

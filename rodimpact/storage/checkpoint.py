@@ -205,5 +205,6 @@ class _Chunk(NamedTuple):
 
 def spans(members: Any) -> list[Span]:
     """Runs of members that are true."""
+    # By turns the first member of a run and the one after its last
     edges = np.flatnonzero(np.diff(np.concatenate(([0], members, [0]))))
     return [Span(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
