@@ -223,16 +223,16 @@ def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
     module = sys.modules[kernel.__module__]
     code = kernel.__code__.replace(co_freevars=("digest",))
     digest = (CellType(f"{kernel.__name__} {digest_of(module)}"),)
-    scope = vars(_twin(module, user_functions, _once(module)))
+    scope = vars(_twin(module, user_functions, _names_used_once(module)))
     twin = FunctionType(code, scope, kernel.__name__, kernel.__defaults__, digest)
     twin.__qualname__ = kernel.__qualname__
     twin.__module__ = kernel.__module__
     return twin
 
 
-def _once(module: ModuleType) -> frozenset[str]:
+def _names_used_once(module: ModuleType) -> frozenset[str]:
     """Names that one function uses, of those in a kernel module and in what it imports."""
-    uses: Counter[str] = Counter()
+    uses: Counter[str] = Counter()  # how many functions use each name
     for each in _modules(module):
         for value in vars(each).values():
             if isinstance(value, FunctionType):
@@ -293,12 +293,14 @@ def _borrowing() -> Any:
     numba = compiler()
     pointer = numba.types.voidptr
 
+    # An intrinsic returns its signature, and a function that makes its code.
     @numba.extending.intrinsic  # type: ignore[untyped-decorator]
     def pointer_to(_: Any, address: Any) -> Any:
         def code(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
             return builder.inttoptr(arguments[0], context.get_value_type(pointer))
 
-        return pointer(address), code
+        signature = pointer(address)  # from an address to a pointer
+        return signature, code
 
     @numba.njit(**INNER, forceinline=True)  # type: ignore[untyped-decorator]
     def borrowed(array: Any) -> Any:

@@ -285,7 +285,7 @@ def follows_overlap(link: Any, which: int) -> bool:
     status = link.status
     if status == Status.OPEN:
         return True
-    if which > 0 or status > Status.PRESS:
+    if which > 0 or status > Status.PRESS:  # it yields, or rests
         return False
     if status == Status.PRESS:
         return not force_jumps(link)
@@ -305,7 +305,8 @@ def break_order(link: Any, order: int) -> Any:
     own_order = link.break_order
     if status == Status.OPEN or status == Status.GRAZE:
         return int(own_order)
-    if law <= Law.PUSH_RIGHT or law == Law.RIGID or link.damping > 0:
+    is_bond_or_push = law <= Law.PUSH_RIGHT
+    if is_bond_or_push or law == Law.RIGID or link.damping > 0:
         return min(own_order, order)
     return min(own_order, order + 1)
 
@@ -333,6 +334,7 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
         F, dF = mean_power(k, link.exponent, x0, x1)
     elif law == Law.YIELD and x1 > link.yield_force / k:
         end_force, work, _ = load_plastically(link, x0, x1)
+        # Here w > 0: x0 is at most the overlap at which it yields, and x1 is more.
         F = work / w
         # The derivative of work/w is this, as that of the work is the force at its end.
         dF = max((end_force - F) / w, 0.0)
@@ -340,6 +342,8 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
         F, dF = mean_spring(k, 0.0, x0, x1)
     else:
         F, dF = mean_spring(k, damping, x0, x1)
+    # `damping` is chi here; c of a spring is in its mean already. Where nothing damps what yields,
+    # the factor is 1.
     if law == Law.POWER or (law == Law.YIELD and damping > 0):
         factor = 1 + damping * w
         dF = dF * factor + F * damping

@@ -14,13 +14,19 @@ from .record_lists import blank, dtype_of
 
 
 class Law(IntEnum):
-    """What acts in a link."""
+    """What acts in a link.
+
+    The order counts: <= PUSH_RIGHT is no law of an overlap, but a bond or a given force; >= JOINT
+    lets its two neighbours move against each other, so that it has an overlap or a gap; >= RIGID is
+    a contact that can open; >= SPRING is one whose force follows from its overlap; > SPRING is one
+    whose force is not that of a spring.
+    """
 
     BOND = 0
     PUSH_LEFT = 1  # the force of what stands outside the left end, none at a free one
     PUSH_RIGHT = 2
     JOINT = 3
-    RIGID = 4  # this and all below can open
+    RIGID = 4
     IMPACT = 5  # rigid bodies exchange momentum at once
     SPRING = 6
     POWER = 7
@@ -40,7 +46,7 @@ class Link:
     stretch: float  # s of a joint at t = 0, m
     stiffness: float  # k, N/m; N/m^p for a power
     exponent: float  # p of the force k d^p
-    damping: float  # c of a dashpot, N s/m; chi of Hunt and Crossley, s/m
+    damping: float  # c of a dashpot (JOINT, SPRING), N s/m; else chi of Hunt and Crossley, s/m
     restitution: float  # e of an impact between rigid bodies
     yield_force: float  # force from which on the contact yields, N
     hardening_share: float  # slope of the force while it yields, over the stiffness

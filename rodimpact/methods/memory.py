@@ -18,7 +18,11 @@ SHARE = 1 / 4
 """Part of the machine's memory that a run may take, where that is less than `MAX_BYTES`."""
 
 _turn = threading.Lock()  # held by the one thread that takes more than its share
-_thread = threading.local()  # its `share`, bytes, and whether it `has_turn`
+_thread = threading.local()
+"""Of a thread that `limit_to_share` has limited: its `share`, bytes, and whether it `has_turn`.
+
+Other threads have neither.
+"""
 
 
 def _new_turns() -> None:
@@ -72,7 +76,9 @@ def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
     if numbers > most:
         size = f"{work} needs {8e-9 * numbers:.3g} GB of memory, more than {8e-9 * most:.3g} GB"
         raise TooLong([(field, f"{size}; {remedy}")])
-    if 8 * numbers > getattr(_thread, "share", math.inf) and not _thread.has_turn:
+    share = getattr(_thread, "share", math.inf)
+    # A thread that has a share has `has_turn` as well; without a share nothing is more than inf.
+    if 8 * numbers > share and not _thread.has_turn:
         _turn.acquire()
         _thread.has_turn = True
 

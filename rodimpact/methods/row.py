@@ -116,7 +116,7 @@ class Row:
     def boundary_name(self, side: int) -> str:
         """What acts on the left (0) or right (1) end: ``"wall"``, ``"absorbing"`` or ``"drive"``.
 
-        So a `BoundaryAction` names it.
+        This is the `kind` of its `BoundaryAction`. A free end has none: do not ask for its name.
         """
         # The index -side is 0 for the first body and -1 for the last.
         if isinstance(self.system.bodies[-side], Wall):

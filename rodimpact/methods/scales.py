@@ -62,8 +62,9 @@ def wave_of_strain(row: Any, side: int) -> Any:
 
     A wave alone has v = -c strain to the right and c strain to the left, and the wave is 2 v.
     """
-    end_segment = row.segments[side * (len(row.segments) - 1)]
-    return (4 * side - 2) * end_segment.wave_speed  # -2 c, or 2 c on the right
+    first_or_last = side * (len(row.segments) - 1)
+    end_segment = row.segments[first_or_last]
+    return (4 * side - 2) * end_segment.wave_speed  # -2 c on the left, 2 c on the right
 
 
 def least_impedance(row: Any) -> Any:

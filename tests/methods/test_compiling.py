@@ -81,7 +81,7 @@ def test_a_call_on_a_deep_stack_is_a_call():
 
 
 def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_not():
-    once = compiling._once(fronts)
+    once = compiling._names_used_once(fronts)
     assert {"find_mean_motion", "receive"} <= once
     assert once.isdisjoint({"no_front_in_flight", "accumulate_contact_totals"})
 

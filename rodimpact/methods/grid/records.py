@@ -3,9 +3,11 @@
 Loops over all nodes and cells run on plain arrays of numbers, all else is records. Cell i lies
 between the nodes i - 1 and i. Cell 0, the cells between pieces and the last cell stand for nothing.
 
-Time is counted in steps h, so a length is a velocity times steps. Masses and stiffnesses are scaled
-to match: M/h, E A h/dx, k h^p for a force k x^p, the constant of a dashpot as it is. With a radial
-strain q/h, its inertia is J/h and its stiffnesses are G h, b h and s h.
+Time is counted in steps h. Velocities stay in m/s and forces in N, so a length is a velocity times
+steps: in a step of velocity v something moves by v, in half a step by v/2, and what resists with a
+stiffness k changes its force by k v. Masses and stiffnesses are scaled to match: M/h, E A h/dx,
+k h^p for a force k x^p, the constant of a dashpot as it is. With a radial strain q/h, its inertia
+is J/h and its stiffnesses are G h, b h and s h.
 
 In machine code a list of records is a structured array, in plain Python a list of objects with the
 same fields, see `compiling`.
@@ -20,7 +22,11 @@ from ..record_lists import dtype_of
 
 NONE = -1  # no link
 INDEX_MASK = (1 << 40) - 1
-"""n & INDEX_MASK is n, and tells the compiler that n >= 0, so that it vectorises a loop."""
+"""Mask that changes no index: n & INDEX_MASK is n for every index, which is 0 or more.
+
+It tells the compiler that n >= 0, so that it vectorises the loop over entries from n on. Loops over
+a few entries do without.
+"""
 
 
 class Run:
@@ -106,7 +112,9 @@ class End:
     node: int
     impedance: float  # impedance of a semi-infinite bar
     background_wave: float  # wave that comes from this bar in addition to the given one
-    prescribed: float  # force, velocity or incident wave in the present step
+    # What is given in the present step: of a pushed end the force, N; of a moved one the velocity,
+    # m/s; of an endless bar the wave that comes in beside `background_wave`, m/s
+    prescribed: float
 
 
 class Signal:

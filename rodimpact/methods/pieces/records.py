@@ -27,12 +27,15 @@ SideSeries: TypeAlias = Annotated[Sequence[MutableSequence[float]], ("f8", (2, P
 
 
 class Part(IntEnum):
-    """What a group of bonded bodies is made of."""
+    """What a group of bonded bodies is made of.
+
+    The order counts: >= WALL anchors the group, < WALL is part of its bodies.
+    """
 
     SEGMENT = 0
     MASS = 1
     JOINT = 2
-    WALL = 3  # from here on what anchors the group
+    WALL = 3
     ENDLESS = 4
 
 
@@ -104,7 +107,7 @@ class Link(link.Link):
     overlap_acceleration: float  # d'', m/s^2
     effective_mobility: float  # velocity by 1 N in the shortest transit, s/kg
     closing_after: float  # closing velocity that an impact leaves, m/s
-    history_line: int  # first line with its force, overlap and closing
+    history_line: int  # line of its force; those of its overlap and its closing follow
     left_group: int  # first part of the group on the left; NONE if the link cannot open
     right_group: int  # first part of the group on the right
     logged_status: int  # `Status` that was logged last: OPEN, GRAZE or PRESS
@@ -119,7 +122,10 @@ class Link(link.Link):
     last_opening_tick: Tick
     starts_episode: int  # 1: the next force begins another episode
     force_ticks: Tick  # total time with force
-    faint_ticks: Tick  # time since it closed, without a force that counts
+    faint_ticks: (
+        Tick  # time since it closed, without a force that counts; NONE if this has
+    )
+    # lasted for so long that its force is round-off
     fading_ticks: Tick  # its last piece with force, if its end is faint
     cut_ticks: Tick  # time in which a force became faint, or acted and counts as none
     episodes: int
