@@ -124,7 +124,8 @@ def log_contact_change(
         run.next_proof_tick = min(run.next_proof_tick, tick)
         if before == Status.PRESS:
             node.last_force_tick = tick
-        if status == Status.OPEN and before >= Status.GRAZE:
+        has_pressed = before >= Status.GRAZE
+        if status == Status.OPEN and has_pressed:
             node.last_opening_tick = tick
     change.tick = tick
     change.line = CHANGE

@@ -205,7 +205,7 @@ def advance(state: State, horizon: int) -> int:
                 if line.next_row == NONE:  # no other front is in flight
                     line.next_row = rows
                     line.arrival_tick = tick + segments[k + side].transit
-                    neighbour = leaf - 1 + 2 * side
+                    neighbour = leaf - 1 + 2 * side  # the leaf before or behind
                     if line.arrival_tick < queue[neighbour]:
                         event_queue.schedule(queue, neighbour, line.arrival_tick)
                 rows += 1

@@ -138,7 +138,9 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
         if body.kind == "rod":
             strain = body.strain
         elif last == 0:  # a wall is what lies outside
-            first = 0 if i == 0 else outside
+            first = outside
+            if i == 0:
+                first = 0
         profile = append_profile(
             values, first, body.velocity, strain, BoundaryKind.STEADY.value
         )
@@ -151,9 +153,8 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
         boundary_kind = BoundaryKind.STEADY.value
         if end_kind != "fixed":
             boundary_kind = BOUNDARY_KINDS[kind]
-        profiles.append(
-            append_profile(values, side * outside, value, 0.0, boundary_kind)
-        )
+        segment = side * outside  # 0 on the left
+        profiles.append(append_profile(values, segment, value, 0.0, boundary_kind))
     return profiles
 
 
@@ -191,7 +192,8 @@ def closed_status_of(row: Any) -> list[int]:
     for side in range(2):
         kind, _ = row.boundaries[side]
         if kind == "none":
-            statuses[side * (len(statuses) - 1)] = Status.FREE.value
+            first_or_last = side * (len(statuses) - 1)
+            statuses[first_or_last] = Status.FREE.value
     return statuses
 
 

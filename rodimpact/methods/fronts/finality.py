@@ -102,6 +102,7 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
         if segment.group_last > 0:
             find_mean_motion(state, k, s, now)
         else:
+            # The line that arrives at node k from this side
             wall_velocity = state.lines[2 * k + 3 * side].incoming_wave
             segment.mean_velocity = wall_velocity
             segment.min_end_velocity = wall_velocity
@@ -159,6 +160,7 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
         end_node = first - 1
         if side == 1:
             end_node = last
+        # The line that arrives at this node from outside of the group
         outside_wave = lines[2 * end_node + 3 * side].incoming_wave
         outside_mobility = segments[end_node + side].mobility
         if nodes[end_node].status == Status.BOND:

@@ -58,6 +58,29 @@ def gap_index(n: int, contact: int) -> int:
     return 3 * n + 2 + contact
 
 
+# Ends of the row: 0 is the left one, 1 the right one ----------------------------------
+
+
+def segment_outside(n: int, side: int) -> int:
+    """Number of the segment that stands for what lies outside an end of n segments."""
+    return side * (n + 1)
+
+
+def segment_at_end(n: int, side: int) -> int:
+    """Number of the first or the last of n segments."""
+    return 1 + side * (n - 1)
+
+
+def line_from_outside(n: int, side: int) -> int:
+    """Line on which waves come to an end of n segments from outside: 0 or 2 n + 3."""
+    return side * (2 * n + 3)
+
+
+def line_inward(n: int, side: int) -> int:
+    """Line on which an end of n segments sends waves inward: 2 or 2 n + 1."""
+    return 2 + side * (2 * n - 1)
+
+
 # The clock ----------------------------------------------------------------------------
 
 
@@ -128,7 +151,7 @@ def split_at_jumps(state: State, values: Values) -> int:
         velocity_jumps = velocities + body.velocity_count
         strains = velocity_jumps + body.velocity_count - 1
         strain_jumps = strains + body.strain_count
-        wave_speed = values[s - 1]
+        wave_speed = values[s - 1]  # wave speeds come first among the values
         length_index = 2 * n + s - 1  # behind n wave speeds and n impedances
         length = values[length_index]
         transit_time = length / wave_speed
@@ -196,7 +219,7 @@ def set_drive_times(
     A jump after the end of the run is given the longest transit time, which is there
     already and so changes no clock.
     """
-    last = len(segments) - 1
+    last = len(segments) - 1  # like segment 0, it stands for what lies outside
     run.drive_jump_count = drive_jumps(segments[0]) + drive_jumps(segments[last])
     i = len(durations) - run.drive_jump_count
     for side in range(2):
@@ -236,7 +259,8 @@ def set_transits(
     run.shortest_segment = 1
     for s in range(1, n + 1):
         segment = segments[s]
-        segment.mobility = 1 / values[n + s - 1]
+        impedance_index = n + s - 1  # behind n wave speeds
+        segment.mobility = 1 / values[impedance_index]
         segment.transit = durations[s - 1].ticks
         if run.perturb_rounding:
             change = segment.transit * run.tick_duration / durations[s - 1].time - 1
@@ -259,7 +283,8 @@ def find_clock_fault(
     n = len(segments) - 2
     max_impedance = 0.0
     for s in range(n):
-        max_impedance = max(max_impedance, values[n + s])
+        impedance = values[n + s]  # impedances stand behind n wave speeds
+        max_impedance = max(max_impedance, impedance)
     # Energies are Z v^2 times ticks, up to the last tick of the clock.
     max_energy = (
         run.velocity_scale * run.velocity_scale * max_impedance * 2.0**rule.CLOCK_BITS
@@ -295,15 +320,15 @@ def initialise_member(state: State, values: Values) -> None:
         append_initial_fronts(state, s, values[s - 1])
     first_jump = len(state.durations) - run.drive_jump_count
     for side in range(2):
-        outside = segments[side * (n + 1)]
-        line = state.lines[side * (2 * n + 3)]
+        outside = segments[segment_outside(n, side)]
+        line = state.lines[line_from_outside(n, side)]
         line.incoming_wave = 0.0
         if outside.velocity_count > 0 and outside.boundary_kind == BoundaryKind.STEADY:
             # What is steady outside is a wall.
             line.incoming_wave = values[outside.profile_offset] - run.frame_velocity
         outside.mobility = 0.0
         if outside.boundary_kind == BoundaryKind.ENDLESS:
-            outside.mobility = segments[1 + side * (n - 1)].mobility
+            outside.mobility = segments[segment_at_end(n, side)].mobility
         if outside.boundary_kind != BoundaryKind.STEADY:
             append_driven_fronts(state, side, values, first_jump)
             first_jump += drive_jumps(outside)
@@ -346,7 +371,7 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     transit = state.segments[s].transit
     first = state.segments[s].first_piece
     stop = state.segments[s + 1].first_piece
-    for leftward in range(2):
+    for leftward in range(2):  # 0: the wave a to the right, 1: the wave b to the left
         start = run.log_rows
         sign = 2 * leftward - 1  # of c eps: -1 in a, 1 in b
         for k in range(stop - first):
@@ -384,15 +409,17 @@ def append_driven_fronts(
     run = state.runs[0]
     log = state.log
     n = len(state.segments) - 2
-    outside = state.segments[side * (n + 1)]
-    end_segment = 1 + side * (n - 1)
-    wave_speed = values[end_segment - 1]
-    # The line that leads inward from this end: 2, or 2 n + 1 on the right
-    inward_line = 2 + side * (2 * n - 1)
-    inward_wave = 0.0
+    outside = state.segments[segment_outside(n, side)]
+    outside_line = line_from_outside(n, side)
+    inward_line = line_inward(n, side)
+    end_segment = segment_at_end(n, side)
+    wave_speed = values[end_segment - 1]  # wave speeds come first among the values
+    wave_by_strain = (4 * side - 2) * wave_speed  # -2 c on the left, 2 c on the right
+    inward_wave = 0.0  # by the last front on the inward line: what it sends at t = 0
     for r in range(run.log_rows):
         if log[r].line == inward_line:
             inward_wave = log[r].value
+    value_count = outside.velocity_count
     start = run.log_rows
     stop_tick = 0
     j = 0
@@ -402,20 +429,20 @@ def append_driven_fronts(
         if outside.boundary_kind == BoundaryKind.PUSHED:
             value *= state.segments[end_segment].mobility
         elif outside.boundary_kind == BoundaryKind.ENDLESS:
-            value = (4 * side - 2) * wave_speed * value + inward_wave
+            value = wave_by_strain * value + inward_wave
         else:
             value -= run.frame_velocity
         start_tick = stop_tick
-        stop_tick = start_tick + 1  # the last value lasts to the end of the run
+        # The last value lasts to the end of the run: any later tick shows that it lasts.
+        stop_tick = start_tick + 1
         is_last = True
-        if j < outside.velocity_count - 1:
-            jump_time = values[outside.profile_offset + outside.velocity_count + j]
+        if j < value_count - 1:
+            jump_time = values[outside.profile_offset + value_count + j]
             is_last = jump_time > run.until
             if not is_last:
                 jump_tick = state.durations[first_jump + j].ticks
                 stop_tick = max(start_tick, jump_tick)
         if stop_tick > start_tick:
-            outside_line = side * (2 * n + 3)
             append_front(run, log, start, start_tick, outside_line, value)
         j += 1
 

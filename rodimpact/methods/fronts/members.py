@@ -21,18 +21,20 @@ def run_members(state: State) -> bool:
     segments = state.segments
     all_values = state.values
     all_results = state.results
-    if run.stop_reason != Stop.FULL:
+    is_resumed = run.stop_reason == Stop.FULL
+    if not is_resumed:
         run.member = 0
     while run.member < len(all_results):
-        if run.stop_reason != Stop.FULL:
+        if not is_resumed:
             values = all_values[run.member]
             initial_state.choose_clock(state, values)
-            if run.stop_reason == Stop.NONE:
+            if run.stop_reason == Stop.NONE:  # there is a clock
                 initial_state.initialise_member(state, values)
                 events.start(state)
                 energy.update_motion(state)
                 energy.store_initial_motion(segments)
-        if run.stop_reason < Stop.DONE:
+        is_resumed = False
+        if run.stop_reason < Stop.DONE:  # the member has a clock, and has not ended
             run.stop_reason = run_to_end(state)
             if run.stop_reason == Stop.FULL:
                 return False

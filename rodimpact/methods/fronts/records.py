@@ -8,7 +8,12 @@ A row of n segments::
 Node k joins the segments k and k + 1. The segments 0 and n + 1 stand for what lies
 outside: nothing, a wall (a segment of mobility 0), or a semi-infinite bar. Line 2s
 carries the waves that travel to the right through segment s, line 2s + 1 those that
-travel to the left.
+travel to the left. So at node k the lines 2k (through segment k) and 2k + 3 (through
+segment k + 1) arrive, and the lines 2k + 1 and 2k + 2 leave. From outside the lines 0
+and 2n + 3 come.
+
+A side is 0 on the left and 1 on the right: on a side of node k lies segment k + side,
+from there line 2k + 3 side arrives, and line 2k + 1 + side leads there.
 
 Waves are velocities, m/s, in a frame chosen by the caller. Times are whole ticks.
 Derived quantities stay in these units: lengths are velocity times ticks, impulses and
@@ -44,7 +49,8 @@ class Segment:
     # Initial state of the body that begins here, or values over time of what drives
     # this end. They begin at `profile_offset` among the values of a member.
     profile_offset: int
-    velocity_count: int  # 0: no body begins here
+    velocity_count: int  # 0: no body begins here; of what drives an end the number of
+    # values, whatever they are: velocities, forces or strains
     strain_count: int
     boundary_kind: int  # `states.BoundaryKind`; for what lies outside
 

@@ -136,6 +136,7 @@ def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
     if finished.clock.impedance[segment] > 0:
         wave = lines[2 * segment + side]
     if wave is None:  # the wave of a wall is constant
+        # The index -side is 0 for the first line and -1 for the last.
         return Pieces([0], [finished.lines[-side].incoming_wave])
     return wave.later(finished.clock.ticks[segment])
 
@@ -150,13 +151,16 @@ def outside_signal(
     """
     clock = finished.clock
     end_tick = finished.run.now
-    wall = clock.system.bodies[-side]
+    wall = clock.system.bodies[-side]  # the first body, or the last
     if isinstance(wall, Wall):
         velocity = Pieces([0], [float(wall.velocity)])
         return BoundaryAction("wall", contacts[-side].force, velocity)
     if isinstance(clock.system.ends[side], Free | Fixed):
         return None
-    s = 1 if side == 0 else len(clock.ticks) - 2  # first or last segment
+    s = 1  # first segment
+    if side == 1:
+        s = len(clock.ticks) - 2  # last segment
+    # On the left the line 2 s leads inward, on the right the line 2 s + 1.
     inward = lines[2 * s + side]
     outward = lines[2 * s + 1 - side]
     assert inward is not None

@@ -50,6 +50,7 @@ class Simulation(State):
         run = self.run
         run.max_events = max_events
         run.velocity_tolerance = tolerance
+        # Numbers may be exact, so no closing is moved to an arrival.
         run.closing_window = 0
         stop = run_to_end(self)
         while stop == Stop.FULL:
@@ -97,7 +98,8 @@ def start_simulation(
     n = len(ticks)
     for s in range(1, n + 1):
         segments[s].transit = ticks[s - 1]
-        segments[s].mobility = 1 / values[n + s - 1]
+        impedance_index = n + s - 1  # behind n wave speeds
+        segments[s].mobility = 1 / values[impedance_index]
     initial_state.initialise_member(state, values)
     events.start(state)
     energy.update_motion(state)

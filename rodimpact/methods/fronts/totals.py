@@ -37,13 +37,14 @@ def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float
     """
     ends: list[list[float]] = []
     for node in contacts:
-        if node.status < Status.OPEN or node.episodes == 0:
+        is_contact = node.status >= Status.OPEN
+        if not is_contact or node.episodes == 0:
             continue
         force_end = math.nan
         if node.status != Status.PRESS:
             force_end = node.last_force_tick * run.tick_duration
         opening = math.nan
-        if node.status < Status.GRAZE:
+        if node.status < Status.GRAZE:  # it is open, or touches without having pressed
             opening = node.last_opening_tick * run.tick_duration
         ends.append([force_end, opening])
     return last_contact(ends, run.now * run.tick_duration, round_trip)
