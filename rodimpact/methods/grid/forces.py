@@ -41,22 +41,24 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     None at a free end, and in a run without steps.
     """
     row = run.row
-    link = (0, len(row.links) - 1)[side]
+    link = 0
+    if side == 1:
+        link = len(row.links) - 1
     kind, _ = row.boundaries[side]
     if kind == "none" or not run.steps:
         return None
     v = run.velocity(run.mesh.ends[side])
     speed = (v[:-1] + v[1:]) / 2  # mean over each step
-    force = run.history.prescribed[
-        :, side
-    ]  # of a pushed end; a wave at an absorbing one
+    # Force of a pushed end, wave of an endless bar
+    given = run.history.prescribed[:, side]
+    force = given
     if link in run.mesh.touching:
         force = run.recorded(link, "force")
     elif kind == "velocity":
         force = run.bond_force(link)
     elif kind == "absorbing":
         end = run.grid.ends[side]
-        excess = end["background_wave"] + force - speed
+        excess = end["background_wave"] + given - speed
         force = INWARD[side] * (end["impedance"] * excess)
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return BoundaryAction(

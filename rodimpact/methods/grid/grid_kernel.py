@@ -175,7 +175,7 @@ def keep_nodes(
     """
     n = len(v)
     nodes = run.kept_states * n  # first entry of the state among those of nodes
-    cells = run.kept_states * (n + 1) & INDEX_MASK
+    cells = (run.kept_states * (n + 1)) & INDEX_MASK  # the same among those of cells
     kept_force[cells] = 0.0
     kept_force[cells + n] = 0.0
     # Numba compiles a loop in a tenth of the time of a copied slice.
@@ -197,7 +197,7 @@ def keep_radial_strains(
 
     q is known in the middle of a step: half a step adds rate/2.
     """
-    cells = run.kept_states * len(coupling) & INDEX_MASK
+    cells = (run.kept_states * len(coupling)) & INDEX_MASK  # first entry of this state
     for i in range(len(coupling)):
         kept_rate[cells + i] = radial_rate[i]
         kept_radial[cells + i] = radial_strain[i] + radial_rate[i] / 2
@@ -207,7 +207,7 @@ def add_radial_tensions(
     run: Run, radial_rate: Any, coupling: Any, kept_force: Any
 ) -> None:
     """Add what radial strains change in half a step, b rate/2, to the tensions that are kept."""
-    cells = run.kept_states * len(coupling) & INDEX_MASK
+    cells = (run.kept_states * len(coupling)) & INDEX_MASK  # first entry of this state
     for i in range(len(coupling)):
         kept_force[cells + i] += coupling[i] * radial_rate[i] / 2
 
@@ -290,17 +290,21 @@ def kick_radially(
 def push_ends(v: Any, force: Any, ends: Any) -> None:
     """Set the forces from outside, as tensions of cells beyond the ends of the row.
 
-    An endless bar of impedance Z presses with Z (wave - v), towards the row.
+    An endless bar of impedance Z that sends a wave presses with Z (wave - v) to the right at the
+    left end, and with Z (v - wave) to the left at the right end.
     """
     for side in range(2):
         end = ends[side]
-        push = 0.0  # force that presses the end into the row
+        # Pressure on the end, into the row: minus the tension of the cell beyond it
+        push = 0.0
         if end.kind == BoundaryKind.PUSHED:
             push = end.prescribed
         elif end.kind == BoundaryKind.ENDLESS:
             wave = end.background_wave + end.prescribed
             inward = 1 - 2 * side  # 1 on the left, -1 on the right
             push = inward * end.impedance * (wave - v[end.node])
+        # Cell i is on the left of node i: beyond the left end is the cell of its node, beyond
+        # the right end the next one.
         force[end.node + side] = -push
 
 
@@ -372,9 +376,8 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
     speed = 0.0
     for i in range(first, last + 1):
         link = links[i]
-        left = v[
-            link.left_node
-        ]  # velocities at the end of the step without link forces
+        # Velocities at the end of the step without link forces
+        left = v[link.left_node]
         right = v[link.right_node]
         speed = max(speed, abs(left) + abs(right) + abs(link.initial_closing))
         # The closing of a step is the mean of the closing velocities before and after it.

@@ -84,11 +84,10 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
         if stop < len(force):
             end = max(begin, end_of_force(force, gap, first, stop))
         opening = math.nan
-        opened = wide[np.searchsorted(wide, stop) :][
-            :1
-        ]  # first step end with a wide gap
-        if opened.size and opened[0] <= following:
-            opening = _opening(gap, int(opened[0]), open_gap, end)
+        # First step end with a wide gap from `stop` on, if there is one
+        next_wide = np.searchsorted(wide, stop)
+        if next_wide < len(wide) and wide[next_wide] <= following:
+            opening = _opening(gap, int(wide[next_wide]), open_gap, end)
         intervals.append((begin, end, opening))
     return np.array(intervals).reshape(-1, 3)
 

@@ -400,9 +400,10 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
     """Longest stable step of a segment in so many cells, s.
 
     Leapfrog is stable up to 2/omega of the fastest motion. Soil of a stiffness per length, N/m^2,
-    adds soil_stiffness/(rho A) to the square of omega. By Mindlin and Herrmann this is the
-    motion in which all nodes and all radial strains swing against their neighbours. Its equation
-    is a bound where cells differ, too::
+    adds soil_stiffness/(rho A) to the square of omega. The fastest motion of a cell with transit
+    time t has omega = 2/t; lateral inertia by Rayleigh and Love makes it slower. By Mindlin and
+    Herrmann it is the motion in which all nodes and all radial strains swing against their
+    neighbours. Its equation is a bound where cells differ, too::
 
         (omega^2 - 4 k/m) (omega^2 - (G + 4 s)/J) = 4 b^2/(m J)
 
@@ -414,12 +415,14 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
         by_soil = soil_stiffness / (float(segment.material.density) * least_area)
     if segment.lateral_inertia != MINDLIN_HERRMANN:
         cell_transit = float(segment.transit_time) / count
+        # 2/sqrt(4/t^2 + by_soil)
         return cell_transit / math.sqrt(1 + by_soil * (cell_transit / 2) ** 2)
     cells = _cells(segment, count)
     m = cells.cell_mass
     J = cells.swelling
     axial = 4 * cells.stiffness / m
     radial = (cells.radial + 4 * cells.shear) / J
+    # The larger root of the equation, which is quadratic in omega^2
     mixed = np.hypot(axial - radial, 4 * cells.coupling / np.sqrt(m * J))
     square = (axial + radial + mixed) / 2
     return 2 / math.sqrt(float(square.max()) + by_soil)
@@ -468,21 +471,24 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     for segment in segments:
         share = float(segment.transit_time) / transit
         parts.append(_cells(segment, max(4, round(MODAL_CELLS * share))))
+    # Each part is a matrix [property, cell]: the cells of all segments stand in a row.
     cells = Cells(*np.concatenate(parts, axis=1))
     mass = (np.append(cells.cell_mass, 0.0) + np.append(0.0, cells.cell_mass)) / 2
-    M = np.diag(mass) + _chain(cells.lateral)
+    axial_inertia = np.diag(mass) + _chain(cells.lateral)
     radial = np.diag(cells.radial) + _chain(_in_series(cells.shear))
     # Unknowns are the displacements of nodes, then the radial strains of cells.
     K = block_diag(_chain(cells.stiffness), radial)
-    n = len(M)
-    K[:n, n:] = np.diff(np.eye(n), axis=0).T * cells.coupling
+    n = len(axial_inertia)
+    K[:n, n:] = _differences(n).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
     moves = np.append(np.ones(n, bool), cells.swelling > 0)  # what has inertia
-    M = block_diag(M, np.diag(cells.swelling))[np.ix_(moves, moves)]
+    inside = np.ix_(moves, moves)
+    M = block_diag(axial_inertia, np.diag(cells.swelling))[inside]
     # Mode 0 is the motion of the rigid rod.
-    squares, modes = eigh(K[np.ix_(moves, moves)], M, subset_by_index=[1, MODES])
-    # Modes have x M x = 1.
-    rates = np.einsum("im,ij,jm->m", modes[:n], _chain(cells.viscous), modes[:n]) / 2
+    squares, modes = eigh(K[inside], M, subset_by_index=[1, MODES])
+    axial = modes[:n]  # displacements of nodes, which alone feel viscosity
+    # Modes have x M x = 1, so that x D x/2 is the rate.
+    rates = np.einsum("im,ij,jm->m", axial, _chain(cells.viscous), axial) / 2
     slowest = int(np.argmin(rates))
     return float(np.sqrt(squares[slowest])), float(rates[slowest])
 
@@ -492,5 +498,10 @@ def _chain(values: Array) -> Array:
 
     It is D^T diag(values) D, D the differences of neighbouring nodes.
     """
-    difference = np.diff(np.eye(len(values) + 1), axis=0)
-    return np.asarray(difference.T @ (values[:, None] * difference))
+    D = _differences(len(values) + 1)
+    return np.asarray(D.T @ (values[:, None] * D))
+
+
+def _differences(n: int) -> Array:
+    """Matrix [n - 1, n] that takes values at n nodes to the differences of neighbours."""
+    return np.diff(np.eye(n), axis=0)

@@ -13,7 +13,7 @@ import numpy as np
 from .. import abilities, finality_kernel
 from ..link import Law
 from ..row import Array
-from .mesh import GridMotion, quotient
+from .mesh import GridMotion, Mesh, quotient
 from .run import GridRun
 
 
@@ -111,6 +111,16 @@ def add_joints(
     return energy, dashpots
 
 
+def group_of(mesh: Mesh, node: int) -> tuple[int, int]:
+    """First and last node of the group to which a node belongs."""
+    group = mesh.groups[0]
+    for next_group in mesh.groups:  # from left to right
+        first, _ = next_group
+        if first <= node:
+            group = next_group
+    return group
+
+
 def side_of(
     run: GridRun, node: int, right_end: bool, state: tuple[GridMotion, Array]
 ) -> GroupState:
@@ -118,17 +128,19 @@ def side_of(
 
     `state` is that of `present`.
 
-    With g(x) the mass fraction beyond x as seen from this end, or 1 where the far end is held, the
-    end deviates from the mean motion by integral(g eps dx), and by at most
-    sqrt(2 E_vib integral(g^2 dx/(E A))). The end is half a step ahead of the cells, by no more than
-    the velocity that the energy gives.
+    The mean velocity is that of the centre of mass; of the far end where that is held, and that of
+    the wave from outside where an endless bar is there.
+
+    With g(x) the mass fraction beyond x as seen from this end, or 1 where the far end is held or
+    endless, the end deviates from the mean motion by integral(g eps dx), and by at most
+    sqrt(2 E_vib integral(g^2 dx/(E A))). An endless bar of impedance Z at the far end and dashpots
+    of joints make the bound larger, by the momentum that they can take. The end is half a step
+    ahead of the cells, by no more than the velocity that the energy gives.
     """
     mesh = run.mesh
     motion, elongation = state
     h = run.step
-    for a, b in mesh.groups:
-        if a <= node <= b:
-            break
+    a, b = group_of(mesh, node)
     nodes = slice(a, b + 1)
     far = b  # node of the other end
     sign = -1  # stretching moves the left end to the left, the right one to the right
@@ -137,8 +149,9 @@ def side_of(
         sign = 1
     m = mesh.mass[nodes]
     v = motion.velocity[0, nodes]
+    mass = m.sum() or 1.0  # a wall has none, and v - v[0] is 0 then
     # Relative to the first node, so that a body without vibration has no deviation.
-    mean = float(v[0] + m @ (v - v[0]) / (m.sum() or 1.0))
+    mean = float(v[0] + m @ (v - v[0]) / mass)
     if mesh.is_prescribed[far]:
         mean = float(motion.velocity[0, far])
     Z = 0.0  # impedance of an endless bar at the other end
@@ -148,7 +161,8 @@ def side_of(
         mean = float(run.grid.ends["background_wave"][side])
     if a == b:
         return GroupState(mean, 0.0, 0.0)
-    g = np.cumsum(m[:-1]) / m.sum()  # mass fraction to the left of each cell
+    # Mass fraction beyond each cell: on its left, as seen from the right end, or else on its right
+    g = np.cumsum(m[:-1]) / m.sum()
     if mesh.is_prescribed[far] or Z:
         g = np.ones(b - a)
     elif not right_end:
@@ -159,12 +173,16 @@ def side_of(
     energy, dashpots = add_joints(run, (a, b), g, stretch, compliance, energy)
     deviation = float(stretch @ g) * sign
     compliance_integral = float(g * g @ compliance)
+    # A momentum is sqrt(2 E m) at most. Each motion that it makes adds to that of the cells, and
+    # (a + b)^2 <= 2 (a^2 + b^2) bounds the square of their sum.
     if Z > 0:
+        # The far end yields to the bar by the momentum of the group over Z.
         deviation -= float(m @ (v - mean)) / Z
         compliance_integral = 2 * (compliance_integral + m.sum() / (Z * Z))
     if dashpots > 0:
         compliance_integral = 2 * (compliance_integral + m.sum() * dashpots * dashpots)
     energy = max(energy, 0.0)
+    # h/2 times sqrt(2 E/m), the largest velocity of the node
     half_step = h * math.sqrt(energy / (2 * mesh.mass[node]))
     bound = math.sqrt(2 * energy * compliance_integral) + half_step
     return GroupState(mean, deviation, bound)

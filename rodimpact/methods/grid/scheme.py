@@ -158,9 +158,11 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
     Forces on all pieces act at once, as pieces are not coupled. Prescribed nodes take none.
     """
     n = len(mesh.mass)
-    free = mesh.is_prescribed == 0
-    on_first = np.bincount(mesh.starts, free[mesh.starts], n)
-    on_last = np.bincount(mesh.stops, free[mesh.stops], n)
+    unit_force = np.where(mesh.is_prescribed == 0, 1.0, 0.0)
+    on_first = np.zeros(n)
+    on_first[mesh.starts] = unit_force[mesh.starts]
+    on_last = np.zeros(n)
+    on_last[mesh.stops] = unit_force[mesh.stops]
     return Responses(
         velocity_changes(factors, on_first), velocity_changes(factors, on_last)
     )

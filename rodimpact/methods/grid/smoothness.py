@@ -63,14 +63,15 @@ def waves_jump(row: Row) -> bool:
     for law in system.contacts:
         if law.opens and not law.begins_from_zero:
             return True
-    return any((_jumps_at_joints(row), _jumps_at_ends(row), _jumps_at_steps(row)))
+    return any((_jumps_between_bodies(row), _jumps_at_ends(row), _jumps_at_steps(row)))
 
 
-def _jumps_at_joints(row: Row) -> bool:
-    """Whether joined or touching neighbours move or press differently at t = 0.
+def _jumps_between_bodies(row: Row) -> bool:
+    """Whether waves jump at t = 0 between two neighbours.
 
-    Bonded bodies must have one velocity and one force; beside a joint or an open contact each has
-    the force of that.
+    Bonded bodies must have one velocity and one force. At a joint or a contact velocities may
+    differ: each face must have the force of the joint, or none at a contact. A contact with an
+    overlap always jumps, as it presses at once.
     """
     system = row.system
     for k, (left_body, right_body) in enumerate(pairwise(system.bodies)):
@@ -80,6 +81,7 @@ def _jumps_at_joints(row: Row) -> bool:
         if isinstance(law, Bonded):
             if _differ(row, left.velocity, right.velocity):
                 return True
+            # A rigid body on the left takes any force; `_forces_differ` asks for one on the right.
             if left.force is not None and _forces_differ(row, right, left.force):
                 return True
         else:

@@ -49,7 +49,7 @@ def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
 
     v are the velocities before the step; the ground has its mean velocity over the step.
     """
-    ground = ground_velocity(run) + run.ground_acceleration / 2
+    ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
     for i in range(len(soil)):
         at_node = soil[i]
         node = at_node.node
@@ -87,10 +87,11 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
 def keep_soil(run: Run, soil: Any, v: Any, kept_resistance: Any) -> None:
     """Store the static resistances at the end of a step in the next state that is kept.
 
-    The soil has them in the middle of the step: half a step adds k (v - ground)/2.
+    The soil has them in the middle of the step: half a step adds k (v - ground)/2, as velocities
+    are lengths by step.
     """
     ground = ground_velocity(run)
-    first = run.kept_states * len(soil) & INDEX_MASK
+    first = (run.kept_states * len(soil)) & INDEX_MASK  # first entry of this state
     for i in range(len(soil)):
         at_node = soil[i]
         R = at_node.resistance + at_node.stiffness * (v[at_node.node] - ground) / 2

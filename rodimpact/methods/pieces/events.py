@@ -63,7 +63,7 @@ def closing_of(masses: Masses, node: Node, q: int) -> float:
     """Return the closing velocity of link q between rigid bodies at the start of the next piece.
 
     In front of the first link and behind the last one is a wall, whose velocity is the wave from
-    outside.
+    outside. Between pieces the first value over the piece, that of index 0, is the present one.
     """
     if q == 0:
         before = node.incoming[0][0]

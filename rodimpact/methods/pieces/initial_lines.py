@@ -250,21 +250,35 @@ class InitialLines:
     def _outside_signal(self, side: int) -> OutsideSignal:
         """How the signal of an end follows from the value that acts there, by the kind of the end.
 
-        `side` is 0 on the left, 1 on the right.
+        `side` is 0 on the left, 1 on the right. A velocity counts in the frame, which falls; a
+        force acts as it is. The wave out of an endless rod is the one that the end sends inward at
+        t = 0, and what the strain adds.
         """
         row = self._row
         kind, _ = row.boundaries[side]
         if kind == "velocity":
-            return OutsideSignal(1.0, -self._clock.frame, -row.system.gravity)
+            return OutsideSignal(
+                factor=1.0, start=-self._clock.frame, slope=-row.system.gravity
+            )
         if kind == "absorbing":
-            line = 0
-            if side == 1:
-                line = 2 * len(row.segments) - 1
-            # The wave that leaves the end at t = 0 would go on in the endless rod.
-            last_series = self.log[line][:, -1]["coefficients"]
+            pieces = self.log[self._line_inward(side)]  # [member, piece]
+            # Each Chebyshev polynomial is 1 at the end of the last piece, at t = 0.
+            last_series = pieces[:, -1]["coefficients"]
             start = last_series.sum(axis=1).reshape(row.system.shape)
-            return OutsideSignal(wave_of_strain(row, side), start, 0.0)
-        return OutsideSignal(1.0, 0.0, 0.0)
+            return OutsideSignal(
+                factor=wave_of_strain(row, side), start=start, slope=0.0
+            )
+        return OutsideSignal(factor=1.0, start=0.0, slope=0.0)
+
+    def _line_inward(self, side: int) -> int:
+        """Line on which the left (0) or the right (1) end of the row sends waves inward.
+
+        Segment s, from 0 on, has the line 2 s to the right and the line 2 s + 1 to the left.
+        """
+        if side == 0:
+            return 0
+        last = len(self._row.segments) - 1
+        return 2 * last + 1
 
     def _steady(self, value: Any, signal: OutsideSignal) -> Any:
         """The piece, [member, 1], of a value that is constant, for ever or to the end of the run.

@@ -161,10 +161,9 @@ def shortest_transit(clock: Clock) -> Any:
 
 def longest_body_time(row: Any, clock: Clock, shortest: Any) -> Any:
     """Longest time in which a wave goes through a body, ticks; `shortest` in a row without rods."""
-    without_rods = shortest
+    times = [shortest]
     if len(clock.transits) > 0:
-        without_rods = 0
-    times = [without_rods]
+        times = [0]
     for first, last in row.spans:  # first and last segment of a body, counted from 1
         times.append(sum(clock.transits[first - 1 : last]))
     return largest(times)
@@ -235,7 +234,7 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
         node.first_mass = row.first[k]
         node.first_link = k + node.first_mass
         node.link_count = row.first[k + 1] - row.first[k] + 1
-        # From the segment k - 1 on the left, and the segment k on the right
+        # Of the segment k - 1 on the left, and of the segment k on the right
         node.incoming_lines = [2 * (k - 1), 2 * k + 1]
         node.outgoing_lines = [2 * (k - 1) + 1, 2 * k]
         for side in range(2):
@@ -244,13 +243,15 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
                 node.mobility[side] = 1 / row.segments[s].impedance
         node.next_ticks = np.maximum(shortest // PIECES_PER_TRANSIT, MIN_FIRST_PIECE)
     for side in range(2):
-        end = nodes[side * n]  # first or last node
+        first_or_last = side * n
+        end = nodes[first_or_last]
         end.incoming_lines[side] = outside[side]
         end.outgoing_lines[side] = NONE
         if outside[side] == NONE:
             end.is_free_end = 1
         if row.boundaries[side][0] == "absorbing":  # an endless rod is bonded to it
-            end.mobility[side] = end.mobility[1 - side]
+            inner_side = 1 - side
+            end.mobility[side] = end.mobility[inner_side]
     return nodes
 
 
@@ -340,7 +341,8 @@ def make_masses(row: Any, clock: Clock) -> list[Any]:
 def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int:
     """Set `history_line` of links and masses, from line `first` on; return the number of all lines.
 
-    A link keeps its force; if it can deform, its overlap; and if it yields, its closing velocity.
+    A link keeps its force; a joint or a contact also its overlap, which is minus the gap; and what
+    yields its closing velocity.
     """
     l = first
     for link in links:

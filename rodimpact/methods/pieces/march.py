@@ -173,15 +173,19 @@ def event_ticks(run: Run, status: int, result: PieceResult) -> int:
 
 
 def cut_piece(state: State, node: Node, full: int, ticks: int) -> None:
-    """Cut the solution of a node on a piece of `full` ticks after `ticks`."""
+    """Shorten the piece that is solved at a node from `full` ticks to its first `ticks`.
+
+    Its polynomials are restricted to them. An averaging node is solved anew: means over the shorter
+    time are needed, or momentum would be lost.
+    """
     run = state.runs[0]
     if ticks < full and node.is_averaging:
-        # Means over the shorter time are needed, or momentum would be lost.
         take_inputs(state.lines, state.log, node, ticks)
         h = ticks * run.tick_duration
         nodes.collocate(run, state.links, state.masses, node, h, state.matrix)
     elif ticks < full:
-        nodes.restrict_piece(state.links, state.masses, node, 2 * ticks / full - 1)
+        new_end = 2 * ticks / full - 1  # place in the piece, which goes from -1 to 1
+        nodes.restrict_piece(state.links, state.masses, node, new_end)
 
 
 def record_error(

@@ -62,22 +62,32 @@ def solve(
     rtol: float | None = None,
     report: Report = no_report,
 ) -> Run:
-    """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
+    """Run a single collision to `until`, s, or to its proof of finality and one round trip more.
+
+    It runs once, with a tolerance that follows from `rtol`. A second, coarser run then tells the
+    errors: they are stated, and a result that misses `rtol` is not refined.
+
+    Raises
+    ------
+    InvalidModel
+        If no forces satisfy the laws: walls squeeze a rigid mass, say.
+    """
     if row.segments:
         check_scales(row)
-    fine = Members(row, RunRequest(until, tolerance_of(rtol), max_events, keep=True))
-    fine.run_member(report=report)
-    if fine.runs["stop_reason"][0, 0] == Stop.STUCK:
-        nodes = record_lists.as_objects(fine.nodes[0])
+    request = RunRequest(until, tolerance_of(rtol), max_events, keep=True)
+    members = Members(row, request)  # a family of one
+    members.run_member(report=report)
+    if members.runs["stop_reason"][0, 0] == Stop.STUCK:
+        nodes = record_lists.as_objects(members.nodes[0])
         stuck = min(nodes, key=lambda node: node.now)
-        seconds = float(fine.clock.tick * stuck.now)
+        seconds = float(members.clock.tick * stuck.now)
         raise InvalidModel([totals.why_stuck(row, stuck, seconds)])
-    (errors,) = stated_errors(fine, np.array([0]), report=report).tolist()
+    errors = stated_errors(members, np.array([0]), report=report)[0].tolist()
     accuracy = dict(zip(runs.MEASURES, errors, strict=True))
     goal = RTOL
     if rtol is not None:
         goal = rtol
-    return _result_of(fine, accuracy, goal)
+    return _result_of(members, accuracy, goal)
 
 
 def members_per_call(row: Row) -> int:
@@ -178,15 +188,17 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     state = members.state()
     ended = members.ended(0)
     run = ended.run
+    # The clock of the run itself, in single numbers: that of the family has arrays by member.
     transits = [int(transit) for transit in members.clock.transits]
     clock = clock_of(row, transits, run.tick_duration, scale=float(members.clock.scale))
     tick = clock.tick
-    end = min(int(state.nodes["now"].min()), run.end_tick)
+    end_tick = min(int(state.nodes["now"].min()), run.end_tick)
     stopped_by = totals.why_stopped(run, until is not None)
-    t_end = end * tick
+    t_end = end_tick * tick
     if until is not None and stopped_by == "until":
         t_end = until
-    t_final = totals.last_of(run, ended.links, t_end, 2 * clock.longest * tick)
+    round_trip = 2 * clock.longest * tick
+    t_final = totals.last_of(run, ended.links, t_end, round_trip)
     t_proved = math.nan
     if run.proved_tick >= 0:
         t_proved = run.proved_tick * tick
@@ -197,27 +209,27 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     status += _struck_together(row)
     status += rounding(clock.transit_error, clock.worst)
     status += strain_warning(_largest_strain(row, state.log[: run.piece_count]))
-    signals = cache(partial(signals_of, row, clock, end, state))
+    make_signals = cache(partial(signals_of, row, clock, end_tick, state))
     before, after = _body_velocities(members)
     vibration = _floats(vibration_of(members))
     return Run(
         method="characteristics",
         until=until,
         clock=clock,
-        end=end,
+        end=end_tick,
         t_end=t_end,
         t_final=t_final,
         t_proved=t_proved,
         stopped_by=stopped_by,
         status=status,
         events=run.steps,
-        contacts=_tallies(row, ended.links, tick, end, signals),
+        contacts=_tallies(row, ended.links, tick, end_tick, make_signals),
         motion=(
             Motion(_floats(before), [], math.nan),
             Motion(_floats(after), vibration, math.nan),
         ),
         accuracy=accuracy,
-        make_signals=signals,
+        make_signals=make_signals,
     )
 
 
@@ -253,18 +265,18 @@ def _tallies(
     links: list[Any],
     tick: float,
     now: int,
-    signals: Callable[[], runs.Signals],
+    make_signals: Callable[[], runs.Signals],
 ) -> tuple[ContactTally, ...]:
     """Totals of every contact, in SI units, of a run up to tick `now`; `tick` in s.
 
-    `signals` makes the signals of the run, which bonds between rigid bodies need.
+    Bonds between rigid bodies need the signals of the run.
     """
     tallies = []
     for k, i in enumerate(row.contact_link):
         if i >= 0:
             tally = totals.tally_of(links[i], tick, now)
         else:  # a bond of rigid bodies is no link: its force follows from those beside it
-            tally = _bond_tally(signals().contacts[k].force, tick, now)
+            tally = _bond_tally(make_signals().contacts[k].force, tick, now)
         tallies.append(tally)
     return tuple(tallies)
 

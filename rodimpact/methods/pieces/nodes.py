@@ -99,7 +99,8 @@ def set_forces(links: Links, node: Node) -> int:
         for j in range(POINTS):
             link.force[j] = 0.0
             if is_push:
-                link.force[j] = node.incoming[link.law - Law.PUSH_LEFT][j]
+                side = link.law - Law.PUSH_LEFT  # 0 for PUSH_LEFT, 1 for PUSH_RIGHT
+                link.force[j] = node.incoming[side][j]
             elif link.unknown_index == NONE and (
                 is_bond or link.status == Status.PRESS
             ):
@@ -390,8 +391,8 @@ def set_initial_forces(links: Links, node: Node) -> None:
 def forbid_pulling(links: Links, node: Node) -> None:
     """Let no contact of a node pull, at any time in the piece, with the same impulse as before.
 
-    Where a force falls to 0 its polynomial may swing below 0 by about the tolerance. With m > 0 at
-    least as large as the swing, and J the integral of F over the piece of duration h,
+    Where a force falls to 0 its polynomial may swing below 0 by about the tolerance. With m > 0
+    (`swing`) at least as large as that, and J the integral of F over the piece of duration h,
     F := (F + m) J/(J + m h) is never negative and has the integral J. Here J is taken over y, and
     the duration in y is 2.
     """
@@ -399,9 +400,12 @@ def forbid_pulling(links: Links, node: Node) -> None:
         link = links[node.first_link + q]
         largest = series.largest(link.force)
         smallest = series.smallest(link.force)
+        # If the force is well above 0 at all points, it has no zero between them.
         may_swing = smallest < series.POSITIVE_RTOL * largest
         if link.status >= Status.PRESS and may_swing:
+            # This sets `scratch_series` to the coefficients of the force.
             series.set_series(link.force, node.scratch_series)
+            # A minimum above 0 makes `swing` negative: the force stays as it is.
             deepest = -series.minimum(node.scratch_series)
             swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
             impulse = series.integral(link.force)
@@ -420,9 +424,8 @@ def set_outgoing(links: Links, node: Node, side: int) -> None:
     the right (side 1) b comes in and b + 2 F/Z leaves, F the force of the last link.
     """
     link = links[outer_link(node, side)]
-    velocity_by_force = (4 * side - 2) * node.mobility[
-        side
-    ]  # -2/Z, or 2/Z on the right
+    mobility = node.mobility[side]
+    velocity_by_force = (4 * side - 2) * mobility  # -2/Z on the left, 2/Z on the right
     incoming = node.incoming[side]
     for j in range(POINTS):
         node.outgoing[j] = incoming[j] + velocity_by_force * link.force[j]

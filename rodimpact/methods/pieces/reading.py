@@ -53,11 +53,12 @@ def passed_by(wave: Any, tick: float) -> tuple[float, float]:
     begin = wave["start"][i]
     passed, squares = wave["passed"][i]
     if tick > begin:
-        half = (
-            tick - begin
-        ) / 2  # ticks for a unit of y, over which `moments` integrates
-        row = wave["place"][i]
-        integrals = lines.moments(wave["log"], row, begin, 2 * half, 0.0)
+        duration = tick - begin
+        # `moments` integrates over y from -1 to 1; this is the ticks for a unit of y.
+        half = duration / 2
+        place = wave["place"][i]
+        mean = 0.0  # velocity from which `moments` counts the wave
+        integrals = lines.moments(wave["log"], place, begin, duration, mean)
         passed = passed + half * integrals.whole
         squares = squares + half * integrals.square
     return passed, squares

@@ -153,8 +153,8 @@ def remainder(f: Values, integrated: bool) -> float:
     """
     last = 0.0  # tail: abs(c[N - 1]) + abs(c[N])
     before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])
-    for m in range(N - 3, POINTS):
-        row = SERIES[m]
+    for m in range(N - 3, POINTS):  # the last four coefficients, two and two
+        row = SERIES[m]  # it gives coefficient m
         s = 0.0
         for j in range(POINTS):
             s += row[j] * f[j]
@@ -162,7 +162,8 @@ def remainder(f: Values, integrated: bool) -> float:
             before += abs(s)
         else:
             last += abs(s)
-    square = 0.0  # r^2: the coefficients that are compared are two degrees apart
+    # The sums that are compared are two degrees apart: their ratio is r^2.
+    square = 0.0
     if before > 0:
         square = min(1.0, last / before)
     error = last * math.sqrt(square)

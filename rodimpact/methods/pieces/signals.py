@@ -12,7 +12,7 @@ from ..groups import fill_bonds
 from ..link import Law
 from ..row import Row
 from ..run import BoundaryAction, ContactSignal, Signals, Waves, episodes_of
-from ..signals import Pieces
+from ..signals import Pieces, each_once
 
 NOTHING = Pieces([0], [0.0])
 
@@ -95,7 +95,7 @@ def _masses(
             velocity = lines[state.masses["history_line"][m]]
             if starts_with_blow or end == 0:
                 before = float(row.mass_velocity[m]) - float(row.frame)
-                velocity = _at_once(velocity, 0, before)
+                velocity = _with_tick_value(velocity, 0, before)
             masses[body] = velocity
     return masses
 
@@ -134,9 +134,10 @@ def _lines(log: Any, count: int) -> list[Pieces]:
 
 def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
     """Force, gap and closing velocity of a link, and the episodes that its turns bound."""
+    # What the lines that follow this one keep: see `layout.number_history_lines`.
     history_line = link["history_line"]
     force = lines[history_line]
-    if link["law"] < Law.JOINT:
+    if link["law"] < Law.JOINT:  # a bond has no gap
         return ContactSignal(force, NOTHING, NOTHING, ())
     gap = lines[history_line + 1].times(-1.0)
     if link["law"] == Law.YIELD:
@@ -150,9 +151,9 @@ def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> Contact
         together = blows[blow_ticks == blow_tick]
         impulse = together["impulse"].sum()
         work = (together["impulse"] * together["mean_closing"]).sum()
-        force = _at_once(force, int(blow_tick), float(impulse) / tick)
-        closing = _at_once(closing, int(blow_tick), float(work / impulse))
-    if link["law"] < Law.RIGID:
+        force = _with_tick_value(force, int(blow_tick), float(impulse) / tick)
+        closing = _with_tick_value(closing, int(blow_tick), float(work / impulse))
+    if link["law"] < Law.RIGID:  # a joint does not open
         return ContactSignal(force, gap, closing, ())
     episodes = episodes_of(turns["tick"], turns["status"], tick)
     return ContactSignal(force, gap, closing, episodes)
@@ -167,10 +168,10 @@ def _rate(signal: Pieces, factor: float) -> Pieces:
     return Pieces(signal.ticks, slopes, signal.end)
 
 
-def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
+def _with_tick_value(signal: Pieces, tick: int, value: float) -> Pieces:
     """The signal with this value from `tick` to the next tick, and else as it was."""
-    ticks = np.unique(np.concatenate((signal.ticks, [tick, tick + 1])))
-    ticks = ticks[ticks >= min(signal.ticks[0], tick)]
+    ticks = each_once(signal.ticks, [tick, tick + 1])
+    # The last piece begins at tick + 1 or later, and must last a tick.
     cut = signal.cut(ticks, max(signal.end, tick + 2))
     here = np.searchsorted(ticks, tick)
     cut.coefficients[here] = 0.0
@@ -188,6 +189,7 @@ def _outside(
     kind, value = row.boundaries[side]
     if kind == "none":
         return None
+    # The index -side is 0 for the first and -1 for the last of nodes, masses and links.
     node = state.nodes[-side]
     if kind == "velocity" and isinstance(value, float):
         speed = Pieces([0], [value])
@@ -196,7 +198,7 @@ def _outside(
     elif kind == "force" and node["link_count"] > 1:
         speed = lines[state.masses["history_line"][-side]] + frame
     else:  # v of a rod's end is half the sum of the waves that leave and arrive
-        inner = 1 - side
+        inner = 1 - side  # side of the end node on which its rod lies
         source = node["incoming_lines"][inner]
         arriving = lines[source].later(int(state.lines["delay"][source]))
         leaving = lines[node["outgoing_lines"][inner]]

@@ -37,6 +37,9 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
 def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     """Time of the end of the last contact, s, by `status.last_contact`; nan without a proof.
 
+    Contacts that have pressed count. An impact is over at once: one that is open now has parted,
+    even though PRESS was logged last, as it struck.
+
     `end` is the end of the run, s, `round_trip` the longest time in a body there and back, s.
     """
     if run.proved_tick < 0:
@@ -44,12 +47,12 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     ends = []
     for link in links:
         if link.law >= Law.RIGID and link.episodes > 0:
-            struck = link.law == Law.IMPACT and link.status == Status.OPEN
+            has_struck = link.law == Law.IMPACT and link.status == Status.OPEN
             force_end = link.last_force_tick * run.tick_duration
-            if link.logged_status == Status.PRESS and not struck:
+            if link.logged_status == Status.PRESS and not has_struck:
                 force_end = math.nan
             opening = math.nan
-            is_open = link.logged_status == Status.OPEN or struck
+            is_open = link.logged_status == Status.OPEN or has_struck
             if is_open and link.last_opening_tick >= 0:
                 opening = link.last_opening_tick * run.tick_duration
             ends.append((force_end, opening))
