@@ -42,7 +42,11 @@ def run() -> Rows:
 
 
 def expected_height(t: np.ndarray) -> np.ndarray:
-    """Height of the lower end at times t."""
+    """Height of the lower end at times t, by lines between its turns.
+
+    In each period of 3 the end falls from 1/2 until 1, rests on the floor until 2, and
+    rises to 1/2 until 3.
+    """
     phase = t % PERIOD
     falling = (1 - phase) / 2
     rising = (phase - 2) / 2
@@ -50,7 +54,10 @@ def expected_height(t: np.ndarray) -> np.ndarray:
 
 
 def expected_force(t: np.ndarray) -> np.ndarray:
-    """Force of the floor at times t, none of which is that of a jump."""
+    """Force of the floor at times t, none of which is that of a jump.
+
+    It is 1/2 while the end rests, from 1 to 2 in each period of 3, else 0.
+    """
     phase = t % PERIOD
     rests = (phase > 1) & (phase < 2)
     return np.where(rests, 0.5, 0.0)

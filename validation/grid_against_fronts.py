@@ -365,7 +365,11 @@ def impulse_by_characteristics(system: ri.System) -> float:
 
 
 def compliant() -> Rows:
-    """Orders of the errors with Hertz ends and springs, where everything is smooth."""
+    """Orders of the errors with Hertz ends and springs, where everything is smooth.
+
+    There are no fronts in them: the references are the method of steps, and the method
+    of characteristics where the rods differ in everything.
+    """
     hertz = ri.Hertz(STIFFNESS)
     short = rod(segment(1, 1, 0.4), velocity=1.0)
     long = rod(segment(1, 1, 1.0))

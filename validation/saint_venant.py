@@ -107,7 +107,10 @@ def last_wave_ratio(
 
 
 def random_pairs() -> Rows:
-    """Pairs with impedances and transit times log-uniform over 1 : 30."""
+    """e and contact time of pairs, impedances and transit times log-uniform over 1 : 30.
+
+    The contact time of a pair whose last wave is negligible must not be too long.
+    """
     rng = default_rng(1867)
     logarithms = rng.uniform(0, np.log(30.0), (4, PAIRS))
     Z1, T1, Z2, T2 = np.exp(logarithms)
@@ -121,10 +124,12 @@ def random_pairs() -> Rows:
         restitutions.append(outcome.restitution)
         durations.append(outcome.duration)
     ratio = last_wave_ratio(Z1, T1, Z2, T2)
+    # With the ratio 0 the first wave that returns ends the force, and none is left out.
     is_negligible = (ratio > 0) & (ratio <= NEGLIGIBLE_WAVE_RATIO)
     is_compared = ~is_negligible
     e_error = np.array(restitutions) - exact.restitution
     duration_error = np.array(durations) / exact.duration - 1
+    # The solver may end such a force early, but not late.
     excess = np.maximum(duration_error[is_negligible], 0.0)
     case = Case(f"{PAIRS} random pairs", "`rodimpact.theory`")
     yield case.zero("e, largest difference", e_error, 1e-11)
