@@ -24,8 +24,8 @@ from .model.arguments import (
     Number,
     array,
     broadcast_arguments,
+    check_flag,
     demand,
-    flag,
     float_or_array,
 )
 from .model.frozen import SMALLEST
@@ -222,7 +222,7 @@ def collide(
         v2=(v2, *_VELOCITY),
         restitution=(restitution, "", "any"),
     )
-    flag("allow_energy_release", allow_energy_release)
+    check_flag("allow_energy_release", allow_energy_release)
     demand(V1 > V2, "v1", _NOT_APPROACHING, V1, V2)
     if not allow_energy_release:
         message = (

@@ -37,11 +37,11 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
     simulation = run.simulation
     contacts = unilateral(run.row.system)
     proof_tick = _proof_tick(simulation)
-    margin = (proof_tick - _last_change(simulation, proof_tick)) * HALF
     # A proof just after a contact has opened would hold in a small cell only. So the
     # proof is taken later: by half of the time for which contacts had been open.
+    margin = (proof_tick - _last_change(simulation, proof_tick)) * HALF
     end = proof_tick + margin
-    simulation.run_to(end, NO_EVENT_CAP, ZERO)
+    simulation.run_to(end, NO_EVENT_CAP, tolerance=ZERO)
     conditions: list[TracedFraction] = []
     uses_energy = False
     for contact in contacts:
@@ -49,24 +49,30 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
         conditions += separation.conditions
         uses_energy |= separation.uses_energy
     # Fronts in flight must not arrive before the end, so the run goes on until they
-    # arrive.
-    simulation.run_to(end + margin + 2 * _longest_transit(run), NO_EVENT_CAP, ZERO)
+    # arrive: each meets a contact within a round trip of its body.
+    until_arrivals = end + margin + 2 * _longest_transit(run)
+    simulation.run_to(until_arrivals, NO_EVENT_CAP, tolerance=ZERO)
     for contact in contacts:
+        # Events up to end + margin keep their phases; later ones come after the end.
         history = phases_of_contact(run, contact, end + margin)
         last_change = history.phases[-1].start
-        for arrival in history.later_ticks:  # they stay after the end
+        for arrival in history.later_ticks:
+            # Elsewhere in the cell the end may lie before the last change: a later
+            # arrival stays after both.
             conditions.append(arrival - end)
             conditions.append(arrival - last_change)
         if uses_energy:
             # The energy of vibration is that after the last change. So this change must
-            # stay on its side of the end, whichever side that is.
+            # stay on its side of the end, whichever side that is. The absolute value is
+            # 0 where it crosses the end.
             conditions.append(abs(end - last_change))
         for phase in history.phases:
             conditions += phase_conditions(phase, in_order)
     if in_order:
         # Such a run is made at a generic point near the system, where two conditions
         # have equal values only if they are the same function.
-        conditions = list({x.value: x for x in conditions}.values())
+        condition_by_value = {x.value: x for x in conditions}
+        conditions = list(condition_by_value.values())
     return [x for x in conditions if x.expression is not None and x.value != 0]
 
 
@@ -81,7 +87,7 @@ def _proof_tick(simulation: Simulation) -> TracedFraction:
         if proof_tick == row.tick:
             return proof_tick
     next_tick: TracedFraction = simulation.queue[1]
-    simulation.run_to(next_tick, NO_EVENT_CAP, ZERO)
+    simulation.run_to(next_tick, NO_EVENT_CAP, tolerance=ZERO)
     return next_tick
 
 

@@ -5,9 +5,10 @@ not depend on other fronts. So fronts may come in any order: closing velocity an
 are sums over those that have come. Floats can evaluate such sums, with unit steps H(t),
 anywhere. Polynomials cannot: for formulas the order of the run is kept.
 
-In a contact, a is the wave that comes from the left and b the wave from the right. The
-closing velocity is a - b; the contact presses as long as it is positive. The gap of an
-open contact is the gap at the start less the integral of the closing velocity.
+In a contact, a is the wave that comes from the left and b the wave from the right, each
+twice its velocity: the velocity of a free face. The closing velocity is a - b; the
+contact presses as long as it is positive. The gap of an open contact is the gap at the
+start less the integral of the closing velocity.
 """
 
 from dataclasses import dataclass, field
@@ -145,10 +146,10 @@ def phase_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFraction
         for tick, next_tick in pairwise(ticks):
             conditions.append(next_tick - tick)
         return conditions
-    for tick in ticks[1:]:
+    for tick in ticks[1:]:  # of the jumps
         conditions.append(tick - phase.start)
     if phase.end is not None:
-        for tick in ticks:
+        for tick in ticks:  # of the start too, so that the phase lasts
             conditions.append(phase.end - tick)
     return conditions
 

@@ -122,8 +122,9 @@ class _CaseNumbers:
     def material(self, path: str, segment: Segment) -> WaveMaterial:
         """Wave speed, in units of sqrt(`squared_speed_unit`), and density.
 
-        E/rho is added to `squared_speeds`. InvalidModel is raised unless E and rho are
-        positive.
+        E/rho is added to `squared_speeds`. A wave speed whose ratio to the unit is
+        irrational is given as 1; `_check_wave_speeds` refuses the row afterwards.
+        InvalidModel is raised unless E and rho are positive.
         """
         material: Any = segment.material
         E = self.number(f"{path}.material.youngs_modulus", material.youngs_modulus)
@@ -131,7 +132,7 @@ class _CaseNumbers:
         if E <= 0 or rho <= 0:
             raise InvalidModel([(f"{path}.material", "needs numbers above 0")])
         squared_speed = E.value / rho.value
-        self.squared_speeds[path] = squared_speed
+        self.squared_speeds[path] = squared_speed  # the first of all sets the unit
         speed = rational_root(squared_speed / self.squared_speed_unit)
         if speed is None:
             speed = Fraction(1)  # stands in for it until `_check_wave_speeds` raises

@@ -254,11 +254,16 @@ class _SymbolSource:
     def material(self, path: str, segment: Segment) -> WaveMaterial:
         """Wave speed and density of the segment at a path.
 
-        E, rho and c = sqrt(E/rho) get names where they need them. If E is fixed, rho is
-        E/c^2 with the name of c.
+        E and rho have names if symbols name them. Their wave speed c = sqrt(E/rho) has:
+
+        - no name if neither E nor rho has one and c is rational,
+        - a name, and the density is that of the segment, if rho has no name,
+        - a name, and the density is rho with its name, if E and rho have names,
+        - a name, and the density is E/c^2, if only rho has a name: it follows from c.
         """
         material: Any = segment.material
         path = f"{path}.material"
+        # Where a symbol is wrong, the density is suggested for both numbers.
         self._asked_paths.append(f"{path}.density")
         number = self._number_of_material(path, material)
         E = self._name_or_value(
@@ -270,14 +275,15 @@ class _SymbolSource:
         speed = NamedWaveSpeed(E, rho)
         c = self._roots.root(squared_speed)
         # A wave speed needs a name if it changes with E or rho, or if it is rounded.
-        if rational_root(squared_speed) and not speed.has_symbol:
+        is_rounded = not rational_root(squared_speed)
+        if not is_rounded and not speed.has_symbol:
             return WaveMaterial(TracedFraction(c), TracedFraction(rho))
         name = f"c{number}"
         self.wave_speeds[name] = speed
         wave_speed = TracedFraction(c, name)
-        if not isinstance(rho, str):
+        if not isinstance(rho, str):  # rho has no name
             return WaveMaterial(wave_speed, TracedFraction(rho))
-        if isinstance(E, str):
+        if isinstance(E, str):  # both have names
             density = TracedFraction(self.base[rho], rho)
         else:  # E is fixed, so rho follows from c
             density = TracedFraction(E) / (wave_speed * wave_speed)

@@ -162,7 +162,11 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _check_direct_impact(args: Arguments, bodies: set[int], is_cut: bool) -> None:
-    """Add a problem unless all gauges are on one bar, behind the striker."""
+    """Add a problem unless all gauges are on one bar, behind the striker.
+
+    Pulses that are cut out of their records, and --equal-forces, do not go with a
+    direct impact either.
+    """
     if is_cut or args.equal_forces:
         message = "goes with --gauge alone; equal forces are assumed"
         args.problems.append(("--direct-impact", message))
@@ -225,13 +229,14 @@ def _reduce(
     first = min(position.body for position in positions.values())
     if args.direct_impact:
         first -= 1  # the striker
-    bars: Any = case.system.bodies[first : first + 2]
+    pair: Any = case.system.bodies[first : first + 2]
+    bars = pair
     input_gauges = []
     output_gauges = []
     for name, position in positions.items():
         with args.naming(f"--gauge {name}"):
             if position.body == first:
-                distance = float(bars[0].length) - position.x
+                distance = float(pair[0].length) - position.x
                 input_gauges.append(BarGauge(signals[name], distance))
             else:
                 output_gauges.append(BarGauge(signals[name], position.x))
@@ -242,7 +247,7 @@ def _reduce(
     if args.equal_forces:
         shot["equal_forces"] = True
     if args.direct_impact:
-        striker, bars = bars  # of the bars only that of output is left
+        striker, bars = pair  # `reduce` then takes the output bar alone
         shot = {"output_gauges": output_gauges, "striker": striker}
     if args.incident is not None:
         incident, reflected = input_gauges

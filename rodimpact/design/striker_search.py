@@ -149,14 +149,16 @@ class StrikerSearch(NamedTuple):
         the next step of area.
         """
         first_force = force[:1]
-        logarithms = self.matched(first_force)
+        logarithms = self.matched(first_force)  # of the first segment
         strongest = 1 - REFLECTION_MARGIN
+        # A contact that never opens: the force, also below 0, is linear in reflections.
         bonded = self._replace(contact=Bonded())
         for k in range(1, len(force)):
-            until = self.edges[k + 1]
+            until = self.edges[k + 1]  # the end of step k
             # An absorbing end reflects 0, a free end 1; the force is linear between.
             if_absorbing = bonded.force(logarithms, until, Absorbing())
             if_free = bonded.force(logarithms, until, FREE)
+            # The force is constant in a step, so its last value is that of step k.
             force_without_reflection = if_absorbing.values[-1]
             slope = if_free.values[-1] - force_without_reflection
             reflection = 0.0
@@ -175,7 +177,7 @@ class StrikerSearch(NamedTuple):
     # Least squares
 
     def best_striker(self, coarser: Floats) -> Striker:
-        """Striker by least squares, from the best of two or three starts.
+        """Striker by one search of least squares, from the start of the least misfit.
 
         The starts are `peeled`, `matched` and the coarser striker. The residuals are
         the mean differences of the steps; those within steps count in the misfit only.
@@ -197,9 +199,10 @@ class StrikerSearch(NamedTuple):
             squares = residuals(logarithms) ** 2
             return float(np.sum(squares))
 
+        # The means of the wanted force are its mean differences from no force.
         nothing = no_force(end)
         steps = differences(nothing, self.wanted, self.edges)
-        force = steps.mean[: self.segments]
+        force = steps.mean[: self.segments]  # the steps after these are ringing
         peeled = self.peeled(force)
         matched = self.matched(force)
         starts = [peeled, matched]
@@ -222,7 +225,11 @@ class StrikerSearch(NamedTuple):
         misfits = self.misfits(reached)
         of_means = np.linalg.norm(misfits.of_means)
         within_steps = float(np.linalg.norm(misfits.within_steps))
-        return Striker(best, math.hypot(of_means, within_steps), within_steps)
+        return Striker(
+            best,
+            misfit=math.hypot(of_means, within_steps),
+            misfit_within_steps=within_steps,
+        )
 
 
 def _middles(segments: int) -> Floats:

@@ -14,7 +14,7 @@ from ..methods.row_builder import build_row
 from ..methods.run import MAX_EVENTS
 from ..methods.states import Stop
 from ..model import System
-from ..model.arguments import flag
+from ..model.arguments import check_flag
 from ..model.frozen import InvalidModel, defaults_of, invalid_argument
 from ..storage.casefile import Case, parse_case
 from ..storage.writing import PathLike, write_text
@@ -109,7 +109,7 @@ class Page:
         str
             Path of the file.
         """
-        flag("browser", browser)
+        check_flag("browser", browser)
         path = Path(tempfile.mkdtemp(prefix="rodimpact-"), "collision.html")
         self.save(path)
         if browser:

@@ -259,9 +259,9 @@ def outcome_of(run: PageRun, status: str) -> Any:
     row = run.layout.row
     segments = run.state.segments
     clock = clock_of(run)
-    # A transit time is rounded by the part `rounded` of itself, an event by a tick.
-    rounded, _ = most_rounded(row, clock.transits, clock.tick)
-    error_of_event = (rounded + 1 / max(clock.transits)) * record.velocity_scale
+    # A transit time is rounded by the part `error` of itself, an event by a tick.
+    error, _ = most_rounded(row, clock.transits, clock.tick)
+    error_of_event = (error + 1 / max(clock.transits)) * record.velocity_scale
     summary = RunSummary(
         [tally_of(node, clock.tick) for node in contacts_of(run)],
         is_proved(run),
@@ -313,17 +313,23 @@ def why_ended(run: PageRun) -> RunEnd:
 
 
 def status_of(run: PageRun) -> str:
-    """Why the run ended: `Solution.status` without its advice to users of Python."""
+    """Why the run ended, and what to mind: `Solution.status` without advice on Python.
+
+    Sentences follow on transit times that the clock rounds, on strains that are not
+    small, and on contacts whose force decays below the tolerance; each is empty if
+    there are none.
+    """
     record = run.record
     row = run.layout.row
     contacts = contacts_of(run)
     tick = record.tick_duration
-    rounded, worst = most_rounded(row, transits_of(run), tick)
+    error, path = most_rounded(row, transits_of(run), tick)
     wave_speeds = [segment.wave_speed for segment in row.segments]
+    # The strain is (b - a)/(2 c) by the waves a and b: at most the largest wave over c.
     strain = record.max_wave / smallest(wave_speeds)
-    remarks = rounding(rounded, worst) + strain_warning(strain)
-    faint = faint_sentence(record, contacts, row.system)
-    return why_ended(run).statement + remarks + faint
+    remarks = rounding(error, path) + strain_warning(strain)
+    decaying = faint_sentence(record, contacts, row.system)
+    return why_ended(run).statement + remarks + decaying
 
 
 # Solution -----------------------------------------------------------------------------

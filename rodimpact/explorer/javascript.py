@@ -504,7 +504,7 @@ class _Translator(ast.NodeVisitor):
                 filters += f".filter(({item})=>{self.truth(condition)})"
             items = f"Array.from({self.visit(loop.iter)}){filters}"
             text = f"{items}.{method}(({item})=>({text}))"
-            method = "flatMap"
+            method = "flatMap"  # of all loops before the last
         return text
 
     visit_GeneratorExp = visit_ListComp  # noqa: N815 - a name of ast

@@ -31,9 +31,9 @@ def page_data(
     solution : dict
         ``method``, ``notes``, and whether it is ``exact``; ``closed_form`` of e, or
         None; ``gauges``; ``outcome`` from `facts_of_outcome`; ``tiling``: polygons, or
-        grids with ``across`` cells in a row; ``contacts``, each with its curves of
-        ``force`` and ``gap``, the gap None for a bond. Curves are tables of ``t``, s,
-        and ``y``.
+        grids with ``across`` cells in a row, with the times ``t`` of their corners;
+        ``contacts``, each with its curves of ``force`` and ``gap``, the gap None for a
+        bond. Curves are tables of ``t``, s, and ``y``.
     paths : list
         Paths of bodies without inside, None for rods.
     records : list of dict
@@ -62,7 +62,7 @@ def page_data(
     }
     restitution = restitution_of(facts)
     e = ""
-    if restitution["why"] == "":
+    if restitution["why"] == "":  # there is no reason why e does not exist
         e = restitution["text"]
     return {
         "method": facts["method"],
@@ -208,8 +208,8 @@ def restitution_of(facts: Any) -> Any:
     -------
     dict
         The ``value``, or None; its ``text`` with the error, and apart the ``number``
-        and its ``error``, "" for a small one; ``why``, a sentence, or ""; and the
-        ``closed_form``.
+        and its ``error``, "" for a small one; ``why`` there is none, a sentence, or "";
+        and the ``closed_form``.
     """
     outcome = facts["outcome"]
     why = outcome["why"]

@@ -106,7 +106,8 @@ def initial_lines(row: Any, clock: Clock) -> Any:
     -------
     pieces : list of PIECE
     outside : list of int
-        Line of what acts on the left and on the right end, or NONE.
+        Line of what acts on the left and on the right end, or NONE: a velocity, a force
+        or a wave that comes in, which stays constant.
     """
     # Line 2 s is the wave of segment s to the right, line 2 s + 1 the one to the left.
     pieces: list[Any] = []
@@ -120,21 +121,24 @@ def initial_lines(row: Any, clock: Clock) -> Any:
     outside = []
     for side, (kind, value) in enumerate(row.boundaries):
         k = side * n_segments  # node at this end of the row
-        has_mass = row.first[k] != row.first[k + 1]
+        has_mass = row.first[k] != row.first[k + 1]  # masses left of a node
+        # On a mass at a free end acts the force 0, which has a line like any other.
         if kind == "none" and not has_mass:
             outside.append(NONE)
             continue
-        wave = value
+        action = value  # a force, N
         if kind == "velocity":
-            wave = -clock.frame + value
+            action = -clock.frame + value
         elif kind == "absorbing":
+            # The value is the strain of the wave that comes in; the wave is twice its
+            # velocity.
             leaving = 0  # line of the wave that leaves the row at this end
             if side == 1:
                 leaving = 2 * n_segments - 1
             initial_wave = pieces[leaving].coefficients[0]
-            wave = initial_wave + value * wave_of_strain(row, side)
+            action = initial_wave + value * wave_of_strain(row, side)
         outside.append(len(pieces))
-        pieces.append(layout.constant_wave(wave))
+        pieces.append(layout.constant_wave(action))
     return pieces, outside
 
 
@@ -355,7 +359,7 @@ def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
 
 
 def status_of(run: Any) -> str:
-    """Why the run ended: `Solution.status` without its advice to users of Python.
+    """Why the run ended, and what to mind: `Solution.status` without advice on Python.
 
     Sentences follow on the largest stated error, on simplifications and on strains that
     are not small; the last two are empty if there are none.
@@ -376,16 +380,20 @@ def status_of(run: Any) -> str:
 
 
 def largest_strain(row: Any, log: list[Any]) -> float:
-    """Bound of the strain of a single wave in all segments: the largest v/c.
+    """Bound of the absolute strain in all segments, without dimension: the largest v/c.
 
-    A piece of a wave is a series in functions between -1 and 1, so that v is at most
+    By the waves a and b of a segment, each twice its velocity, the strain is
+    (b - a)/(2 c). With abs(a) and abs(b) up to v, it is at most v/c. A piece of a wave
+    is a series in functions between -1 and 1, so that v is at most
     sum(abs(coefficients)).
     """
     strains = []
     for piece in log:
+        # Lines beyond those of the segments come from outside, or are histories.
         if piece.line < 2 * len(row.segments):
-            velocity = sum(abs(c) for c in piece.coefficients)
-            strains.append(velocity / row.segments[piece.line // 2].wave_speed)
+            # of abs(a) or abs(b)
+            bound = sum(abs(c) for c in piece.coefficients)
+            strains.append(bound / row.segments[piece.line // 2].wave_speed)
     strain: float = max(strains)
     return strain
 

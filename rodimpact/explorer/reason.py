@@ -185,7 +185,11 @@ def events_of_contact(facts: Any, contact: Any) -> str:
 
 
 def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
-    """Words on a force that falls to zero smoothly: its duration, and its weak tail."""
+    """Words on the force of a smooth solution: its duration, and its weak tail.
+
+    No single wave ends the force of a compliant contact. A rigid contact has a smooth
+    solution too if a body is a rigid mass, or if the case names characteristics.
+    """
     start = presses[0]["from"]
     duration = presses[-1]["to"] - start
     if len(presses) == 1:  # the outcome has it more exactly than the curve
@@ -304,10 +308,13 @@ def in_transits(facts: Any, contact: Any, duration: float) -> str:
 
 
 def result_of(facts: Any, pressed: list[Any], e: str) -> str:
-    """Sentence on the impulse, the velocities, e, and the vibration energy."""
+    """Sentence on the impulse, the velocities, e, and the vibration energy.
+
+    Impulse and e are told if there is only one contact that can open, and it pressed.
+    """
     outcome = facts["outcome"]
     velocities = velocities_of(facts)
-    text = velocities[-1]
+    text = velocities[-1]  # "a", or "a, b and c"
     noun = "velocity"
     if len(velocities) > 1:
         all_but_last = ", ".join(velocities[: len(velocities) - 1])
@@ -327,7 +334,7 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
     energy = vibration + kinetic_energy(facts)
     if energy <= 0:
         return f"{text}."
-    percentage = clean(100 * vibration / energy, 100.0)
+    percentage = clean(100 * vibration / energy, 100.0)  # 0 for round-off
     return f"{text}; {percentage:.3g} % of the energy is vibration energy."
 
 

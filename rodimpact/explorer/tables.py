@@ -321,7 +321,8 @@ def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
     for i, gauge in enumerate(gauges):
         if gauge["body"] not in rods:
             problems.append((f"gauges.{i}.body", "must be the number of a rod"))
-    until = case.get("solve", {}).get("until", 1.0)
+    until = case.get("solve", {}).get("until", 1.0)  # none is no mistake
+    # All numbers of a case are floats here; what is none is a text, or true or false.
     if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
         problems.append(("solve.until", "must be above 0 for a picture"))
     return problems

@@ -138,7 +138,7 @@ def fit(
             "fit system[index]"
         )
         raise invalid_argument("system", message)
-    if options.until is None:
+    if options.until is None:  # as `Options` allows, but no fit
         raise invalid_argument(
             "until", "is missing; give a time, s, at which all pulses have passed"
         )
@@ -156,22 +156,24 @@ def fit(
     gauges = []
     for record in records:
         gauges.append((record.place.body, record.place.x))
-    check_readings(problems, system, gauges, np.zeros(1))
+    # Only the gauges are checked; any time will do.
+    check_readings(problems, system, gauges, times=np.zeros(1))
     raise_if_problems(problems)
 
     is_step_given = not (dt is None and rtol is None and cells is None)
     if not is_step_given and "cells" in METHODS[options.method].takes:
+        # By default cells follow from the parameters, and predictions would jump.
         options = replace(options, cells=_cell_count(system, step))
     checked_additions = _checked_additions(additions, vary)
     with Progress(progress, "fit", "collisions") as report:
-        solved = itertools.count(1)
+        solved = itertools.count(1)  # collisions
         task = _Task(
             system=system,
             records=records,
             options=options,
             interval=step,
             executor=executor,
-            on_solved=lambda: report(next(solved), None),
+            on_solved=lambda: report(next(solved), None),  # how many follow is unknown
         )
         base = _fit_from_sweep(task, vary, search_count)
         if not checked_additions:

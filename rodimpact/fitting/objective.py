@@ -117,6 +117,7 @@ class Objective:
         executor: Executor | None,
         on_solved: Callable[[], object] | None = None,
     ) -> None:
+        """Take bounds and places of all numbers, and divide the records by levels."""
         self.measured = measured
         self.numbers: list[Parameter] = [*parameters, *record_parameters]
         self._on_solved = on_solved
@@ -125,16 +126,18 @@ class Objective:
         self.high = bounds[:, 1]
         self.is_free = self.low < self.high
         self.is_blur = np.zeros(len(self.numbers), bool)
-        # index in a point of each number of each record
+        # Index in a point of each number of each record, [kind, record]. In a point the
+        # numbers of records follow those of the system; records may share a number.
         self._index = np.zeros((len(KINDS), len(measured)), int)
-        for i, number in enumerate(record_parameters, len(parameters)):
+        for i, number in enumerate(record_parameters, start=len(parameters)):
             self.is_blur[i] = number.kind == "blur"
-            self._index[KINDS.index(number.kind), list(number.records)] = i
+            kind = KINDS.index(number.kind)
+            self._index[kind, list(number.records)] = i
         self.middle = self._middle()
 
         self._system = system
         self._parameters = parameters
-        self.initial_shares = [
+        self.initial_shares = [  # from 0 to 1 between the bounds
             parameter.share(parameter.initial) for parameter in parameters
         ]
         places = [record.place for record in measured]

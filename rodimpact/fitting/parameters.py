@@ -188,7 +188,8 @@ def with_values(
 
 def checked_bounds(path: str, bounds: Any, unit: str) -> tuple[float, float]:
     """Bounds that the user gave for a parameter."""
-    ends = array(f"vary.{path}", bounds, unit, "any")
+    # With a sign, even "any", NaN and infinity are refused.
+    ends = array(f"vary.{path}", bounds, unit, sign="any")
     if ends.shape != (2,) or not ends[0] < ends[1]:
         message = (
             f"must be (low, high), two numbers with low < high, got {shown(bounds)}"
@@ -213,20 +214,22 @@ def record_parameters(
     """Shift, gain, blur, offset and trend of every record, once each.
 
     A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers
-    become one parameter.
+    become one parameter. Numbers that `vary` does not name keep the limits of their
+    record. With the bounds None a shift may be any at which a prediction overlaps its
+    record, gain, offset and trend are free, and a blur is refused.
     """
     parameters = []
     for name, numbers in _numbers_by_name(len(measured), vary).items():
         kind, unit = _common_kind_and_unit(name, numbers, measured)
         records = tuple(number.record for number in numbers)
-        bounds: tuple[float, float] | None = None
+        bounds: tuple[float, float] | None = None  # None: the number is free
         if name not in vary:
             bounds = measured[records[0]].limits[kind]
-        elif vary[name] is not None or kind == "blur":
+        elif vary[name] is not None or kind == "blur":  # a blur must have bounds
             bounds = checked_bounds(name, vary[name], unit)
         if bounds is None and kind == "shift":
             bounds = _overlapping_shifts([measured[k] for k in records], until, system)
-        if bounds is None:
+        elif bounds is None:
             bounds = (-math.inf, math.inf)
         low, high = bounds
         parameters.append(RecordParameter(name, low, high, unit, kind, records))

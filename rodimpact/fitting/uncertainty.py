@@ -83,11 +83,20 @@ def power_spectrum(correlation: Floats) -> Floats:
 
 
 def projected_noise(noise: Floats, Q: Any) -> Floats:
-    """Q' G Q of one record, from the spectra of noise and of Q."""
+    """Q' G Q of one record by Parseval's theorem, G the covariance of its noise.
+
+    Parameters
+    ----------
+    noise : [frequency] array
+        Spectrum of the noise.
+    Q : [frequency, number] array
+        Spectrum of Q, padded with zeros to twice the samples of the record.
+    """
     weights = np.full(len(noise), 2.0)  # each stands for a negative frequency, too
     weights[[0, -1]] = 1.0
     products = (Q.conj().T * (noise * weights)) @ Q
-    projected: Floats = products.real / (2 * len(noise) - 2)
+    padded_samples = 2 * len(noise) - 2
+    projected: Floats = products.real / padded_samples
     return projected
 
 
@@ -103,7 +112,7 @@ def explained_noise(noise: Floats, Q: Any, projected: Any) -> Floats:
     projected : [number, number] array
         Q' G Q of all records.
     """
-    n = len(noise) - 1
+    n = len(noise) - 1  # samples of the record; the spectra are of 2 n
     filtered = np.fft.irfft(noise[:, None] * Q, 2 * n, axis=0)[:n]  # G Q
     spectrum = np.fft.rfft(filtered, 2 * n, axis=0)
     power = np.sum(Q.conj() * (2 * spectrum - Q @ projected), axis=1).real

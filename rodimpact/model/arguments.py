@@ -127,7 +127,7 @@ def integer(name: str, value: Any, low: int, high: int) -> int:
     return int(value)
 
 
-def flag(name: str, value: Any) -> None:
+def check_flag(name: str, value: Any) -> None:
     """Raise InvalidModel if an argument is neither True nor False."""
     if not isinstance(value, bool | np.bool_):
         raise invalid_argument(name, f"must be True or False, got {shown(value)}")

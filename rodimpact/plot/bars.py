@@ -6,7 +6,7 @@ rows once; a film moves one row from time to time.
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import collections, colors, patches
@@ -39,7 +39,7 @@ MIN_THICKNESS = 0.35  # of the thinnest bar, in thicknesses of the thickest
 HALF_HEIGHT = 0.32  # of walls and marks at ends, in distances between rows
 MARK_HEIGHT = 0.4  # of the triangle at a front, above the middle of a bar
 MAX_PIECES = 16  # of a rod; of more, those of nearly equal velocity are drawn as one
-MERGED_SPREAD = 0.1  # of velocities drawn as one, in ranges of the rod's velocities
+DRAWN_SPREAD = 0.1  # of velocities drawn as one, in ranges of the rod's velocities
 ONE_WAY_RTOL = 0.1  # difference of velocity and stretch across a front with a direction
 MIN_PIECE = (
     1e-9  # of a rod's length: fronts leave an end at no exact floating-point time
@@ -71,6 +71,14 @@ PIECE = np.dtype(
 """Uniform piece of rod in a row: its ends, half thickness, state and bar speed."""
 
 
+class _RodState(NamedTuple):
+    """State of a rod in one row of the picture."""
+
+    row: int
+    body: int
+    profile: Profile
+
+
 class Bars:
     """Draws the bodies at times, s, one row below the other.
 
@@ -80,9 +88,9 @@ class Bars:
         s, one for each row.
     pieces : array of `PIECE`
         Of all rods, row by row.
-    rows : array
-        Heights of the rows in the picture.
-    largest : float
+    row_heights : array
+        Heights of the rows in the picture; row k of the pieces is at -k.
+    largest_strain : float
         The strain at which a bar is drawn thickest.
     """
 
@@ -96,33 +104,35 @@ class Bars:
         self.system = layout.solution.system
         self.x_scale = x
         self.is_smooth = is_smooth(layout.solution)
-        self.largest = 0.0
+        self.largest_strain: float | None = None  # until bodies are measured
         self.move_to(times)
 
     # What is measured -----------------------------------------------------------------
 
     def move_to(self, times: Floats) -> None:
-        """Measure the bodies at other times: set `times`, `rows` and `pieces`.
+        """Measure the bodies at other times: set `times`, `row_heights` and `pieces`.
 
-        The first call sets `largest` too, so that later ones thicken bars as much. Of
-        many pieces of a rod with fronts, those of nearly equal velocity become one.
+        The first call sets `largest_strain` too, so that later ones thicken bars as
+        much. Of many pieces of a rod with fronts, those of nearly equal velocity become
+        one.
         """
         self.times = times
-        self.rows = -np.arange(float(times.size))
-        states: list[tuple[int, int, Profile]] = []
-        seen_times = np.maximum(times, 0.0).tolist()
-        for row, t in enumerate(seen_times):
+        self.row_heights = -np.arange(float(times.size))
+        # Before 0, where a film begins, rods have the state that they have at 0.
+        times_of_state = np.maximum(times, 0.0).tolist()
+        states: list[_RodState] = []
+        for row, t in enumerate(times_of_state):
             for i in rods_of(self.system):
                 profile = state_at(self.solution, i, t)
-                states.append((row, i, profile))
-        if self.largest == 0:
-            self.largest = _largest_strain([profile for _, _, profile in states])
+                states.append(_RodState(row, i, profile))
+        if self.largest_strain is None:
+            self.largest_strain = _largest_strain([state.profile for state in states])
 
         parts = []
         for row, i, profile in states:
             pieces = self._pieces_of(row, i, profile)
             if len(pieces) > MAX_PIECES and not self.is_smooth:
-                spread = MERGED_SPREAD * float(np.ptp(profile.velocity))
+                spread = DRAWN_SPREAD * float(np.ptp(profile.velocity))
                 pieces = merged(pieces, spread)
             parts.append(pieces)
         self.pieces: Any = np.concatenate(parts).view(np.recarray)
@@ -140,7 +150,8 @@ class Bars:
         # thickness as that of a round rod, and more of it where the strain is negative
         thickness = np.sqrt(area / self._widest_area())
         thickness = np.maximum(MIN_THICKNESS, thickness)
-        swelling = 1 - SWELLING * profile.strain / self.largest
+        assert self.largest_strain is not None  # `move_to` has set it
+        swelling = 1 - SWELLING * profile.strain / self.largest_strain
         pieces: Any = np.recarray(x.size, PIECE)
         pieces.row = row
         pieces.body = body
@@ -252,7 +263,7 @@ class Bars:
             faces = self.end(body, is_right)
             left = faces if is_right else faces - depth
             blocks += self.ax.barh(
-                self.rows, depth, 2 * HALF_HEIGHT, left, **wall_style()
+                self.row_heights, depth, 2 * HALF_HEIGHT, left, **wall_style()
             )
             self._draw_upright(faces, linewidth=1.5)
         return blocks
@@ -265,7 +276,7 @@ class Bars:
             if isinstance(body, RigidMass):
                 left = self.end(i, False)
                 blocks += self.ax.barh(
-                    self.rows, width, THICKNESS, left, zorder=3, **mass_style()
+                    self.row_heights, width, THICKNESS, left, zorder=3, **mass_style()
                 )
         return blocks
 
@@ -276,7 +287,7 @@ class Bars:
             x = start + np.outer(SPRING_LENGTH, stop - start)
             self.ax.plot(
                 x * self.x_scale.factor,
-                np.add.outer(SPRING_HEIGHT, self.rows),
+                np.add.outer(SPRING_HEIGHT, self.row_heights),
                 zorder=3,
                 color=colours().ink,
                 linewidth=0.9,
@@ -302,7 +313,7 @@ class Bars:
             elif type(end) in DRIVE_NAMES:
                 self.ax.plot(
                     x,
-                    self.rows,
+                    self.row_heights,
                     marker=arrow,
                     markersize=6.0,
                     zorder=4,
@@ -311,13 +322,13 @@ class Bars:
 
     def draw_gauges(self, gauges: Mapping[str, Gauge]) -> None:
         """Draw squares where strain gauges are, with their names at the first time."""
-        rows = self.rows - THICKNESS / 2
+        y = self.row_heights - THICKNESS / 2
         for name, gauge in gauges.items():
             X = self.layout.point(gauge.body, gauge.x, self.times)
             x = X * self.x_scale.factor
             self.ax.plot(
                 x,
-                rows,
+                y,
                 linestyle="",
                 marker="s",
                 markersize=4.5,
@@ -327,7 +338,7 @@ class Bars:
             )
             self.ax.annotate(
                 name,
-                (x[0], rows[0]),
+                (x[0], y[0]),
                 (0, -4),
                 textcoords="offset points",
                 ha="center",
@@ -341,8 +352,8 @@ class Bars:
         """Draw an upright line in each row in which x is known, by default in ink."""
         style.setdefault("color", colours().ink)
         is_finite = np.isfinite(x)
-        rows = self.rows[is_finite]
-        self.ax.vlines(x[is_finite], rows - HALF_HEIGHT, rows + HALF_HEIGHT, **style)
+        y = self.row_heights[is_finite]
+        self.ax.vlines(x[is_finite], y - HALF_HEIGHT, y + HALF_HEIGHT, **style)
 
 
 def _largest_strain(profiles: list[Profile]) -> float:

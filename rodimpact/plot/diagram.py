@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..model import Absorbing
-from ..model.arguments import flag, one_of
+from ..model.arguments import check_flag, one_of
 from ..model.frozen import invalid_argument
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_has_rod
@@ -149,8 +149,8 @@ def draft_spacetime(
     check_has_rod(solution)
     one_of("field", field, FIELDS)
     one_of("coordinates", coordinates, ("lab", "body"))
-    flag("dimensionless", dimensionless)
-    flag("across", across)
+    check_flag("dimensionless", dimensionless)
+    check_flag("across", across)
     stations: Mapping[str, Gauge] = {}
     if gauges is not None:
         stations = check_gauges(gauges)
@@ -236,7 +236,11 @@ def draft_spacetime(
 
 
 def _named_contacts(contacts: ContactLines) -> list[artist.Artist]:
-    """Legend entries of the kinds of contact lines that the picture has."""
+    """Legend entries of the kinds of contact lines that the picture has.
+
+    They are the lines themselves. Lines of contacts that are apart are double, which a
+    legend does not draw of a collection: a line of this style stands for them.
+    """
     named: list[artist.Artist] = []
     for lines in (contacts.pressing, contacts.touching):
         if lines.get_segments():

@@ -120,7 +120,8 @@ def two_axes_or_new(
         upper, lower = figure.subplots(2, sharex=True, height_ratios=ratios)
         return upper, lower
     pair = []
-    if isinstance(ax, Sequence | np.ndarray) and getattr(ax, "ndim", 1) == 1:
+    is_flat = getattr(ax, "ndim", 1) == 1  # a list or tuple has no `ndim`
+    if isinstance(ax, Sequence | np.ndarray) and is_flat:
         pair = list(ax)
     if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
         raise invalid_argument(

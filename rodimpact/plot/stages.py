@@ -52,7 +52,7 @@ from .style import SMALL, centred, colours, ink_on, styled
 
 LETTERS = SMALL + 1  # height of the letters of a row, points
 BESIDE = 0.36  # from the middle of a row to labels above or below a bar
-MERGED_SPREAD = 0.02  # of velocities with one label, in parts of the largest
+LABEL_SPREAD = 0.02  # of velocities with one label, in parts of the largest
 MAX_SHIFT = 0.75  # of a label from the middle of its piece, in widths of the label
 EVENT_WIDTH = 0.3  # of the events beside the rows, in widths of the figure
 ROW_HEIGHT = 0.72  # inches
@@ -302,7 +302,7 @@ def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
 class _Label(NamedTuple):
     """Label of a piece that is too narrow to bear it."""
 
-    x: float  # middle of the piece
+    x: float  # middle of the piece, or of the label when it has been moved
     width: float  # of the label, in the unit of the axis
     text: str
 
@@ -315,10 +315,11 @@ def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[
     """
     pieces = bars.pieces
     if bars.is_smooth:
+        # The colours go as far below the velocity of the frame as above it.
         largest = float(norm.vmax - norm.vmin) / 2
-        pieces = merged(pieces, MERGED_SPREAD * largest)
+        pieces = merged(pieces, LABEL_SPREAD * largest)
     labels: list[Text] = []
-    for stage in range(bars.times.size):
+    for stage in range(bars.times.size):  # row `stage` is drawn at the height -stage
         below: list[_Label] = []
         for piece in pieces[pieces.row == stage]:
             text = write(piece.velocity)
@@ -332,13 +333,14 @@ def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[
                 labels.append(label)
             elif not bars.is_smooth:
                 below.append(_Label(x, width, text))
-        for x, text in _with_room_below(below):
-            labels.append(_write(bars.ax, x, -stage - BESIDE, text, va="top"))
+        y = -stage - BESIDE
+        for moved in _with_room_below(below):
+            labels.append(_write(bars.ax, moved.x, y, moved.text, va="top"))
     return labels
 
 
-def _with_room_below(labels: list[_Label]) -> list[tuple[float, str]]:
-    """Places and texts of the labels of a row, moved apart.
+def _with_room_below(labels: list[_Label]) -> list[_Label]:
+    """Labels of a row, moved apart.
 
     As long as a label would move too far, the one that moves farthest is left out.
     """
@@ -351,8 +353,10 @@ def _with_room_below(labels: list[_Label]) -> list[tuple[float, str]]:
             shifts.append(abs(x - label.x) / label.width)
         farthest = int(np.argmax(shifts))
         if shifts[farthest] <= MAX_SHIFT:
-            texts = [label.text for label in labels]
-            return list(zip(moved, texts, strict=True))
+            apart = []
+            for label, x in zip(labels, moved, strict=True):
+                apart.append(label._replace(x=x))
+            return apart
         labels = labels[:farthest] + labels[farthest + 1 :]
     return []
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..hints import explain_arguments
-from ..model.arguments import flag, of_kind, scalar
+from ..model.arguments import check_flag, of_kind, scalar
 from ..model.bodies import RigidMass, Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.quantities import Floats
@@ -128,7 +128,7 @@ def reduce(
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
     assert specimen is not None
     limit = scalar("align_within", align_within, "s", "non-negative")
-    flag("equal_forces", equal_forces)
+    check_flag("equal_forces", equal_forces)
     _check_combination(
         input_gauges, output_gauges, pulses, equal_forces, striker, limit
     )

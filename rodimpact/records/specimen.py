@@ -3,7 +3,7 @@
 import math
 from dataclasses import KW_ONLY
 
-from ..model.arguments import flag
+from ..model.arguments import check_flag
 from ..model.frozen import FrozenDataclass, Problems, quantity
 
 
@@ -47,7 +47,7 @@ class Specimen(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         if (self.area is None) == (self.diameter is None):
             problems.append(("area", "give either area or diameter"))
-        flag("incompressible", self.incompressible)
+        check_flag("incompressible", self.incompressible)
 
     @property
     def section(self) -> float:

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
-from ..model.arguments import flag
+from ..model.arguments import check_flag
 from ..model.frozen import invalid_argument
 from ..units import shown, shown_path
 from ..version import __version__
@@ -69,7 +69,7 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
         missing directory, `PermissionError`): where no file can be.
     """
     path = file_name(path)
-    flag("force", force)
+    check_flag("force", force)
     mode = 0
     refused = f"cannot write {shown_path(path)}: "
     try:

@@ -236,16 +236,16 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
 def _largest_strain(row: Row, log: Any) -> float:
     """Bound of the absolute strain in all segments, without dimension.
 
-    The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c. With abs(a) and
-    abs(b) up to v it is at most v/c. A piece of a wave is at most the sum of the absolute
-    coefficients of its Chebyshev series.
+    The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c, each twice its
+    velocity. With abs(a) and abs(b) up to v it is at most v/c. A piece of a wave is at most the sum
+    of the absolute coefficients of its Chebyshev series.
     """
     waves = log[log["line"] < 2 * len(row.segments)]
     wave_speeds = np.zeros(len(row.segments))
     for s, segment in enumerate(row.segments):
         wave_speeds[s] = float(segment.wave_speed)
-    velocities = np.abs(waves["coefficients"]).sum(axis=1)
-    strains = velocities / wave_speeds[waves["line"] // 2]
+    bounds = np.abs(waves["coefficients"]).sum(axis=1)  # of abs(a) or abs(b)
+    strains = bounds / wave_speeds[waves["line"] // 2]
     return float(strains.max(initial=0.0))
 
 
