@@ -127,17 +127,42 @@ def _next_edge(begin, breaks, T, until):
     return min(graded[0], begin + 0.9 * min(T) / 2, stop)
 
 
+class _Term(NamedTuple):
+    """A delayed impulse in the overlap of a contact, weight P(t - delay), and derivatives."""
+
+    contact: int  # that sent the wave
+    delay: float
+    weight: float
+    delay_slope: float
+    weight_slope: float
+
+
 def _terms(row, slope, k, until):
-    """Delays and weights of the waves that come to contact k, with their derivatives."""
+    """The waves that come to contact k, by the contacts that sent them.
+
+    After an odd number of transits of a rod beside it arrives a wave of the contact at the other
+    end of this rod, after an even number one of its own. A free end sends none.
+    """
     terms = []
-    for rod, numbers in ((k, k - 1), (k + 1, k + 1)):
+    for rod, far_contact in ((k, k - 1), (k + 1, k + 1)):
         T = row.T[rod]
         Z = row.Z[rod]
         for n in range(1, int(until / T) + 1):
-            j, sign = (numbers, 1) if n % 2 else (k, -1)
-            if 0 <= j < len(row.gap):
-                w = sign * 2 / Z
-                terms.append((j, n * T, w, n * slope.T[rod], -w / Z * slope.Z[rod]))
+            sender = k
+            weight = -2 / Z
+            if n % 2 == 1:
+                sender = far_contact
+                weight = 2 / Z
+            is_contact = 0 <= sender < len(row.gap)
+            if is_contact:
+                term = _Term(
+                    contact=sender,
+                    delay=n * T,
+                    weight=weight,
+                    delay_slope=n * slope.T[rod],
+                    weight_slope=-weight / Z * slope.Z[rod],
+                )
+                terms.append(term)
     return terms
 
 
@@ -160,8 +185,10 @@ def _contact(row, slope, k, terms, begin, h, P0, Q0, edges, history):
     times = begin + h * SHARES
     free = (row.v[k] - row.v[k + 1]) * times - row.gap[k]
     by_number = (slope.v[k] - slope.v[k + 1]) * times - slope.gap[k]
-    for j, delay, w, delay_slope, w_slope in terms:
-        earlier_P, earlier_F, earlier_Q = _earlier(times - delay, j, edges, history)
+    # `free` becomes the overlap without the impulse of this contact, `by_number` its derivative.
+    for sender, delay, w, delay_slope, w_slope in terms:
+        sent_at = times - delay
+        earlier_P, earlier_F, earlier_Q = _earlier(sent_at, sender, edges, history)
         free += w * earlier_P
         by_number += w_slope * earlier_P + w * (earlier_Q - earlier_F * delay_slope)
     c = 1 / row.Z[k] + 1 / row.Z[k + 1]

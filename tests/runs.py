@@ -41,7 +41,7 @@ def bits_of(system, until, compiling, max_events=4000):
 
 
 def records_of(run):
-    """A run by fronts on objects, as its proof of finality takes it."""
+    """State of a run by fronts with objects in place of arrays, as its proof takes it."""
     return run.batch.state._replace(
         runs=[run.run],
         segments=run.segments,

@@ -438,7 +438,7 @@ def test_run_prints_json_in_full_precision(case, output_of):
 
 
 @pytest.mark.parametrize(
-    ("command", "missing"),
+    ("command", "unwanted"),
     [
         (["run", "--save", "a.toml"], "matplotlib numba scipy"),
         (
@@ -448,14 +448,15 @@ def test_run_prints_json_in_full_precision(case, output_of):
     ],
 )
 @pytest.mark.usefixtures("case")
-def test_without_plots_no_matplotlib_is_imported(command, missing):
+def test_without_plots_no_matplotlib_is_imported(command, unwanted):
     code = """
 import sys
 from rodimpact.cli import main
 assert main([*sys.argv[2:], "case.toml"]) == 0
-assert not set(sys.argv[1].split()) & set(sys.modules)
+unwanted = sys.argv[1].split()
+assert not set(unwanted) & set(sys.modules)
 """
-    process = python("-c", code, missing, *command)
+    process = python("-c", code, unwanted, *command)
 
     assert_ends_well(process)
 

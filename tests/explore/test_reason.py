@@ -104,7 +104,7 @@ def test_the_reason_names_what_happens_at_the_contacts(name):
     assert [word for word in words if word not in reason] == []
 
 
-CLAIMS = {
+CLAIMS = {  # bodies, further arguments of the system, whether e is the ratio
     "uniform": ([rod(0.4, 1.0), rod(1.0)], {}, True),
     "materials": ([rod(0.4, 1.0), rod(1.0, material=ALUMINIUM)], {}, False),
     "stepped": ([STEPPED, rod(1.0)], {}, False),
@@ -123,7 +123,8 @@ def test_e_is_a_ratio_of_lengths_only_where_that_holds(name):
     _, scene = shown(ri.System(bodies, **how))
     sentence = scene["reason"][1]
     assert "so e = " in sentence
-    assert ("/l" in sentence or "/T" in sentence) == holds
+    names_a_ratio = "/l" in sentence or "/T" in sentence  # l1/l2 or T1/T2
+    assert names_a_ratio == holds
 
 
 @pytest.mark.parametrize("seed", range(8))

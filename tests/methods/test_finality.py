@@ -56,8 +56,16 @@ def parts_of(solution, bodies):
     return parts
 
 
+class Sway(NamedTuple):
+    """Mean motion of a group, and the place of one of its ends beside it."""
+
+    mean_velocity: float
+    deviation: float  # of the end, away from the group
+    squared_bound: float  # square of the bound of this deviation
+
+
 def expected_sway(parts, wall_velocity):
-    """Mean velocity, deviation of the right end from the mean motion, square of its bound."""
+    """Sway of a group at the end of the last part; `wall_velocity` is None without a wall."""
     length, density, stiffness, velocity, strain = np.array(parts).T
     mass = length * density
     share = np.cumsum(mass) / mass.sum()  # of the mass, up to the end of each part
@@ -73,7 +81,7 @@ def expected_sway(parts, wall_velocity):
     kinetic = np.sum(mass * (velocity - mean) ** 2) / 2
     elastic = np.sum(stiffness * strain**2 * length) / 2
     compliance = np.sum(length / stiffness * (g0**2 + g0 * g1 + g1**2) / 3)
-    return mean, deviation, 2 * (kinetic + elastic) * compliance
+    return Sway(mean, deviation, 2 * (kinetic + elastic) * compliance)
 
 
 def wall_velocities(system, group):
@@ -118,16 +126,15 @@ def test_mean_motion_and_bounds(seed, transits):
 
 
 def assert_motion_is_that_of_sums(motion, sway, run, on_right):
-    mean, deviation, bound_squared = sway
     tick = run.clock.tick
     velocity = motion.mean_velocity + run.clock.frame
-    assert velocity == pytest.approx(mean, abs=1e-11)
-    outwards = -deviation if on_right else deviation
+    assert velocity == pytest.approx(sway.mean_velocity, abs=1e-11)
+    to_the_right = -sway.deviation if on_right else sway.deviation
     round_off = 1e-11 * horizon(run.clock.system)
-    assert motion.end_deviation * tick == pytest.approx(outwards, abs=round_off)
+    assert motion.end_deviation * tick == pytest.approx(to_the_right, abs=round_off)
     if motion.deviation_bound_squared > 0:
         squared = motion.deviation_bound_squared * tick**2
-        assert squared == pytest.approx(bound_squared, rel=1e-9, abs=1e-24)
+        assert squared == pytest.approx(sway.squared_bound, rel=1e-9, abs=1e-24)
 
 
 def has_waves(parts, system, group):
@@ -148,18 +155,26 @@ def stretched(velocity, strain):
 
 
 def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
-    """Two stretched stepped rods drift apart; the gap of their mean motions is not the gap."""
-    rods = [stretched(0.0, 0.02), stretched(1e-3, -0.01)]
-    run = tracked(ri.System(rods, gaps=[0.001]), 0.0)
+    """Two stretched stepped rods drift apart: proved when their mean gap is out of reach.
+
+    The mean gap is that of the mean motions. It grows by the drift, up to the reach of both ends.
+    """
+    gap = 0.001
+    drift = 1e-3
+    rods = [stretched(0.0, 0.02), stretched(drift, -0.01)]
+    run = tracked(ri.System(rods, gaps=[gap]), 0.0)
     solution = solution_of(run, 0.0)
-    _, left, left_bound = expected_sway(parts_of(solution, [0]), None)
-    _, right, right_bound = expected_sway(parts_of(solution, [1])[::-1], None)
-    mean_gap = 0.001 + left + right  # deviations are measured towards the gap
-    reach = np.sqrt(2 * (left_bound + right_bound))
+    left = expected_sway(parts_of(solution, [0]), None)
+    parts_to_gap = parts_of(solution, [1])[::-1]  # its left end is at the gap
+    right = expected_sway(parts_to_gap, None)
+    # A deviation towards the gap narrows it, so the mean gap is wider by it.
+    mean_gap = gap + left.deviation + right.deviation
+    # sqrt(a) + sqrt(b) <= sqrt(2 (a + b))
+    reach = np.sqrt(2 * (left.squared_bound + right.squared_bound))
 
     proof_tick = finality.finality_tick(records_of(run), 0)
 
-    wait = (reach - mean_gap) / 1e-3
+    wait = (reach - mean_gap) / drift
     assert proof_tick * run.clock.tick == pytest.approx(wait, rel=2e-6)
 
 

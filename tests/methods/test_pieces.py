@@ -117,7 +117,7 @@ def test_elimination_with_bands(n, band):
 
     series.eliminate(rows, n, band)
 
-    solution = [row[n] for row in rows]
+    solution = [row[n] for row in rows]  # in place of the right side b
     expected = np.linalg.solve(A, b)
     assert solution == pytest.approx(expected, rel=1e-9, abs=1e-9)
 

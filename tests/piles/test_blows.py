@@ -214,8 +214,10 @@ def test_drag_along_a_shaft_bears_nothing_at_rest():
         ri.bearing_graph(system, 600e3, cells=8, until=0.01)
 
 
-def test_places_count_from_the_head_of_a_pile_of_two_rods():
-    half = PILE.replace(length=7.5, shaft=SOIL.replace(resistance=150e3))
+def test_a_pile_of_two_rods_is_like_one_rod():
+    # The resistance of soil is that along the whole rod.
+    half_soil = SOIL.replace(resistance=SOIL.resistance / 2)
+    half = PILE.replace(length=PILE.length / 2, shaft=half_soil)
     two = ri.System([RAM, half, half, ri.Wall()], contacts=[CUSHION, ri.Bonded(), TOE])
 
     (one_rod,) = ri.blows(ROW, 1, cells=40, until=0.04)
@@ -223,6 +225,7 @@ def test_places_count_from_the_head_of_a_pile_of_two_rods():
 
     assert two_rods.set == pytest.approx(one_rod.set, rel=1e-3)
     assert two_rods.tension.stress == pytest.approx(one_rod.tension.stress, rel=0.02)
+    # Places count from the head of the pile, also in the second rod.
     assert two_rods.tension.x == pytest.approx(one_rod.tension.x, abs=1.0)
 
 

@@ -167,7 +167,7 @@ def test_wrong_looks_are_refused(wrong, named):
 
 @pytest.mark.parametrize("mode", ["light", "dark"])
 @pytest.mark.usefixtures("closing")
-def test_the_style_sheets_have_names(mode):
+def test_style_sheets_give_the_looks_by_name(mode):
     with plt.style.context(f"rodimpact.plot.{mode}"):
         figure, ax = plt.subplots()
         (line,) = ax.plot([0, 1])

@@ -137,6 +137,7 @@ def orders(errors):
 
 
 def mode(x):
+    """Initial velocity."""
     return math.sin(math.pi * x)
 
 
@@ -145,7 +146,10 @@ def largest(differences):
 
 
 def damped_mode(viscosity, t):
-    """Velocity and strain of the mode: u'' + viscosity w^2 u' + w^2 u = 0, from rest at u = 0."""
+    """Velocity in the middle of the mode, and strain at its left end.
+
+    Its amplitude u obeys u'' + viscosity w^2 u' + w^2 u = 0, with u = 0 and u' = 1 at first.
+    """
     w = math.pi
     s1, s2 = np.roots([1.0, viscosity * w * w, w * w]).astype(complex)
     u = (np.exp(s1 * t) - np.exp(s2 * t)) / (s1 - s2)
@@ -157,6 +161,8 @@ def damped_mode(viscosity, t):
 def test_a_damped_mode_between_held_ends_is_of_order_two(viscosity):
     t = np.linspace(0.2, 2.4, 23)
     velocity, strain = damped_mode(viscosity, t)
+    # The mode is sin(pi x) times its velocity in the middle: at x = 0 the strain rate is pi times
+    # this velocity; at x = 1 strain and stress have the opposite sign.
     stress = strain + viscosity * math.pi * velocity
     lossy = ri.Material("m", youngs_modulus=1.0, density=1.0, viscosity=viscosity)
     rod = ri.Rod(1.0, area=2.0, velocity=mode, material=lossy)

@@ -70,14 +70,15 @@ def clock(monkeypatch):
 
 
 def family(costs):
-    """Members that are solved one by one."""
+    """Members that are solved one by one; the length of a rod stands for its cost."""
     rod = ri.Rod(np.asarray(costs), area=1e-4, material=STEEL, velocity=1.0)
     return ri.System([rod, ri.Wall()])
 
 
-def swept(seconds, cluster, **options):
+def swept(costs, cluster, **options):
+    """A sweep of members with these costs, on a cluster."""
     return ri.sweep(
-        family(seconds),
+        family(costs),
         "finite-difference",
         executor=cluster,
         workers=cluster.workers,

@@ -117,7 +117,8 @@ def test_walls_have_no_mass_and_bonds_no_episodes():
     solution = ri.solve(system, until=1e-3)
     text = str(solution)
     assert [c.strip() for c in cells(text, "wall ")] == ["-", "0 m/s", "0 m/s", "-"]
-    assert cells(text, "wall-1 joined")[-1].strip() == "-"
+    episodes = cells(text, "wall-1 joined")[-1]
+    assert episodes.strip() == "-"
     assert "work of moving walls" in text
     data = outcome_of(solution)
     assert data["bodies"][0]["mass"] is None
