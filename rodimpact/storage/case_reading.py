@@ -273,10 +273,12 @@ def read_shaft(table: Table) -> Shaft | None:
 
 def read_drag(table: Table) -> Drag | None:
     """The drag along a rod; None if it has mistakes."""
-    entries = table.entries(Drag)
     if isinstance(table.get("coefficient"), dict):
         # A table is a profile along the rod, and per length: in N s/m^2, not N s/m.
+        entries = table.entries(Drag, without=["coefficient"])
         entries["coefficient"] = table.number("coefficient", COEFFICIENT_PER_LENGTH)
+    else:
+        entries = table.entries(Drag)
     drag: Drag | None = table.make(Drag, **entries)
     table.close()
     return drag
@@ -284,10 +286,12 @@ def read_drag(table: Table) -> Drag | None:
 
 def read_soil(table: Table) -> Soil | None:
     """The soil along a rod; None if it has mistakes."""
-    entries = table.entries(Soil)
     if isinstance(table.get("resistance"), dict):
         # A table is a profile along the rod, and per length: in N/m, not N.
+        entries = table.entries(Soil, without=["resistance"])
         entries["resistance"] = table.number("resistance", RESISTANCE_PER_LENGTH)
+    else:
+        entries = table.entries(Soil)
     if table.has("law"):
         word = table.word("law", DAMPING_LAWS)
         if word is None:

@@ -266,6 +266,16 @@ def test_a_shaft_without_a_kind_is_soil():
     assert parse_case(format_case(case)) == case
 
 
+def test_profiles_along_a_shaft_have_units_per_length():
+    soil = "[bodies.shaft]\nquake = 2e-3\nresistance = {values = ['5 kN/m', 0], at = [0.1]}\n"
+    drag = "[bodies.shaft]\nkind = 'drag'\ncoefficient = {values = ['2 N s/m^2', 0], at = [0.1]}\n"
+
+    in_soil, dragged = parse_case(HEAD + A_ROD + soil + A_ROD + drag).system.bodies
+
+    assert in_soil.shaft == ri.Soil(ri.Steps([5e3, 0.0], at=[0.1]), 2e-3)
+    assert dragged.shaft == ri.Drag(ri.Steps([2.0, 0.0], at=[0.1]))
+
+
 def hertz(*bodies, entries):
     """Stiffness of the contact between two bodies, with these entries in the file."""
     text = HEAD + "".join(bodies) + LAW + "'hertz'\n" + "\n".join(entries)
