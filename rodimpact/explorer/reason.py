@@ -320,6 +320,7 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
         all_but_last = ", ".join(velocities[: len(velocities) - 1])
         text = f"{all_but_last} and {text}"
         noun = "velocities"
+    # Those that pressed are tables of contacts, those that can open are their numbers.
     if len(pressed) == 1 and len(outcome["unilateral"]) == 1:
         tally = outcome["contacts"][pressed[0]["index"]]
         impulse = format_quantity(tally.impulse, "N s", 4)

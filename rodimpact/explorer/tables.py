@@ -322,7 +322,7 @@ def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
         if gauge["body"] not in rods:
             problems.append((f"gauges.{i}.body", "must be the number of a rod"))
     until = case.get("solve", {}).get("until", 1.0)  # none is no mistake
-    # All numbers of a case are floats here; what is none is a text, or true or false.
+    # In JavaScript every number counts as a float; an entry that is none is a text.
     if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
         problems.append(("solve.until", "must be above 0 for a picture"))
     return problems
