@@ -135,14 +135,15 @@ class Material(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Add problems of a name that is no text, and of a wave speed sqrt(E/rho) out of range."""
         if not isinstance(self.name, str) or not self.name:
+            # The name comes first in the constructor, so in the message too.
             problems.insert(0, ("name", f"must be a word, got {shown(self.name)}"))
         if problems:
             return
         E = self.youngs_modulus
         rho = self.density
-        is_speed_finite = frozen.in_range(E / rho)
+        is_speed_in_range = frozen.in_range(E / rho)  # the square of the speed
         message = "gives no finite wave speed with density {1!r}, got {0!r}"
-        frozen.require(problems, is_speed_finite, "youngs_modulus", message, E, rho)
+        frozen.require(problems, is_speed_in_range, "youngs_modulus", message, E, rho)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         description = super().to_dict()
@@ -333,6 +334,7 @@ class Segment(FrozenDataclass):
     def _check_lateral_inertia(self, problems: Problems) -> None:
         """Add problems of the lateral inertia, and of numbers that it lacks.
 
+        It is called if a theory or a polar moment is given: one without the other is a problem.
         A diameter says what "circular" says, so with it the polar moment is set to None.
         """
         theory = self.lateral_inertia

@@ -272,7 +272,7 @@ class QuantityField(NamedTuple):
             except ValueError as error:
                 problems.append((path, str(error)))
                 return ()
-        field = self._replace(many=False)
+        field = self._replace(many=False)  # the same declaration, of a single number
         numbers = []
         for i, item in enumerate(items):
             numbers.append(field.checked(problems, f"{path}.{i}", item))
@@ -417,6 +417,7 @@ class Frozen:
     """Fields that are no numbers of a family: its members share them."""
 
     def __init_subclass__(cls, **tag: str) -> None:
+        """Set the tag of a class, and take its declared numbers as its `fields`."""
         if tag:
             cls._tag = tag
         for name, word in tag.items():
@@ -444,6 +445,7 @@ class Frozen:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Become what was pickled or copied; arrays are read-only again."""
         self.__dict__.update(state)
+        # Items of tuples are among the parts.
         for _, item in self._parts():
             if isinstance(item, np.ndarray):
                 item.flags.writeable = False
@@ -632,9 +634,12 @@ class FrozenDataclass(Frozen):
     """A frozen object whose class declares its parameters: a checked dataclass."""
 
     def __init_subclass__(cls, **tag: str) -> None:
+        """Make the class a frozen dataclass; a tag, such as kind="rod", is that of `Frozen`."""
         super().__init_subclass__(**tag)
         dataclass(repr=False, eq=False, frozen=True)(cls)
-        del cls.__setattr__, cls.__delattr__  # those of `Frozen` say what to do instead
+        # Without those that `dataclass` has just made, those of `Frozen` hold: they say what
+        # to do instead.
+        del cls.__setattr__, cls.__delattr__
         _explain_constructor(cls)
 
     def __post_init__(self) -> None:

@@ -379,6 +379,7 @@ def _mirrored_end(end: End) -> End:
     if isinstance(end, Moved) and end.position is not None:
         return Moved(position=negative(end.position))
     if isinstance(end, Moved):
+        # The value has the duration of a function in it: that was sampled when the end was made.
         return Moved(negative(end.value))
     return end
 
@@ -386,7 +387,8 @@ def _mirrored_end(end: End) -> End:
 def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
     """Make the body, the contact law or the end that `to_dict` described.
 
-    The entry `tag` of the description, "kind" or "law", is the key of its class in `classes`.
+    The entry `tag` of the description, "kind" or "law", is the key of its class in `classes`. An
+    end may have a kind of an earlier version, see `EARLIER_KINDS`.
     """
     description = dict(data)
     kind = description.pop(tag)
@@ -489,7 +491,9 @@ def _check_contact(
         message = (
             "must be 0 where bodies are joined, got {0!r}; a Joint takes a stretch"
         )
-        frozen.require(problems, np.equal(gap, 0), f"gaps.{i}", message, gap)
+        is_closed = np.equal(gap, 0)
+        # {0!r} stands for the gap of the first member in which it is open.
+        frozen.require(problems, is_closed, f"gaps.{i}", message, gap)
     elif isinstance(law, Rigid):
         _check_rigid(problems, i, law, pair)
 

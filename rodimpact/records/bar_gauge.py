@@ -43,6 +43,10 @@ class BarGauge(FrozenDataclass):
     gain: float = quantity("", default=1.0, scalar=True)
 
     def _check(self, problems: Problems) -> None:
+        """Add a problem of a record with a unit but no gain; raise one of what is no Signal.
+
+        Both records of a pair must have the same times and unit.
+        """
         of_kind("signal", self.signal, Signal, SIGNAL_EXAMPLE)
         if self.opposite is not None:
             of_kind("opposite", self.opposite, Signal, SIGNAL_EXAMPLE)
@@ -52,7 +56,8 @@ class BarGauge(FrozenDataclass):
                 ("signal", f"{message}; give bridge.strain(volts), or a gain")
             )
         if not problems:
-            _ = self.strain  # the opposite gauge must have the same times and unit
+            # Finding the strain adds both records, which refuses other times or another unit.
+            _ = self.strain
 
     @property
     def strain(self) -> Signal:

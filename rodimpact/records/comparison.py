@@ -187,6 +187,7 @@ def _best_shifts_on_grid(
     times = comparison.record.times
     n = int((times[-1] - times[0]) / step) + 1
     n_shifts = int((high - low) / step) + 1
+    # With the shift high - j step the model is m[j : j + n], and power[j] sums its squares.
     y = comparison.record.at(times[0] + step * np.arange(n))
     m = comparison.model.at(times[0] - high + step * np.arange(n + n_shifts - 1))
     size = 1 << (len(m) - 1).bit_length()
@@ -196,11 +197,12 @@ def _best_shifts_on_grid(
     power = sums[n : n + n_shifts] - sums[:n_shifts]
     power[power <= NEGLIGIBLE_POWER_RTOL * sums[-1]] = 0.0
     c = comparison.best_scale(product, power)
-    inside = c * c * power - 2 * c * product
-    error = np.concatenate(([np.inf], inside, [np.inf]))
-    is_least = (error[1:-1] <= error[:-2]) & (error[1:-1] <= error[2:])
+    # The term sum(y^2) is the same for all shifts.
+    misfit = c * c * power - 2 * c * product
+    padded = np.concatenate(([np.inf], misfit, [np.inf]))
+    is_least = (misfit <= padded[:-2]) & (misfit <= padded[2:])
     least = np.flatnonzero(is_least)
-    order = np.argsort(error[least + 1], kind="stable")
+    order = np.argsort(misfit[least], kind="stable")
     shifts = []
     for j in least[order[:REFINED_SHIFTS]]:
         shift = min(max(high - j * step, low), high)

@@ -324,17 +324,18 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
     """
     incident = bar.first_pulse
     passed = incident.start + incident.width + incident.rise
+    # Back at the gauge, wherever it is, a wave has travelled the whole bar both ways.
     returned = bar.pulse_start + 2 * float(bar.rod.length) / bar.speed
     between = (bar.times > passed) & (bar.times < returned)
     strain = bar.strains[0][between]
     times = bar.times[between]
     faint = np.abs(strain) < MIN_REFLECTED_RATIO * abs(incident.plateau)
-    # the fall of the incident wave is not yet the reflected one
-    fallen = np.logical_or.accumulate(faint)
-    if faint[fallen].all():
+    # The fall of the incident wave is not yet the reflected one.
+    is_from_first_faint = np.logical_or.accumulate(faint)
+    if faint[is_from_first_faint].all():  # also if there is no faint sample
         return None
-    strain = strain[fallen]
-    times = times[fallen]
+    strain = strain[is_from_first_faint]
+    times = times[is_from_first_faint]
     try:
         pulse = first_part(times, strain)
     except ValueError:

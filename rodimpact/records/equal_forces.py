@@ -81,6 +81,7 @@ class EqualForceShot:
         passages = math.ceil(duration / period)
         noise = input_bar.strains[0, : input_bar.rest_samples].std()
         level_error = noise / math.sqrt(input_bar.rest_samples)
+        # An offset of the record adds once a passage of the waves: percents of the incident wave.
         offset = 100 * passages * level_error / input_bar.first_pulse.plateau
         return (
             f"waves separated by equal forces and a free far end of the output bar, for "

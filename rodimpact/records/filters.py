@@ -18,6 +18,8 @@ MAX_SAMPLES = 10**7
 """Samples of a record with its margins, at most."""
 MIN_FREQUENCY_STEP = 1e-9
 """Frequency of a low pass times the time step, at least: a lower one ends in round-off."""
+DISPERSION_TAIL = 3
+"""Duration of the response of a bar in travel times; its slowest waves are 1.15 late at most."""
 MIN_MEAN_STEPS = 1e-6
 """Duration of a mean over a step, at least; round-off would dominate shorter means."""
 
@@ -80,7 +82,8 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
 
 def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
     """The pulse after a distance, m, along a `waves.Bar`, without the travel time of long waves."""
-    tail = math.ceil(min(3 * abs(distance) / bar.wave_speed / dt, MAX_SAMPLES))
+    duration = DISPERSION_TAIL * abs(distance) / bar.wave_speed
+    tail = math.ceil(min(duration / dt, MAX_SAMPLES))
 
     def gain(f: Floats) -> Any:
         return first_mode(f, distance, bar)

@@ -89,8 +89,9 @@ class Table:
         """Number and text of each line of the table that is not empty."""
         lines = islice(enumerate(self._text.lines()), self._first, None)
         for index, line in lines:
-            row = self._form.row(self._table_line(index, line))
-            if row:
+            table_line = self._table_line(index, line)
+            row = self._form.row(table_line)
+            if row:  # else the line has delimiters alone
                 yield index + 1, row
 
     def _read_columns(self, report: Report) -> list[Floats]:

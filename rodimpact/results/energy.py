@@ -336,14 +336,16 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
     t = ticks * clock.tick
     if not clock.gravity:
         return np.zeros(t.shape)
-    p0 = states.momentum[0]
+    p0 = states.momentum[0]  # the first tick is that of t = 0
     momentum_integral = (states.mass * clock.gravity * t / 2 + p0) * t
     for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if end_action is not None:
             push_integral = end_action.push.integrated_twice(ticks)
+            # A tick for each of the two integrals turns them into integrals over time.
             by_push = sign * push_integral * clock.tick * clock.tick
             momentum_integral = momentum_integral + by_push
     for action in fields.signals.shafts.values():
+        # Unlike a push on an end, one on a shaft is always positive to the right.
         by_shaft = action.push.integrated_twice(ticks) * clock.tick * clock.tick
         momentum_integral = momentum_integral + by_shaft
     return np.asarray(clock.gravity * momentum_integral)

@@ -46,7 +46,10 @@ class FrameClock(NamedTuple):
 
 
 def wave_of(ticks: list[int], values: list[float]) -> Any:
-    """A wave as a table of lists, from the ticks of its fronts and its values, m/s."""
+    """A wave as a table of lists, from the ticks of its fronts and its values, m/s.
+
+    Its third column ``passed`` has the integral up to each front, m/s ticks.
+    """
     passed = [0.0]
     for i in range(len(ticks) - 1):
         duration = ticks[i + 1] - ticks[i]

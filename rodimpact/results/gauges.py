@@ -219,7 +219,8 @@ class Gauge:
             heading("leftward", ""): self.leftward,
             heading("velocity", "m/s"): self.velocity,
         }
-        write_table(path, list(columns), [list(columns.values())], force=force)
+        block = list(columns.values())  # of all rows
+        write_table(path, list(columns), [block], force=force)
 
     def strain_at(self, t: ArrayLike) -> Floats:
         """Strain at times t in s, from 0 to `end`; ValueError at others."""

@@ -70,6 +70,14 @@ def quantity_of_parameter(system: System, path: str) -> Quantity:
     >>> quantity_of_parameter(system, "contacts.0.gap").name
     'gap 1-wall'
     """
+    try:
+        return _of_path(system, path)
+    except (LookupError, ValueError):  # no such part, or no index
+        return Quantity(path, "1")
+
+
+def _of_path(system: System, path: str) -> Quantity:
+    """Name and unit of the number at a path; LookupError or ValueError for some unknown ones."""
     # Indices in paths count from 0, names of bodies and their parts from 1.
     match path.split("."):
         case ["gravity"]:
@@ -80,7 +88,8 @@ def quantity_of_parameter(system: System, path: str) -> Quantity:
             return Quantity(f"gap {_pair(system, contact)}", FIELDS["gap"].unit)
         case ["contacts", contact, field]:
             law = system.contacts[int(contact)]
-            if getattr(law, field, None) is None:
+            number = getattr(law, field, None)
+            if number is None:
                 return Quantity(path, "1")
             name, unit = _quantity(field, law.fields[field])
             return Quantity(f"{name} of contact {_pair(system, contact)}", unit)
@@ -93,13 +102,15 @@ def quantity_of_parameter(system: System, path: str) -> Quantity:
         case ["bodies", body, field, "values", number]:
             owner = f"piece {int(number) + 1} of {_body(system, body)}"
         case ["bodies", body, field, "at", number]:
-            jump = f"jump {int(number) + 1} of {_quantity(field, FIELDS[field]).name}"
+            label = _quantity(field, FIELDS[field]).name
+            jump = f"jump {int(number) + 1} of {label}"
             return Quantity(f"place of {jump}, {_body(system, body)}", "m")
         case ["bodies", body, *_, field]:
             owner = _body(system, body)
         case _:
             return Quantity(path, "1")
-    name, unit = _quantity(field, FIELDS.get(field, QuantityField()))
+    # The cases above that have set an owner come here.
+    name, unit = _quantity(field, FIELDS[field])
     return Quantity(f"{name} of {owner}", unit)
 
 

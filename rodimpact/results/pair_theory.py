@@ -38,7 +38,8 @@ class PairTheory(NamedTuple):
         """Where the closed form comes from."""
         if np.isfinite(self.impedance).all():
             return "Saint-Venant 1867"
-        if np.isinf(self.mass).any():
+        has_wall = np.isinf(self.mass).any()
+        if has_wall:
             return "textbook, box 10.4"
         return "Boussinesq"
 

@@ -506,6 +506,7 @@ class Solution(Shown):
         states = bonded_groups(self.fields, from_zero)
         from_start = ledger(self.fields, self.contacts, states)
         entries = {}
+        # Each entry of the ledger is [time]; the time that was added comes first.
         for name, energies in vars(from_start).items():
             entries[name] = energies[1:].reshape(ticks.shape)
         return EnergyLedger(**entries)
@@ -565,9 +566,11 @@ class Solution(Shown):
         time = scalar("t", t, "s", sign="")
         tick = int(self.fields.to_ticks(time))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
-            if isinstance(getattr(end, "value", 0.0), IN_TIME):
+            value = getattr(end, "value", None)  # a free end has none
+            if isinstance(value, IN_TIME):
                 message = "is driven by a function of time; drive it anew"
                 raise invalid_argument(f"ends.{side}", message)
+        # The accuracy is relative to the scale of velocities.
         error = self.accuracy.get("velocity", 0.0) * self.fields.clock.scale
         bodies: list[Any] = []
         for i, body in enumerate(self.system.bodies):
@@ -580,7 +583,7 @@ class Solution(Shown):
                     velocity=state.velocity, strain=state.strain, shaft=shaft
                 )
             else:
-                velocity = float(self.velocity(i, 0.0, t))
+                velocity = float(self.velocity(i, 0.0, time))
                 body = body.replace(velocity=velocity)
             bodies.append(body)
         gaps = []
@@ -588,9 +591,9 @@ class Solution(Shown):
         for contact in self.contacts:
             gap = 0.0
             if contact.law.opens:
-                gap = float(contact.gap(t))
+                gap = float(contact.gap(time))
             gaps.append(gap)
-            contacts.append(contact.law_at(t))
+            contacts.append(contact.law_at(time))
         return self.system.replace(bodies=bodies, gaps=gaps, contacts=contacts)
 
     # Files and pictures -------------------------------------------------------------------------

@@ -371,7 +371,10 @@ def _zeros(series: Floats, chosen: Ints) -> Zeros:
 
 
 def _degrees(series: Floats) -> Ints:
-    """Degree of each series without its negligible last coefficients, [series]."""
+    """Degree of each series without its negligible last coefficients, [series].
+
+    A series of zeros has no coefficient that counts, and gets the full degree.
+    """
     sizes = np.abs(series)
     largest = sizes.max(axis=1, keepdims=True)
     is_counted = sizes > largest * NEGLIGIBLE_COEFFICIENT

@@ -181,7 +181,8 @@ class WaveFields(Fields):
         points = self._points(body, x)
         values = []
         repeats = []
-        # Neighbouring points of one segment go together, from `start` to `stop`.
+        # Neighbouring points of one segment go together, from `start` to `stop`. Segments are
+        # counted from 1, so the first and the last point are beside another number, 0.
         segment_edges = np.diff(points.segment, axis=0, prepend=0, append=0)
         for start, stop in pairwise(np.flatnonzero(segment_edges)):
             waves = self.waves(int(points.segment[start, 0]))

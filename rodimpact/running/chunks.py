@@ -86,7 +86,8 @@ def run_jobs(
         chunk = Chunk(members, options, readings, in_one_call)
         if pool.stop is None:  # other processes cannot ask whether to stop
             return pool.executor.submit(run_chunk, chunk)
-        later_members = size - stop  # they follow in this process
+        # Jobs begin in order: what the store lacks beyond this one follows in this process.
+        later_members = int(np.count_nonzero(~store.done[stop:]))
         return pool.executor.submit(run_chunk, chunk, pool.stop, later_members)
 
     jobs_a_worker = JOBS_A_WORKER

@@ -112,6 +112,7 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
         exists = np.isfinite(window.error)
         lower = window.value - window.error
         upper = window.value + window.error
+        # Its interval overlaps that of all windows so far.
         agrees = (lower <= high) & (upper >= low)
         in_agreement &= ~exists | agrees  # the first that contradicts ends the search
         used = exists & in_agreement

@@ -320,7 +320,7 @@ class _Result:
     Parameters
     ----------
     of : str
-        Name of the quantity.
+        Name of the result that is differentiated.
     options : Options
     workers : int or None
     report : function
@@ -334,7 +334,7 @@ class _Result:
         self.options = options
         self._workers = workers
         self._report = report
-        self._solved = 0
+        self._solved = 0  # collisions so far, for `report`
 
     def of_members(self, system: System) -> Estimate:
         """Values of the result and their stated errors, of the family's shape.

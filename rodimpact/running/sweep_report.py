@@ -190,6 +190,7 @@ def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
     columns = {}
     for i in bodies:
         entries = []
+        # The entries of both are by member.
         for velocity, scale in zip(velocities[i], fastest, strict=True):
             entries.append(_digits(velocity, scale, unit=" m/s"))
         columns[f"velocity {i} after"] = entries

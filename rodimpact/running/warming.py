@@ -68,7 +68,8 @@ def warm_method(name: str) -> None:
     ]
     with kernels.forced(True):
         for family in families:
-            if not method.lacking(needs(family)):
+            lacking = method.lacking(needs(family))
+            if not lacking:
                 _run_kernels(family, name, cells)
 
 

@@ -249,8 +249,11 @@ def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
     """Arguments of a rod for its shape; None for a segment with mistakes."""
     if not table.has("segments"):
         return read_segment(table, library)
-    segment_keys = list(filter(table.has, SEGMENT_KEYS))
-    if segment_keys:
+    has_segment_keys = False
+    for key in SEGMENT_KEYS:
+        if table.has(key):  # all are asked for: `close` calls other keys unknown
+            has_segment_keys = True
+    if has_segment_keys:
         keys = "length, area, material and polar_moment"
         table.note("segments", f"give either segments or {keys}, not both")
     segments = []

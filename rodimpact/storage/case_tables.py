@@ -156,7 +156,9 @@ class Table:
         except ValueError as error:
             path = self.where(key)
             message = str(error)
-            if isinstance(value, list) and path in self.reading.numbers:
+            # A list is perhaps meant as the values of a number that can vary.
+            can_vary = path in self.reading.numbers
+            if isinstance(value, list) and can_vary:
                 message += f'{hint} vary={{"{path}": "start:stop:count"}} varies it'
             self.note(key, message)
             return math.nan

@@ -92,7 +92,7 @@ class Checkpoint:
         self._sweep = json.loads(json.dumps(sweep))
         self._began = self._saved = time.monotonic()
         self.done = np.zeros(size, dtype=bool)
-        self._new = np.zeros(size, dtype=bool)  # members that are not on the disk
+        self._unsaved = np.zeros(size, dtype=bool)  # members that are not on the disk
         for file in self._files():
             chunk = self._read(file)
             if chunk is not None:
@@ -158,8 +158,9 @@ class Checkpoint:
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
         """Take the results of the members from `start` to `stop`, and save now and then."""
         self._take(start, stop, part)
-        self._new[start:stop] = True
+        self._unsaved[start:stop] = True
         now = time.monotonic()
+        # The longer the sweep runs, the rarer it saves: each time it writes takes a while.
         interval = max(SAVE_INTERVAL, SAVE_TIME_RATIO * (now - self._began))
         if now - self._saved >= interval:
             self._save()
@@ -171,9 +172,9 @@ class Checkpoint:
     def _save(self) -> None:
         """Save the members that are not on the disk; without a directory nothing is written."""
         if self.path is not None:
-            for start, stop in spans(self._new):
+            for start, stop in spans(self._unsaved):
                 self._write(self.path / FILE_NAME.format(f"{start:08}"), start, stop)
-        self._new[:] = False
+        self._unsaved[:] = False
         self._saved = time.monotonic()
 
     def _write(self, file: Path, start: int, stop: int) -> None:

@@ -71,12 +71,16 @@ class FileFormatError(ValueError):
 def open_regular(path: PathLike) -> BinaryIO:
     """Open a file to be read; OSError where there is none, or a pipe or a device."""
     path = file_name(path)
+    # A directory is left to `open`, whose error says what it is.
     if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
         raise OSError(errno.EINVAL, "it is not a regular file", path)
     try:
         return open(path, "rb")
     except OSError as error:
-        raise type(error)(error.errno, error.strerror, shown_path(path)[1:-1]) from None
+        unquoted = shown_path(path)[
+            1:-1
+        ]  # the message of OSError has quotes of its own
+        raise type(error)(error.errno, error.strerror, unquoted) from None
 
 
 def read_npz(

@@ -150,13 +150,16 @@ def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryI
 
 
 def _place(passing: Path, target: Path) -> None:
-    """Give a file its name; FileExistsError if someone else has made one of that name meanwhile."""
+    """Give a file its name; FileExistsError if someone else has made one of that name meanwhile.
+
+    A link leaves the name `passing` too, which the caller removes.
+    """
     try:
         os.link(passing, target)
     except FileExistsError:
         raise
     except OSError:  # a file system without links
-        target.open("xb").close()
+        target.open("xb").close()  # claims the name: only one can make the file
         os.replace(passing, target)
 
 

@@ -328,6 +328,16 @@ def test_an_axis_is_what_the_user_varied(vary, label):
     assert x[0] < case.varied[0].values[0] * factor < x[1]
 
 
+def test_an_axis_that_no_body_of_the_family_has_is_named_by_its_path():
+    case = varied_case(**{"bodies.0.length": "1:2:3"})
+    result = ri.sweep(case.system, workers=1)
+    elsewhere = case.varied[0]._replace(path="bodies.9.length")
+
+    picture = ri.plot.sweep(result, quantity="impulse.0", varied=[elsewhere])
+
+    assert picture.ax.get_xlabel() == "bodies.9.length (m)"
+
+
 @pytest.mark.parametrize("varied", ["L", [1], [("L", np.ones(3), "m")], []])
 def test_what_is_no_list_of_what_varies_is_refused(varied):
     case = varied_case(**{"bodies.0.length": "1:2:3"})
@@ -612,6 +622,27 @@ def test_parameters_in_words(system, name, largest, label):
     words = labels.quantity_of_parameter(system, name)
 
     assert scale_of(words, largest).label == label
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "foo",
+        "bodies.0.foo",
+        "bodies.0.foo.at.0",
+        "bodies.0.foo.values.0",
+        "bodies.0.length.values.x",
+        "bodies.9.length",
+        "contacts.0.foo",
+        "contacts.0.opens",
+        "contacts.7.gap",
+        "contacts.x.gap",
+        "ends.left.value",
+        "materials.steel.foo",
+    ],
+)
+def test_an_unknown_path_is_its_own_name(path):
+    assert labels.quantity_of_parameter(WALLED, path) == (path, "1")
 
 
 @pytest.mark.parametrize(
