@@ -99,6 +99,26 @@ def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, options):
     assert not options or result.strain.tobytes() == whole.strain.tobytes()
 
 
+def test_members_that_are_done_do_not_follow_a_job(tmp_path, monkeypatch):
+    """The first chunk alone is run again: no member follows its last job."""
+    for name in ("SAVE_INTERVAL", "SAVE_TIME_RATIO"):  # a file for each chunk
+        monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)
+    ri.sweep(family(), workers=1, checkpoint=tmp_path)
+    first = min(tmp_path.glob("members-*.npz"))
+    first.unlink()
+    later = []
+    work = chunks.run_chunk
+
+    def noted(chunk, should_stop, later_members):
+        later.append(later_members)
+        return work(chunk, should_stop, later_members)
+
+    monkeypatch.setattr(chunks, "run_chunk", noted)
+    ri.sweep(family(), workers=1, checkpoint=tmp_path)
+
+    assert later[-1] == 0
+
+
 def child(path, then):
     """Another process that sweeps a family, with what stands in `then` as progress."""
     code = f"""
