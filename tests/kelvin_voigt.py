@@ -19,7 +19,7 @@ FREE_MODES = (
 
 
 class Fields(NamedTuple):
-    """At [place, time]."""
+    """Of the rod at [place, time]; its stress is in units of the modulus."""
 
     velocity: np.ndarray
     stress: np.ndarray
@@ -56,6 +56,7 @@ class Modes(NamedTuple):
         return q, rate
 
     def fields(self, x, t, viscosity):
+        """Velocity, stress u' + viscosity * (velocity)' (E = 1), and displacement u."""
         q, rate = self.amplitudes(t, viscosity)
         shape = np.cos(np.outer(x, self.frequency))
         slope = -np.sin(np.outer(x, self.frequency)) * self.frequency

@@ -372,8 +372,8 @@ def box_page(texts: list[str], groups: list[list[str]]) -> str:
     from ..plot.style import colours
 
     title, _, _ = texts[0].partition("\n")
-    paper, ink, *_ = colours()
-    lines = [HEAD % (title, paper, ink)]
+    look = colours()
+    lines = [HEAD % (escape(title), look.paper, look.ink)]
     for text, figures in zip(texts, groups, strict=True):
         heading, _, paragraphs = text.partition("\n")
         level = "h2"

@@ -19,6 +19,7 @@ from cli.processes import ENVIRONMENT, ROOT, python, started
 
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main, verify
+from rodimpact.cli.box import box_page
 from rodimpact.cli.verify import Check, checks
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.solved import scene_of
@@ -358,6 +359,7 @@ def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, se
     refuses(["run", str(case), *argv], sentence)
 
     assert files_in(case.parent) == {"case.toml", "there.toml"}
+    assert Path("there.toml").read_text() == "precious"
 
 
 @pytest.mark.parametrize(
@@ -577,9 +579,10 @@ def test_all_mistakes_of_a_saved_solution_are_reported_at_once(case, refuses):
 
 
 def test_all_mistakes_are_reported_at_once(case, refuses):
+    """The case saves its solution in a file that is there, and a figure is no .toml."""
     Path("a.toml").write_text("precious")
     text = CASE.replace('"0.4 m"', "-1")
-    text = text.replace('"steel"\n\n', '"stel"\n\n', 1)
+    text = text.replace('"steel"', '"stel"', 1)
     case.write_text(text + '[output]\nsave = "a.toml"\n')
     limits = ["--until", "3 kg", "--max-events", "0"]
     grid = ["--cells", "1.5", "--snapshots", "no"]
@@ -587,11 +590,15 @@ def test_all_mistakes_are_reported_at_once(case, refuses):
     error = refuses(["run", str(case), *limits, *grid, "--plot", "a.toml"])
 
     options = {"--until", "--max-events", "--cells", "--snapshots", "--plot"}
-    assert problems_in(error) >= options | {"bodies.0.length"}
+    assert problems_in(error) >= options | {
+        "bodies.0.length",
+        "bodies.0.material",
+    }
     for line in error.splitlines():
         assert line.startswith("rodimpact: ")
         if "--until" in line:
             assert "unit of mass" in line
+    assert Path("a.toml").read_text() == "precious"
 
 
 JUMPS = range(1, 11_000)  # of the velocity along the first rod
@@ -852,7 +859,16 @@ def test_box_refuses_a_ratio_that_is_none(no_figures, tmp_path, refuses, ratio):
 def test_box_leaves_files_that_are_there(no_figures, tmp_path, refuses):
     (tmp_path / "wall-energy.png").write_text("precious")
     refuses(["box", "-o", str(tmp_path)], "holds wall-energy.png already", "--force")
+    assert (tmp_path / "wall-energy.png").read_text() == "precious"
     assert main(["box", "-o", str(tmp_path), "--force"]) == 0
+
+
+def test_the_page_of_the_box_shows_signs_of_html_as_they_are():
+    page = box_page(["l1 < l2 & no gap\n\nl2 > l1"], [["a.png"]])
+    assert "<title>l1 &lt; l2 &amp; no gap</title>" in page
+    assert "<h1>l1 &lt; l2 &amp; no gap</h1>" in page
+    assert 'alt="l1 &lt; l2 &amp; no gap: a"' in page
+    assert "l2 &gt; l1" in page
 
 
 def test_box_needs_a_directory(no_figures, case, refuses, capsys):

@@ -483,24 +483,50 @@ def test_a_guess_comes_before_e(visit):
     field(page, LENGTH).fill("400")
     wait_for_e(page, "0.4")
     page.wait_for_timeout(60)
-    assert picture(page) == hidden != whole
-    page.locator("#guessed").fill("0.7")
+    assert hidden != whole
+    assert picture(page) == hidden
+
+
+def guess(page, number):
+    page.click("#guess-first")
+    page.locator("#guessed").fill(number)
     page.keyboard.press("Enter")
+
+
+def test_a_guess_is_judged_and_the_replay_begins(visit):
+    page = visit()
+    guess(page, "0.7")
     verdict = page.locator("#verdict")
     sync_api.expect(verdict).to_contain_text("You said 0.7; e is 0.4: off by 0.3.")
     for words in ("Rod 1's wave returns", "The impulse of 314", "so e = 0.4 = l₁/l₂"):
         sync_api.expect(page.locator("#reason")).to_contain_text(words)
-    assert page.evaluate("page.isPlaying && currentTime() < 0.2 * page.scene.end")
+    assert page.evaluate("page.isPlaying")
+    assert page.evaluate("currentTime() < 0.2 * page.scene.end")
     assert page.evaluate("document.activeElement.id") == "play"
     assert page.locator("#restitution").is_visible()
-    field(page, LENGTH).fill("700")  # nothing was said on another e
+
+
+def test_a_verdict_goes_with_the_e_that_was_guessed(visit):
+    page = visit()
+    guess(page, "0.7")
+    verdict = page.locator("#verdict")
+    sync_api.expect(verdict).to_contain_text("You said 0.7")
+    field(page, LENGTH).fill("700")
     wait_for_e(page, "0.7")
     assert verdict.inner_text() == ""
+
+
+def test_the_question_is_about_the_row_that_is_chosen(visit):
+    page = visit()
     page.click("#guess-first")
+    question = page.locator("#asked")
+    sync_api.expect(question).to_contain_text("rod 2")
     page.select_option("#preset", "wall")
     sync_api.expect(question).not_to_contain_text("rod 2")
     page.select_option("#preset", "chain")
-    sync_api.expect(page.locator("#theory")).to_contain_text("this row has 4")
+    sync_api.expect(page.locator("#theory")).to_contain_text(
+        "belongs to one contact; this row has 4"
+    )
     assert not page.locator("#restitution").is_visible()
 
 
@@ -902,7 +928,7 @@ def test_no_line_ends_between_a_number_and_its_unit(visit):
             assert re.findall(r"\d (?:%|[nµmkMG]?(?:m|s|N|J|Pa)\b)| = ", text) == []
 
 
-def test_facts_of_engineers_are_notes(visit):
+def test_facts_of_the_solver_are_in_the_notes_only(visit):
     page = visit()
     wait_for_e(page, "0.4")
     notes = page.inner_text("#notes").replace("\u00a0", " ")

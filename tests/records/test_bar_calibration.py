@@ -99,6 +99,7 @@ def test_records_of_two_different_pulses_are_doubtful():
 
 
 def test_mistakes_are_named():
+    """Each change alone spoils a call that is right: the gauges are 2.0 m apart."""
     first, second = pair(ri.waves.Bar(SPEED, 0.29, RADIUS))
     square = ri.Rod(4.0, area=1e-4, material=METAL)
     for change, says in (

@@ -62,8 +62,8 @@ def test_overlapping_waves_are_separated(shot, distance):
 
 def test_bands_cover_the_truth_of_overlapping_waves(shot):
     covered = []
-    for seed in range(6):
-        result = reduced(shot, seed=2 * seed)
+    for seed in range(0, 12, 2):  # `reduced` takes the next one, too
+        result = reduced(shot, seed=seed)
         loading = is_loading(shot, result)
         stress_error = np.abs(result.stress - shot.stress(result.times))
         strain_error = np.abs(result.strain - shot.strain(result.times))

@@ -2,7 +2,7 @@
 
 import datetime
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def calls_with_a_place(solution):
 
 def calls_with_a_time(solution):
     for name, field in fields_of(solution):
-        yield name, lambda t, field=field: field(0, PLACE, t)
+        yield name, partial(field, 0, PLACE)
     yield "wall", lambda t: solution.velocity(len(solution.system.bodies) - 1, 0, t)
     yield "momentum", lambda t: solution.fields.momentum(0, t)
     yield "mean_velocity", lambda t: solution.mean_velocity(0, t)

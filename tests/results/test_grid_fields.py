@@ -146,9 +146,9 @@ def largest(differences):
 
 
 def damped_mode(viscosity, t):
-    """Velocity in the middle of the mode, and strain at its left end.
+    """Velocity in the middle of the mode u(t) sin(pi x), and strain at its left end.
 
-    Its amplitude u obeys u'' + viscosity w^2 u' + w^2 u = 0, with u = 0 and u' = 1 at first.
+    Its amplitude obeys u'' + viscosity w^2 u' + w^2 u = 0, with u = 0 and u' = 1 at first.
     """
     w = math.pi
     s1, s2 = np.roots([1.0, viscosity * w * w, w * w]).astype(complex)

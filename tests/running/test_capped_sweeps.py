@@ -98,12 +98,14 @@ def test_caps(method, until, seed):
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(1)))
 @pytest.mark.parametrize("until", [None, 1e-3])
-def test_caps_of_grids(until, seed):
-    """A cap on a grid counts its steps times its links, so that few caps differ."""
+def test_members_of_a_capped_sweep_on_a_grid_end_as_alone(until, seed):
     family = family_of(with_masses(seed))
     options = {"method": "finite-difference", "until": until, "cells": 12}
-    links = len(family.bodies) + 1
+    links = len(family.bodies) + 1  # both ends of the row are links, too
     most = ri.solve(family[(0,)], max_events=10**6, **options).events
+    # A grid counts its steps times its links, so that few caps differ.
     steps = np.unique(np.geomspace(1, most // links + 1, 5).astype(int))
-    for cap in {*(links * steps).tolist(), 1, links - 1, most - 1, most, most + 1}:
+    caps_of_whole_steps = (links * steps).tolist()
+    caps_beside_them = [1, links - 1, most - 1, most, most + 1]
+    for cap in sorted({*caps_of_whole_steps, *caps_beside_them}):
         assert_the_same_is_said(family, cap, **options)

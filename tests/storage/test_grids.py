@@ -273,11 +273,11 @@ def test_numbers_may_be_left_to_the_grid():
 
 def test_a_diameter_varies_the_area():
     case = parse_case(RICH, vary={"bodies.1.diameter": "1 cm:2 cm:3"})
-    areas = [s.bodies[1].segments[0].area for s in (case.system[i] for i in range(3))]
+    areas = [case.system[i].bodies[1].segments[0].area for i in range(3)]
     assert areas == pytest.approx(
         [math.pi / 4 * d * d for d in (0.01, 0.015, 0.02)], rel=1e-15
     )
-    assert case.system[0] == parse_case(RICH).system
+    assert case.system[0] == parse_case(RICH).system  # its diameter is 1 cm
     assert case.varied[0].unit == "m"
 
 
