@@ -170,7 +170,7 @@ def free_mode(n: int) -> Rows:
     k = n * math.pi
     shape = np.cos(k * SAMPLES) + BETA / k * np.sin(k * SAMPLES)
     ends = (ri.Free(), ri.Free())
-    mode = Mode(n, "free", ends, shape, 0.0)
+    mode = Mode(n, "free", ends, shape, x=0.0)
     yield from frequency_of(mode)
 
 
@@ -179,7 +179,7 @@ def fixed_mode(n: int) -> Rows:
     k = n * math.pi
     shape = np.sin(k * SAMPLES)
     ends = (ri.Fixed(), ri.Fixed())
-    mode = Mode(n, "fixed", ends, shape, 0.5 / n)
+    mode = Mode(n, "fixed", ends, shape, x=0.5 / n)
     yield from frequency_of(mode)
 
 

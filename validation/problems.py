@@ -401,9 +401,13 @@ def largest_fall(heights: np.ndarray, axis: int) -> float:
 
 
 def ball_on_ball() -> Rows:
-    """10.5.10: a rubber ball falls behind a basketball, from a height of 1."""
+    """10.5.10: a rubber ball falls behind a basketball, from a height of 1.
+
+    On a grid of mass ratios and both restitutions its height is that of the formula; it
+    grows with lighter rubber balls and larger restitutions, up to 9 in the limit.
+    """
     restitutions = np.linspace(0, 1, 21)
-    ratios = np.logspace(3, -9, 49)
+    ratios = np.logspace(3, -9, 49)  # m_r/m_b, of ever lighter rubber balls
     ratio, e_b, e_r = np.meshgrid(ratios, restitutions, restitutions, indexing="ij")
     heights = rise(ratio, e_b, e_r)
     velocity = (e_b + e_r + e_b * e_r - ratio) / (1 + ratio)
@@ -415,7 +419,8 @@ def ball_on_ball() -> Rows:
     by_e_r = largest_fall(heights, axis=2)
     small = np.array([1e-5])
     one = np.ones(1)
-    slope = (9.0 - rise(small, one, one)) / small
+    height = rise(ratio=small, e_b=one, e_r=one)
+    slope = (9.0 - height) / small
     growing = "each step helps"
     case = Case("rubber ball on a basketball", "textbook, problem 10.5.10")
     yield case.zero(

@@ -178,7 +178,7 @@ def _values_near(algebra: RationalFunctions, direction: Any) -> dict[str, Fracti
     x + x OFFSET d for a number x with the component d of the direction; OFFSET d where
     x is 0.
     """
-    values = dict(algebra.base)
+    values = dict(algebra.base_values)
     for name, component in zip(algebra.row.free_names, direction, strict=True):
         scale = values[name]
         if scale == 0:
@@ -312,7 +312,8 @@ class ClosedForm:
     def nearest(self) -> tuple[Any, ...]:
         """Three of the inequalities in `cell`: those whose borders are nearest.
 
-        Distance is the relative change of the numbers of the system up to the border.
+        They are in the order of `cell`. Distance is the relative change of the numbers
+        of the system up to the border.
         """
         distances = [self._algebra.distance(border) for border in self._borders]
         nearest_first = np.argsort(distances, kind="stable")

@@ -58,9 +58,10 @@ class FormulaCell:
     def ties(self) -> list[Any]:
         """Borders on which the numbers of the system lie."""
         algebra = self._algebra
-        base = algebra.base
-        factors = self._vanishing_factors(_values_of(self._conditions, base))
-        ties = [p for p in factors if algebra.value(p, base) == 0]
+        base_values = algebra.base_values
+        numbers = _values_of(self._conditions, base_values)
+        factors = self._vanishing_factors(numbers)
+        ties = [p for p in factors if algebra.value(p, base_values) == 0]
         return algebra.without_implied(ties)
 
     @cached_property

@@ -51,7 +51,7 @@ class RationalFunctions:
         """Import SymPy, and make its field of rational functions of the row's names."""
         self.sympy: Any = optional("sympy", "sympy")
         self.row = row
-        self.base = row.values({})
+        self.base_values = row.values({})  # of all names, wave speeds included
         names = [*row.base, *row.wave_speeds]
         self._field, *generators = self.sympy.polys.fields.field(names, self.sympy.ZZ)
         self._generators = dict(zip(names, generators, strict=True))
@@ -119,11 +119,11 @@ class RationalFunctions:
         program = Program(list(numbers), constant)
         with self.work() as report:
 
-            def before_operation(left: Any, right: Any) -> None:
+            def count_and_check(left: Any, right: Any) -> None:
                 self._count_step(report)
                 check_length(left, right)
 
-            return program(self._generators, before_operation)
+            return program(self._generators, before_operation=count_and_check)
 
     def factors(
         self, numbers: Iterable[TracedFraction], point: Mapping[str, Fraction]
@@ -183,8 +183,8 @@ class RationalFunctions:
         names = list(self._generators)
         derivatives = []
         for name in self.row.free_names:
-            derivative = self.value(p.diff(names.index(name)), self.base)
-            scale = self.base[name]
+            derivative = self.value(p.diff(names.index(name)), self.base_values)
+            scale = self.base_values[name]
             if scale == 0:
                 scale = Fraction(1)
             derivatives.append(float(derivative * scale))
@@ -198,7 +198,7 @@ class RationalFunctions:
         slope = float(np.linalg.norm(self.slope(p)))
         if not slope:
             return float("inf")
-        return float(self.value(p, self.base)) / slope
+        return float(self.value(p, self.base_values)) / slope
 
     # Display
 

@@ -89,7 +89,10 @@ class PulseDesign(Shown):
         return "\n\n".join(blocks)
 
     def _table_of_segments(self) -> list[list[str]]:
-        """Rows of the table of segments, header first: length, area, diameter."""
+        """Rows of the table of segments, header first: length, area, diameter.
+
+        If areas are at limits, a last column tells at which.
+        """
         rod: Any = self.system.bodies[self.body]
         header = ["segment", "length", "area", "diameter if round"]
         if self.bounded:

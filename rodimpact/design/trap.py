@@ -123,6 +123,7 @@ def momentum_trap(
         end,
         "force of the wave back into the bar",
     )
+    # Wanted is the first pulse as it is without the trap, then nothing.
     times = [*times_before, passed]
     forces = [*waves.leftward[is_before], 0.0]
     wanted = staircase(times, forces, end, "wanted")

@@ -243,7 +243,10 @@ def _plain_table(value: Any) -> Any:
 
 
 def _short_name(k: int) -> str:
-    """Name of variable number k of a function: a_ to z_, then a1_ to z1_ and so on."""
+    """Name of variable number k of a function: a_ to z_, then a1_ to z1_ and so on.
+
+    With its underscore none is a word of JavaScript.
+    """
     number, letter = divmod(k, len(string.ascii_lowercase))
     return f"{string.ascii_lowercase[letter]}{number or ''}_"
 
@@ -252,7 +255,10 @@ class _Translator(ast.NodeVisitor):
     """Translation of one function of a program."""
 
     def __init__(self, function: FunctionType, program: _Program) -> None:
-        """Parse the source of the function, and give its variables short names."""
+        """Parse the source of the function, and give its variables short names.
+
+        Long names would take a tenth of the page.
+        """
         self.function = function
         self.program = program
         lines, self.line = inspect.getsourcelines(function)
@@ -260,7 +266,7 @@ class _Translator(ast.NodeVisitor):
         ast.increment_lineno(module, self.line - 1)
         self.tree = module.body[0]
         self.arguments = [argument.arg for argument in self.tree.args.args]
-        # Names of variables in JavaScript, by those in Python.
+        # Names of variables in JavaScript, by those in Python; the arguments come first.
         self.local: dict[str, str] = {}
         for name in self.arguments:
             self.local[name] = _short_name(len(self.local))
@@ -269,15 +275,12 @@ class _Translator(ast.NodeVisitor):
                 self.local.setdefault(node.id, _short_name(len(self.local)))
 
     def text(self) -> str:
-        """Return the function in JavaScript.
-
-        Its variables have short names, as long ones would take a tenth of the page: a
-        letter, a number if letters do not suffice, and an underscore, so that none is a
-        word of JavaScript.
-        """
+        """Return the function in JavaScript."""
         arguments = [self.local[name] for name in self.arguments]
-        for k, default in enumerate(reversed(self.tree.args.defaults), 1):
-            arguments[-k] += f"={self.visit(default)}"  # the last arguments have them
+        defaults = self.tree.args.defaults
+        first_with_default = len(arguments) - len(defaults)
+        for i, default in enumerate(defaults, first_with_default):
+            arguments[i] += f"={self.visit(default)}"
         variables = list(self.local.values())[len(arguments) :]
         declaration = ""
         if variables:
@@ -352,7 +355,7 @@ class _Translator(ast.NodeVisitor):
         """
         match node.iter:
             case ast.Call(ast.Name("range"), arguments):
-                pass
+                pass  # the pattern has given `arguments` their name
             case _:
                 return self.generic_visit(node)
         # range(stop), range(start, stop) or range(start, stop, step)
@@ -370,6 +373,7 @@ class _Translator(ast.NodeVisitor):
         sign = "<"
         if "-" in step:  # steps are constants, so the text shows their sign
             sign = ">"
+        # `let` gives each loop its own _end, also a loop inside another.
         first = f"let _{target}={start},_end={stop}"
         head = f"{first};_{target}{sign}_end;_{target}+={step}"
         body = self.part("body", node.body)
@@ -517,7 +521,7 @@ class _Translator(ast.NodeVisitor):
         called = self.known(node.func)
         arguments = list(map(self.visit, node.args))
         for keyword in node.keywords:
-            if keyword.arg != "strict":
+            if keyword.arg != "strict":  # zip on the page knows no such option
                 raise KeyError("an argument by name")
         if called is None and isinstance(node.func, ast.Attribute):
             owner = self.visit(node.func.value)
@@ -535,7 +539,7 @@ class _Translator(ast.NodeVisitor):
                 entries.append(f"{field}:{argument}")
             return f"({{{','.join(entries)}}})"
         text = self.name_of_function(called, name)
-        if "{" in text:
+        if "{" in text:  # a template, not a name
             return text.format(*arguments)
         return f"{text}({','.join(arguments)})"
 

@@ -374,7 +374,8 @@ def mistakes_of_contacts(case: Any) -> list[Any]:
 def ruled_tables(case: Any, gauges: Any) -> list[RuledTable]:
     """All tables whose numbers have rules, each with its path and its kind of rules.
 
-    A rod occurs as a body, and with each segment; a contact by its gap, and by its law.
+    They are those of materials, gauges, bodies, segments and contacts. A rod occurs as
+    a body, and with each segment; a contact by its gap, and by its law.
     """
     tables = []
     for name, material in case.get("materials", {}).items():
@@ -502,6 +503,7 @@ def system_of(case: Any, library: Any) -> PageSystem:
     left = end_of(ends.get("left", {"kind": "free"}))
     right = end_of(ends.get("right", {"kind": "free"}))
     gravity = 0.0  # the page solves no row in gravity or in soil
+    # False: no rod of the page has a shaft in soil.
     return PageSystem(bodies, gaps, laws, gravity, [left, right], False)
 
 

@@ -40,16 +40,21 @@ class Trial(NamedTuple):
 
 
 def compared(trials: Sequence[Trial]) -> Fit:
-    """The first fit, with the additions of the others and what they improve."""
+    """The first fit, with the additions of the others.
+
+    Each has its misfit left out, and whether it earns its place.
+    """
     records = trials[0].objective.measured
     blocks = _blocks(records, 0)
     squares = [_squares_left_out(trial) for trial in trials]
     additions = []
     for trial, with_addition in zip(trials[1:], squares[1:], strict=True):
-        fall = np.bincount(blocks, squares[0] - with_addition)
-        standard_error = math.sqrt(float(fall @ fall))
+        fall = squares[0] - with_addition
+        fall_of_block = np.bincount(blocks, weights=fall)
+        # That of the sum over the blocks, which are taken to be independent.
+        standard_error = math.sqrt(float(fall_of_block @ fall_of_block))
         fit = replace(trial.fit, misfit_left_out=_root_of_mean(with_addition))
-        earns_its_place = bool(fall.sum() > standard_error)
+        earns_its_place = bool(fall_of_block.sum() > standard_error)
         additions.append(Addition(trial.name, fit, earns_its_place))
     return replace(
         trials[0].fit,

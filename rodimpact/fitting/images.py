@@ -34,6 +34,8 @@ class Place(NamedTuple):
     def strain(self, solution: Solution, interval: float) -> Signal:
         """Strain at the steps of an `interval`, s.
 
+        It is that of a gauge, or `by_images` that of images of the forces on the ends.
+
         Raises
         ------
         ValueError

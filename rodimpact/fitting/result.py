@@ -371,6 +371,7 @@ def _value_and_error(f: Fitted) -> list[str]:
     if 0 < f.standard_error < math.inf and f.value:
         first_digit = math.floor(math.log10(abs(f.value)))
         first_of_error = math.floor(math.log10(abs(f.standard_error)))
+        # Significant digits of the value, down to the second of the error.
         digits = first_digit - first_of_error + 2
         digits = min(max(digits, 2), 15)
     return [format_si(f.value, f.unit, digits), format_si(f.standard_error, f.unit, 2)]

@@ -54,7 +54,8 @@ def sizes_of_numbers(objective: Objective, point: Floats) -> Floats:
     for i, number in enumerate(objective.numbers):
         if not isinstance(number, RecordParameter):
             continue
-        level = objective.measured[number.records[0]].size
+        record = objective.measured[number.records[0]]
+        level = record.size
         if number.kind == "gain":
             sizes[i] = abs(point[i])
         elif number.kind == "offset":

@@ -138,7 +138,7 @@ class Bars:
         self.pieces: Any = np.concatenate(parts).view(np.recarray)
 
     def _pieces_of(self, row: int, body: int, profile: Profile) -> Any:
-        """Pieces of a rod in a row, from its profile of velocity and strain.
+        """Records `PIECE` of a rod in a row of the picture, from its profile.
 
         Those too short to be seen are left out.
         """
@@ -148,8 +148,8 @@ class Bars:
         segment, _ = self.solution.fields.locate(body, x)
         area, modulus, density = properties(self.solution, body, x)
         # thickness as that of a round rod, and more of it where the strain is negative
-        thickness = np.sqrt(area / self._widest_area())
-        thickness = np.maximum(MIN_THICKNESS, thickness)
+        relative_thickness = np.sqrt(area / self._widest_area())
+        relative_thickness = np.maximum(MIN_THICKNESS, relative_thickness)
         assert self.largest_strain is not None  # `move_to` has set it
         swelling = 1 - SWELLING * profile.strain / self.largest_strain
         pieces: Any = np.recarray(x.size, PIECE)
@@ -158,7 +158,7 @@ class Bars:
         pieces.segment = segment
         pieces.left = ends[:-1]
         pieces.right = ends[1:]
-        pieces.half = THICKNESS * thickness / 2 * swelling
+        pieces.half = THICKNESS * relative_thickness / 2 * swelling
         pieces.velocity = profile.velocity
         pieces.strain = profile.strain
         pieces.stress = modulus * profile.strain

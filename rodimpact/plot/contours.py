@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from ..methods.signals import Floats
 from .jumps import away_from_jumps
 from .labels import text_width
-from .scales import signed
+from .scales import with_minus_signs
 from .style import SMALL, ink_on
 
 MAX_LEVELS = 8
@@ -78,7 +78,7 @@ def label_contours(
     """
 
     def value(level: float) -> str:
-        return signed(f"{level:g}")
+        return with_minus_signs(f"{level:g}")
 
     # Matplotlib places labels on trial. Then each is moved along its line until it is
     # clear of the obstacles: points of other lines, and labels that have their place.

@@ -403,6 +403,7 @@ def _map_colours(shown: Quantity) -> _MapColours:
         low = 0.0
         high = len(shown.words) - 1.0
     if shown.is_count:
+        # From half a count below the least to half a count above the largest.
         borders = np.arange(low - 0.5, high + 1.0)
         count = borders.size - 1
         return _MapColours(RISING.resampled(count), colors.BoundaryNorm(borders, count))
@@ -412,7 +413,7 @@ def _map_colours(shown: Quantity) -> _MapColours:
     if high - low <= negligible:  # one value: its colour shows how far it is from 0
         low = min(low, 0.0)
         high = max(high, 0.0)
-    if high <= low:
+    if high <= low:  # all are 0
         high = low + 1.0
     return _MapColours(RISING, colors.Normalize(low, high))
 

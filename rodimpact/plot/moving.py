@@ -43,7 +43,7 @@ from .moments import contact_event_times, events_at
 from .page import headline
 from .panels import format_axes, lay_out, new_figure, size_in_points
 from .polygons import drawn_until
-from .scales import axis_scales, signed, written
+from .scales import axis_scales, with_minus_signs, written
 from .style import NORMAL, SMALL, colours, styled
 
 MAX_FRAMES = 10_000
@@ -278,7 +278,7 @@ class Animation:
         now, end = self.times[[number, -1]] * self._time.factor
         power = math.floor(math.log10(end))
         decimals = max(0, 2 - power)
-        return signed(f"t = {now:.{decimals}f} {self._time.unit}")
+        return with_minus_signs(f"t = {now:.{decimals}f} {self._time.unit}")
 
     def __len__(self) -> int:
         return len(self.times)

@@ -130,8 +130,8 @@ class Plane:
         time_length = width if self.across else height
         x_length = height if self.across else width
         self.time_axis.set_label_text(self.scales.time.label)
-        room = height if self.across else room_below(self.ax)
-        label = self.layout.label(self.scales.x, room)
+        room_of_x_label = height if self.across else room_below(self.ax)
+        label = self.layout.label(self.scales.x, room_of_x_label)
         self.x_axis.set_label_text(label)
         self._fit_times(time_length)
         per_point = np.ptp(self.x_axis.get_view_interval()) / x_length
@@ -149,7 +149,8 @@ class Plane:
         factor = self.scales.time.factor
         low = self.span.start * factor
         high = self.span.stop * factor
-        letters = 1.3  # least distance of two ticks, in heights of the letters
+        # Least distance of two ticks, in heights of letters, which are `NORMAL` points.
+        letters = 1.3
         if self.across:
             letters = 3.0
         least = letters * NORMAL * (high - low) / length  # in units of the axis

@@ -27,7 +27,7 @@ from .panels import (
     two_axes_or_new,
 )
 from .sampling import extreme_indices
-from .scales import engineering, largest_of, signed, written
+from .scales import engineering, largest_of, with_minus_signs, written
 from .style import SMALL, colours, styled
 
 RESIDUAL_RANGE = 1.9  # of the axis of the residual, in largest residuals
@@ -204,7 +204,8 @@ def _predicted(misfit: Misfit, measured: Signal, predicted: Signal) -> str:
             name += " (at its limit)"
     if misfit.scale != 1:
         unit = gain_unit(measured.unit, predicted.unit)
-        name += f", {TIMES} {signed(f'{misfit.scale:.4g} {unit}')}".rstrip()
+        factor = f"{misfit.scale:.4g} {unit}".rstrip()  # a factor may have no unit
+        name += f", {TIMES} {with_minus_signs(factor)}"
         if "scale" in misfit.at_limit:
             name += " (at its limit)"
     return name

@@ -51,7 +51,7 @@ class Scale(NamedTuple):
 
     def write(self, value: float) -> str:
         """Write an SI value to three digits, with its unit: 158 µs."""
-        return signed(f"{value * self.factor:.3g} {self.unit}").strip()
+        return with_minus_signs(f"{value * self.factor:.3g} {self.unit}").strip()
 
 
 def written(value: float, unit: str) -> str:
@@ -120,10 +120,10 @@ def digits(value: float, largest: float, count: int = 3) -> str:
     """
     if abs(value) <= NEGLIGIBLE_RTOL * largest:
         return "0"
-    return signed(f"{value * (1 + NEGLIGIBLE_RTOL):.{count}g}")
+    return with_minus_signs(f"{value * (1 + NEGLIGIBLE_RTOL):.{count}g}")
 
 
-def signed(text: str) -> str:
+def with_minus_signs(text: str) -> str:
     """A text with the printed minus sign in place of each hyphen."""
     return text.replace("-", MINUS)
 
@@ -139,7 +139,7 @@ def multiple(value: float, unit: str) -> str:
     fraction = Fraction(value).limit_denominator(MAX_DENOMINATOR)
     is_near = abs(value - fraction) <= NEGLIGIBLE_RTOL * max(1.0, abs(value))
     if not is_near:
-        return signed(f"{value:.3g}{unit}")
+        return with_minus_signs(f"{value:.3g}{unit}")
     if fraction == 0:
         return "0"
     text = unit
