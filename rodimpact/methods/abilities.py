@@ -86,9 +86,10 @@ def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
 def has_external_drive(system: Any) -> bool:
     """Whether forces from outside act: no bound says when the last contact is over.
 
+    These are drives, soil or drag, and gravity on a row that is held; in free fall it does nothing.
     The page has this as JavaScript.
     """
-    is_held = False
+    is_held = False  # by a wall, or by a semi-infinite bar
     is_pushed = False
     for each in (*system.bodies, *system.ends):
         if each.kind in ("wall", "fixed", "absorbing"):

@@ -346,7 +346,8 @@ def _modules(module: ModuleType) -> list[ModuleType]:
 def digest_of(module: ModuleType) -> str:
     """Digest of all sources in the folders of a kernel module and of those that it imports.
 
-    Constants and records come from files of which a module keeps no more than names.
+    Whole folders are taken because a module imports constants and records by value: it does not
+    tell from which files they come.
     """
     folders = {Path(str(each.__file__)).parent for each in _modules(module)}
     files = {Path(__file__)}

@@ -181,15 +181,18 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
 
 
 def guard_count(link: Any) -> int:
-    """Number of guards that keep the status of a link, see `guard`."""
+    """Number of guards that keep the status of a link, see `guard`.
+
+    It depends on the status, and on whether the link yields or has losses.
+    """
     status = link.status
     count = 1
     if status == Status.BOND:
         count = 0
     elif status == Status.GRAZE:
-        count = 2
+        count = 2  # it opens, or presses again
     elif status == Status.PLASTIC:
-        if link.knots[link.next_knot] < UNREACHED:
+        if link.knots[link.next_knot] < UNREACHED:  # there is a next knot
             count = 2
     elif status == Status.PRESS:
         if link.law == Law.YIELD:

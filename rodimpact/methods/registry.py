@@ -265,8 +265,9 @@ class Options(FrozenDataclass):
         Single entries switch on one of `abilities.SINGLE`.
         """
         needs = abilities.needs(system)
-        of_many = [need for need in needs if need[1] not in abilities.SINGLE]
-        faster = self._first_of(capable_of(of_many))
+        needs_of_many = [need for need in needs if need[1] not in abilities.SINGLE]
+        # The method that would be taken were it not for single entries
+        faster = self._first_of(capable_of(needs_of_many))
         if faster == method:
             return ""
         missing = METHODS[faster].lacking(needs)

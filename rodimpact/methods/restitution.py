@@ -94,6 +94,7 @@ def effective_restitution(
     parting = after[1] - after[0]
     e = parting / np.where(closing > 0, closing, 1.0)
     largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
+    # Both must hold: * is "and" for arrays of True and False, and on the page too.
     parted = (e > PARTING_RTOL) * (parting > 2 * np.spacing(largest))
     defined = final * (episodes > 0) * (closing > 0)
     return np.where(defined, np.where(parted, e, 0.0), math.nan)

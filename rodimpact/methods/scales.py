@@ -99,7 +99,8 @@ def scale_of(row: Any) -> Any:
     for link in row.links:
         if link.law == Law.JOINT:
             pushed.append(abs(link.stiffness * link.stretch))
-        elif link.law >= Law.SPRING:  # it may begin with an overlap
+        elif link.law >= Law.SPRING:
+            # A compliant contact may begin with an overlap.
             overlap = np.maximum(0.0 - link.gap, 0.0)
             pushed.append(link.stiffness * overlap**link.exponent)
     transit = largest([s.transit_time for s in row.segments])

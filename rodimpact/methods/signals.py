@@ -53,13 +53,14 @@ class Pieces:
     def __init__(
         self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None
     ) -> None:
+        """Keep the arguments as arrays; a value for each piece becomes a column."""
         self.ticks: Ints = np.asarray(ticks, dtype=np.int64)
         columns: Floats = np.asarray(coefficients, dtype=np.float64)
         if columns.ndim == 1:
             columns = columns[:, None]
         self.coefficients = columns
         self.size: int = columns.shape[1]  # coefficients of a piece
-        if end is None:
+        if end is None:  # as for constants, whose last value goes on for ever
             end = self.ticks[-1]
         self.end = int(end)
 
@@ -210,15 +211,15 @@ class Pieces:
         """Integral from the start of the first piece to these ticks, value times ticks."""
         ticks = np.asarray(ticks)
         i = self.piece(ticks)
-        of_pieces, before = self._primitive
+        coefficients, up_to_piece = self._primitive
         if self.size == 1:
-            return before[i] + self.values[i] * (ticks - self.ticks[i])
-        in_piece = _polynomials(of_pieces, i, self._own_time(i, ticks))
-        # Time beyond both ends
+            return up_to_piece[i] + self.values[i] * (ticks - self.ticks[i])
+        in_piece = _polynomials(coefficients, i, self._own_time(i, ticks))
+        # Ticks beyond both ends, where the signal stays constant
         outside = ticks - np.clip(ticks, self.ticks[0], self.end)
         if np.any(outside):
             in_piece = in_piece + outside * self.at(ticks)
-        return before[i] + in_piece
+        return up_to_piece[i] + in_piece
 
     def integrated_twice(self, stop: Any) -> Floats:
         """Integral of (stop - t) f(t) over t from 0 to `stop`, value times ticks squared.
@@ -226,7 +227,7 @@ class Pieces:
         So it is the integral of the integral of the signal f.
         """
         last = np.max(stop)
-        time = Pieces.through([0, last], np.array([0.0, last]))
+        time = Pieces.through([0, last], np.array([0.0, last]))  # the signal t
         twice: Floats = stop * self.integral(0, stop) - (self * time).integral(0, stop)
         return twice
 

@@ -61,7 +61,7 @@ def recognise(x: float) -> tuple[int, int]:
     p1 = 1  # the last convergent, p1/q1
     q1 = 0
     y = x  # rest of the fraction
-    while y < MAX_TERM + 1:
+    while y < MAX_TERM + 1:  # a larger term makes p or q too large
         a = int(y)
         p2 = a * p1 + p0
         q2 = a * q1 + q0
@@ -73,7 +73,7 @@ def recognise(x: float) -> tuple[int, int]:
             return 0, 0
         if abs(x * q1 - p1) <= RATIO_RTOL * x * q1:
             return p1, q1
-        if y == a:
+        if y == a:  # the fraction ends, and is not accurate
             return 0, 0
         y = 1.0 / (y - a)
     return 0, 0

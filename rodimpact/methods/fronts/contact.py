@@ -45,9 +45,9 @@ def resolve_contact(
 ) -> int:
     """Decide what status a contact has after arrivals, and return it; set its gap and gap rate.
 
-    Signorini: gap >= 0, force >= 0, and one of them is 0. The closed contact carries
-    F = max(0, (a - b)/(Y1 + Y2)), and its gap rate is exactly 0. Gap and gap rate of
-    the node become those of now; its status does not change yet.
+    Signorini: gap >= 0, force >= 0, and one of them is 0. So a closed contact presses if its
+    faces would close without a force, and opens if they part; its gap rate is exactly 0. Gap and
+    gap rate of the node become those of now; its status and force do not change yet.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def resolve_contact(
     gap = node.gap + node.gap_rate * dt
     status: int = node.status
     if status == Status.OPEN and gap <= max(-node.gap_rate, closing) * window:
-        gap = 0 * gap
+        gap = 0 * gap  # 0 of the same kind of number: a float, or a fraction
         status = Status.TOUCH.value
     if status != Status.OPEN:
         if closing > tolerance:
@@ -179,7 +179,8 @@ def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
         node.impulse += impulse
         node.impulse_moment += impulse * (node.solved_tick + dt / 2)
         node.work += node.force * node.face_velocity * dt
-        if dt > window:  # a shorter force comes from waves that should have met
+        # A shorter force comes from waves that meet at one tick, but for their rounding.
+        if dt > window:
             node.peak_force = max(node.peak_force, node.force)
     if node.status == Status.PRESS:
         node.force_ticks += dt

@@ -145,7 +145,11 @@ def solve_many(
 
 
 class MemberValues:
-    """The values of the members of a family, block by block."""
+    """The values of the members of a family, block by block.
+
+    A block is some members that run one after the other; `_block`, [member, value], is filled for
+    each block anew with what varies.
+    """
 
     def __init__(self, layout: FamilyLayout) -> None:
         """Fill in the values that all members share; keep the others, [member] each, aside."""
@@ -154,7 +158,7 @@ class MemberValues:
         self._varying: dict[int, Array] = {}
         for j, value in enumerate(layout.values):
             if np.ndim(value) == 0:
-                self._block[:, j] = value  # once for all blocks
+                self._block[:, j] = value  # which no block changes
             else:
                 shape = layout.row.system.shape
                 self._varying[j] = np.broadcast_to(value, shape).ravel()

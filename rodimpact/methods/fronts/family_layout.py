@@ -185,14 +185,18 @@ def append_steps(values: list[Any], value: Any) -> int:
 
 
 def closed_status_of(row: Any) -> list[int]:
-    """Status of each node while its gap is closed, before anything is solved."""
+    """Status of each node while its gap is closed, before anything is solved.
+
+    It follows from the law of the link; a free end is FREE.
+    """
     statuses: list[int] = []
+    # There are no rigid masses, so that each node has one link.
     for link in row.links:
         statuses.append(CLOSED_STATUS[link.law])
     for side in range(2):
         kind, _ = row.boundaries[side]
         if kind == "none":
-            first_or_last = side * (len(statuses) - 1)
+            first_or_last = side * (len(statuses) - 1)  # 0 or the last one
             statuses[first_or_last] = Status.FREE.value
     return statuses
 

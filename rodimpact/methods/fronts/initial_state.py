@@ -403,8 +403,9 @@ def append_driven_fronts(
     The wave from outside is V in the frame for a given velocity V, F Y for a force F, and
     a0 - 2 c eps (left end) or b0 + 2 c eps (right end) for a strain eps that comes
     through a semi-infinite bar, a0 or b0 the wave that this end sends inward at t = 0.
-    The jumps are the durations from `first_jump` on. Jumps after the end of the run, and
-    values that last no tick, are left out.
+    A front holds the new wave, not its change. The times of the jumps are the durations
+    from `first_jump` on. Jumps after the end of the run, and values that last no tick, are
+    left out.
     """
     run = state.runs[0]
     log = state.log
@@ -415,11 +416,12 @@ def append_driven_fronts(
     end_segment = segment_at_end(n, side)
     wave_speed = values[end_segment - 1]  # wave speeds come first among the values
     wave_by_strain = (4 * side - 2) * wave_speed  # -2 c on the left, 2 c on the right
-    inward_wave = 0.0  # by the last front on the inward line: what it sends at t = 0
+    # The last front on the inward line holds what it sends at t = 0.
+    inward_wave = 0.0
     for r in range(run.log_rows):
         if log[r].line == inward_line:
             inward_wave = log[r].value
-    value_count = outside.velocity_count
+    value_count = outside.velocity_count  # values of any kind
     start = run.log_rows
     stop_tick = 0
     j = 0
@@ -433,10 +435,11 @@ def append_driven_fronts(
         else:
             value -= run.frame_velocity
         start_tick = stop_tick
-        # The last value lasts to the end of the run: any later tick shows that it lasts.
+        # This value is the last, and lasts to the end of the run, unless a jump comes before:
+        # any later tick shows that it lasts.
         stop_tick = start_tick + 1
         is_last = True
-        if j < value_count - 1:
+        if j < value_count - 1:  # times of jumps stand behind the values
             jump_time = values[outside.profile_offset + value_count + j]
             is_last = jump_time > run.until
             if not is_last:

@@ -78,17 +78,18 @@ def make_run(
     t_final = math.nan
     t_proved = math.nan
     if finished.is_proved:
-        t_final = last_contact_end(
-            finished.run, finished.contacts, 2 * clock.longest * clock.tick
-        )
+        round_trip = 2 * clock.longest * clock.tick  # in the longest rod, s
+        t_final = last_contact_end(finished.run, finished.contacts, round_trip)
         t_proved = finished.proved_tick * clock.tick
-    strain = finished.run.max_wave / min(clock.wave_speed[1:-1])
+    slowest = min(clock.wave_speed[1:-1])  # without the two outsides, which have none
+    max_strain = finished.run.max_wave / slowest  # a bound
     why = end_of_run(
         finished.run, finished.contacts, clock.system, finished.is_proved, t_final
     )
     status = with_advice(why)
-    status += rounding(clock.transit_error, clock.worst)
-    status += strain_warning(strain)
+    worst_path = clock.worst
+    status += rounding(clock.transit_error, worst_path)
+    status += strain_warning(max_strain)
     status += accuracy_sentence(rounding_errors)
     status += faint_sentence(finished.run, finished.contacts, clock.system)
     return Run(

@@ -28,7 +28,8 @@ Lines = list[Pieces | None]
 def signals_of(finished: FrontRun) -> Signals:
     """All signals of a finished run: waves by line, contacts, and what acts on the ends."""
     lines = waves_by_line(finished)
-    changes = finished.log[finished.log["line"] == CHANGE]
+    is_change = finished.log["line"] == CHANGE  # rows of the log that are no fronts
+    changes = finished.log[is_change]  # of status
     contacts = []
     for contact in range(len(finished.layout.contacts)):
         contacts.append(contact_signal(finished, lines, changes, contact))

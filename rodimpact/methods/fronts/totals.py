@@ -111,6 +111,7 @@ def totals_of(finished: FrontRun) -> Totals:
     after = final_motion(clock, masses, finished.segments)
     boundary = BoundaryEffects(finished, masses, after.velocities)
 
+    # Momenta of segments are in N ticks, as impulses are: times the tick they are in N s.
     start_momentum = math.fsum(
         segment.initial_momentum for segment in finished.segments
     )

@@ -52,7 +52,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     y = link.self_mobility
     top = x0 + c  # x1 without the own force, the largest that it may be
     if link.law == Law.JOINT:  # which pulls as well
-        # F = k (x0 + x1)/2 + d (x1 - x0) = k x0 + slope (x1 - x0) is linear.
+        # F = k (x0 + x1)/2 + d (x1 - x0) = k x0 + slope (x1 - x0) is linear; d is the damping,
+        # as force by closing in a step.
         k = link.stiffness
         slope = k / 2 + link.damping
         divisor = 1 + y * slope
@@ -65,7 +66,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         # The mean force bends both ways, its work only up: begin on the right of the root.
         elastic_limit = link.yield_force / link.stiffness
         force_at_limit, _ = contact_laws.mean_force(link, x0, elastic_limit)
-        yields = elastic_limit - top + y * force_at_limit < 0  # the root is beyond
+        # The residual of Newton's method, below, is < 0 at the limit if the root is beyond.
+        yields = elastic_limit - top + y * force_at_limit < 0
         x = top
         if not yields:
             x = min(elastic_limit, top)
@@ -75,16 +77,18 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         F, slope = contact_laws.mean_force(link, x0, x)
         residual = x - top + y * F
         # Where the contact yields, Newton's method is for (x - x0) residual, which only bends up.
-        curvature = 0.0
+        # Its slope, divided by x - x0, is that of the residual and one term more.
+        further_slope = 0.0
         if yields:
-            curvature = residual / (x - x0)
-        step = residual / (1 + y * slope + curvature)
-        F = F - slope * step
+            further_slope = residual / (x - x0)
+        step = residual / (1 + y * slope + further_slope)
+        F = F - slope * step  # at the new x, to first order
         x = min(x - step, top)
-        size = x  # what the step is small beside
+        size = x  # what the step is small beside: the overlap, or, without one, the way
         if x <= 0:
             size = x0 - x
-        # The overlap of a stiff contact is small beside the closing that it stops.
+        # In a contact that is not stiff, round-off of the closing is round-off of x. The overlap
+        # of a stiff one is small beside the closing that it stops.
         tolerance = 0.0
         if y * slope <= 1:
             tolerance = 4 * EPS * (abs(x0) + abs(c))
@@ -93,7 +97,7 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     if y * slope > 1:
         # For a stiff contact this is more accurate than the law, because x is small.
         F = (top - x) / y
-    return max(F, 0 * F), x, slope
+    return max(F, 0 * F), x, slope  # 0 * F is 0 as the same kind of number
 
 
 def closing_without_own_force(links: Any, i: int) -> float:

@@ -71,20 +71,29 @@ def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
     """Solve the equations: x holds their right sides and becomes the solution.
 
     The factors are those of `factor`. Node i of the left half goes together with node 2 m - i of
-    the right half, m the middle node.
+    the right half, m the middle node. In the left half the recurrences are
+
+        y[i] = x[i] + lower[i] y[i - 1] to the middle, and
+        x[i] = inverse_diagonal[i] y[i] + upper[i] x[i + 1] back,
+
+    and the same from the other side in the right half, whose values are z. The terms are added, as
+    the off-diagonal entries of the equations are negative.
     """
     n = len(x)
     m = (n - 1) // 2
     last = 2 * m
     y = 0.0  # value of the node before, in the left half
     z = 0.0  # in the right half
-    for i in range(last + 1, n):  # an even number has one node more on the right
+    for i in range(
+        last + 1, n
+    ):  # once or not at all: an even n has one node more there
         z = x[i]
     for i in range(m):
         y = x[i] + lower[i] * y
         z = x[last - i] + lower[last - i] * z
         x[i] = y
         x[last - i] = z
+    # The middle node has both neighbours before it.
     y = inverse_diagonal[m] * (x[m] + lower[m] * y + upper[m] * z)
     z = y
     x[m] = y
@@ -93,5 +102,5 @@ def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
         z = inverse_diagonal[last - i] * x[last - i] + upper[last - i] * z
         x[i] = y
         x[last - i] = z
-    for i in range(last + 1, n):
+    for i in range(last + 1, n):  # once or not at all
         x[i] = inverse_diagonal[i] * x[i] + upper[i] * z

@@ -409,8 +409,8 @@ def push_pieces(
     """Change the velocities on both sides of the links by the forces that were found.
 
     The force of a rigid link is set to 0 where it is round-off: where the closing velocity that it
-    takes away is within `tolerance`, m/s. `by_first` and `by_last` are the velocities by a unit
-    force on the first and on the last node of a piece.
+    takes away is within `tolerance`, m/s. Such forces are not negative. `by_first` and `by_last`
+    are the velocities by a unit force on the first and on the last node of a piece.
     """
     for i in range(len(links)):
         link = links[i]
@@ -418,7 +418,8 @@ def push_pieces(
         if is_stiff and link.force * link.self_mobility <= tolerance:
             link.force = 0.0
         if link.force != 0:
-            # INDEX_MASK changes no index, but shows the compiler that none is negative.
+            # The nodes of the piece on the left, then of that on the right. INDEX_MASK changes no
+            # index, but shows the compiler that none is negative.
             for n in range(
                 link.leftmost_node & INDEX_MASK, (link.left_node & INDEX_MASK) + 1
             ):

@@ -28,8 +28,9 @@ def largest_force(force: Floats) -> float:
     """Largest force of a curve with these means over steps, N, in the step of the largest mean.
 
     The curve is the parabola with the means of this step and of both neighbours. Where these span
-    a jump or a kink, it is the parabola through this step and two steps before or behind it: if
-    that has much less curvature, and is less curved than steep, or flat.
+    a jump or a kink, it is the parabola through this step and two steps before or behind it. That
+    one must have much less curvature, and be smooth: its curvature is less than its slope, or the
+    force is constant.
     """
     if np.max(force, initial=0.0) <= 0:
         return 0.0
@@ -37,9 +38,10 @@ def largest_force(force: Floats) -> float:
     # Two steps more on both sides, so that `top` is the middle of five
     earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
     value, slope, curve = _parabola(before, F, after)
-    begin = 1  # begin of the step, in steps behind the begin of the first of the three
+    begin = 1  # begin of the top step, in steps behind that of the first of the three
     largest = F
     least_curvature = abs(curve)
+    # Time is counted away from the top step on either side.
     for second, third in ((after, later), (before, earlier)):
         a, b, c = _parabola(F, second, third)
         is_smooth = abs(c) < abs(F - second) / 2 or abs(c) <= FLAT_RTOL * F
@@ -48,8 +50,9 @@ def largest_force(force: Floats) -> float:
             slope = b
             curve = c
             begin = 0
+            # The other side, in its turn, is taken if it is less curved than this one.
             least_curvature = KINK_CURVATURE_RATIO * abs(c)
-            largest = max(a, a + b + c)
+            largest = max(a, a + b + c)  # at the begin and at the end of the step
     if curve < 0 and begin < -slope / (2 * curve) < begin + 1:
         largest = value - slope * slope / (4 * curve)
     return float(largest)
@@ -154,7 +157,7 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
 
 
 def _closing_share(gap: Floats, i: int, j: int) -> float:
-    """Share of step j - 1 after which an overlap that ends in it is 0.
+    """Time in step j - 1 at which its overlap becomes 0, as a share of the step.
 
     The force began in step i. The gap is the parabola through the last three step ends if it has
     pressed for three steps, else a line. With s the time in step j - 1, the gap is first_gap + rate
@@ -164,12 +167,13 @@ def _closing_share(gap: Floats, i: int, j: int) -> float:
     rate = float(gap[j]) - first_gap
     curve = 0.0
     if j - i >= 3:
-        curve = (1 - (first_gap - float(gap[j - 2])) / rate) / 2
+        rate_before = first_gap - float(gap[j - 2])
+        curve = (1 - rate_before / rate) / 2
     slope = 1 - curve
-    depth = -first_gap / rate
-    # Root of curve s^2 + slope s = depth, in the form that loses no digits
-    root = math.sqrt(max(slope * slope + 4 * curve * depth, 0.0))
-    return 2 * depth / (slope + root)
+    depth_share = -first_gap / rate  # overlap at the begin, over its change in the step
+    # Root of curve s^2 + slope s = depth_share, in the form that loses no digits
+    root = math.sqrt(max(slope * slope + 4 * curve * depth_share, 0.0))
+    return 2 * depth_share / (slope + root)
 
 
 def share_of_jump(force: Floats) -> float:

@@ -298,7 +298,11 @@ def _between(
 
 
 def _cells(segment: Any, count: int) -> Cells:
-    """The properties of `count` equal cells of a segment."""
+    """The properties of `count` cells of a segment, of equal lengths.
+
+    Where the area varies, each cell has the mean of its own. Radial motion adds a lateral inertia
+    (Rayleigh and Love), or a radial strain with equations of its own (Mindlin and Herrmann).
+    """
     material = segment.material
     dx = float(segment.length) / count
     area = segment.area_between(np.linspace(0.0, float(segment.length), count + 1))
@@ -319,13 +323,13 @@ def _cells(segment: Any, count: int) -> Cells:
     if segment.lateral_inertia is None:
         return cells
     polar = segment.polar_moments(area)
-    if segment.lateral_inertia != MINDLIN_HERRMANN:
+    if segment.lateral_inertia != MINDLIN_HERRMANN:  # Rayleigh and Love
         lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
         return cells._replace(lateral=lateral)
     moduli = radial_moduli(E, float(material.poisson_ratio))
     return cells._replace(
         stiffness=moduli.axial * area / dx,
-        swelling=INERTIA * rho * polar * dx,
+        swelling=INERTIA * rho * polar * dx,  # with the correction of lateral inertia
         coupling=moduli.coupling * area,
         radial=moduli.radial * area * dx,
         shear=moduli.shear * polar / dx,

@@ -273,21 +273,23 @@ def _stable_counts(
         step = float(transits[longest]) / cells
     counts = np.floor(transits / step * STABLE_COURANT)
     if cells is not None:
-        counts[longest] = cells
+        counts[longest] = cells  # exactly, whatever the rounding of the quotient
     path = row.paths[shortest + 1]
+    shortest_time = f"{transits[shortest]:.6g} s"
     if counts.min() < 1:
-        bound = f"{transits[shortest]:.6g} s or less"
+        remedy = f"{shortest_time} or less"  # for `dt`
         if cells is not None:
             ratio = transits[longest] / transits[shortest]
-            bound = f"{math.ceil(ratio / STABLE_COURANT)} or more"
+            remedy = f"{math.ceil(ratio / STABLE_COURANT)} or more"
         message = (
-            f"must be {bound} for a cell in {path}, which waves cross in "
-            f"{transits[shortest]:.6g} s"
+            f"must be {remedy} for a cell in {path}, which waves cross in "
+            f"{shortest_time}"
         )
         raise InvalidModel([(name, message)])
     if counts.sum() > MAX_CELLS:
         message = f"asks for {counts.sum():.10g} cells, of {MAX_CELLS} at most"
-        if name == path:
+        is_default = name == path  # neither `cells` nor `dt` is given
+        if is_default:
             message = (
                 f"its transit time, {transits[shortest]:.3g} s, {message}; "
                 "leave this segment out"
@@ -295,8 +297,9 @@ def _stable_counts(
         raise InvalidModel([(name, message)])
     whole: list[int] = counts.astype(int).tolist()
     if cells is not None:
-        return whole
-    # By Mindlin and Herrmann the stable step is no whole share of the transit.
+        return whole  # `mesh_size` takes a step that is stable for so many cells
+    # By Mindlin and Herrmann the stable step is no whole share of the transit: fewer cells may be
+    # stable with the step that is given.
     most = []
     for segment, count in zip(row.segments, whole, strict=True):
         most.append(most_cells(segment, count, step / STABLE_COURANT))

@@ -152,29 +152,29 @@ def measures_of(run: GridRun) -> dict[str, Array]:
     """Measures of the outcome of a run, by name: velocities, impulses, peak forces and durations.
 
     Restitution follows from the impulses. A row without contacts has no forces among its measures.
+    Bonds and joints count in runs to a given end only. The last impulse and the last peak force are
+    round-off, an entry that only sets a scale.
     """
     measures = {VELOCITY: velocities_of(run)}
     impulses: list[float] = []
     peaks: list[float] = []
     durations: list[float] = []
-    forces = contact_forces(run, outside_of(run, 0))
+    left = outside_of(run, 0)  # forces of rigid bonds follow from there, link by link
+    forces = contact_forces(run, left)
     for k, force in enumerate(forces):
         if k in run.row.unilateral_links:
             impulses.append(float(force.sum()) * run.step)
             # Impacts of rigid bodies have no peak force and no duration: their impulse jumps.
             if run.row.links[run.row.contact_link[k]].law != Law.IMPACT:
-                begins, ends = run.spans(run.pressed(k))
+                begins, ends = run.spans(run.pressed(k))  # of all its forces, s
                 peaks.append(largest_force(force))
                 durations.append(float((ends - begins).sum()))
         elif run.stopped_by == "until":
-            # A bond or joint acts to the end of the run: its impulse up to there counts,
-            # and the largest impulse on the way, beside which the last may be small.
-            impulse = np.cumsum(force) * run.step  # up to the end of each step
-            impulses.extend(impulse[-1:])
-            impulses.append(float(np.abs(impulse).max(initial=0.0)))
+            impulses.extend(_impulses_of_bond(force, run.step))
             peaks.append(float(force.max(initial=0.0)))
-    # Changes count beside round-off: without it, round-off itself would be an error.
-    round_off = round_off_of(run) * float(run.mesh.mass.sum())
+    # Changes from run to run are compared with the largest entry. If all are round-off, this one
+    # keeps their changes from being errors.
+    round_off = round_off_of(run) * float(run.mesh.mass.sum())  # N s
     if impulses:
         measures[IMPULSE] = np.array([*impulses, round_off])
     if peaks:
@@ -183,6 +183,16 @@ def measures_of(run: GridRun) -> dict[str, Array]:
     if durations:
         measures[DURATION] = np.array(durations)
     return measures
+
+
+def _impulses_of_bond(force: Array, step: float) -> list[float]:
+    """Impulse of a bond or joint up to the end of the run, N s, and the largest on the way.
+
+    The last may be small beside the largest. A run without steps has no last one.
+    """
+    impulse = np.cumsum(force) * step  # up to the end of each step
+    largest = float(np.abs(impulse).max(initial=0.0))
+    return [*impulse[-1:], largest]
 
 
 def round_off_of(run: GridRun) -> float:

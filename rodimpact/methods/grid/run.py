@@ -477,7 +477,8 @@ def step_time(mesh: Mesh, *, plain: bool) -> float:
 def clock_on(mesh: Mesh, step: float) -> Clock:
     """Clock of a mesh with steps of `step`, s, each of which has `STEP_TICKS` ticks.
 
-    Impedances of segments are means, so that impedance times transit time is the mass.
+    Transit times are those of the segments, rounded to ticks, not those of their cells. Impedances
+    of segments are means, so that impedance times transit time is the mass.
     """
     row = mesh.row
     tick = step / STEP_TICKS
@@ -485,6 +486,7 @@ def clock_on(mesh: Mesh, step: float) -> Clock:
     impedances = [0.0]
     for s, segment in enumerate(row.segments, start=1):
         transit = max(1, round(float(segment.transit_time) / tick))
+        # Cell i lies on the left of node i: none of this segment on the left of its first node.
         cells = slice(mesh.first[s] + 1, mesh.last[s] + 1)
         transits.append(transit)
         impedances.append(float(mesh.cell_mass[cells].sum()) / (transit * tick))

@@ -124,7 +124,8 @@ def off_diagonal_of(mesh: Mesh, step: float) -> Array:
 def _end_impedances(mesh: Mesh) -> Array:
     """Impedances of semi-infinite bars beyond both ends, kg/s [end]; 0 where there is none.
 
-    They are sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the last cells of the row.
+    They are sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the first and the last cell of the row.
+    E A/dx is `relaxed`, as slow waves feel it.
     """
     cells = mesh.end_cells
     endless = [kind == "absorbing" for kind, _ in mesh.row.boundaries]

@@ -41,7 +41,7 @@ def evaluate_guard(run: Run, link: Link, node: Node, which: int, h: float) -> in
     Return the status that follows if this guard falls below 0.
     """
     length = guard_length(run, h)
-    status = 0
+    status = 0  # the same at all points
     for j in range(POINTS):
         value, status = contact_laws.guard(
             link,

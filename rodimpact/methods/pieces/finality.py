@@ -149,8 +149,8 @@ def max_deviation(group: GroupPart, compliance: float) -> float:
 def update_groups(state: State, tick: int) -> None:
     """Set the motion of all groups at a tick that every node has reached.
 
-    These are the fields of the first part of each group, but for `initial_velocity`, and mean
-    velocity, energy and moments of all parts.
+    The first part of each group gets its velocity, its reference velocity and energy, the bounds of
+    its waves, and the deviations of its ends. All parts get mean velocity, energy and moments.
     """
     parts = state.parts
     for first in range(len(parts)):
@@ -161,6 +161,7 @@ def update_groups(state: State, tick: int) -> None:
         momentum = 0.0
         mass = 0.0
         for k in range(first, stop):
+            # This is for the mean velocity alone: the energy about that of the group comes below.
             update_part(state, parts[k], 0.0, tick)
             momentum += parts[k].mass * parts[k].mean_velocity
             mass += parts[k].mass
@@ -168,7 +169,8 @@ def update_groups(state: State, tick: int) -> None:
             group.group_velocity = momentum / mass
         group.reference_velocity = group.group_velocity
         if group.anchor_line != NONE:
-            # The group comes to the velocity that the line from outside carries.
+            # The group comes to the velocity that the line from outside carries: a line without
+            # delay, so that its piece is read at this tick.
             piece = state.log[state.lines[group.anchor_line].read_piece]
             y = 2 * (tick - piece.start) / (piece.end - piece.start) - 1
             group.reference_velocity = lines.at(piece, y)
@@ -273,8 +275,9 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
 def bound_end_velocities(state: State, first: int, stop: int) -> None:
     """Set the bounds of the waves under way in a group, and whether they bound its ends too.
 
-    The ends of a group that is one segment, free or between walls, can only take velocities of the
-    waves in it, of their reflections, and of its anchor. A group of one part has no others either.
+    The bounds begin at the reference velocity, which is set before. The ends of a group that is one
+    segment, free or between walls, can only take velocities of the waves in it, of their
+    reflections, and of its anchor. Neither can a group that is a single part, such as a mass.
     """
     group = state.parts[first]
     segments = 0
@@ -283,7 +286,7 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
         part = state.parts[k]
         if part.kind == Part.SEGMENT:
             segments += 1
-            for way in range(2):
+            for way in range(2):  # the lines to the right and to the left
                 low, high = wave_bounds(
                     state.lines,
                     state.log,
@@ -297,13 +300,15 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
             other_parts += 1  # masses and joints
     for k in range(first, stop):
         if state.parts[k].kind == Part.WALL:
-            # A wall of velocity V reflects a wave w as 2 V - w.
+            # A wall of velocity V reflects a wave w as 2 V - w. The wall is the anchor of the
+            # group, so that V is the reference velocity.
             reflected_min = 2 * group.reference_velocity - group.max_wave
             reflected_max = 2 * group.reference_velocity - group.min_wave
             group.min_wave = min(group.min_wave, reflected_min)
             group.max_wave = max(group.max_wave, reflected_max)
-    is_segment = segments <= 1 and other_parts == 0
-    group.ends_follow_waves = is_segment or stop - first == 1
+    # A group of no segment may be a wall only.
+    has_at_most_a_segment = segments <= 1 and other_parts == 0
+    group.ends_follow_waves = has_at_most_a_segment or stop - first == 1
 
 
 def strain_integral(part: GroupPart, g: float, w: float) -> float:

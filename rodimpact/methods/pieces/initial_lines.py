@@ -120,7 +120,7 @@ class InitialLines:
         """Make the pieces; `jumps` are those of `family_clock`, in ticks."""
         self._row = row
         self._clock = clock
-        self._jumps = jumps
+        self._jumps = jumps  # ticks, by segment and share of its length
         self._request = request
         self.log = list[Any]()
         self.lines = list[InitialLine]()
@@ -131,20 +131,23 @@ class InitialLines:
         self.outside = [self._add_outside(side) for side in (0, 1)]
 
     def _add(self, pieces: Any) -> int:
-        """Append a line of pieces, [member, piece], to `log` and `lines`; return its number.
+        """Append pieces, [member, piece], to `log` and an `InitialLine` to `lines`.
 
-        The pieces get their line, and the rows of those that follow them.
+        Return the number of the line. The pieces get their line, and the rows of those that follow
+        them.
         """
-        l = len(self.log)
-        first = sum(line.piece_count for line in self.lines)
+        number = len(self.log)
+        first_row = sum(line.piece_count for line in self.lines)  # of the joined log
         count = pieces.shape[1]
-        pieces["line"] = l
-        pieces["next"] = [*range(first + 1, first + count), NONE]
-        hard = int(np.sum(pieces["break_order"][0, 1:] <= HARD))
+        pieces["line"] = number
+        pieces["next"] = [*range(first_row + 1, first_row + count), NONE]
+        # The lower the order of a break, the harder it is.
+        is_hard = pieces["break_order"][0, 1:] <= HARD
+        hard_breaks = int(np.sum(is_hard))
         duration = int(pieces["end"][0, -1] - pieces["start"][0, 0])
         self.log.append(pieces)
-        self.lines.append(InitialLine(count, hard, duration))
-        return l
+        self.lines.append(InitialLine(count, hard_breaks, duration))
+        return number
 
     def _fit_pieces(
         self,
@@ -203,7 +206,7 @@ class InitialLines:
         self._add(pieces[None])
 
     def _ticks_in_segment(self, s: int, begin: Any) -> Callable[[Any], Ints]:
-        """A function of places in a rod, m: ticks of a wave from the left end of segment s there.
+        """A function of places in a rod, m: ticks that a wave takes from segment s's left end.
 
         Segment s begins in the rod at `begin`, m. A jump is at the ticks that the clock gave it.
         """

@@ -248,10 +248,13 @@ def count_averaged_step(run: Run, tick: int) -> None:
 
 
 def piece_end(state: State, node: Node, is_after_break: bool) -> int:
-    """Return the last tick to which the next piece of a node may go; set its `is_averaging`.
+    """Return the last tick to which the next piece of a node may go.
 
     That is the first of: the wanted duration, what is known of the waves, their next hard break,
-    and the end or the next proof of the run. `is_after_break` says that a hard break arrives now.
+    the end or the next proof of the run, and after a hard break twice the duration of the incoming
+    piece. `is_after_break` says that a hard break arrives now. In a comparison run a piece that the
+    wanted duration does not limit is halved, and so is the first. This sets `is_averaging` and
+    `halved_until` of the node.
 
     Where breaks are too dense to be followed one by one, see `is_dense`, the piece is averaging: it
     lasts up to `min_break_spacing` and takes means of its waves.
@@ -270,6 +273,7 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
     if run.next_proof_tick > tick:
         limit = min(limit, run.next_proof_tick)
     end = min(limit, tick + node.next_ticks)
+    # The first hard break before `end`, or `end` itself
     end = lines.next_break(all_lines, log, left, tick, end)
     end = lines.next_break(all_lines, log, right, tick, end)
     averaged_end = min(limit, tick + run.min_break_spacing)
@@ -281,7 +285,8 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
             return int(averaged_end)
     node.is_averaging = 0
     if is_after_break:
-        # A piece that follows a break is at most twice as long as the incoming piece.
+        # A piece that follows a break is at most twice as long as the incoming piece that begins
+        # with it.
         for side in range(2):
             source = node.incoming_lines[side]
             if lines.order_at(all_lines, log, source, tick) <= HARD:
@@ -289,7 +294,8 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
                 end = min(end, tick + 2 * (piece.end - piece.start))
     is_limited = tick == 0 or end < tick + node.next_ticks
     if run.halves_pieces and is_limited and end > node.halved_until:
-        # A first piece, like one that breaks limit, is as long at any tolerance.
+        # A first piece, like one that breaks limit, is as long at any tolerance: the comparison
+        # differs there only if it halves the piece. The second half is not halved again.
         node.halved_until = end
         end = tick + (end - tick + 1) // 2
     return end

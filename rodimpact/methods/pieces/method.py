@@ -351,8 +351,9 @@ def vibration_of(family: Members) -> list[Any]:
         first, last = span
         energy = np.zeros(len(parts))
         for s in range(first, last + 1):
+            # Spans count segments from 1, parts from 0.
             energy = energy + part_energies[Part.SEGMENT, s - 1]
-        if 0 <= m < len(row.masses):
+        if 0 <= m < len(row.masses):  # a rigid mass that is not bonded to a wall
             share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])
             energy = part_energies[Part.MASS, m] * row.of(share)
         energies.append(energy)

@@ -118,8 +118,13 @@ def simplifications_text(run: Any) -> str:
 
 
 def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
-    """Path and sentence of the error where no forces in a node satisfy the laws of its links."""
+    """Path and sentence of the error where no forces in a node satisfy the laws of its links.
+
+    The reason is two walls that squeeze a rigid mass, or else numbers out of range; the path is
+    that of all contacts, or of the last contact in the node.
+    """
     time = format_si(seconds, "s")
+    # Mobility is 0 where no rod begins: what leaves such masses no solution are two walls.
     if node.link_count > 1 and node.mobility[0] == 0 and node.mobility[1] == 0:
         return (
             "contacts",
