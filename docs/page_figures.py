@@ -8,6 +8,7 @@ import ast
 import contextlib
 import io
 import re
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -37,6 +38,13 @@ def is_command(code: str) -> bool:
     return "%" in first_word
 
 
+def write_module(code: str) -> None:
+    """Write the file of a cell that begins with %%writefile; other commands do nothing."""
+    command, _, text = code.partition("\n")
+    if command.startswith("%%writefile "):
+        Path(command.split()[1]).write_text(text, encoding="utf-8")
+
+
 def run_statements(statements: list[ast.stmt], page: str, names: dict) -> None:
     """Run the statements of a cell, without their output."""
     code = compile(ast.Module(statements, []), page, "exec")
@@ -47,8 +55,19 @@ def run_statements(statements: list[ast.stmt], page: str, names: dict) -> None:
 def figures_of(page: str) -> Iterator[Figure]:
     """Run the cells of a page, and give its figures.
 
-    Cells find the records of validation, and write, in the folder in which this runs.
+    Cells find the records of validation, and write, in the folder in which this runs. They can
+    import the modules that they write there.
     """
+    folder = str(Path.cwd())
+    sys.path.insert(0, folder)
+    try:
+        yield from pictures_of_cells(page)
+    finally:
+        sys.path.remove(folder)
+
+
+def pictures_of_cells(page: str) -> Iterator[Figure]:
+    """Run the cells of a page in this folder, and give its figures."""
     records = Path("validation")
     if not records.exists():
         records.symlink_to(HERE.parent / "validation")
@@ -56,6 +75,7 @@ def figures_of(page: str) -> Iterator[Figure]:
     text = (HERE / f"{page}.md").read_text(encoding="utf-8")
     for cell in CELL.finditer(text):
         if is_command(cell["code"]):
+            write_module(cell["code"])
             continue
         statements = ast.parse(cell["code"]).body
         if cell["figure"] is None:

@@ -76,7 +76,6 @@ class Measured(FrozenDataclass):
     signal: Signal
     gauge: tuple[int, float]
     distance: float = quantity("m", default=0.0, scalar=True)
-    passages: Literal["first", "all"] = "first"
     radius: float | None = quantity("m", "positive", default=None, scalar=True)
     shift: Bounds | None = None
     gain: Bounds | None = None
@@ -85,6 +84,7 @@ class Measured(FrozenDataclass):
     trend: Bounds | None = 0.0
     seen: Callable[[Signal], Signal] | None = None
     level: float | None = None
+    passages: Literal["first", "all"] = "first"
 
     def _check(self, problems: Problems) -> None:
         of_kind("signal", self.signal, Signal, "read_signals('record.csv')['incident']")

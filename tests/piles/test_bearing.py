@@ -60,7 +60,8 @@ def test_a_point_is_the_blow_on_a_chain_of_lumped_masses(law, resistance):
     )
 
     (point,) = ri.bearing_graph(elastic, resistance).points
-    lumped = strike(chain, segments=300, duration=0.05, step=2e-6)
+    duration = 0.05 * 800e3 / resistance  # a weak soil stops the pile later
+    lumped = strike(chain, segments=300, duration=duration, step=2e-6)
 
     assert point.set == pytest.approx(lumped.toe_set, rel=1e-3)
     compression = point.compression * AREA
