@@ -17,7 +17,7 @@ import numpy as np
 from . import frozen
 from .frozen import FrozenDataclass, Number, Problems, QuantityField, quantity
 from .profiles import Floats, Profile
-from .soil import checked_along, is_profile, spread
+from .shaft_profiles import checked_along, is_profile, spread
 
 COEFFICIENT_PER_LENGTH = QuantityField("N s/m^2", "non-negative", along="length")
 """Drag coefficient that varies along the rod."""

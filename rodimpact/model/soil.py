@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from . import frozen, profiles
 from .frozen import (
@@ -22,13 +21,13 @@ from .frozen import (
     add_problem,
     quantity,
 )
-from .profiles import Floats, Polynomials, Profile, ProfileLike, Samples, Steps
+from .profiles import Floats, Profile
+from .shaft_profiles import PROFILES, checked_along, is_profile, spread
 
 SMITH = "smith"
 VISCOUS = "viscous"
 DAMPING_LAWS = (SMITH, VISCOUS)
 """Words for what the damping of soil is proportional to."""
-PROFILES = (Steps, Samples, Polynomials)
 RESISTANCE_PER_LENGTH = QuantityField("N/m", "non-negative", along="length")
 """Resistance that varies along the rod."""
 
@@ -124,19 +123,6 @@ def resistances(soil: Soil, edges: Any, length: float) -> Floats:
     return spread(soil.resistance, edges, length)
 
 
-def spread(amount: Any, edges: Any, length: float) -> Floats:
-    """What lies between neighbouring places [n] of an amount along a rod.
-
-    A profile is the amount per length; a number is that of the whole rod.
-    """
-    per_length: Any
-    if isinstance(amount, PROFILES):
-        per_length = profiles.averages(amount, edges, length)
-    else:
-        per_length = np.full(len(edges) - 1, amount / length)
-    return np.asarray(per_length * np.diff(edges))
-
-
 def mobilised_shares(soil: Soil, edges: Any, length: float) -> Floats:
     """Share of the resistance that is mobilised at t = 0 between neighbouring places [n]."""
     return profiles.averages(soil.mobilised, edges, length)
@@ -150,29 +136,3 @@ def largest_stiffness(soil: Soil, length: float) -> float:
     else:
         largest = soil.resistance / length
     return float(largest / soil.quake)
-
-
-def checked_along(
-    problems: Problems,
-    name: str,
-    value: Any,
-    field: QuantityField,
-    length: Number | None,
-) -> Any:
-    """A value along a rod of this length, m; mistakes of a profile are added to `problems`.
-
-    A number is returned as it is.
-    """
-    if not is_profile(value):
-        return value
-    profile = profiles.along_rod(problems, name, value, field, length)
-    if isinstance(profile, Steps):
-        for i, step in enumerate(profile.values):
-            field.checked(problems, f"{name}.values.{i}", step)
-    return profile
-
-
-def is_profile(value: ProfileLike | ArrayLike) -> bool:
-    """Whether a value is a profile along a rod, or a function that becomes one."""
-    is_function = callable(value) and not isinstance(value, type)
-    return is_function or isinstance(value, PROFILES)

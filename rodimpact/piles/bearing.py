@@ -24,7 +24,7 @@ from ..model.profiles import scaled
 from ..progress import Progress, ProgressFunction, check_progress
 from ..running.jobs import cut, pool_of, results_of
 from ..storage.checkpoint import Span
-from ..storage.writing import PathLike, open_for_writing
+from ..storage.writing import PathLike, write_lines
 from ..units import format_si, shown
 from .bearing_report import COLUMNS, bearing_table
 from .blows import (
@@ -176,9 +176,7 @@ class BearingGraph:
         FileExistsError
             If the file is there and `force` is false.
         """
-        with open_for_writing(path, force=force) as file:
-            for line in self.csv_lines():
-                file.write(f"{line}\n".encode())
+        write_lines(path, self.csv_lines(), force=force)
 
     def __str__(self) -> str:
         return bearing_table(self)

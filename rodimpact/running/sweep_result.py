@@ -28,7 +28,7 @@ from ..results.outcome import OnlyContact
 from ..results.solution import Solution
 from ..storage.extras import optional
 from ..storage.family_file import describe, restore
-from ..storage.writing import PathLike, open_for_writing, write_npz
+from ..storage.writing import PathLike, write_lines, write_npz
 from ..units import shown
 from .columns import (
     ENDED,
@@ -338,9 +338,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         FileExistsError
             If the file is there and `force` is false.
         """
-        with open_for_writing(path, force=force) as file:
-            for line in self.csv_lines():
-                file.write(f"{line}\n".encode())
+        write_lines(path, self.csv_lines(), force=force)
 
     def to_dataframe(self) -> Any:
         """All members as a pandas DataFrame (extra ``dataframe``), one a row.

@@ -8,12 +8,12 @@ import html
 import json
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from ..model.frozen import invalid_argument
 from ..units import format_si, shown
-from .writing import PathLike, open_for_writing
+from .writing import PathLike, write_lines
 
 MAX_COLUMN_NAME = 60
 """Characters of the name of a column, at most."""
@@ -127,12 +127,18 @@ def write_table(
     force: bool = False,
 ) -> None:
     """Write a table of numbers with all their digits, as CSV; rows come in blocks of columns."""
-    with open_for_writing(path, force=force) as file:
-        file.write(f"{','.join(heads)}\n".encode())
-        for columns in blocks:
-            cells = [map(repr, column.tolist()) for column in columns]
-            for row in zip(*cells, strict=True):
-                file.write(f"{','.join(row)}\n".encode())
+    write_lines(path, _lines_of_table(heads, blocks), force=force)
+
+
+def _lines_of_table(
+    heads: Sequence[str], blocks: Iterable[Sequence[Any]]
+) -> Iterator[str]:
+    """Lines of a table as CSV, heads first."""
+    yield ",".join(heads)
+    for columns in blocks:
+        cells = [map(repr, column.tolist()) for column in columns]
+        for row in zip(*cells, strict=True):
+            yield ",".join(row)
 
 
 def joules(value: float, scale: float) -> str:

@@ -10,7 +10,7 @@ import json
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
@@ -166,6 +166,13 @@ def _place(passing: Path, target: Path) -> None:
 def write_text(path: PathLike, text: str, *, force: bool = False) -> None:
     """Write a text file in UTF-8, as `write_bytes` does."""
     write_bytes(path, text.encode(), force=force)
+
+
+def write_lines(path: PathLike, lines: Iterable[str], *, force: bool = False) -> None:
+    """Write lines of text in UTF-8 one by one, as `write_bytes` does."""
+    with open_for_writing(path, force=force) as file:
+        for line in lines:
+            file.write(f"{line}\n".encode())
 
 
 def write_npz(

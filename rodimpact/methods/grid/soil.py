@@ -46,9 +46,7 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
     soil = rod.shaft
     edges = _edges_in_rod(mesh, body)
     length = float(rod.length)
-    first, last = mesh.row.spans[body]
-    # Node of each half cell, counted from the left end of the rod.
-    nodes = nodes_of_half_cells(sum(mesh.counts[first - 1 : last]))
+    nodes = _nodes_in_rod(mesh, body)
     of_half_cells = resistances(soil, edges, length)
     shares = mobilised_shares(soil, edges, length)
     ultimate = np.bincount(nodes, of_half_cells)
@@ -61,21 +59,13 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
     damping = damping_factor * ultimate
     if is_smith:
         damping = damping_factor * np.abs(resistance)
-    is_first_node = np.where(in_soil == 0, 1, 0)
-    is_last_node = np.where(in_soil == nodes[-1], 1, 0)
-    soil_records: Array = filled(
-        records.SOIL,
-        len(in_soil),
-        node=mesh.first[first] + in_soil,
-        shaft=shaft,
-        end_of_rod=is_last_node - is_first_node,
-        is_smith=is_smith,
-        stiffness=ultimate / float(soil.quake) * step,
-        ultimate=ultimate,
-        resistance=resistance,
-        damping_factor=damping_factor,
-        damping=damping,
-    )
+    soil_records = _records_at(mesh, body, shaft, in_soil)
+    soil_records["is_smith"] = is_smith
+    soil_records["stiffness"] = ultimate / float(soil.quake) * step
+    soil_records["ultimate"] = ultimate
+    soil_records["resistance"] = resistance
+    soil_records["damping_factor"] = damping_factor
+    soil_records["damping"] = damping
     return soil_records
 
 
@@ -83,21 +73,33 @@ def _drag_of_rod(mesh: Mesh, shaft: int, body: int) -> Array:
     """Drag of a rod: each node has that of the halves of the cells beside it."""
     rod = mesh.row.system.bodies[body]
     edges = _edges_in_rod(mesh, body)
-    first, last = mesh.row.spans[body]
-    nodes = nodes_of_half_cells(sum(mesh.counts[first - 1 : last]))
+    nodes = _nodes_in_rod(mesh, body)
     damping = np.bincount(nodes, coefficients(rod.shaft, edges, float(rod.length)))
     dragged = np.flatnonzero(damping)
-    is_first_node = np.where(dragged == 0, 1, 0)
-    is_last_node = np.where(dragged == nodes[-1], 1, 0)
-    drag_records: Array = filled(
+    drag_records = _records_at(mesh, body, shaft, dragged)
+    drag_records["damping"] = damping[dragged]
+    return drag_records
+
+
+def _records_at(mesh: Mesh, body: int, shaft: int, places: Array) -> Array:
+    """Blank records of these nodes of a rod, counted from its left end, [node]."""
+    is_first_node = np.where(places == 0, 1, 0)
+    is_last_node = np.where(places == _nodes_in_rod(mesh, body)[-1], 1, 0)
+    first, _ = mesh.row.spans[body]
+    blank_records: Array = filled(
         records.SOIL,
-        len(dragged),
-        node=mesh.first[first] + dragged,
+        len(places),
+        node=mesh.first[first] + places,
         shaft=shaft,
         end_of_rod=is_last_node - is_first_node,
-        damping=damping[dragged],
     )
-    return drag_records
+    return blank_records
+
+
+def _nodes_in_rod(mesh: Mesh, body: int) -> Array:
+    """Node of each half cell of a rod, counted from its left end, [half cell]."""
+    first, last = mesh.row.spans[body]
+    return nodes_of_half_cells(sum(mesh.counts[first - 1 : last]))
 
 
 def _edges_in_rod(mesh: Mesh, body: int) -> Array:
