@@ -46,11 +46,11 @@ def __getattr__(name: str) -> object:
 
 def _missing(name: str) -> AttributeError:
     """The error of a name that is not public; it names the one that may be meant."""
-    from .hints import missing_name
-
     # Python asks for names with an underscore, and for modules before it imports them.
     if name[0] == "_" or find_spec(f".{name}", __name__) is not None:
         return AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from .hints import missing_name
+
     modules = {}
     for module, home in _HOME.items():
         if home == ".":

@@ -177,7 +177,7 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
         def __getattr__(self: Any, name: str) -> Any:  # noqa: N807
             if hasattr(type(self), name):  # a property failed: its own error is raised
                 return object.__getattribute__(self, name)
-            raise _missing_attribute(self, name)
+            raise MissingAttribute(self, name)
 
         open_kind: Any = kind  # whose attributes a type checker does not know
         open_kind._deeper = deeper
@@ -190,12 +190,22 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
     return decorated
 
 
-def _missing_attribute(owner: Any, name: str) -> AttributeError:
-    """The error of an attribute that an object does not have."""
-    message = f"{type(owner).__name__!r} object has no attribute {name!r}"
-    if name[0] != "_":  # Python itself asks for such names
-        message = f"{message}; {_attribute_hint(owner, name)}"
-    return AttributeError(message, name=name)
+class MissingAttribute(AttributeError):
+    """The error of an attribute that an object does not have.
+
+    The hint is looked for when the error is shown: `getattr` with a default, and `hasattr`, make
+    this error and never show it.
+    """
+
+    def __init__(self, owner: Any, name: str) -> None:
+        super().__init__(owner, name, name=name)
+
+    def __str__(self) -> str:
+        owner, name = self.args
+        message = f"{type(owner).__name__!r} object has no attribute {name!r}"
+        if name[0] == "_":  # Python itself asks for such names
+            return message
+        return f"{message}; {_attribute_hint(owner, name)}"
 
 
 def _attribute_hint(owner: Any, name: str) -> str:

@@ -11,6 +11,7 @@ import pytest
 from case_texts import UNEQUAL_RODS
 
 import rodimpact as ri
+from rodimpact import hints
 from rodimpact.cli import main
 from rodimpact.hints import explain_arguments, explain_missing
 from rodimpact.model.frozen import Frozen
@@ -246,3 +247,17 @@ def test_errors_inside_a_function_are_its_own():
         half("a")
     with pytest.raises(TypeError, match=r"half\(\) has no argument 'y'; use one of x"):
         half(y=1)
+
+
+def test_a_hint_is_looked_for_only_when_an_error_is_shown(monkeypatch):
+    """`hasattr`, and `getattr` with a default, take no time for hints."""
+    rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
+    shown = []
+    monkeypatch.setattr(hints, "_attribute_hint", lambda *of: shown.append(of) or "why")
+
+    assert not hasattr(rod, "lenght")
+    assert getattr(rod, "lenght", None) is None
+    assert shown == []
+    with pytest.raises(AttributeError, match="why"):
+        _ = rod.lenght
+    assert shown == [(rod, "lenght")]
