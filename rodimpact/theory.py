@@ -1,16 +1,16 @@
 """Closed forms for elastic rods: collisions, horns, damping and lateral inertia.
 
-Two rods that meet at closing speed V press with the force V Z1 Z2/(Z1 + Z2), Z = rho A
-c being the impedance, until a wave returns from a far end, two transit times T = L/c
-later. The rod of shorter transit time is heard first. Of lower impedance than the long
-rod, it lets go; of higher impedance, it goes on pushing with the fraction q of the
-force before, round trip after round trip, until the wave of the long rod ends the
+Two rods with the impedances Z = rho A c meet at the closing speed V. The contact force
+is V Z1 Z2/(Z1 + Z2) until a wave returns from a far end. The wave of the rod with the
+shorter transit time T = L/c returns first, after 2 T. If this rod has the lower
+impedance, the contact force ends. If it has the higher impedance, the force is
+multiplied by q at each return of its wave, until the wave of the other rod ends the
 contact:
 
     q = (Z_short - Z_long)/(Z_short + Z_long)      short, long: by transit time
 
-Tapers, damping and lateral inertia break d'Alembert's solution; this module has some
-exact results for them, too.
+The module also has exact results for tapers, damping and lateral inertia, for which
+d'Alembert's solution does not hold.
 
 Arguments broadcast as in NumPy; results are floats where every argument is a single
 number.
@@ -85,7 +85,7 @@ class PairCollision(NamedTuple):
     peak_force : float or array
         Peak of the contact force [N].
     vibration_energy : float or array
-        Energy that stays behind as vibration [J].
+        Vibration energy of both bodies after the contact [J].
 
     Examples
     --------
@@ -121,14 +121,14 @@ def saint_venant(
                             g = (1 - q^K)/(1 - q) + q^K f        force ends at 2 T_long
 
     This is ``e = J (1/m1 + 1/m2)/V - 1`` with m = Z T and J the integral of
-    `saint_venant_force`, rearranged so that nothing cancels: e keeps its digits at any
-    ratio of impedances. Equal transit times give e = 1 whatever the impedances, equal
-    impedances give e = x.
+    `saint_venant_force`. The terms are arranged so that no digits cancel at any ratio
+    of impedances. Equal transit times give e = 1 for all impedances. Equal impedances
+    give e = x.
 
-    The ends part when the force ends, with one exception: rods of equal impedance then
-    touch without force and move on together until the wave of the long rod parts them,
-    at 2 T_long. No second contact follows. Where Z_long passes Z_short, e and J are
-    continuous, but the duration jumps between 2 T_short and 2 T_long.
+    The contact opens when the force ends, with one exception: rods of equal impedance
+    then touch without force and move together until the wave of the long rod opens the
+    contact at 2 T_long. No second contact follows. Where Z_long equals Z_short, e and J
+    are continuous, but the duration jumps between 2 T_short and 2 T_long.
 
     Source: B. de Saint-Venant, Sur le choc longitudinal de deux barres élastiques,
     Journal de mathématiques pures et appliquées 12 (1867); S. P. Timoshenko and J. N.
@@ -210,10 +210,11 @@ def saint_venant_force(
     """Contact force of two uniform free rods, each moving uniformly.
 
     ``F = V Z1 Z2/(Z1 + Z2) q^k`` for 2 k T_short <= t < 2 (k + 1) T_short while t <
-    duration, otherwise 0; q and the duration are those of `saint_venant`, and k goes
-    beyond 0 only if Z_long < Z_short. At a jump the value is the one after it.
+    duration, otherwise 0, with q and the duration of `saint_venant`. Only if Z_long <
+    Z_short does the force last beyond k = 0. At a jump the function returns the value
+    after the jump.
 
-    Source: that of `saint_venant`.
+    Source: see `saint_venant`.
 
     Parameters
     ----------
@@ -266,8 +267,8 @@ def rod_on_wall(
 ) -> PairCollision:
     """Collision of a uniform free rod, moving uniformly, with a rigid wall.
 
-    ``F = Z V for a time 2 T``: the wave runs to the free end and back, and the rod
-    leaves with the speed it came with and without vibration.
+    ``F = Z V for a time 2 T``, in which the wave runs to the free end and back. The rod
+    leaves the wall with its initial speed and without vibration.
 
     Source: textbook section 10.5, box 10.4.
 
@@ -314,8 +315,8 @@ def mass_on_rod(
 ) -> PairCollision:
     """Collision of a rigid mass with the end of a uniform free rod without vibration.
 
-    The rod resists like a dashpot, ``F = Z V exp(-Z t/M)``, until the wave has come
-    back from its free end after 2 T. With mu the mass of the rod over that of the body,
+    The rod acts as a dashpot, ``F = Z V exp(-Z t/M)``, until the wave returns from its
+    free end after 2 T. Let mu = Z T/M be the mass of the rod over the mass M. Then
     ``e = (1 - exp(-2 mu))/mu - exp(-2 mu)``.
 
     Source: J. Boussinesq's solution for a struck rod, in S. P. Timoshenko and J. N.
@@ -373,8 +374,8 @@ def mass_on_rod(
 def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     """Growth of a jump of velocity or stress from one cross-section to another.
 
-    ``(A0/A1)^(1/2)``: behind the front a taper scatters waves back, but the front
-    itself, too sharp to feel it, carries its energy on.
+    ``(A0/A1)^(1/2)``. The energy of the jump stays in the jump: a taper reflects waves
+    only behind it.
 
     Source: G. B. Whitham, Linear and Nonlinear Waves, Wiley 1974, chapter 7, on tubes
     of rays in geometrical optics.
@@ -382,12 +383,12 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     Parameters
     ----------
     area_0, area_1 : float or array
-        Cross-sections where the jump comes from and where it is [m^2].
+        Cross-sectional areas where the jump starts and where it arrives [m^2].
 
     Returns
     -------
     float or array
-        Jump there over jump here [1].
+        Jump at `area_1` over jump at `area_0` [1].
 
     Raises
     ------
@@ -410,8 +411,8 @@ def horn_frequency(
 ) -> Number:
     """Angular frequency of a wave in an exponential horn, A = A0 exp(2 beta x).
 
-    ``omega = c (k^2 + beta^2)^(1/2)``, of ``u ~ exp(-beta x) cos(k x - omega t)``:
-    below c beta no wave runs.
+    ``omega = c (k^2 + beta^2)^(1/2)`` for the wave
+    ``u ~ exp(-beta x) cos(k x - omega t)``. No wave has a frequency below c beta.
 
     Source: A. G. Webster, Acoustical impedance, and the theory of horns and of the
     phonograph, Proc. Natl. Acad. Sci. USA 5 (1919) 275-282.
@@ -449,7 +450,7 @@ def horn_frequency(
 def kelvin_voigt_decay(
     youngs_modulus: ArrayLike, viscosity: ArrayLike, angular_frequency: ArrayLike
 ) -> Number:
-    """Rate at which a mode of a rod of Kelvin-Voigt material dies out.
+    """Decay rate of a mode of a rod of Kelvin-Voigt material.
 
     ``eta omega^2/(2 E)``: the amplitude a of a mode obeys a'' + (eta/E) omega^2 a' +
     omega^2 a = 0.
@@ -462,15 +463,15 @@ def kelvin_voigt_decay(
     youngs_modulus : float or array
         E [Pa].
     viscosity : float or array
-        eta of sigma = E eps + eta d(eps)/dt [Pa s].
+        eta in the material law sigma = E eps + eta d(eps)/dt [Pa s].
     angular_frequency : float or array
         omega of the mode without damping [rad/s].
 
     Returns
     -------
     float or array
-        Rate r of the amplitude exp(-r t), as long as the mode oscillates, r < omega;
-        its energy falls at twice the rate [1/s].
+        Rate r of the amplitude exp(-r t) [1/s]. It holds while the mode oscillates,
+        r < omega. The energy decays at the rate 2 r.
 
     Raises
     ------

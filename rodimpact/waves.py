@@ -6,10 +6,11 @@ G = 2 pi a/l the equation of frequencies is::
     2 A^2 (B^2 + G^2) j(A) j(B) - (B^2 - G^2)^2 J0(A) j(B) - 4 G^2 A^2 j(A) J0(B) = 0
     A^2 = G^2 (c^2/c1^2 - 1),  B^2 = G^2 (c^2/c2^2 - 1),  j(x) = J1(x)/x
 
-with the dilatational speed c1 and the shear speed c2. This is the equation as K. F.
-Graff has it, Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2
-are no roots. If A or B is imaginary, J becomes I. Long waves run at c0 = sqrt(E/rho),
-with c/c0 = 1 - nu^2 G^2/4, short ones at the speed of Rayleigh's surface waves.
+with the dilatational speed c1 and the shear speed c2. The equation is that of K. F.
+Graff, Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2 are no
+roots. If A or B is imaginary, the modified Bessel function I takes the place of J. Long
+waves have the bar speed c0 = sqrt(E/rho), with c/c0 = 1 - nu^2 G^2/4 to second order.
+Short waves have the speed of Rayleigh's surface waves.
 `mindlin_herrmann` is an approximation to the first mode.
 """
 
@@ -93,7 +94,7 @@ WavenumberFunction: TypeAlias = Callable[[Any, Any], Any]
 
 
 class Bar(FrozenDataclass):
-    """Round bar, described by the numbers that change the shape of pulses along it.
+    """Round bar, described by the numbers that determine its dispersion.
 
     Parameters
     ----------
@@ -102,16 +103,16 @@ class Bar(FrozenDataclass):
     poisson_ratio : float
         nu, from 0 to 0.5.
     radius : float
-        a, m; for a section that is not round the equivalent radius that you choose.
+        a, m. For a bar that is not round, an equivalent radius of your choice.
 
     Raises
     ------
     InvalidModel
-        Naming every field that is not what it should be.
+        If fields are invalid. The message names all of them.
 
     Examples
     --------
-    A steel bar of 20 mm: waves of 100 kHz are a good 4 % slower than long ones.
+    In a steel bar of 20 mm, waves of 100 kHz are 4.5 % slower than long waves.
 
     >>> bar = Bar(wave_speed=5189.0, poisson_ratio=0.29, radius=0.01)
     >>> bar.phase_velocity([0.0, 100e3]).round().tolist()
@@ -196,7 +197,8 @@ class Bar(FrozenDataclass):
     def group_velocity(self, frequency: ArrayLike) -> Number:
         """Group velocity d(omega)/dk of the first mode.
 
-        With omega a/c0 = G x(G), x = c/c0, it is c0 d(G x)/dG, by a central difference.
+        With x = c/c0 and omega a/c0 = G x(G), the group velocity is c0 d(G x)/dG. The
+        derivative is a central difference.
 
         Parameters
         ----------
@@ -266,9 +268,10 @@ class Bar(FrozenDataclass):
         return CUT_OFF * self.wave_speed / self.radius
 
     def delays(self, frequency: ArrayLike) -> Number:
-        """Delay of waves behind long ones for each metre of bar, 1/c - 1/c0.
+        """Delay of waves behind long waves for each metre of bar, 1/c - 1/c0.
 
-        A curve through exact values gives it, for the many frequencies of a record.
+        The values are interpolated between exact values, as a record has many
+        frequencies.
 
         Parameters
         ----------
@@ -323,7 +326,7 @@ def first_mode(
 ) -> Number:
     """Phase velocity of the first mode over that of long waves, c/c0.
 
-    It is the lowest root of the equation at the head of this module.
+    The phase velocity is the lowest root of the equation at the head of this module.
 
     Parameters
     ----------
@@ -369,14 +372,14 @@ def mindlin_herrmann(
 ) -> tuple[Number, Number]:
     """Phase velocities of both branches by Mindlin and Herrmann, c/c0.
 
-    The roots x = c^2/c0^2 of a quadratic equation, with the moduli of the theory over E
-    and G = 2 pi a/l::
+    The squares x = c^2/c0^2 are the roots of a quadratic equation, with G = 2 pi a/l and
+    the moduli of the theory divided by E::
 
         (x - axial) (x - shear/m - 2 radial/(m G^2)) = 2 coupling^2/(m G^2)
 
-    The slow branch stands for `first_mode`. In the fast branch, which starts at a
-    cut-off frequency, it is mostly the radius that swings. See
-    `rodimpact.model.lateral_inertia` for the theory and its source.
+    The slow branch approximates `first_mode`. The fast branch starts at a cut-off
+    frequency; its motion is mostly radial. See `rodimpact.model.lateral_inertia` for the
+    theory and its source.
 
     Parameters
     ----------
@@ -388,8 +391,8 @@ def mindlin_herrmann(
     Returns
     -------
     slow, fast : float or array
-        c/c0, of the broadcast shape of the arguments; the fast one is infinite for long
-        waves.
+        c/c0, of the broadcast shape of the arguments. The fast branch is infinite for
+        long waves.
 
     Raises
     ------
@@ -430,7 +433,8 @@ def mindlin_herrmann(
 def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
     """Speed of surface waves over that of long waves in a bar, c/c0.
 
-    The root c < c2 of (2 - c^2/c2^2)^2 = 4 sqrt(1 - c^2/c1^2) sqrt(1 - c^2/c2^2).
+    The speed is the root c < c2 of
+    (2 - c^2/c2^2)^2 = 4 sqrt(1 - c^2/c1^2) sqrt(1 - c^2/c2^2).
 
     Source: Lord Rayleigh, On waves propagated along the plane surface of an elastic
     solid, Proc. London Math. Soc. 17 (1885) 4.

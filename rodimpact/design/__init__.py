@@ -1,8 +1,8 @@
 """Inverse design: bodies that give a wanted pulse, or no second pulse.
 
-Every function returns a frozen `PulseDesign` with the system, the wanted pulse and the
-pulse that this system reaches, as `rodimpact.solve` computes it; ``plot.design`` draws
-both. Where to begin: `striker` in `stepped`, with the search in `striker_search`, and
+Every function returns a frozen `PulseDesign`. It holds the system, the wanted pulse and
+the pulse of this system as `rodimpact.solve` computes it; ``plot.design`` draws both
+pulses. Where to begin: `striker` in `stepped`, with the search in `striker_search`, and
 `momentum_trap` in `trap`; `pulses` has the result and the integrals over pulses.
 """
 

@@ -37,20 +37,21 @@ class PulseDesign(Shown):
     body : int
         Index of the body in the row.
     wanted, reached : Signal
-        Force over time, N, positive in compression; `reached` is exact for the system.
+        Force over time, N, positive in compression. `reached` is the exact force of the
+        system.
     misfit : float
-        Root mean square of their difference over the peak: for a striker until the end
-        of `wanted`, for a trap from the time from which on nothing is wanted.
+        Root mean square of `reached` - `wanted` over the peak. For a striker the mean
+        ends with `wanted`. For a trap it begins when the wanted force becomes 0.
     staircase : float
-        Part of the misfit that comes from the variation of the difference within steps.
-        A striker with such steps has it whatever its areas. 0 without steps.
+        Part of the misfit that no choice of areas can remove, because the force of a
+        stepped striker is constant within each step. 0 without steps.
     bounded : dict of int to str
-        ``"smallest"`` or ``"largest"`` for each segment whose area is the smallest or
-        the largest that was allowed.
+        ``"smallest"`` or ``"largest"`` for each segment whose area is at the lower or
+        upper limit of `area_ratio`.
 
     Examples
     --------
-    A constant force for 80 us asks for a uniform striker:
+    A uniform striker gives a constant force for 80 us:
 
     >>> import numpy as np, rodimpact as ri
     >>> bar = ri.Rod(2.0, area=1e-4, material=ri.materials.steel)

@@ -51,40 +51,40 @@ def striker(
     ----------
     wanted : Signal or Steps
         Force on the struck end of the bar over the time since impact, N, positive in
-        compression; a signal is 0 outside of its record.
+        compression. A signal counts as 0 outside its record.
     bar : Rod
-        A uniform rod at rest, taken to be semi-infinite.
+        A uniform rod at rest. Its far end is ignored: the bar counts as semi-infinite.
     velocity : float
         Velocity of the striker, m/s.
     duration : float
-        Duration of the pulse, s: two transits of the striker. All its segments have
-        equal transit times.
+        Duration of the pulse, s, which is two transit times of the striker. All segments
+        of the striker have equal transit times.
     until : float, optional
-        Time over which the pulse is to be as wanted, s; by default twice the duration,
-        so that ringing counts.
+        End of the time in which the pulse is compared with `wanted`, s. By default twice
+        the duration, so that ringing after the pulse counts.
     segments : int
-        Largest number of segments of the striker, from 1 to 50. If fewer segments meet
-        the pulse better, it has fewer; so more segments never meet it worse. Ten take
-        about two seconds, forty a minute.
+        Largest number of segments of the striker, from 1 to 50. The striker has fewer
+        segments if fewer give a smaller misfit, so the misfit never grows with this
+        number. Ten segments take about two seconds, forty a minute.
     area_ratio : (float, float)
-        Smallest and largest area of a segment over that of the bar. By default
-        diameters are from a third to one and a half times that of the bar, which a
-        lathe can make.
+        Smallest and largest area of a segment over that of the bar. The default allows
+        diameters from a third to one and a half times that of the bar, which can be
+        turned on a lathe.
     material : Material, optional
         Material of the striker; by default that of the bar.
     contact : Rigid or Bonded
-        By default the faces only push, so that a force that would pull is 0; the exact
-        inverse of a pulse that pulls is found for faces that are `Bonded`.
+        By default the faces only push, and a tensile force is 0. For a wanted pulse with
+        tension choose `Bonded`.
     progress : bool or function
-        Whether a bar may show how far the search is. A function is called with the
-        number of runs that are done, and of all runs.
+        Whether a bar may show the progress of the search. A function is called with the
+        number of runs done and the number of all runs.
 
     Returns
     -------
     PulseDesign
-        Its striker is body 0; the last segment of the striker strikes the bar.
-        `bounded` says which areas are at an end of `area_ratio`: the wanted force may
-        then be out of reach.
+        The striker is body 0. Its last segment strikes the bar. `bounded` names the
+        segments whose area is at a limit of `area_ratio`. A wider `area_ratio` may then
+        give a smaller misfit.
 
     Raises
     ------
@@ -94,9 +94,10 @@ def striker(
 
     Notes
     -----
-    If a striker of `n` segments can make the pulse, its areas follow from the first `n`
-    steps. Round-off is amplified behind steep steps of the area: they reflect nearly
-    all of a wave, so that the segments behind them hardly change the force.
+    If a striker of `n` segments can make the pulse, the first `n` steps of the pulse
+    determine its areas. Round-off errors grow behind a large change of area. Such a
+    change reflects nearly all of a wave, so the segments behind it hardly change the
+    force.
 
     Examples
     --------

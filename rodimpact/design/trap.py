@@ -38,39 +38,39 @@ def momentum_trap(
     after: float = 0.0,
     material: Material | None = None,
 ) -> PulseDesign:
-    """Find the rod behind a row that takes the waves that follow the first pulse.
+    """Find a rod behind a row that carries off the waves after the first pulse.
 
     Parameters
     ----------
     system : System
         The row without the trap. Its last body is a rod with a free right end.
     until : float
-        The trap takes all waves that arrive up to this time, s.
+        The trap carries off all waves that arrive up to this time, s.
     after : float
-        Time at which the first pulse has left the right end, s; 0 for a trap that takes
-        the first pulse, too.
+        Time at which the first pulse has left the right end, s. With 0 the trap carries
+        off the first pulse as well.
     material : Material, optional
-        Material of the trap; by default that of the bar. The area of the trap makes the
-        impedances equal.
+        Material of the trap, by default that of the bar. The area of the trap is such
+        that trap and bar have the same impedance.
 
     Returns
     -------
     PulseDesign
-        `wanted` and `reached` are the wave that runs back from the right end into the
-        bar, N. From `after` on it should be 0; `misfit` is its root mean square then,
-        over the largest wave that arrives.
+        `wanted` and `reached` are the force of the wave that the right end reflects into
+        the bar, N. It should be 0 from the time `after`. `misfit` is the root mean
+        square of this force from then on, over the largest wave that arrives.
 
     Raises
     ------
     InvalidModel or ValueError
-        If an argument is wrong; if the right end would have hit the trap before
-        `after`; or if no pushing wave arrives between `after` and `until`.
+        If an argument is invalid, if the right end would hit the trap before `after`, or
+        if no compressive wave arrives between `after` and `until`.
 
     Examples
     --------
-    The pulse of the striker runs to and fro in the bar. Its second push leaves with the
-    trap, which is as long as the striker; the gap is the way that the striker would
-    have moved in the duration of the pulse:
+    The pulse of the striker runs to and fro in the bar. The trap carries off its second
+    arrival. The trap is as long as the striker, and the gap is the distance that the
+    striker would travel in the duration of the pulse:
 
     >>> import rodimpact as ri
     >>> steel = ri.materials.steel
