@@ -3,12 +3,12 @@
 rodimpact bearing CASE.toml --resistance 200kN:1000kN:5
     --resistance "300 kN,500 kN" --shaft-share 0.3
 
-The case is a row of a ram that moves, masses such as a helmet, the pile, and a wall below
-its toe, whose contact is the law "smith-toe". Each resistance is shared between shaft and
-toe, as in the case or by --shaft-share; quakes and dampings stay. One blow is solved for
-each, until no soil can yield any more. Where gravity acts, the pile is at rest before.
-[solve] and [output] of the case are for other commands. Exit status 3 if a blow did not
-come to its end; the table says why.
+The case is a row of a ram that moves, masses such as a helmet, the pile, and a wall
+below its toe, whose contact is the law "smith-toe". Each resistance is shared between
+shaft and toe, as in the case or by --shaft-share; quakes and dampings stay. One blow is
+solved for each, until no soil can yield any more. Where gravity acts, the pile is at
+rest before. [solve] and [output] of the case are for other commands. Exit status 3 if a
+blow did not come to its end; the table says why.
 """
 
 import argparse

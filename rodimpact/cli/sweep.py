@@ -11,7 +11,8 @@ that varies, or to a variable, by factors; it has no axis of its own:
 
 Options of this command go before those in [solve] of the case. If no end is given, each
 collision runs until it is proved to be over. [output] of the case is for `rodimpact
-run`. The exit status is 3 if some collisions stopped early; the status of each says why.
+run`. The exit status is 3 if some collisions stopped early; the status of each says
+why.
 """
 
 import argparse

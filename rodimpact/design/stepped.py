@@ -57,11 +57,11 @@ def striker(
     velocity : float
         Velocity of the striker, m/s.
     duration : float
-        Duration of the pulse, s, which is two transit times of the striker. All segments
-        of the striker have equal transit times.
+        Duration of the pulse, s, which is two transit times of the striker. All
+        segments of the striker have equal transit times.
     until : float, optional
-        End of the time in which the pulse is compared with `wanted`, s. By default twice
-        the duration, so that ringing after the pulse counts.
+        End of the time in which the pulse is compared with `wanted`, s. By default
+        twice the duration, so that ringing after the pulse counts.
     segments : int
         Largest number of segments of the striker, from 1 to 50. The striker has fewer
         segments if fewer give a smaller misfit, so the misfit never grows with this
@@ -73,8 +73,8 @@ def striker(
     material : Material, optional
         Material of the striker; by default that of the bar.
     contact : Rigid or Bonded
-        By default the faces only push, and a tensile force is 0. For a wanted pulse with
-        tension choose `Bonded`.
+        By default the faces only push, and a tensile force is 0. For a wanted pulse
+        with tension choose `Bonded`.
     progress : bool or function
         Whether a bar may show the progress of the search. A function is called with the
         number of runs done and the number of all runs.

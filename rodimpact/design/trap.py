@@ -56,15 +56,15 @@ def momentum_trap(
     Returns
     -------
     PulseDesign
-        `wanted` and `reached` are the force of the wave that the right end reflects into
-        the bar, N. It should be 0 from the time `after`. `misfit` is the root mean
+        `wanted` and `reached` are the force of the wave that the right end reflects
+        into the bar, N. It should be 0 from the time `after`. `misfit` is the root mean
         square of this force from then on, over the largest wave that arrives.
 
     Raises
     ------
     InvalidModel or ValueError
-        If an argument is invalid, if the right end would hit the trap before `after`, or
-        if no compressive wave arrives between `after` and `until`.
+        If an argument is invalid, if the right end would hit the trap before `after`,
+        or if no compressive wave arrives between `after` and `until`.
 
     Examples
     --------

@@ -266,7 +266,8 @@ class _Translator(ast.NodeVisitor):
         ast.increment_lineno(module, self.line - 1)
         self.tree = module.body[0]
         self.arguments = [argument.arg for argument in self.tree.args.args]
-        # Names of variables in JavaScript, by those in Python; the arguments come first.
+        # Names of variables in JavaScript, by those in Python; the arguments come
+        # first.
         self.local: dict[str, str] = {}
         for name in self.arguments:
             self.local[name] = _short_name(len(self.local))

@@ -252,7 +252,8 @@ class Fit(Shown):
     def to_dataframe(self) -> Any:
         """The fitted numbers as a pandas DataFrame, one a row (extra ``dataframe``).
 
-        The columns are the fields of `Fitted`: name, unit, value, standard error, bounds.
+        The columns are the fields of `Fitted`: name, unit, value, standard error,
+        bounds.
 
         Examples
         --------

@@ -1,7 +1,8 @@
 """The bearing graph of a pile: how many blows a metre of set takes against each resistance.
 
-E. A. L. Smith, Pile-driving analysis by the wave equation, J. Soil Mech. Found. Div. ASCE 86 (1960)
-35-61: each resistance is shared between shaft and toe, the quakes stay, and one blow is solved.
+E. A. L. Smith, Pile-driving analysis by the wave equation, J. Soil Mech. Found. Div.
+ASCE 86 (1960) 35-61: each resistance is shared between shaft and toe, the quakes stay,
+and one blow is solved.
 """
 
 from __future__ import annotations
@@ -65,12 +66,13 @@ class BearingPoint(NamedTuple):
     blow_count : float
         Blows for a metre of set, 1/m; inf without set.
     compression, compression_x : float
-        Largest compressive stress in the pile, Pa, positive, and its place, m from the head.
+        Largest compressive stress in the pile, Pa, positive, and its place, m from the
+        head.
     tension, tension_x : float
         Largest tensile stress, Pa, and its place; 0 and nan without tension.
     set_error, stress_error : float
-        Relative errors of set, and of the larger stress: bounds that follow from their change
-        from half of the cells to all of them.
+        Relative errors of set, and of the larger stress: bounds that follow from their
+        change from half of the cells to all of them.
     is_over : bool
         Whether the blow came to its end, so that the set is final.
     status : str
@@ -195,22 +197,22 @@ def bearing_graph(
 ) -> BearingGraph:
     """Blow count and largest stresses of a pile against each of some resistances.
 
-    Each resistance is shared between shaft and toe. Along the shaft it is distributed as in the
-    system; quakes and dampings stay. One blow is solved for each. The soil is unloaded before it,
-    or, where gravity acts, carries the pile at rest.
+    Each resistance is shared between shaft and toe. Along the shaft it is distributed
+    as in the system; quakes and dampings stay. One blow is solved for each. The soil is
+    unloaded before it, or, where gravity acts, carries the pile at rest.
 
     Parameters
     ----------
     system : System
-        From left to right: a ram that moves, masses such as a helmet, the pile, and a wall below
-        its toe, whose contact is a `SmithToe`.
+        From left to right: a ram that moves, masses such as a helmet, the pile, and a
+        wall below its toe, whose contact is a `SmithToe`.
     resistances : array_like
         Ultimate resistances of shaft and toe together, N.
     shaft_share : float, optional
         Part of it along the shaft, 0 to less than 1; by default that of the system.
     cells : int, optional
-        Cells of the segment with the longest transit time. Each blow is solved on half of them,
-        too, for the stated errors.
+        Cells of the segment with the longest transit time. Each blow is solved on half
+        of them, too, for the stated errors.
     until : float, optional
         Longest duration of a blow, s, as for `blows`.
     workers : int, optional
@@ -225,8 +227,8 @@ def bearing_graph(
     Raises
     ------
     InvalidModel
-        If the system is no pile, an argument is wrong, or soil of a resistance cannot carry the
-        pile at rest.
+        If the system is no pile, an argument is wrong, or soil of a resistance cannot
+        carry the pile at rest.
 
     Examples
     --------

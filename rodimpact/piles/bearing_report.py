@@ -99,8 +99,8 @@ def bearing_json(graph: Any) -> str:
     Returns
     -------
     str
-        An object with ``schema_version``, ``shaft_share`` and ``points``: a list of the numbers
-        of each resistance in SI units, with null for what does not exist.
+        An object with ``schema_version``, ``shaft_share`` and ``points``: a list of the
+        numbers of each resistance in SI units, with null for what does not exist.
     """
     points = []
     for point in graph.points:

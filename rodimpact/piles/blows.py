@@ -1,8 +1,8 @@
 """Blows on a pile: each runs until the soil can yield no more, and the next finds it at rest.
 
-A blow is over when the ram has left, and what is left of the motion has too little energy to make
-soil yield again. The set is then known, and so is the equilibrium to which damping brings the
-pile: the next blow begins there.
+A blow is over when the ram has left, and what is left of the motion has too little
+energy to make soil yield again. The set is then known, and so is the equilibrium to
+which damping brings the pile: the next blow begins there.
 """
 
 from __future__ import annotations
@@ -61,17 +61,19 @@ class Blow(NamedTuple):
     set : float
         How far the soil below the toe has yielded for good, m.
     displacement : float
-        Displacement of the toe from rest to rest, m; nan if the blow is not over. From the second
-        or third blow on it is the set, when the residual stresses no longer change.
+        Displacement of the toe from rest to rest, m; nan if the blow is not over. From
+        the second or third blow on it is the set, when the residual stresses no longer
+        change.
     compression, tension : StressPeak
-        Largest stresses in the pile, Pa, with place x, m from the head of the pile, and time.
+        Largest stresses in the pile, Pa, with place x, m from the head of the pile, and
+        time.
     is_over : bool
         Whether it is certain that no soil yields any more.
     status : str
         The same in a sentence, with the remedy.
     next_system : System or None
-        The pile at rest after the blow, with the hammer ready for the next one; None if the blow
-        is not over, or the pile does not stay, as the `status` says.
+        The pile at rest after the blow, with the hammer ready for the next one; None if
+        the blow is not over, or the pile does not stay, as the `status` says.
 
     Examples
     --------
@@ -123,31 +125,31 @@ def blows(
 ) -> list[Blow]:
     """Strike a pile again and again; each blow finds it as the one before has left it.
 
-    The plastic set of the soil and the residual stresses of the pile are kept. Ram, helmet and
-    cushions begin anew.
+    The plastic set of the soil and the residual stresses of the pile are kept. Ram,
+    helmet and cushions begin anew.
 
     Parameters
     ----------
     system : System
-        From left to right: a ram that moves, masses such as a helmet, the pile, and a wall below
-        its toe. The law of the toe is `SmithToe` or another that yields. Where gravity acts, begin
-        with ``at_rest(system)``.
+        From left to right: a ram that moves, masses such as a helmet, the pile, and a
+        wall below its toe. The law of the toe is `SmithToe` or another that yields.
+        Where gravity acts, begin with ``at_rest(system)``.
     count : int
         Number of blows.
     cells : int, optional
         Cells of the segment with the longest transit time.
     until : float, optional
-        Longest duration of a blow, s. By default a blow goes on until it is over, up to 32 times
-        its usual duration: the momentum of the ram over the resistance, and ten transit times of
-        the pile.
+        Longest duration of a blow, s. By default a blow goes on until it is over, up to
+        32 times its usual duration: the momentum of the ram over the resistance, and
+        ten transit times of the pile.
     progress : bool or function
         As for `solve`; it counts blows.
 
     Returns
     -------
     list of Blow
-        Fewer than `count` if a blow is not over, or the pile does not stay at rest after it: see
-        the `status` of the last one.
+        Fewer than `count` if a blow is not over, or the pile does not stay at rest
+        after it: see the `status` of the last one.
 
     Raises
     ------
@@ -187,7 +189,8 @@ def blows(
     return series
 
 
-# What is a pile -----------------------------------------------------------------------------------
+# What is a pile
+# -----------------------------------------------------------------------------------
 
 
 def check_pile(system: Any) -> PileRow:
@@ -237,7 +240,8 @@ def shaft_resistance(system: System) -> float:
     return total
 
 
-# One blow -----------------------------------------------------------------------------------------
+# One blow
+# -----------------------------------------------------------------------------------------
 
 
 def strike(
@@ -326,8 +330,9 @@ def _aftermath(solution: Solution, row: PileRow) -> Aftermath:
 def _bodies_that_left(solution: Solution, state: System, row: PileRow) -> int:
     """Number of bodies at the left end that have left the pile for good.
 
-    The ram has left when it is off and rises: it is caught. Masses below it leave in the same way
-    if no gravity brings them back, and none catches up with the one above it.
+    The ram has left when it is off and rises: it is caught. Masses below it leave in
+    the same way if no gravity brings them back, and none catches up with the one above
+    it.
     """
     left = 0
     fastest = -math.inf  # velocity of the body before, m/s
@@ -384,7 +389,8 @@ def _next_system(
     Raises
     ------
     InvalidModel
-        If nothing holds the pile, or soil yields when a ram that lay on the pile is lifted.
+        If nothing holds the pile, or soil yields when a ram that lay on the pile is
+        lifted.
     """
     is_held = shaft_resistance(system) > 0 or system.gravity > 0
     demand(is_held, "gravity", "must be positive for a pile that no soil holds")

@@ -32,24 +32,26 @@ MAX_CELLS = 10_000
 def at_rest(system: System, cells: int = CELLS) -> System:
     """A system whose resting bodies stay at rest: soil, rods and contacts carry their weights.
 
-    The state that is given, such as an unloaded pile under gravity, or a pile after a blow, is
-    moved to its equilibrium: rods stretch, and soil and contacts are pressed elastically. Bodies
-    that move at t = 0, such as the ram, stay as they are, and bear on nothing.
+    The state that is given, such as an unloaded pile under gravity, or a pile after a
+    blow, is moved to its equilibrium: rods stretch, and soil and contacts are pressed
+    elastically. Bodies that move at t = 0, such as the ram, stay as they are, and bear
+    on nothing.
 
     Parameters
     ----------
     system : System
-        A single one, with free ends or walls. Contacts that carry a weight have a constant
-        stiffness, or are `Rigid` or `Bonded`.
+        A single one, with free ends or walls. Contacts that carry a weight have a
+        constant stiffness, or are `Rigid` or `Bonded`.
     cells : int, optional
-        Cells of the segment with the longest transit time, as for `solve`. Strain and mobilised
-        resistance are constant about each: a run on as many cells stays at rest to round-off.
+        Cells of the segment with the longest transit time, as for `solve`. Strain and
+        mobilised resistance are constant about each: a run on as many cells stays at
+        rest to round-off.
 
     Returns
     -------
     System
-        With `strain` of rods, `mobilised` of soil, gaps, and laws that have yielded under the
-        weight, at rest.
+        With `strain` of rods, `mobilised` of soil, gaps, and laws that have yielded
+        under the weight, at rest.
 
     Raises
     ------

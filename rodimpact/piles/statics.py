@@ -1,13 +1,14 @@
 """Equilibrium of a row in soil: displacements from a state in which forces do not balance.
 
-The row is on the mesh of the method "finite-difference": nodes i with a weight w_i and the static
-resistance R_i of soil, and between the nodes i - 1 and i a spring, a cell of a rod or a contact.
-From the tensions T_i of the springs follow the displacements u_i that make the forces balance::
+The row is on the mesh of the method "finite-difference": nodes i with a weight w_i and
+the static resistance R_i of soil, and between the nodes i - 1 and i a spring, a cell of
+a rod or a contact. From the tensions T_i of the springs follow the displacements u_i
+that make the forces balance::
 
     T_(i+1) + s_(i+1) (u_(i+1) - u_i) - T_i - s_i (u_i - u_(i-1)) - R_i - k_i u_i + w_i = 0
 
-with the stiffness s of springs and k of soil that does not yield. A contact is a spring that
-cannot pull: where it would, it opens.
+with the stiffness s of springs and k of soil that does not yield. A contact is a spring
+that cannot pull: where it would, it opens.
 """
 
 import math
@@ -237,7 +238,8 @@ def _can_bear(system: System, is_moving: list[bool], contact: int) -> bool:
     return count > 0
 
 
-# Equilibrium --------------------------------------------------------------------------------------
+# Equilibrium
+# --------------------------------------------------------------------------------------
 
 
 def find_equilibrium(chain: Chain) -> Equilibrium:
@@ -393,14 +395,15 @@ def check_bears(chain: Chain, equilibrium: Equilibrium) -> None:
         raise InvalidModel(problems)
 
 
-# What energy can do -------------------------------------------------------------------------------
+# What energy can do
+# -------------------------------------------------------------------------------
 
 
 def potential_energy(chain: Chain, equilibrium: Equilibrium) -> float:
     """Energy of the state of a chain above that of its equilibrium, J.
 
-    Springs and soil have k u^2/2; a contact has the difference of F d/2 less the work of the force
-    at rest, which is never negative.
+    Springs and soil have k u^2/2; a contact has the difference of F d/2 less the work
+    of the force at rest, which is never negative.
     """
     u = equilibrium.displacement
     stretch = np.diff(u, prepend=0.0, append=0.0)
@@ -422,10 +425,10 @@ def potential_energy(chain: Chain, equilibrium: Equilibrium) -> float:
 def can_yield(chain: Chain, equilibrium: Equilibrium, energy: float) -> bool:
     """Whether motion about the equilibrium can make soil yield along a shaft or below a toe.
 
-    Motion of the energy E displaces node i by at most sqrt(2 E C), with its compliance C: the
-    displacement by a unit force. Contacts, which may open, are left out of C, so that it is no
-    smaller than it should be. A contact at the overlap d yields at d_y if E is at least
-    k (d_y - d)^2/2.
+    Motion of the energy E displaces node i by at most sqrt(2 E C), with its compliance
+    C: the displacement by a unit force. Contacts, which may open, are left out of C, so
+    that it is no smaller than it should be. A contact at the overlap d yields at d_y if
+    E is at least k (d_y - d)^2/2.
 
     Parameters
     ----------

@@ -26,21 +26,23 @@ HEADROOM = 1.08
 def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     """Draw a bearing graph: blow count above, largest compression and tension below.
 
-    Both stand against the ultimate resistance of shaft and toe. Open marks are points whose blow
-    did not come to its end. Points without set have no blow count, and leave a gap.
+    Both stand against the ultimate resistance of shaft and toe. Open marks are points
+    whose blow did not come to its end. Points without set have no blow count, and leave
+    a gap.
 
     Parameters
     ----------
     graph : BearingGraph
         From `rodimpact.bearing_graph`.
     ax : two Axes, optional
-        For blow count and stress; by default those of a new figure, one above the other.
+        For blow count and stress; by default those of a new figure, one above the
+        other.
 
     Returns
     -------
     Picture
-        With `blow_ax` and `stress_ax`, the lines `blow_count`, `compression` and `tension`, and
-        the marks `unfinished` or None.
+        With `blow_ax` and `stress_ax`, the lines `blow_count`, `compression` and
+        `tension`, and the marks `unfinished` or None.
 
     Raises
     ------

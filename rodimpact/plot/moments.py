@@ -130,8 +130,8 @@ def events_at(solution: Solution, t: float) -> str:
             where = f" at contact {names[contact.index]}"
         for episode in contact.episodes:
             events = []
-            # Moments are copies of these times, so that equal ones are equal to the last
-            # bit. Of a contact without duration only the beginning is told.
+            # Moments are copies of these times, so that equal ones are equal to the
+            # last bit. Of a contact without duration only the beginning is told.
             if t == episode.start:
                 events.append("force begins")
             else:
