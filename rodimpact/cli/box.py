@@ -70,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=TABLE,
         default="steel",
         metavar="NAME",
-        help="material of the rods, one that `rodimpact materials` lists; default steel",
+        help="material of the rods, from `rodimpact materials`; default: steel",
     )
     parser.add_argument(
         "--dowel",

@@ -57,7 +57,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _caps(case: Case) -> dict[str, Any]:
-    """Keyword arguments of `closed_form`: the cap on events of the case, if it has one."""
+    """Keyword arguments of `closed_form`: the largest number of events, if stated."""
     caps: dict[str, Any] = {}
     if "max_events" in case.solve:
         caps["max_events"] = case.solve["max_events"]

@@ -78,14 +78,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         waves.add_argument(
             f"--{name}",
             metavar=record_options.GAUGE_FORM,
-            help=f"channel and gauge of the {name} pulse, cut out of its record; give all "
-            "three in place of --gauge",
+            help=f"channel and gauge of the {name} pulse, cut out of its record; give "
+            "all three in place of --gauge",
         )
     waves.add_argument(
         "--equal-forces",
         action="store_true",
-        help="separate waves that overlap at one gauge a bar, by assuming equal forces on "
-        "both faces and a free far end of the output bar",
+        help="separate waves that overlap at one gauge a bar, by assuming equal forces "
+        "on both faces and a free far end of the output bar",
     )
     waves.add_argument(
         "--direct-impact",
@@ -97,8 +97,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--clock",
         choices=CLOCKS,
         default="common",
-        help="common (the default) if the cut pulses share one time axis; own if the time "
-        "of each begins anew: then they are aligned at their beginnings",
+        help="common (the default) if the cut pulses share one time axis; own if the "
+        "time of each begins anew: then they are aligned at their beginnings",
     )
     waves.add_argument(
         "--compression",
@@ -110,8 +110,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         waves,
         "--align-within",
         "time",
-        "largest shift of the reflected and the transmitted wave; the shift that balances "
-        "the forces in the elastic start is used, and the verdict shows the balance",
+        "largest shift of the reflected and the transmitted wave; the shift that "
+        "balances the forces in the elastic start is used, and the verdict shows the "
+        "balance",
         default=0.0,
     )
     record_options.add_record_options(parser)

@@ -50,8 +50,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="E",
         action=NumberAction,
         const="dimensionless",
-        help="coefficient of restitution: 0 if the bodies stick together, 1 if no energy is "
-        "lost, below 0 if one body passes through the other",
+        help="coefficient of restitution: 0 if the bodies stick together, 1 if no "
+        "energy is lost, below 0 if one body passes through the other",
     )
     parser.add_argument(
         "--energy-release",

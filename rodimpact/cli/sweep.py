@@ -40,8 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH=GRID",
         action="append",
         default=[],
-        help=f"a number and its values, {EXAMPLE}; give --vary once for each axis. Or a "
-        "number that is tied to another one, PATH=FACTOR*OTHER",
+        help=f"a number and its values, {EXAMPLE}; give --vary once for each axis. Or "
+        "a number that is tied to another one, PATH=FACTOR*OTHER",
     )
     add_number(
         parser, "--workers", "", "number of threads; default: one for each processor"

@@ -145,8 +145,8 @@ def events_of_chain(facts: Any, pressed: list[Any]) -> str:
                 end = spell["to"]
     return (
         f"The first contact to press is that of {pair_of(facts, first)}, at "
-        f"{format_quantity(start, 's', 4)}; the last force, between {pair_of(facts, last)}, "
-        f"ends at {format_quantity(end, 's', 4)}."
+        f"{format_quantity(start, 's', 4)}; the last force, between "
+        f"{pair_of(facts, last)}, ends at {format_quantity(end, 's', 4)}."
     )
 
 

@@ -226,7 +226,7 @@ def _fit_with_addition(
 
 
 def _grids(task: _Task, vary: Mapping[str, Any]) -> Grids:
-    """Objectives for the numbers to vary, on the grid of the options and a coarser one."""
+    """Objectives for the numbers to vary, on the grid asked for and a coarser one."""
     vary_system = {}
     vary_records = {}
     for path, bounds in vary.items():

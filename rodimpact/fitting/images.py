@@ -73,7 +73,7 @@ class Place(NamedTuple):
 
 
 def _force_on_end(solution: Solution, body: int, side: int, times: Floats) -> Any:
-    """Compressive force on the left end, side 0, or the right one, N; None: it is free."""
+    """Compressive force on the left (side 0) or right end, N; None if it is free."""
     contact = body - 1 + side
     if 0 <= contact < len(solution.contacts):
         return solution.contacts[contact].force(times)

@@ -174,7 +174,7 @@ class Measured(FrozenDataclass):
         return rod
 
     def prediction(self, strain: Signal, system: System) -> Signal:
-        """The record as it follows from the strain at `place`, before shift to trend."""
+        """The record by the strain at `place`, before shift, offset and trend."""
         of_kind("strain", strain, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         rod = self._rod(system)
         if self.distance and self.passages == "first":

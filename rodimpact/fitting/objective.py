@@ -228,7 +228,7 @@ class Objective:
     # Starts of searches
 
     def point_at(self, shares: Sequence[float] | Floats) -> Floats:
-        """Point with given shares, the least blurs, and the middle of all other bounds."""
+        """Point with given shares, the least blurs, and the middle of other bounds."""
         point = np.where(self.is_blur, self.low, self.middle)
         point[: len(shares)] = shares
         return point

@@ -18,7 +18,7 @@ SEARCH_FTOL = 1e-10
 COARSE_FTOL = 1e-4
 """The same on a coarse grid, from whose end a search on the fine grid goes on."""
 FINE_FTOL = 1e-7
-"""The same on the fine grid: less changes no number by a tenth of its standard error."""
+"""The same on the fine grid: no number changes by a tenth of its standard error."""
 DIFFERENCE_STEP = 1e-5
 """Step of the differences for derivatives, relative to the size of a number."""
 
@@ -75,7 +75,7 @@ class Grids(NamedTuple):
 
 
 def search_on(grids: Grids, start: Floats, sizes: Floats) -> Any:
-    """Descend from a start on the coarse grid, then from the end of it on the fine one."""
+    """Descend from a start on the coarse grid, then from its end on the fine one."""
     if grids.coarse is grids.fine:
         return search_from(grids.fine, start, sizes, SEARCH_FTOL)
     near = search_from(grids.coarse, start, sizes, COARSE_FTOL)

@@ -84,8 +84,8 @@ def _errors(graph: Any) -> str:
     set_error = float(graph["set_error"].max())
     stress_error = float(graph["stress_error"].max())
     return (
-        "Largest stresses in the pile, with their distance from its head. Stated relative "
-        f"error: set {set_error:.1g}, stress {stress_error:.1g}."
+        "Largest stresses in the pile, with their distance from its head. Stated "
+        f"relative error: set {set_error:.1g}, stress {stress_error:.1g}."
     )
 
 

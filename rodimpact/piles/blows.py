@@ -1,4 +1,4 @@
-"""Blows on a pile: each runs until the soil can yield no more, and the next finds it at rest.
+"""Blows on a pile, one after another, each until the soil can yield no more.
 
 A blow is over when the ram has left, and what is left of the motion has too little
 energy to make soil yield again. The set is then known, and so is the equilibrium to
@@ -241,7 +241,7 @@ def shaft_resistance(system: System) -> float:
 
 
 # One blow
-# -----------------------------------------------------------------------------------------
+# ------------------------------------------------------------------------------------
 
 
 def strike(
@@ -309,7 +309,7 @@ def _usual_duration(system: System, row: PileRow) -> float:
 
 
 def _aftermath(solution: Solution, row: PileRow) -> Aftermath:
-    """Whether a blow is over at the end of its solution, and where the pile comes to rest."""
+    """Whether a blow is over when its solution ends, and where the pile rests."""
     fields = solution.fields
     assert isinstance(fields, GridFields)
     state = solution.system_at(solution.t_end)
@@ -362,12 +362,12 @@ def _status(aftermath: Aftermath, t_end: float) -> str:
     energy = format_si(aftermath.energy, "J")
     if aftermath.is_over:
         return (
-            f"Over after {duration}: the {energy} of motion that are left cannot make the "
-            "soil yield."
+            f"Over after {duration}: the {energy} of motion that are left cannot make "
+            "the soil yield."
         )
     return (
-        f"Not over after {duration}: the {energy} of motion that are left can make the soil "
-        "yield again; raise until=, or give damping to soil and cushion."
+        f"Not over after {duration}: the {energy} of motion that are left can make the "
+        "soil yield again; raise until=, or give damping to soil and cushion."
     )
 
 

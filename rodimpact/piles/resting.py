@@ -30,7 +30,7 @@ MAX_CELLS = 10_000
 
 @explain_arguments
 def at_rest(system: System, cells: int = CELLS) -> System:
-    """A system whose resting bodies stay at rest: soil, rods and contacts carry their weights.
+    """A system whose resting bodies stay at rest, as all weights are carried.
 
     The state that is given, such as an unloaded pile under gravity, or a pile after a
     blow, is moved to its equilibrium: rods stretch, and soil and contacts are pressed

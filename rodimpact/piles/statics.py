@@ -1,11 +1,12 @@
-"""Equilibrium of a row in soil: displacements from a state in which forces do not balance.
+"""Equilibrium of a row in soil: displacements from a state without equilibrium.
 
 The row is on the mesh of the method "finite-difference": nodes i with a weight w_i and
 the static resistance R_i of soil, and between the nodes i - 1 and i a spring, a cell of
 a rod or a contact. From the tensions T_i of the springs follow the displacements u_i
 that make the forces balance::
 
-    T_(i+1) + s_(i+1) (u_(i+1) - u_i) - T_i - s_i (u_i - u_(i-1)) - R_i - k_i u_i + w_i = 0
+    T_(i+1) + s_(i+1) (u_(i+1) - u_i)
+        - T_i - s_i (u_i - u_(i-1)) - R_i - k_i u_i + w_i = 0
 
 with the stiffness s of springs and k of soil that does not yield. A contact is a spring
 that cannot pull: where it would, it opens.
@@ -35,7 +36,7 @@ MAX_ROUNDS = 50
 OVERLAP_RTOL = 1e-12
 """Overlap that is round-off, over the largest displacement."""
 BALANCE_RTOL = 1e-9
-"""Net force on bodies that nothing holds, over the largest force in the row: round-off."""
+"""Net force on bodies that nothing holds, over the largest force: round-off."""
 YIELD_RTOL = 1e-9
 """Share by which a resistance may exceed the ultimate one: round-off."""
 
@@ -335,8 +336,8 @@ def _fixed_with_floating(chain: Chain, springs: Any, soil: Any, force: Any) -> A
         if abs(net) > BALANCE_RTOL * largest:
             body = _body_at(chain, int(start))
             message = (
-                f"cannot rest: nothing holds it against a force of {net:.6g} N; give it "
-                "soil along its shaft, a wall to stand on, or no gravity"
+                f"cannot rest: nothing holds it against a force of {net:.6g} N; give "
+                "it soil along its shaft, a wall to stand on, or no gravity"
             )
             raise invalid_argument(f"bodies.{body}", message)
         is_fixed[start] = True
@@ -353,7 +354,7 @@ def _body_at(chain: Chain, node: int) -> int:
 
 
 def yielding_places(chain: Chain, equilibrium: Equilibrium) -> list[tuple[str, str]]:
-    """Path and place of each rod or contact whose soil or spring would yield at equilibrium."""
+    """Path and place of each rod or contact that would yield at equilibrium."""
     places = []
     for i, body in enumerate(chain.system.bodies):
         if not isinstance(body, Rod):
@@ -423,7 +424,7 @@ def potential_energy(chain: Chain, equilibrium: Equilibrium) -> float:
 
 
 def can_yield(chain: Chain, equilibrium: Equilibrium, energy: float) -> bool:
-    """Whether motion about the equilibrium can make soil yield along a shaft or below a toe.
+    """Whether motion about the equilibrium can make soil yield at shaft or toe.
 
     Motion of the energy E displaces node i by at most sqrt(2 E C), with its compliance
     C: the displacement by a unit force. Contacts, which may open, are left out of C, so
@@ -453,7 +454,7 @@ def can_yield(chain: Chain, equilibrium: Equilibrium, energy: float) -> bool:
 
 
 def _compliances(chain: Chain) -> Floats:
-    """Displacement of each node by a unit force on it, m/N; 0 where soil holds no neighbour."""
+    """Displacement of each node by a unit force, m/N; 0 without soil beside it."""
     count = len(chain.is_fixed)
     soil = np.bincount(chain.soil["node"], chain.soil["stiffness"], count)
     springs = chain.stiffness.copy()

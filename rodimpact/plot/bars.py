@@ -184,7 +184,7 @@ class Bars:
     def draw_rods(
         self, numbers: Floats, norm: colors.Normalize
     ) -> collections.PolyCollection:
-        """Draw a polygon with a number for each piece; outlined where pieces are few."""
+        """Draw a polygon with a number for each piece; few pieces have an outline."""
         outline: dict[str, Any] = {"linewidths": 0.6, "edgecolors": colours().ink}
         if self.is_smooth:
             outline = {"linewidths": 0.0, "antialiased": False}

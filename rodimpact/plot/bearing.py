@@ -1,4 +1,4 @@
-"""The bearing graph of a pile: blow count, and largest stresses, against the resistance."""
+"""The bearing graph of a pile: blow count and largest stresses over the resistance."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -155,9 +155,10 @@ def sweep(
     if not 1 <= len(varied_axes) <= 2:
         raise invalid_argument(
             "result",
-            f"has shape {result.shape}, but a curve has one axis and a map two; give an "
-            "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
-            "or draw part of the family, such as sweep(system[0])",
+            f"has shape {result.shape}, but a curve has one axis and a map two; give "
+            "an array for one or two numbers of the system, such as "
+            "length=np.linspace(0.1, 1, 50), or draw part of the family, such as "
+            "sweep(system[0])",
         )
     axes = [family_axis(result, i, names) for i in varied_axes]
     shape = [axis.order.size for axis in axes]
@@ -214,8 +215,8 @@ def _why_no_map(result: SweepResult, dimension: int) -> str:
     index[dimension] = ":"
     return (
         f"has members in no order along axis {dimension}, where several numbers vary "
-        "independently, and a map would be noise; draw them as points with a histogram, such "
-        f"as plot.sweep(rodimpact.sweep(system[{', '.join(index)}]))"
+        "independently, and a map would be noise; draw them as points with a "
+        f"histogram, such as plot.sweep(rodimpact.sweep(system[{', '.join(index)}]))"
     )
 
 

@@ -163,7 +163,7 @@ def _is_monotonic(numbers: NDArray[Any]) -> bool:
 
 
 def format_family_axis(axis: Axis, family: FamilyAxis) -> None:
-    """Set limits, label, scale and ticks of an axis: 1, 2, 5 where it is logarithmic."""
+    """Set limits, label, scale and ticks of an axis: 1, 2, 5 if it is logarithmic."""
     first, last = family.edges[[0, -1]]
     axis.set_label_text(family.label)
     scale = "log" if family.is_log else "linear"

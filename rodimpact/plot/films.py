@@ -34,8 +34,8 @@ def check_film(path: str | os.PathLike[str]) -> str:
     kind = format_of(path, WRITERS)
     if kind == "mp4" and shutil.which("ffmpeg") is None:
         raise OSError(
-            f"cannot write {os.fspath(path)!r}: the program ffmpeg, which makes MP4 files, is not "
-            "on the path; install it, or write a .gif"
+            f"cannot write {os.fspath(path)!r}: the program ffmpeg, which makes MP4 "
+            "files, is not on the path; install it, or write a .gif"
         )
     return kind
 

@@ -48,7 +48,8 @@ def show(picture: Any) -> None:
         save(figure, path)
         sys.stderr.write(
             f"No window can be opened here (matplotlib's backend is {backend}); "
-            f"the figure is in {path}. ri.plot.save(picture, path) writes it elsewhere.\n"
+            f"the figure is in {path}. ri.plot.save(picture, path) writes it "
+            "elsewhere.\n"
         )
         return
     # Pyplot opens windows of the figures that it keeps. Its `figure` keeps what the
