@@ -22,15 +22,16 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
     point, so that its displacement is that of any point.
     """
     clock = fields.clock
-    time = fields.end * clock.tick
+    last_tick = fields.end
+    time = last_tick * clock.tick
     if body not in fields.rods:
         return float(fields.displacement(body, 0.0, time))
     impulse_integral = 0.0  # N s^2
     # A push acts to the right on the left face, to the left on the right face: 1 and -1.
     for push, sign in zip(pushes_on(run, body), INWARD, strict=True):
         if push is not None:
-            integral = float(push.integrated_twice(fields.end))
-            impulse_integral += sign * integral * clock.tick * clock.tick
+            in_ticks = float(push.integrated_twice(last_tick))  # N ticks^2
+            impulse_integral += sign * in_ticks * clock.tick * clock.tick
     mass = clock.mass(body)
     start_velocity = float(fields.momentum(body, 0.0) / mass)
     by_gravity = float(clock.system.gravity) * time * time / 2
@@ -40,9 +41,11 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
 def pushes_on(run: Run, body: int) -> FacePushes:
     """Forces on the left and the right face of a body: of a contact, or at an end of the row."""
     signals = run.signals
+    # What acts on the ends of the row: a wall, a drive or an absorbing end, or None.
     left_action, right_action = signals.boundary_actions
     left = None
     right = None
+    # Contact k lies between the bodies k and k + 1.
     if body > 0:
         left = signals.contacts[body - 1].force
     elif left_action is not None:

@@ -76,7 +76,8 @@ class ContactHistory:
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
 
-        A grid gives the mean over each time step. ValueError for times outside the solution.
+        It has the shape of t. A grid gives the mean over each time step. ValueError for times
+        outside the solution.
         """
         ticks = self._fields.to_ticks_beside(t, side)
         return self.push.at(ticks, side)
@@ -105,11 +106,12 @@ class ContactHistory:
             stretch = float(self.gap(t))
             return self.law.replace(stretch=stretch)
         if isinstance(self.law, Plastic):
-            # The overlap is minus the gap: it is largest where the gap is smallest.
+            # The overlap is minus the gap: it is largest where the gap is smallest, among the
+            # starts of the pieces of the gap up to t, and t itself.
             earlier_gaps = self._gap.values[self._gap.ticks <= ticks]
             smallest_earlier = float(np.min(earlier_gaps, initial=0.0))
             largest_overlap = -min(smallest_earlier, float(self.gap(t)))
-            # It counts from the yielded faces, so that it is elastic: F = k overlap.
+            # The gap counts from the yielded faces, so the overlap is elastic: F = k overlap.
             force_reached = self.law.stiffness * largest_overlap
             return self.law.hardened(force_reached)
         return self.law
@@ -121,7 +123,9 @@ class ContactHistory:
         more of them: straight lines between them follow force and gap to 5e-5 of their ranges.
         """
         ticks = self.push.ticks
-        if self.push.size > 1:  # the force changes smoothly
+        has_constant_pieces = self.push.size == 1  # one coefficient a piece
+        if not has_constant_pieces:
+            # Straight lines between its marks follow a signal closely.
             ticks = each_once(self.push.marks, self._gap.marks)
         times = ticks * self._tick
         return Breakpoints(times, self.push.at(ticks), self._gap.at(ticks))
@@ -146,10 +150,11 @@ class ContactHistory:
         return self.push * self._closing
 
     def permanent_set(self) -> float:
-        """Permanent set of the contact at the end of the run, m.
+        """Permanent set of the contact at the end of the run, m; 0 or more.
 
         The gap is that of the deformed faces: it exceeds the distance of the undeformed faces
-        by this set.
+        by this set, which grows from 0. The distance of the undeformed faces changes as the
+        displacements of the right end of the left body and of the left end of the right body do.
         """
         fields = self._fields
         times = [0.0, fields.end * fields.clock.tick]
@@ -157,7 +162,7 @@ class ContactHistory:
         right_end = getattr(left_body, "length", 0.0)  # 0 in a wall or a rigid mass
         u_left = fields.displacement(self.index, right_end, times)
         u_right = fields.displacement(self.index + 1, 0.0, times)
-        parting = u_right - u_left
+        parting = u_right - u_left  # of the undeformed faces, [start, end]
         at_start, at_end = self.gap(times) - parting
         growth = float(at_end - at_start)
         return max(0.0, growth)  # round-off may make it negative

@@ -140,18 +140,18 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
     velocities = np.zeros((len(movable_bodies), len(ticks)))
     vibrational_kinetic = np.zeros((len(clock.system.bodies), len(ticks)))
     strain = np.zeros(vibrational_kinetic.shape)
-    for g, group in enumerate(movable_bodies):
-        momentum: Any = 0.0
-        for i in group:
-            mass[g] += clock.mass(i)
-            momentum = momentum + _momentum(fields, i, times)
-        if len(group) > 0:
+    for g, bodies in enumerate(movable_bodies):
+        momentum: Any = 0.0  # kg m/s [time]
+        for body in bodies:
+            mass[g] += clock.mass(body)
+            momentum = momentum + _momentum(fields, body, times)
+        if len(bodies) > 0:
             velocities[g] = momentum / mass[g]
         # The kinetic energies of its bodies are relative to the velocity of the group.
-        for i in group:
-            energies = _energies(fields, i, ticks, velocities[g])
-            vibrational_kinetic[i] = energies.kinetic
-            strain[i] = energies.strain
+        for body in bodies:
+            energies = _energies(fields, body, ticks, velocities[g])
+            vibrational_kinetic[body] = energies.kinetic
+            strain[body] = energies.strain
     return BondedGroups(
         ticks=ticks,
         movable_bodies=movable_bodies,
@@ -169,10 +169,10 @@ def movable_groups(system: System) -> list[list[int]]:
 
     Walls and the masses that are bonded to them cannot, so a group may have none.
     """
-    free = movable(system)
+    free_bodies = movable(system)
     movable_bodies = []
     for group in groups(system):
-        movable_bodies.append([i for i in group if i in free])
+        movable_bodies.append([body for body in group if body in free_bodies])
     return movable_bodies
 
 
@@ -218,8 +218,8 @@ def stored_energy(law: Any, gap: Floats) -> Floats:
     Its compression is minus the gap. Laws without `stored`, such as `Rigid`, store no energy.
     """
     compression = -gap
-    if law.opens:
-        compression = np.maximum(compression, 0.0)  # an open contact stores nothing
+    if law.opens:  # a joint does not open: it stores energy in tension, too
+        compression = np.maximum(compression, 0.0)
     if not hasattr(law, "stored"):
         return np.zeros(compression.shape)
     return np.asarray(law.stored(compression))
@@ -243,9 +243,9 @@ def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactE
     numerical = np.zeros(t.shape)
     for history in contacts:
         law = history.law
-        in_contact = stored_energy(law, history.gap(t))
-        stored += in_contact
-        loss = history.work_until(t) - (in_contact - in_contact[0])
+        stored_here = stored_energy(law, history.gap(t))
+        stored += stored_here
+        loss = history.work_until(t) - (stored_here - stored_here[0])
         # Without a restitution, rigid contact loses energy to cells of a grid alone.
         is_ideal = isinstance(law, Rigid) and law.restitution is None
         if is_ideal:
@@ -300,7 +300,8 @@ def ledger(
 def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
     """Integrals of push times speed from t = 0 to each tick, J, by the kind of what is outside.
 
-    A push to the right at the left end, `INWARD` 1, and to the left at the right end, -1.
+    Pushes point into the row and speeds to the right, so the power has the sign `INWARD`: 1 at the
+    left end, -1 at the right end.
     """
     works: dict[str, Floats] = {}
     for kind in BoundaryWorks._fields:
@@ -317,11 +318,12 @@ def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
     """Work done on what acts along the shafts of rods, from t = 0 to each tick."""
     works = ShaftWorks(np.zeros(ticks.shape), np.zeros(ticks.shape))
     for body, action in fields.signals.shafts.items():
-        work = works.soil
+        array = works.soil
         if isinstance(fields.rods[body].shaft, Drag):
-            work = works.drag
+            array = works.drag
         # The power is that on the rod: it is negative where soil or drag takes energy.
-        work -= action.power.integral(0, ticks) * fields.clock.tick
+        work_on_rod = action.power.integral(0, ticks) * fields.clock.tick
+        array -= work_on_rod  # in place: it is the array of `works`
     return works
 
 
@@ -360,10 +362,12 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     energies = ledger(fields, contacts, states)
     before = _motion_at(run.system, states, energies, 0)
     after = _motion_at(run.system, states, energies, -1)
-    if run.motion is not None:  # velocities that the method itself has found
-        first, last = run.motion
-        before = before._replace(velocities=first.velocities)
-        after = after._replace(velocities=last.velocities, vibration=last.vibration)
+    if run.motion is not None:  # the method itself has found these
+        found_before, found_after = run.motion
+        before = before._replace(velocities=found_before.velocities)
+        after = after._replace(
+            velocities=found_after.velocities, vibration=found_after.vibration
+        )
     works = Works(
         wall_work=float(energies.wall_work[-1]),
         drive_work=float(energies.drive_work[-1]),
@@ -381,7 +385,8 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     for i in range(len(run.system.bodies)):
         masses.append(clock.mass(i))
     initial_energy = float(energies.total[0])
-    energy_scale = _energy_scale(states.mass, works, clock.scale, initial_energy)
+    velocity_scale = clock.scale  # m/s
+    energy_scale = _energy_scale(states.mass, works, velocity_scale, initial_energy)
     missing_energy = float(energies.residual[-1])
     return Totals(
         masses=masses,
@@ -423,7 +428,8 @@ def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
     from_outside = _impulse_from_outside(fields, last_tick)
     of_gravity = states.mass * clock.gravity * (float(last_tick) * clock.tick)
     missing = gained - from_outside - of_gravity
-    scale = states.mass * clock.scale
+    velocity_scale = clock.scale  # m/s
+    scale = states.mass * velocity_scale
     for tally in run.contacts:
         is_known = not math.isnan(tally.impulse)
         if is_known:
@@ -436,7 +442,8 @@ def _motion_at(
 ) -> Motion:
     """Velocities and energies of the bodies at the k-th tick of the states.
 
-    A body has the velocity of its group, m/s, and its own vibration energy, J.
+    A body has the velocity of its group, m/s, or of the wall that holds it, and its own vibration
+    energy, J.
     """
     velocities = []  # of the bodies from left to right, as groups are neighbours
     for g, group in enumerate(groups(system)):

@@ -82,7 +82,8 @@ def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> Fie
     for name in FieldError._fields:
         error = _error_of(name, fine, coarser, t.ravel())
         errors[name] = error.reshape(t.shape)
-    if any(mesh.steep for mesh, _ in coarser):
+    has_steep_waves = any(mesh.steep for mesh, _ in coarser)
+    if has_steep_waves:  # no mesh has the values at their jumps
         errors["velocity"] = np.full(t.shape, np.inf)
         errors["stress"] = np.full(t.shape, np.inf)
     return FieldError(**errors)
@@ -97,14 +98,16 @@ def _error_of(
     """
     error = np.full(t.size, np.inf)  # inf: no mesh has been compared at this time
     for mesh, coarse in coarser:
-        near_steps = coarse.fields.step * np.array(COMPARED_STEPS)
-        times = np.clip(t[:, None] + near_steps, 0.0, fine.t_end)  # [time, near]
+        time_step = coarse.fields.step  # s
+        delays = time_step * np.array(COMPARED_STEPS)
+        times = np.clip(t[:, None] + delays, 0.0, fine.t_end)  # [time, delay]
         # A time counts where the coarser run reaches all the times near it.
         is_reached = times.max(axis=1) <= coarse.t_end
         if not is_reached.any():
             continue
+        # The finer mesh has at most this share of the difference as its error.
         by_this_mesh = mesh.share * _difference(name, fine, coarse, times[is_reached])
-        by_others = error[is_reached]
+        by_others = error[is_reached]  # a copy
         by_others[np.isinf(by_others)] = 0.0  # this mesh is the first to be compared
         error[is_reached] = np.maximum(by_others, by_this_mesh)
     return error
@@ -114,7 +117,7 @@ def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
     """Largest absolute difference of a field of two solutions near each time, [time].
 
     It is the largest one over all rods, over the compared points of each, and over the times near
-    each time, `times` [time, near], s. Walls and rigid masses are left out.
+    each time, `times` [time, delay], s. Walls and rigid masses are left out.
     """
     largest = np.zeros(len(times))
     instants = times.ravel()
@@ -126,7 +129,7 @@ def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
         # The methods of that name, such as `Solution.stress`, give [point, instant].
         fine_values = getattr(fine, name)(body, column, instants)
         coarse_values = getattr(coarse, name)(body, column, instants)
-        over_points = np.abs(fine_values - coarse_values).max(axis=0)
-        over_near_times = over_points.reshape(times.shape).max(axis=1)
-        largest = np.maximum(largest, over_near_times)
+        over_points = np.abs(fine_values - coarse_values).max(axis=0)  # [instant]
+        over_delays = over_points.reshape(times.shape).max(axis=1)  # [time]
+        largest = np.maximum(largest, over_delays)
     return largest

@@ -138,14 +138,14 @@ class Fields(Protocol):
         """Mean velocity and strain at points x, m [point], in the intervals between times t, s.
 
         They are the differences of displacements, and of integrals of the strain, over durations.
-        The n times increase, and have n - 1 intervals.
+        The n times increase, and have n - 1 intervals: the means are [point, interval].
         """
         ticks = self.to_ticks(t)
-        displacement = self.displacement(body, x[:, None], t)
-        strain_integral = self.strain_integral(body, x, ticks)
+        displacement = self.displacement(body, x[:, None], t)  # [point, time]
+        strain_integral = self.strain_integral(body, x, ticks)  # ticks [point, time]
         durations = np.diff(ticks)
         velocity = np.diff(displacement) / (durations * self.clock.tick)
-        strain = np.diff(strain_integral) / durations  # both in ticks
+        strain = np.diff(strain_integral) / durations
         return MeanState(velocity, strain)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
@@ -208,9 +208,10 @@ class Fields(Protocol):
         return np.array([0.0, *accumulate(lengths)])
 
     def locate(self, body: int, x: ArrayLike) -> Location:
-        """Segments in which points x of a rod lie, m; ValueError for points outside of the rod.
+        """Segments in which points x of a rod lie, m, and their distances from its left end.
 
-        A point between two segments lies in the right one.
+        A point between two segments lies in the right one. ValueError for a body that is no rod,
+        and for points outside of the rod.
         """
         self._check_rod(body)
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
@@ -291,7 +292,11 @@ class Fields(Protocol):
     def velocity(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        """Velocity, m/s; x and t broadcast, and x is 0 in a mass or a wall."""
+        """Velocity, m/s; x and t broadcast, and x is 0 in a mass or a wall.
+
+        It is the velocity in the clock's frame, plus that of the frame, which falls with gravity. A
+        wall has its own velocity alone.
+        """
         ticks = self.to_ticks_beside(t, side)
         points = array("x", x, "m")
         if self._is_rod(body):
@@ -301,7 +306,7 @@ class Fields(Protocol):
             if self._is_wall(body):
                 wall_velocity = self._wall_velocity(body) + 0.0  # no -0.0
                 return np.full(ticks.shape, wall_velocity)
-            in_frame = self.signals.masses[body].at(ticks, side)
+            in_frame = self.signals.masses[body].at(ticks, side)  # of the rigid mass
             velocity = in_frame + self.clock.frame
         if self.clock.gravity:
             # g t has no jumps, so it needs no side.
@@ -320,7 +325,8 @@ class Fields(Protocol):
             if self._is_wall(body):
                 return np.asarray(self._wall_velocity(body) * ticks * clock.tick)
             of_frame = clock.frame * (ticks * clock.tick)
-            in_frame = self.signals.masses[body].integral(0, ticks) * clock.tick
+            mass_velocity = self.signals.masses[body]  # in the frame, m/s
+            in_frame = mass_velocity.integral(0, ticks) * clock.tick
             displacement = in_frame + of_frame
         time = ticks * clock.tick
         return displacement + clock.gravity * time * time / 2
@@ -354,7 +360,7 @@ class Fields(Protocol):
         right_end = 0.0  # of the body before, m
         for body in range(len(clock.spans)):
             left_end = right_end
-            if body > 0:
+            if body > 0:  # contact body - 1 is that on its left
                 stretch = getattr(system.contacts[body - 1], "stretch", 0.0)
                 left_end += float(system.gaps[body - 1]) + float(stretch)
             positions.append(left_end)

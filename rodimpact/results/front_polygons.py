@@ -107,8 +107,10 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
         latest = stop - T + (stop - p[k])
         low = max(p[k] - T, earliest)
         high = min(p[k + 1] + T, latest)
-        first.append(bisect_right(q, low, 1) - 1)  # its range of q contains `low`
-        after_last.append(bisect_left(q, high, 0, last))  # it begins at `high` or later
+        # The first range of q contains `low`, or is the first of all if `low` lies before it.
+        first.append(bisect_right(q, low, 1) - 1)
+        # The range after the last one begins at `high` or later, if there is one.
+        after_last.append(bisect_left(q, high, 0, last))
     return Lattice(p, q, first, after_last)
 
 
@@ -132,8 +134,8 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
     """Part of a polygon in which n0 p + n1 q <= bound; no corners if that has no area.
 
     The depth of a corner is bound - n0 p - n1 q, positive inside. Corners inside stay, and sides
-    are cut where the depth is 0. Sides run along p, along q or diagonally, so that they are cut at
-    whole ticks.
+    are cut where the depth is 0, between corners whose depths have different signs. Sides run along
+    p, along q or diagonally, so that they are cut at whole ticks.
     """
     inside: list[Corner] = []
     depth = [bound - n0 * p - n1 * q for p, q in corners]
@@ -260,9 +262,10 @@ def add_segment(
             polygons["strain"].append(strain)
             polygons["stress"].append(strain * piece["youngs_modulus"])
             for p, q in region(p_range, q_range, T, start, stop):
+                # Twice the displacement, m/s ticks: in the frame, then with that of the frame
                 a_passed = integral_to(a, p) - a_passed_at_start
-                in_frame = a_passed + integral_to(b, q) - b_passed_at_start
-                twice = in_frame + frame * (p + q + T)  # the displacement, m/s ticks
+                twice_in_frame = a_passed + integral_to(b, q) - b_passed_at_start
+                twice = twice_in_frame + frame * (p + q + T)
                 displacement = twice / 2 * tick + left.displacement
                 x = left.x + (q - p + T) / 2 / T * length
                 polygons["x"].append(x)

@@ -171,9 +171,11 @@ class Gauge:
         parts = self._cell_parts(bounds)
         cell_of_part = parts.cell
         begin = (parts.cuts[:-1] - bounds[cell_of_part]) / step  # u where a part begins
-        width = np.diff(parts.cuts)[:, None] / step
-        # Gauss's rule is exact here: in a part, the strain times u^2 is one polynomial.
-        shares, weights = quadrature((self.record.size + 3) // 2)
+        width = np.diff(parts.cuts)[:, None] / step  # of a part, in u
+        # In a part the strain is one polynomial, of the degree size - 1, and the strain times u^2
+        # of the degree size + 1. Gauss's rule of n points is exact up to the degree 2 n - 1.
+        point_count = (self.record.size + 3) // 2
+        shares, weights = quadrature(point_count)  # points from 0 to 1, in the width
         u = begin[:, None] + width * shares  # [part, point of the rule]
         strain = self.record.inside(parts.cuts[:-1], parts.cuts[1:], shares)
         weighted = strain * weights * width
@@ -192,11 +194,14 @@ class Gauge:
         return means
 
     def _cell_parts(self, bounds: Floats) -> CellParts:
-        """Cut cells between increasing bounds, ticks, where the strain has another polynomial."""
+        """Cut cells between increasing bounds, ticks, where the strain has another polynomial.
+
+        A cell without such a break in it is one part.
+        """
         all_breaks = self.record.breaks
         first, stop = all_breaks.searchsorted(bounds[[0, -1]])
         breaks = all_breaks[first:stop]
-        # A break lies before the bound `next_bound`, in the cell before that bound.
+        # Index of the bound behind each break. The cell of this break has the index before it.
         next_bound = bounds[:-1].searchsorted(breaks, side="right")
         cuts = np.insert(bounds, next_bound, breaks)
         cell_count = len(bounds) - 1
@@ -331,7 +336,8 @@ def _sampling(interval: Any, end: float) -> Sampling:
             f"gives {end / step:.3g} rows, more than {MAX_TABLE_ROWS}; take at least"
         )
         raise invalid_argument("interval", f"{message} {least:.3g} s, got {step!r}")
-    interval_count = int(end / step * (1 + SAMPLE_COUNT_RTOL))  # rounded down
+    # Rounded down, but for a last sample that is late by no more than round-off
+    interval_count = int(end / step * (1 + SAMPLE_COUNT_RTOL))
     return Sampling(step, interval_count + 1)
 
 

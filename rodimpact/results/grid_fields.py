@@ -112,6 +112,7 @@ class GridFields(Fields):
         before = np.clip(before, 0, max(last - 1, 0))
         after = np.minimum(before + 1, last)
         duration = np.maximum(states[after] - states[before], 1)  # 0 of a single state
+        # After the last state its values stay.
         share = np.minimum((ticks - states[before]) / duration, 1.0)
         value_before = values[before, columns]
         value_after = values[after, columns]
@@ -232,14 +233,17 @@ class GridFields(Fields):
         of s(l) - s(f) since t = 0, with the first node f of the bonded bodies to which it belongs.
         """
         motion = self.motion
+        # Cell n lies left of node n, and one cell more right of the last node.
         elongation = self._cell_strain[:, :-1] * motion.cells.width[:-1]
         stretch = np.cumsum(elongation, axis=1)  # m [state, node]
         tables = {}
         for body in self.rods:
             nodes = self._span(body).nodes
+            # A piece is the mesh of bonded bodies, and begins with the node f.
             piece = int(np.searchsorted(motion.starts, nodes.start, side="right")) - 1
             stretch_at_left = stretch[:, nodes.start]
             stretch_in_piece = stretch_at_left - stretch[:, motion.starts[piece]]
+            # The motion has m/s times steps, so that it takes the duration of a step.
             u_first = motion.displacement[:, piece] * self.step
             u_left = u_first + stretch_in_piece - stretch_in_piece[0]
             without_stretch = u_left - stretch_at_left
@@ -322,7 +326,8 @@ class GridFields(Fields):
         """Energy of a rod in the state at `tick`; kinetic energy relative to a velocity, m/s."""
         clock = self.clock
         span = self._span(body)
-        state = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
+        step_number = tick // STEP_TICKS
+        state = int(np.searchsorted(self.motion.when, step_number))
         in_frame = self.motion.velocity[state, span.nodes]
         v = in_frame + clock.frame + clock.gravity * tick * clock.tick - velocity
         energies = self.motion.energies(span.nodes, span.mass, state, v, self.step)
@@ -330,8 +335,10 @@ class GridFields(Fields):
 
     def viscous_loss(self, ticks: Ints) -> Floats:
         """Energy lost in damped material from t = 0 to each tick, J; ticks are those of states."""
-        states = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
-        return np.asarray(self.motion.lost[states] * self.step)
+        step_numbers = ticks // STEP_TICKS
+        states = np.searchsorted(self.motion.when, step_numbers)
+        energy_in_steps = self.motion.lost[states]  # W times steps
+        return np.asarray(energy_in_steps * self.step)
 
     def mobilised(self, body: int, tick: int) -> Steps | float:
         """Share of the resistance that is mobilised along a rod, at `tick`.
@@ -342,9 +349,9 @@ class GridFields(Fields):
         soil = self.soil_at_nodes(body, tick)
         if not soil.ultimate.any():
             return 0.0
-        middles = []
-        for x in self._segment_places(body):
-            middles.append((x[1:] + x[:-1]) / 2)
+        middles = []  # of the cells, m
+        for nodes in self._segment_places(body):
+            middles.append((nodes[1:] + nodes[:-1]) / 2)
         return Steps(soil.mobilised.tolist(), np.concatenate(middles).tolist())
 
     def soil_at_nodes(self, body: int, tick: int) -> SoilAtNodes:
@@ -354,9 +361,9 @@ class GridFields(Fields):
         """
         soil = self.motion.soil
         nodes = self._span(body).nodes
-        shaft = shaft_bodies(self.clock.row).index(body)  # index among such rods
+        shaft = shaft_bodies(self.clock.row).index(body)  # index among rods in soil
         columns = np.flatnonzero(soil["shaft"] == shaft)  # nodes in soil of this rod
-        held = soil["node"][columns] - nodes.start  # the same, counted in the rod
+        held = soil["node"][columns] - nodes.start  # the same, by index in the rod
         resistance = self._between_states(
             self.motion.resistance, columns, np.asarray(tick)
         )
@@ -428,6 +435,8 @@ class GridFields(Fields):
                 force = sign * end.push
                 middle_of_step = int(np.argmax(force)) + 0.5
                 t = middle_of_step * self.step
+                # The forces are means over steps: the largest one in a step exceeds its mean. A
+                # push is compression, and negative.
                 stress = -sign * largest_force(force) / end.area
                 yield StressPeak(stress, end.x, t)
 

@@ -80,8 +80,11 @@ def cell_states(motion: GridMotion, strain: Floats, velocity: Floats) -> CellSta
     """
     cells = motion.cells
     rate = np.zeros(motion.force.shape)
+    # The first and the last cell lie outside of the row, where the rate is 0.
     rate[:, 1:-1] = np.diff(velocity, axis=1) / cells.width[1:-1]
-    tension = motion.force + cells.viscous * cells.width * rate
+    # `viscous` is eta A over the width.
+    viscous_force = cells.viscous * cells.width * rate
+    tension = motion.force + viscous_force
     return CellStates(strain, rate, tension)
 
 
@@ -144,6 +147,8 @@ def _extrapolated(values: Floats, end: SegmentEnd) -> Floats:
 def _has_lateral_inertia(motion: GridMotion, end: SegmentEnd) -> bool:
     """Whether lateral inertia takes a share of the force on the node of an end."""
     cells = motion.cells
+    # By Rayleigh and Love a cell has `lateral` inertia, by Mindlin and Herrmann that of swelling.
+    # Cell n lies left of node n.
     beside_node = (cells.lateral[end.node], cells.lateral[end.node + 1])
     return any(beside_node) or bool(cells.swelling[end.cell])
 
@@ -200,11 +205,12 @@ def _push_on(motion: GridMotion, node: int) -> Floats:
     at the first and the last it is extrapolated by half a step.
     """
     step_means = motion.pushes.get(node, np.zeros(1))
-    if len(step_means) == 0:
+    if len(step_means) == 0:  # nothing moves: no step was made
         return np.zeros(1)
     if len(step_means) == 1:
         return np.repeat(step_means, len(motion.when))
-    outer = 1.5 * step_means[[0, -1]] - 0.5 * step_means[[1, -2]]
+    first_and_last = 1.5 * step_means[[0, -1]] - 0.5 * step_means[[1, -2]]
     between = (step_means[1:] + step_means[:-1]) / 2
-    after_steps = np.concatenate((outer[:1], between, outer[1:]))  # [0 to n steps]
+    # The force after each number of steps, from 0 to all
+    after_steps = np.concatenate((first_and_last[:1], between, first_and_last[1:]))
     return np.asarray(after_steps[motion.when])

@@ -281,7 +281,10 @@ class Outcome(OnlyContact[float]):
 
 
 def outcome_of(run: Run, totals: Totals) -> Outcome:
-    """The outcome of a run with these totals."""
+    """The outcome of a run with these totals.
+
+    The status of the run is followed by a warning if the balance of the totals does not close.
+    """
     system = run.system
     warning = _balance_warning(totals.momentum_residual, totals.energy_residual)
     return Outcome(
@@ -300,7 +303,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         final=run.final,
         status=run.status + warning,
         driven=has_external_drive(system) or bool(system.gravity),
-        **totals.works._asdict(),
+        **totals.works._asdict(),  # works and losses, by the names of the outcome
     )
 
 

@@ -46,7 +46,7 @@ class PairTheory(NamedTuple):
     def mapped(self, change: Callable[[Floats], Floats]) -> PairTheory:
         """A family with `change(array)` in place of each array of each body."""
         changed = []
-        for left, right in self:
+        for left, right in self:  # both impedances, both transit times, and so on
             changed.append(np.stack([change(left), change(right)]))
         return PairTheory(*changed)
 
@@ -136,9 +136,10 @@ def pair_theory(system: System) -> PairTheory | None:
     is_pair = len(system.bodies) == 2
     if not is_pair or not isinstance(system.contacts[0], Rigid):
         return None
+    # Gravity, or something at the ends, acts on the row if it differs from this one.
     without_loads = System(system.bodies, system.gaps, system.contacts)
     if system != without_loads:
-        return None  # gravity, or something at the ends, acts on the row
+        return None
     left = _body_numbers(system.bodies[0])
     right = _body_numbers(system.bodies[1])
     if left is None or right is None:

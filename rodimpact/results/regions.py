@@ -141,7 +141,7 @@ def nothing_to_draw(solution: Solution) -> str:
 
 
 def readable_until(solution: Solution, limit: int) -> float:
-    """Latest of the times t_end, t_end/2, t_end/4, ..., s, with up to `limit` regions before it.
+    """Latest of the times t_end, t_end/2, t_end/4, ..., s, with up to `limit` regions from 0 to it.
 
     Raises
     ------

@@ -84,13 +84,15 @@ class RingDown:
 def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     """How vibration dies out from `start` to `end`, s; see `Solution.ring_down`.
 
-    InvalidModel if a grid has kept too few states in between.
+    Energies are read at `DECAY_SAMPLES` + 1 equally spaced times, or at the states of a grid next
+    to them. InvalidModel if a grid has kept too few states in between.
     """
     even_times = np.linspace(start, end, DECAY_SAMPLES + 1)
     known_ticks = fields.nearest_energy_ticks(fields.to_ticks(even_times))
     ticks = np.unique(known_ticks)
-    is_long = end - start > MIN_DECAY_SAMPLES * fields.step
-    if len(ticks) < MIN_DECAY_SAMPLES and is_long:
+    # A shorter time has fewer steps of the grid, all of which may have been kept.
+    has_steps_enough = end - start > MIN_DECAY_SAMPLES * fields.step
+    if len(ticks) < MIN_DECAY_SAMPLES and has_steps_enough:
         message = (
             f"only {len(ticks)} states were kept after the collision; leave snapshots "
             "out, or give more of them"
@@ -126,10 +128,11 @@ def _slowest_mode(fields: Fields) -> RodMode:
     """The mode whose decay time is the longest, of all rods, each free by itself."""
     modes = []
     for body, rod in fields.rods.items():
+        # Angular frequency, rad/s, and decay rate of the amplitude, 1/s
         omega, rate = lasting_mode(rod.segments)
         decay_time = math.inf
         if rate > 0:
-            decay_time = 1 / (2 * rate)  # energy decays twice as fast as the motion
+            decay_time = 1 / (2 * rate)  # energy decays twice as fast as the amplitude
         frequency = omega / (2 * math.pi)
         modes.append(RodMode(decay_time, body, frequency))
     return max(modes)  # by their first field, the decay time

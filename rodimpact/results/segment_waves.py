@@ -113,7 +113,8 @@ class SegmentWaves(NamedTuple):
         breaks_of_B = leftward.breaks_in(start, tick)
         edges = each_once([start], breaks_of_A, breaks_of_B, [tick])
         # Gauss's rule with as many points as coefficients is exact for the squares.
-        shares, weights = quadrature(max(rightward.size, leftward.size))
+        point_count = max(rightward.size, leftward.size)
+        shares, weights = quadrature(point_count)  # points from 0 to 1, in an interval
         A = rightward.inside(edges[:-1], edges[1:], shares) - velocity
         B = leftward.inside(edges[:-1], edges[1:], shares) - velocity
         total = A + B
@@ -142,7 +143,7 @@ class SegmentWaves(NamedTuple):
         bounds = each_once(fronts_of_A, fronts_of_B)
         # The tick was rounded from a time in s, a float: a wave within its round-off of an
         # end has just left it.
-        round_off = tick >> 51
+        round_off = tick >> 51  # tick/2^51, rounded down: a float has 53 binary digits
         is_inside = (bounds > round_off) & (bounds < T - round_off)
         return np.concatenate(([0], bounds[is_inside], [T]))
 

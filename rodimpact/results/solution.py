@@ -369,12 +369,14 @@ class Solution(Shown):
         # eps = (B - A)/(2 c) and v = (A + B)/2, in the clock's frame.
         waves = self.fields.point_history(self._index(body), x)
         clock = self.fields.clock
+        # Straight lines between the marks of a signal follow it closely.
         ticks = each_once(waves.rightward.marks, waves.leftward.marks)
         times = ticks * clock.tick
         rightward = waves.rightward.at(ticks)
         leftward = waves.leftward.at(ticks)
+        frame = clock.frame + clock.gravity * times  # its velocity, m/s
+        # With the initial velocity v0: eps = (v0 - A)/(2 c) + (B - v0)/(2 c).
         initial_velocity = (rightward[0] + leftward[0]) / 2
-        frame = clock.frame + clock.gravity * times
         strain_per_difference = 0.5 / waves.wave_speed
         return Gauge(
             body=body,
@@ -432,10 +434,10 @@ class Solution(Shown):
         for name in FIELDS_OF_ALL_BODIES + FIELDS_OF_RODS:
             field = self._field(name, x, t, inside)
             data[name] = ["body", "x", "time"], field
-        means = []
+        mean_velocities = []
         for i in range(len(self.system.bodies)):
-            means.append(self.mean_velocity(i, t))
-        data["mean_velocity"] = ["body", "time"], np.array(means)
+            mean_velocities.append(self.mean_velocity(i, t))
+        data["mean_velocity"] = ["body", "time"], np.array(mean_velocities)
         for name in ("force", "gap"):
             data[name] = ["contact", "time"], self._at_contacts(name, t)
         energies = vars(self.energy(t))
@@ -465,10 +467,10 @@ class Solution(Shown):
         longest = 0.0
         inside = []
         for body in self.system.bodies:
-            length = float(getattr(body, "length", 0.0))
+            length = float(getattr(body, "length", 0.0))  # 0 in a wall or a mass
             longest = max(longest, length)
-            latest = length * (1 + END_RTOL)
-            inside.append((x >= 0) & (x <= latest))
+            farthest = length * (1 + END_RTOL)
+            inside.append((x >= 0) & (x <= farthest))
         # `demand` puts the first value outside in place of {0!r}.
         message = f"must lie in a body, from 0 to {longest:.9g} m, got {{0!r}}"
         demand(np.any(inside, axis=0), "x", message, x)
@@ -544,7 +546,7 @@ class Solution(Shown):
         message = "gravity or a driven end acts on and on"
         demand(not self.outcome.driven, "ring_down", message)
         start = self.t_final
-        if not start < self.t_end:
+        if not start < self.t_end:  # inf if a contact presses for ever
             start = self.t_proved
         return ring_down(self.fields, start, self.t_end)
 
@@ -640,8 +642,8 @@ class Solution(Shown):
     def _property_along(self, body: int, x: ArrayLike, name: str) -> Floats:
         """Values of ``"area"``, or of a number of the material, at points x of a rod.
 
-        The points are in m from the left end of the rod; the values have their shape. Samples
-        are interpolated.
+        The points are in m from the left end of the rod; the values have their shape. Samples along
+        a segment are interpolated.
         """
         location = self.fields.locate(body, x)
         values = np.empty(location.segment.shape)
@@ -653,9 +655,7 @@ class Solution(Shown):
                 value = getattr(segment.material, name)
             if isinstance(value, Samples):
                 value = value.values
-            samples = np.atleast_1d(
-                value
-            )  # a number is a single sample, which holds on
+            samples = np.atleast_1d(value)  # a number is one sample, which holds on
             places = np.linspace(0.0, float(segment.length), len(samples))
             here = location.segment == number
             values[here] = np.interp(location.distance[here], places, samples)

@@ -121,7 +121,11 @@ def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
 
 
 def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
-    """The earliest meeting with the largest d; None if d is positive nowhere."""
+    """The earliest meeting with the largest d; None if d is positive nowhere.
+
+    That is the best of the meetings on the four sides and inside. Those that differ by no more
+    than round-off are equal.
+    """
     meetings = []
     largest = 0.0
     for side in sides:
@@ -139,6 +143,7 @@ def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
     for meeting in meetings:
         if meeting.difference >= largest * (1 - EQUAL_STRESS_RTOL):
             equal.append(meeting)
+    # A meeting has the tick (p + q + T)/2.
     return min(equal, key=lambda meeting: meeting.p + meeting.q)
 
 
@@ -176,13 +181,14 @@ def _largest_on_side(side: Side) -> Meeting | None:
     edges = _edges(signal, is_long)
     if len(edges.values) == 0:
         return None
+    # Turning points are looked for in pieces alone that may exceed the largest edge.
     largest_at_edges = float(edges.values.max())
     may_exceed = _bounds(signal).upper > largest_at_edges
     turning = _turning_points(signal, is_long & may_exceed)
     samples = _joined(edges, turning)
     largest = float(samples.values.max())
     least_equal = largest - abs(largest) * EQUAL_STRESS_RTOL
-    equal = np.flatnonzero(samples.values >= least_equal)
+    equal = np.flatnonzero(samples.values >= least_equal)  # but for round-off
     first = equal[np.argmin(samples.ticks[equal])]
     time = int(samples.ticks[first])
     return Meeting(
@@ -280,8 +286,8 @@ def _between(signal: Pieces, first: int, last: int) -> Pieces:
 
 
 def _bounds(signal: Pieces) -> Bounds:
-    """A lower and an upper bound of each piece: no Chebyshev polynomial exceeds 1."""
-    middle = signal.coefficients[:, 0]
+    """A lower and an upper bound of each piece: no Chebyshev polynomial exceeds 1 in it."""
+    middle = signal.coefficients[:, 0]  # that of the constant polynomial
     swing = _sum_of_sizes(signal.coefficients[:, 1:])
     return Bounds(middle - swing, middle + swing)
 
@@ -322,20 +328,22 @@ def _edges(signal: Pieces, chosen: Mask) -> Samples:
         return first_values
     all_stops = np.append(signal.ticks[1:], signal.end)
     stops = all_stops[chosen] - INSIDE_TICKS
-    at_stops = signal.coefficients[chosen].sum(axis=1)  # polynomials are 1 at y = 1
+    # Every Chebyshev polynomial is 1 at the stop of its piece.
+    at_stops = signal.coefficients[chosen].sum(axis=1)
     return _joined(first_values, Samples(stops, at_stops))
 
 
 def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
     """Values inside the chosen pieces where the derivative is 0.
 
-    A zero at y of a piece lies (y + 1)/2 of its width behind its start, less a little at both ends.
+    The variable y of a piece runs from -1 at its start to 1 at its stop. A zero at y lies
+    (y + 1)/2 of the width behind the start, less a little at both ends.
     """
     # Pieces of fewer than three coefficients are straight.
     if signal.size < 3 or not chosen.any():
         return Samples(np.zeros(0, np.int64), np.zeros(0))
     slopes = chebyshev.chebder(signal.coefficients, axis=1)
-    # The constant term of a slope keeps its sign where the others cannot outweigh it.
+    # A slope keeps the sign of its constant term where the others cannot outweigh it.
     swing = _sum_of_sizes(slopes[:, 1:])
     changes_sign = (swing > 0) & (swing >= np.abs(slopes[:, 0]))
     zeros = _zeros(slopes, np.flatnonzero(chosen & changes_sign))

@@ -151,7 +151,8 @@ class WaveFields(Fields):
         A formula gives values of that side. On a grid, those of the right side are found faster.
         """
         # A field that is constant between fronts has the value of each front from it on.
-        if side == "right" and self.constant_between_fronts and _is_grid(x, ticks):
+        holds_from_fronts = side == "right" and self.constant_between_fronts
+        if holds_from_fronts and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)
         return self._values(body, x, ticks, formula)
 
@@ -163,7 +164,7 @@ class WaveFields(Fields):
         for segment in np.unique(points.segment).tolist():
             waves = self.waves(segment)
             here = segments == segment
-            offset = offsets[here]
+            offset = offsets[here]  # time of travel from the left end, ticks
             # The waves at a tick left the ends at p = tick - offset and
             # q = tick - (T - offset).
             p = all_ticks[here] - offset
@@ -204,6 +205,7 @@ class WaveFields(Fields):
         waves = self.waves(int(point.segment))
         rightward = waves.rightward.later(offset)
         leftward = waves.leftward.later(waves.transit - offset)
+        # At a break of a wave the next of its polynomials begins.
         breaks = each_once([0], rightward.breaks, leftward.breaks)
         breaks = breaks[(breaks >= 0) & (breaks <= self.end)]
         rightward = rightward.cut(breaks, self.end)
@@ -222,7 +224,7 @@ class WaveFields(Fields):
         momentum: Any = 0.0
         for waves in self.waves_along(body):
             of_frame = clock.frame * waves.transit
-            velocity_integral = waves.velocity_integral(ticks) + of_frame
+            velocity_integral = waves.velocity_integral(ticks) + of_frame  # m/s ticks
             momentum = momentum + waves.impedance * velocity_integral * clock.tick
         of_fall = clock.mass(body) * self._fall_velocity(ticks)
         return np.asarray(momentum + of_fall)
@@ -335,7 +337,8 @@ def _constant_runs(
     fronts_of_A = waves.rightward.ticks[1:] + offsets
     fronts_of_B = waves.leftward.ticks[1:] + T - offsets
     fronts = np.concatenate((fronts_of_A, fronts_of_B), axis=1)
-    # Index of the first given tick at or after each front, in order of the fronts.
+    # Index of the first given tick at or after each front, in order of the fronts. A value holds
+    # for the ticks up to the first one of the next value.
     first_held = np.sort(ticks.searchsorted(fronts.T), axis=0).T
     repeats = np.diff(first_held, prepend=0, append=len(ticks))
     # The first value holds before all fronts, so there is one value more than fronts.
