@@ -199,7 +199,10 @@ class _Pair(NamedTuple):
     level: float  # plateau of the second record, in its unit
 
     def prediction(self, speed: float, nu: float) -> Floats:
-        """The first record at the times of the compared samples, after the distance."""
+        """The first record at the times of the compared samples, after the distance.
+
+        Between its samples it is a cubic spline, beyond its ends its first and its last value.
+        """
         from scipy.interpolate import CubicSpline
 
         bar = waves.Bar(speed, nu, self.radius)
@@ -210,9 +213,14 @@ class _Pair(NamedTuple):
         return predicted
 
     def record(self, speed: float, nu: float) -> Floats:
-        """The compared samples of the second record, below the cut-off frequency."""
+        """The compared samples of the second record, below the cut-off frequency.
+
+        Propagated by no distance, a record has lost what the first mode does not carry.
+        """
         bar = waves.Bar(speed, nu, self.radius)
-        carried = filters.dispersed(self.second.values, self.second.dt, 0.0, bar)
+        carried = filters.dispersed(
+            self.second.values, self.second.dt, distance=0.0, bar=bar
+        )
         compared: Floats = carried[self.compared]
         return compared
 
@@ -225,15 +233,18 @@ class _Pair(NamedTuple):
 
 
 def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pair:
-    """Both records with a first estimate of the bar speed; InvalidModel without a pulse."""
+    """Both records with a first estimate of bar speed and gain; InvalidModel without a pulse.
+
+    The first record, moved by the speed of the given bar, is shifted against the second one by up
+    to `SEARCHED_SPEED_RTOL` of the travel time, to where it fits best.
+    """
     travel = distance / bar.wave_speed
     slack = SEARCHED_SPEED_RTOL * travel
     moved = first.propagated(distance, bar)
     low = max(second.start, moved.start - slack)
     high = min(second.end, moved.end + slack)
-    if np.count_nonzero((second.times >= low) & (second.times <= high)) < (
-        MIN_COMPARED_SAMPLES
-    ):
+    may_be_pulse = (second.times >= low) & (second.times <= high)
+    if np.count_nonzero(may_be_pulse) < MIN_COMPARED_SAMPLES:
         message = (
             f"must contain the pulse at {moved.start:.4g} to {moved.end:.4g} s, "
             f"got {second.start:.4g} to {second.end:.4g} s"
@@ -246,11 +257,15 @@ def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pa
         raise invalid_argument(
             "distance", f"{message}; correct the distance, or the bar's wave speed"
         )
-    arrival = travel + misfit.shift
-    times = second.times
-    compared = (times >= first.start + arrival) & (times <= first.end + arrival)
+    measured_travel = travel + misfit.shift
+    low = first.start + measured_travel
+    high = first.end + measured_travel
+    compared = (second.times >= low) & (second.times <= high)
     start = _Numbers(
-        speed=distance / arrival, nu=bar.poisson_ratio, gain=misfit.scale, offset=0.0
+        speed=distance / measured_travel,
+        nu=bar.poisson_ratio,
+        gain=misfit.scale,
+        offset=0.0,
     )
     level = plateau(second.values[compared])
     return _Pair(first, second, distance, start, bar.radius, compared, level)
@@ -265,7 +280,10 @@ class _SearchEnd(NamedTuple):
 
 
 def _least_squares(pair: _Pair) -> _SearchEnd:
-    """Best numbers; the variables count from `pair.start` in `units`, and begin at 1."""
+    """Best numbers, their standard errors and the misfit, by least squares.
+
+    The variables x of the search begin at 1: a number is its start + its unit (x - 1).
+    """
     from scipy.optimize import least_squares
 
     start = np.array(pair.start)
@@ -276,12 +294,18 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
     )
 
     def numbers_at(x: Floats) -> _Numbers:
+        """The numbers that these variables stand for."""
         return _Numbers(*(start + units * (x - 1.0)).tolist())
 
     def residuals(x: Floats) -> Floats:
+        """Prediction less second record, over the plateau, [sample]."""
         return pair.residuals(numbers_at(x))
 
     def jacobian(x: Floats) -> Floats:
+        """Derivatives of the residuals by the variables, [sample, variable].
+
+        Those by speed and nu are differences; gain and offset enter linearly.
+        """
         numbers = numbers_at(x)
         predicted = pair.prediction(numbers.speed, numbers.nu)
         here = pair.residuals(numbers)
@@ -312,8 +336,8 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
         xtol=SEARCH_TOLERANCE,
     )
     bar = waves.Bar(pair.start.speed, pair.start.nu, pair.radius)
-    mean_square = float(np.mean(end.fun**2))
-    # noise below the cut-off: so many of the samples are independent
+    mean_square = float(np.mean(end.fun**2))  # of the residuals
+    # Noise below the cut-off frequency has two independent samples a period of it.
     independent_share = min(1.0, 2 * bar.cut_off * pair.second.dt)
     covariance = np.linalg.inv(end.jac.T @ end.jac) * mean_square / independent_share
     errors = units * np.sqrt(np.diag(covariance))

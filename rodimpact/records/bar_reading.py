@@ -82,10 +82,11 @@ def rods_of(bars: Any) -> Rods:
 
 
 def _is_uniform(rod: Any) -> bool:
-    """Whether it is a single rod of one section and one material."""
+    """Whether it is a single rod, not a family of them, of one section and one material."""
     if not isinstance(rod, Rod) or len(rod.segments) != 1:
         return False
-    return not rod.segments[0].tapered and not System([rod]).shape
+    is_family = bool(System([rod]).shape)
+    return not rod.segments[0].tapered and not is_family
 
 
 class _Record(NamedTuple):
@@ -99,7 +100,11 @@ class _Record(NamedTuple):
 def _instrumented_bar(
     name: str, gauges: Any, rod: Rod, is_output: bool, compression: str
 ) -> InstrumentedBar:
-    """A bar with the records of its gauges, which are the argument `name`."""
+    """A bar with the records of its gauges, which are the argument `name`.
+
+    The records are sampled at the same times, positive in compression, and begin from a level of 0
+    at rest. The gauges come in the order in which the first pulse arrives at them.
+    """
     checked = _checked_gauges(name, gauges, rod)
     signals = [gauge.strain for gauge in checked]
     times = _common_times(name, signals)
@@ -138,15 +143,17 @@ def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
     """
     if not bar.is_output:
         return bar
-    at_face = bar.pulse_start - bar.distances.max() / bar.speed
-    missing = math.ceil((bar.times[0] - at_face) / bar.dt)
-    if missing <= 0:
+    longest_travel = bar.distances.max() / bar.speed
+    at_face = bar.pulse_start - longest_travel
+    missing_samples = math.ceil((bar.times[0] - at_face) / bar.dt)
+    if missing_samples <= 0:
         return bar
-    count = missing + MIN_REST_SAMPLES
+    count = missing_samples + MIN_REST_SAMPLES
     earlier = bar.times[0] - bar.dt * np.arange(count, 0, -1)
     strains = []
     for strain in bar.strains:
-        added = np.resize(strain[: bar.rest_samples], count)
+        at_rest = strain[: bar.rest_samples]
+        added = np.resize(at_rest, count)  # repeated as often as it takes
         strains.append(np.concatenate((added, strain)))
     return bar._replace(
         strains=np.array(strains),
@@ -156,7 +163,10 @@ def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
 
 
 def _checked_gauges(name: str, gauges: Any, rod: Rod) -> list[BarGauge]:
-    """The one gauge or two of a bar."""
+    """The one gauge or two of a bar, as a list.
+
+    InvalidModel for anything else, a gauge beyond the bar, or two at one distance.
+    """
     checked: list[Any] = [gauges]
     if isinstance(gauges, tuple | list):
         checked = list(gauges)
@@ -169,7 +179,8 @@ def _checked_gauges(name: str, gauges: Any, rod: Rod) -> list[BarGauge]:
             raise invalid_argument(
                 name, f"{message}, but the bar is only {float(rod.length):g} m long"
             )
-    if not 1 <= len(checked) <= 2 or len(distances) < len(checked):
+    is_one_or_two = 1 <= len(checked) <= 2
+    if not is_one_or_two or len(distances) < len(checked):
         raise invalid_argument(name, "must be one gauge, or two at different distances")
     return checked
 
@@ -189,15 +200,19 @@ def _common_times(name: str, strains: list[Signal]) -> _Times:
     end = min(strain.end for strain in strains)
     if end - start < 2 * MIN_REST_SAMPLES * dt:
         raise invalid_argument(name, "the records of the gauges do not overlap in time")
+    # Rounded down, but for a last sample that is late by no more than round-off
     steps = int((end - start) / dt * (1 + 1e-12))
     values = start + dt * np.arange(steps + 1, dtype=float)
     return _Times(values, dt, end)
 
 
 def _rest_samples(name: str, times: _Times, first: _Record) -> int:
-    """Number of samples at rest before the first pulse of a bar."""
-    values = first.strain - np.median(first.strain[:MIN_REST_SAMPLES])
-    end = rest_end(times.values, values, first.first_pulse)
+    """Number of samples at rest before the first pulse of a bar; InvalidModel if they are few.
+
+    `first` is the record of the gauge at which the pulse arrives first.
+    """
+    level = np.median(first.strain[:MIN_REST_SAMPLES])
+    end = rest_end(times.values, first.strain - level, first.first_pulse)
     count = int(np.searchsorted(times.values, end))
     if count < MIN_REST_SAMPLES:
         duration = format_si(MIN_REST_SAMPLES * times.dt, "s", digits=3)
@@ -214,12 +229,13 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     """Timing of the first pulse of a record, which is cut off where this pulse is over.
 
     `strain` is positive in compression if `compression`, the sign in the records, is right.
+    InvalidModel if the first pulse is a tension, or none can be timed.
     """
     values = strain - np.median(strain[:MIN_REST_SAMPLES])
     window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES
     smooth = np.convolve(values, window, "same")
     is_high = np.abs(smooth) > FIRST_PULSE_RATIO * np.abs(values).max()
-    first = int(np.argmax(is_high))
+    first = int(np.argmax(is_high))  # the first sample that is high
     if smooth[first] <= 0:
         (other,) = SIGN_OF_COMPRESSION.keys() - {compression}
         raise invalid_argument(
@@ -228,13 +244,13 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
             f'compression="{other}" if the signs differ',
         )
     below = np.flatnonzero(smooth[first:] <= 0)
-    past = len(values)
+    stop = len(values)  # index behind the last sample of the pulse
     if below.size:
-        past = first + int(below[0]) + 1
-    # how the pulse ends does not matter here
-    ended = np.append(values[:past], 0.0)
+        stop = first + int(below[0]) + 1
+    # How the pulse ends does not matter here: a sample of 0 ends it.
+    ended = np.append(values[:stop], 0.0)
     dt = times[1] - times[0]
     try:
-        return pulse_of(times[0] + dt * np.arange(past + 1), ended)
+        return pulse_of(times[0] + dt * np.arange(stop + 1), ended)
     except ValueError as error:
         raise invalid_argument(name, str(error)) from None

@@ -58,6 +58,10 @@ class Bridge(FrozenDataclass):
     poisson_ratio: float | None = quantity("", "[0, 0.5]", default=None, scalar=True)
 
     def _check(self, problems: Problems) -> None:
+        """Add problems of a gain of 0, and of a Poisson ratio that is missing or has no use.
+
+        An unknown kind is an error at once.
+        """
         if isinstance(self.gain, float) and self.gain == 0:
             problems.append(("gain", "must not be 0"))
         one_of("kind", self.kind, GAUGES_ALONG)
@@ -72,12 +76,18 @@ class Bridge(FrozenDataclass):
 
     @property
     def strain_per_volt(self) -> float:
-        """Strain along the bar per volt at the output of the amplifier, 1/V."""
+        """Strain along the bar per volt at the output of the amplifier, 1/V.
+
+        4/(n gauge_factor excitation gain), with n the sum of the strains of all arms over the
+        strain along the bar.
+        """
         nu = self.poisson_ratio
         n = float(GAUGES_ALONG[self.kind])
         if nu is not None:
-            # one gauge of a half bridge lies across, two of a full bridge
-            gauges_along = 1 if self.kind == "half" else 2
+            # In a half bridge one gauge lies along and one across, in a full bridge two and two.
+            gauges_along = 2
+            if self.kind == "half":
+                gauges_along = 1
             n = gauges_along * (1 + nu)
         return 4 / (n * self.gauge_factor * self.excitation * self.gain)
 

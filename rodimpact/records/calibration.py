@@ -172,7 +172,7 @@ def with_gains(calibration: Calibration, bars: InstrumentedBars) -> Instrumented
 def with_one_error(
     calibration: Calibration, bars: InstrumentedBars
 ) -> Iterator[InstrumentedBars]:
-    """Bars in which one gain or one wave speed is changed by its standard error."""
+    """Bars in which one gain or one wave speed is changed by its standard error: four pairs."""
     for k, name in enumerate(InstrumentedBars._fields):
         gain_factor = 1 + calibration.gain_errors[k] / calibration.gains[k]
         yield bars._replace(**{name: _amplified(bars[k], gain_factor)})
@@ -271,15 +271,17 @@ def calibrate(
         input_gain = V / (2 * input_bar.speed) / incident
     Z1 = input_bar.impedance
     Z2 = output_bar.impedance
+    # The transmitted over the incident strain: the ratio of the forces, over E A of each bar
     transmission = 2 * Z2 / (Z1 + Z2) * input_bar.stiffness / output_bar.stiffness
+    # The incident strain that comes to the output gauge, over the strain that is recorded there
     ratio = _ratio(_at_output_gauge(input_bar, output_bar), output_bar)
     output_gain = input_gain * transmission * ratio.value
     input_error = _plateau_error(input_bar) * input_gain
     if striker_speed is None:
         input_error = 0.0  # the gain is 1 by definition
-    output_error = math.hypot(
-        input_error / input_gain * output_gain, input_gain * transmission * ratio.error
-    )
+    error_by_input_gain = input_error / input_gain * output_gain
+    error_by_ratio = input_gain * transmission * ratio.error
+    output_error = math.hypot(error_by_input_gain, error_by_ratio)
     input_noise = _noise(input_bar) / incident
     output_noise = _noise(output_bar) / transmitted
     calibration = Calibration(
@@ -316,12 +318,17 @@ class _Timed(NamedTuple):
 
 
 def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
-    """Time the pulse that comes back to the output gauge from the far end of its bar."""
-    path = 2 * (float(output_bar.rod.length) - float(output_bar.distances[0]))
+    """Time the pulse that comes back to the output gauge from the far end of its bar.
+
+    The result is the bar with the wave speed that this time gives, and the error of the speed.
+    """
+    to_far_end = float(output_bar.rod.length) - float(output_bar.distances[0])
+    path = 2 * to_far_end
     passing = _passing(output_bar)
 
     def returned(bar: InstrumentedBar) -> Floats:
-        return -bar.propagated(passing, path)  # a free end turns the sign of the strain
+        """The pulse as it comes back to the gauge: a free end turns the sign of the strain."""
+        return -bar.propagated(passing, path)
 
     return _fit_wave_speed(
         output_bar, path=path, recording=output_bar, predict=returned
@@ -329,21 +336,27 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
 
 
 def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
-    """Time the pulse from the input gauge through the rest of both bars to the output gauge."""
+    """Time the pulse from the input gauge through the rest of both bars to the output gauge.
+
+    The result is the input bar with the wave speed that this time gives. The error of the speed
+    has two independent parts: of the arrival, and of the travel time in the output bar.
+    """
     output_bar = output.bar
     input_path = float(input_bar.distances[0])
     output_path = float(output_bar.distances[0])
 
     def transmitted(bar: InstrumentedBar) -> Floats:
+        """The incident pulse as it passes the output gauge."""
         return _at_output_gauge(bar, output_bar)
 
     timed = _fit_wave_speed(
         input_bar, path=input_path, recording=output_bar, predict=transmitted
     )
-    # error of the travel time in the output bar, s
+    # Error of the travel time in the output bar, s: path/speed times the relative error
     output_delay = (
         output.speed_error / output_bar.speed * output_path / output_bar.speed
     )
+    # As speed = path/time, its error is speed^2/path times that of the time.
     from_output = timed.bar.speed**2 / input_path * output_delay
     return timed._replace(speed_error=math.hypot(timed.speed_error, from_output))
 
@@ -356,9 +369,11 @@ def _fit_wave_speed(
 ) -> _Timed:
     """Fit the wave speed of a bar so that a pulse arrives when it is in the record.
 
-    The pulse, predicted for a wave speed, runs along `path`, m, of the bar and is recorded by the
-    gauge of `recording`. The standard error of the arrival is s sqrt(2)/sqrt(sum of slope^2), with
-    s the noise.
+    The pulse, predicted for a wave speed by `predict`, runs along `path`, m, of the bar and is
+    recorded by the gauge of `recording`. The best shift of the prediction corrects the travel time
+    and so the speed, `SPEED_ITERATIONS` times. The standard error of the arrival is
+    s sqrt(2)/sqrt(sum of slope^2), with s the noise: both pulses, shifted against each other, have
+    it. InvalidModel if the record ends too early, or the speed is far off the given one.
     """
     record = Signal(recording.strains[0], recording.times)
     for _ in range(SPEED_ITERATIONS):
@@ -371,7 +386,7 @@ def _fit_wave_speed(
         slack = TRAVEL_RANGE_RTOL * travel
         low = recording.times[first] - slack
         high = min(recording.times[last] + slack, recording.times[-1])
-        _check_record_end(recording, last, size)
+        _check_record_end(recording, last, size)  # raises if the pulse is not over
         misfit = record.window(low, high).misfit(
             Signal(predicted, recording.times), shift=(-slack, slack)
         )
@@ -381,23 +396,26 @@ def _fit_wave_speed(
             raise invalid_argument(
                 "bars", f"{message}; correct wave speed, length or distances"
             )
-        faster = with_speed(bar.rod, path / (travel + misfit.shift))
-        bar = bar._replace(rod=faster)
+        measured_speed = path / (travel + misfit.shift)
+        bar = bar._replace(rod=with_speed(bar.rod, measured_speed))
     slopes = np.diff(predicted)[first:last] / recording.dt
     arrival_error = _noise(recording) * math.sqrt(2) / math.sqrt(float(slopes @ slopes))
+    # As speed = path/time, its error is speed^2/path times that of the time.
     return _Timed(bar, arrival_error * bar.speed**2 / path)
 
 
 def _check_record_end(recording: InstrumentedBar, last: int, size: Floats) -> None:
-    """InvalidModel if the record ends before a predicted pulse of this size is over.
+    """InvalidModel if the record ends before a predicted pulse is over.
 
-    `last` is the index of the last sample that counts to the pulse.
+    `size` is the absolute strain of the prediction [sample], and `last` the index of the last
+    sample that counts to the pulse.
     """
     end = recording.times[-1]
-    if last < len(size) - 1:
+    is_over = last < len(size) - 1
+    if is_over:
         return
     pulse = recording.first_pulse
-    half = int(np.argmax(size >= 0.5 * abs(pulse.plateau)))
+    half = int(np.argmax(size >= 0.5 * abs(pulse.plateau)))  # first sample as large
     needed = max(recording.times[half], end) + pulse.width + 2 * pulse.rise
     message = f"the record ends at {end:.4g} s, before the pulse returns"
     remedy = f"from the far end; record up to {needed:.4g} s"
@@ -405,13 +423,17 @@ def _check_record_end(recording: InstrumentedBar, last: int, size: Floats) -> No
 
 
 def _reflected_ratio(input_bar: InstrumentedBar) -> float:
-    """Strain reflected at the joint over the incident strain, by least squares."""
+    """Strain reflected at the joint over the incident strain, by least squares.
+
+    The incident pulse, as if all of it came back to the gauge, is fitted to what the gauge records
+    besides the incident pulse.
+    """
     incident = _passing(input_bar)
     returned = input_bar.propagated(incident, 2 * float(input_bar.distances[0]))
     size = np.abs(returned)
-    pulse = size > PULSE_THRESHOLD * size.max()
-    expected = returned[pulse]
-    recorded = (input_bar.strains[0] - incident)[pulse]
+    is_pulse = size > PULSE_THRESHOLD * size.max()
+    expected = returned[is_pulse]
+    recorded = (input_bar.strains[0] - incident)[is_pulse]
     return float(expected @ recorded / (expected @ expected))
 
 
@@ -439,16 +461,18 @@ class _Ratio(NamedTuple):
 def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
     """Predicted pulse over the recorded one, by least squares.
 
-    Residuals are correlated over a rise time, so the standard error is that of blocks of this
-    length.
+    With the predicted pulse p and the recorded one r it is sum(p r)/sum(r^2), and its error is
+    that of sum(r (p - ratio r))/sum(r^2). Residuals are correlated over a rise time, so the error
+    of the sum is that of blocks of this length.
     """
-    pulse = np.abs(predicted) > PULSE_THRESHOLD * np.abs(predicted).max()
-    recorded = bar.strains[0][pulse]
-    sum_of_squares = float(recorded @ recorded)
-    ratio = float(predicted[pulse] @ recorded) / sum_of_squares
-    products = recorded * (predicted[pulse] - ratio * recorded)
-    sums = _block_sums(products, bar)
-    return _Ratio(ratio, math.sqrt(float(sums @ sums)) / sum_of_squares)
+    is_pulse = np.abs(predicted) > PULSE_THRESHOLD * np.abs(predicted).max()
+    p = predicted[is_pulse]
+    r = bar.strains[0][is_pulse]
+    sum_of_squares = float(r @ r)
+    ratio = float(p @ r) / sum_of_squares
+    sums = _block_sums(r * (p - ratio * r), bar)
+    error_of_sum = math.sqrt(float(sums @ sums))  # the blocks are independent
+    return _Ratio(ratio, error_of_sum / sum_of_squares)
 
 
 def _plateau_error(bar: InstrumentedBar) -> float:
@@ -456,6 +480,7 @@ def _plateau_error(bar: InstrumentedBar) -> float:
 
     The plateau of a pulse rings, and each rise time is one measurement of its level. The level is
     a median, which noise and the ends of the plateau displace: its difference from the mean adds.
+    A pulse too short for that has the noise of its record as the error.
     """
     pulse = bar.first_pulse
     begin = pulse.start + pulse.rise
@@ -464,15 +489,16 @@ def _plateau_error(bar: InstrumentedBar) -> float:
     if len(plateau) < 2:
         return _noise(bar) / pulse.plateau
     sums = _block_sums(plateau - plateau.mean(), bar)
-    error_of_mean = math.sqrt(float(sums @ sums)) / len(plateau)
+    error_of_sum = math.sqrt(float(sums @ sums))  # the blocks are independent
+    error_of_mean = error_of_sum / len(plateau)
     displacement = float(plateau.mean()) - pulse.plateau
     return math.hypot(error_of_mean, displacement) / pulse.plateau
 
 
 def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
-    """Sums over blocks of the rise time of the pulse."""
-    block = max(1, round(bar.first_pulse.rise / bar.dt))
-    starts = np.arange(0, len(values), block)
+    """Sums of values, [sample], over blocks that last the rise time of the pulse, [block]."""
+    block_samples = max(1, round(bar.first_pulse.rise / bar.dt))
+    starts = np.arange(0, len(values), block_samples)
     sums: Floats = np.add.reduceat(values, starts)
     return sums
 

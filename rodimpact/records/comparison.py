@@ -88,16 +88,19 @@ def misfit_of(
     shift_range: Range | None,
     scale_range: Range | None,
 ) -> Misfit:
-    """Misfit with the best shift and scale within their bounds; None: without bounds."""
+    """Misfit with the best shift and scale within their bounds; None: without bounds.
+
+    Equal bounds fix a number. Those that may vary and end at a bound are named in `at_limit`.
+    """
     comparison = _Comparison(record, model, plateau(record.values), scale_range)
     if shift_range is None:
-        # the two must overlap
+        # The two must overlap.
         low = record.times[0] - model.times[-1]
         high = record.times[-1] - model.times[0]
     else:
         low, high = shift_range
     shift = low
-    near_bound = 0.0
+    near_bound = 0.0  # distance from a bound at which a shift is at the bound, s
     if high > low:
         step = _grid_step(record, model, high - low)
         shift = _best_shift(comparison, low, high, step)
@@ -157,7 +160,10 @@ def _grid_step(record: TimeSeries, model: TimeSeries, span: float) -> float:
 
 
 def _best_shift(comparison: _Comparison, low: float, high: float, step: float) -> float:
-    """The shift from `low` to `high` with the smallest misfit."""
+    """The shift from `low` to `high` with the smallest misfit, s.
+
+    The best shifts by whole steps are refined within a step to either side; the best of all wins.
+    """
     from scipy.optimize import minimize_scalar
 
     times = comparison.record.times
@@ -193,12 +199,13 @@ def _best_shifts_on_grid(
     size = 1 << (len(m) - 1).bit_length()
     spectrum = np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size))
     product = np.fft.irfft(spectrum, size)[:n_shifts]
-    sums = np.concatenate(([0.0], np.cumsum(m * m)))
+    sums = np.concatenate(([0.0], np.cumsum(m * m)))  # sums[i] is that of m[:i]
     power = sums[n : n + n_shifts] - sums[:n_shifts]
     power[power <= NEGLIGIBLE_POWER_RTOL * sums[-1]] = 0.0
     c = comparison.best_scale(product, power)
     # The term sum(y^2) is the same for all shifts.
     misfit = c * c * power - 2 * c * product
+    # A local minimum is no larger than both neighbours; beyond the ends there is inf.
     padded = np.concatenate(([np.inf], misfit, [np.inf]))
     is_least = (misfit <= padded[:-2]) & (misfit <= padded[2:])
     least = np.flatnonzero(is_least)
@@ -211,6 +218,9 @@ def _best_shifts_on_grid(
 
 
 def _is_at_bound(value: float, low: float, high: float, near: float) -> bool:
-    """Whether a value that is free to vary lies at one of its bounds."""
+    """Whether a value lies at one of its bounds, or as near to it as `near`.
+
+    A fixed value, between equal bounds, does not.
+    """
     is_inside = low + near < value < high - near
     return low < high and not is_inside

@@ -65,6 +65,7 @@ class Curve:
         if numbers.shape != self.times.shape:
             message = f"must be a column of {len(self.times)} numbers, such as .stress"
             raise invalid_argument("column", f"{message}, got {shown(column)}")
+        # Interpolation takes strains that do not fall: the largest one up to each time.
         reached = np.maximum.accumulate(self.strain[self.loading])
         interpolated: Floats = np.interp(strains, reached, numbers[self.loading])
         return interpolated

@@ -98,18 +98,23 @@ class GaugePair(NamedTuple):
 
 
 def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
-    """One record for each bar in which its pulses lie."""
+    """One record for each bar in which its pulses lie, as a gauge.
+
+    Each record begins with added rest. InvalidModel if the incident pulse is cut off, or the
+    reflected one begins before it.
+    """
     incident = _pulse_from_rest("incident", pulses.incident)
     reflected = _pulse_from_rest("reflected", pulses.reflected)
     transmitted = _pulse_from_rest("transmitted", pulses.transmitted)
     _check_end(incident)
     input_speed = _speed_of(rods.input)
     output_speed = _speed_of(rods.output)
-    input_travel = pulses.incident.distance / input_speed
+    input_travel = pulses.incident.distance / input_speed  # to the specimen, s
     output_travel = pulses.transmitted.distance / output_speed
     reflected_signal = reflected.signal
     transmitted_signal = transmitted.signal
     if pulses.clock == "own":
+        # Each leaves the specimen when the incident pulse has come there, and runs to its gauge.
         delay = incident.onset + 2 * input_travel - reflected.onset
         reflected_signal = reflected_signal.shifted(delay)
         delay = incident.onset + input_travel + output_travel - transmitted.onset
@@ -145,12 +150,17 @@ def _speed_of(rod: Rod) -> float:
 
 
 def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
-    """The strain of a pulse from its level at rest, if it begins with one."""
+    """The strain of a pulse from its level at rest, and its begin.
+
+    The level is 0 if there are fewer than `MIN_LEVEL_SAMPLES` samples at rest. InvalidModel if the
+    pulse cannot be timed.
+    """
     strain = gauge.strain
     try:
-        times = strain.times
+        # One sample of 0 more ends a pulse that was cut off at its end.
+        times = np.append(strain.times, strain.end + strain.dt)
         values = np.append(strain.values, 0.0)
-        pulse = first_part(np.append(times, strain.end + strain.dt), values)
+        pulse = first_part(times, values)
     except ValueError as error:
         raise invalid_argument(name, str(error)) from None
     is_rest = strain.times < rest_end(strain.times, strain.values, pulse)

@@ -46,22 +46,25 @@ class DirectImpactShot:
     times: Floats
 
     def curve(self) -> Curve:
-        """Forces, velocities and strain if the forces on both faces are equal."""
+        """Forces, velocities and strain if the forces on both faces are equal.
+
+        With the compressive strains of the waves at the output face, F1 = F2 = E A (away + towards)
+        and v2 = c (away - towards). The input face has v1, the speed of the striker less the
+        velocity that it has lost to the force.
+        """
         bar = self.output
         waves = waves_at_face(bar)
         force = bar.stiffness * (waves.away + waves.towards)
         # No force acts before the impact.
         force[bar.times < self.times[0]] = 0.0
+        input_velocity = self._speed() - self._lost_velocity(force)
+        output_velocity = bar.speed * (waves.away - waves.towards)
         force_at_times = np.interp(self.times, bar.times, force)
         faces = Faces(
             input_force=force_at_times,
             output_force=force_at_times,
-            input_velocity=np.interp(
-                self.times, bar.times, self._speed() - self._lost_velocity(force)
-            ),
-            output_velocity=np.interp(
-                self.times, bar.times, bar.speed * (waves.away - waves.towards)
-            ),
+            input_velocity=np.interp(self.times, bar.times, input_velocity),
+            output_velocity=np.interp(self.times, bar.times, output_velocity),
         )
         return curve_of(faces, self.specimen, self.times)
 
@@ -115,7 +118,10 @@ class DirectImpactShot:
 
 
 def start_of_impact(bar: InstrumentedBar) -> float:
-    """Time of the impact, s: the rise of equal forces on both faces, extrapolated to zero."""
+    """Time of the impact, s: the rise of equal forces on both faces, extrapolated to zero.
+
+    The first wave away from the face has the strain F/(E A).
+    """
     force_strain = waves_at_face(bar).away
     pulse = first_part(bar.times, force_strain)
     return extrapolated_onset(bar.times, force_strain, pulse)
@@ -134,6 +140,7 @@ def check_striker(striker: Any) -> None:
         message = f"must be a rigid mass or a uniform rod, such as {example}"
         raise invalid_argument("striker", f"{message}, got {shown(striker)}")
     velocity = np.asarray(striker.velocity)
-    if velocity.ndim or not velocity > 0:
+    is_single = velocity.ndim == 0  # neither a family nor a profile
+    if not is_single or not velocity > 0:
         message = "must have a velocity above 0, its speed at the impact"
         raise invalid_argument("striker", f"{message}, got {shown(striker.velocity)}")

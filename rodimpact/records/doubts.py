@@ -146,12 +146,14 @@ def doubts_of_direct_impact(bar: InstrumentedBar) -> tuple[str, ...]:
 
 
 def _bar_name(bar: InstrumentedBar) -> str:
+    """Name of a bar in sentences."""
     if bar.is_output:
         return "output bar"
     return "input bar"
 
 
 def _percent(ratio: float) -> str:
+    """A ratio in whole percents."""
     return f"{100 * ratio:.0f} %"
 
 
@@ -159,11 +161,15 @@ def _percent(ratio: float) -> str:
 
 
 def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
-    """Compare the gauges on opposite sides of the bar over the first pulse."""
+    """Compare the gauges on opposite sides of the bar over the first pulse.
+
+    A doubt if one of them records less than `MIN_OPPOSITE_RATIO` of the other.
+    """
     for gauge, pulse in zip(bar.gauges, bar.first_pulses, strict=True):
         if gauge.opposite is None:
             continue
         pair = _in_first_pulse(gauge, pulse)
+        # Each record is compared with the mean of both: sum(record mean) tells how strong it is.
         mean = (pair.signal + pair.opposite) / 2
         signal_share = float(pair.signal @ mean)
         opposite_share = float(pair.opposite @ mean)
@@ -196,18 +202,21 @@ def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
     """Both records of a gauge during the first pulse, from the rest before it."""
     assert gauge.opposite is not None
     times = gauge.signal.times
-    before = times < pulse.start - pulse.rise
-    inside = (times >= pulse.start) & (times <= pulse.start + pulse.width)
-    signal = gauge.signal.values - gauge.signal.values[before].mean()
-    opposite = gauge.opposite.values - gauge.opposite.values[before].mean()
-    return _OppositeStrains(signal[inside], opposite[inside])
+    is_rest = times < pulse.start - pulse.rise
+    is_pulse = (times >= pulse.start) & (times <= pulse.start + pulse.width)
+    signal = gauge.signal.values - gauge.signal.values[is_rest].mean()
+    opposite = gauge.opposite.values - gauge.opposite.values[is_rest].mean()
+    return _OppositeStrains(signal[is_pulse], opposite[is_pulse])
 
 
 def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
-    """Compare the first pulse at two distances, while no other wave is at either gauge."""
+    """Compare the first pulse at two distances, while no other wave is at either gauge.
+
+    The record of the first gauge, propagated to the second one, predicts what that records.
+    """
     if len(bar.distances) < 2:
         return
-    first, second = bar.distances
+    first, second = bar.distances  # in the order in which the pulse arrives
     apart = abs(first - second)
     propagated = bar.propagated(bar.strains[0], apart)
     arrival = bar.pulse_start + apart / bar.speed
@@ -230,11 +239,14 @@ def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _alone_at_second_gauge(bar: InstrumentedBar) -> float:
-    """Time for which the first pulse is alone at the second gauge, s."""
-    distance = float(bar.distances[1])
+    """Time for which the first pulse is alone at the second gauge, s.
+
+    Then it is back from the specimen in the input bar, from the far end in the output bar.
+    """
+    to_end = float(bar.distances[1])
     if bar.is_output:
-        distance = float(bar.rod.length) - distance
-    return 2 * distance / bar.speed
+        to_end = float(bar.rod.length) - to_end
+    return 2 * to_end / bar.speed
 
 
 # Waves that arrive too early or too late
@@ -248,14 +260,19 @@ class _Onset(NamedTuple):
 
 
 def _onset(times: Floats, strain: Floats, pulse: Pulse) -> _Onset:
-    """The time from a tenth to a fifth of the plateau bounds the time before the tenth."""
+    """Times between which a pulse with this timing began.
+
+    At `pulse.start` it has a tenth of its plateau. It takes no longer up to there than
+    `FOOT_TIME_RATIO` of the time from a tenth to a fifth.
+    """
     fifth = 2 * START_RATIO * abs(pulse.plateau)
-    above = (times > pulse.start) & (np.abs(strain) >= fifth)
-    next_tenth = float(times[np.argmax(above)]) - pulse.start
-    return _Onset(pulse.start - FOOT_TIME_RATIO * next_tenth, pulse.start)
+    is_above = (times > pulse.start) & (np.abs(strain) >= fifth)
+    until_fifth = float(times[np.argmax(is_above)]) - pulse.start
+    return _Onset(pulse.start - FOOT_TIME_RATIO * until_fifth, pulse.start)
 
 
 def _first_onset(bar: InstrumentedBar, gauge: int = 0) -> _Onset:
+    """Times between which the first pulse began at a gauge of a bar."""
     return _onset(bar.times, bar.strains[gauge], bar.first_pulses[gauge])
 
 
@@ -267,12 +284,18 @@ class _Delay(NamedTuple):
     middle: float
 
     def contradicts(self, travel: float, later: float = 0.0) -> bool:
-        """Whether no onsets are apart by the travel time, s, or up to `later` more."""
+        """Whether no onsets are apart by the travel time, s, or up to `later`, s, more.
+
+        The travel time may be off by `TRAVEL_RTOL` of itself.
+        """
         slack = TRAVEL_RTOL * travel
-        return travel + slack + later < self.least or self.most < travel - slack
+        is_late = travel + slack + later < self.least
+        is_early = self.most < travel - slack
+        return is_late or is_early
 
 
 def _delay(before: _Onset, after: _Onset) -> _Delay:
+    """Time from the onset of one pulse to that of a later one."""
     return _Delay(
         after.earliest - before.latest,
         after.latest - before.earliest,
@@ -329,10 +352,10 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
     between = (bar.times > passed) & (bar.times < returned)
     strain = bar.strains[0][between]
     times = bar.times[between]
-    faint = np.abs(strain) < MIN_REFLECTED_RATIO * abs(incident.plateau)
-    # The fall of the incident wave is not yet the reflected one.
-    is_from_first_faint = np.logical_or.accumulate(faint)
-    if faint[is_from_first_faint].all():  # also if there is no faint sample
+    is_faint = np.abs(strain) < MIN_REFLECTED_RATIO * abs(incident.plateau)
+    # The fall of the incident wave, up to the first faint sample, is not yet the reflected one.
+    is_from_first_faint = np.logical_or.accumulate(is_faint)
+    if is_faint[is_from_first_faint].all():  # also if there is no faint sample
         return None
     strain = strain[is_from_first_faint]
     times = times[is_from_first_faint]
@@ -388,14 +411,18 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
     slack = ECHO_SEARCH_RTOL * travel
     pulse = bar.first_pulse
     pulse_end = pulse.start + pulse.width + 2 * pulse.rise
+    # The echo comes between these times.
     start = pulse.start + travel - slack
     end = pulse_end + travel + slack
-    if pulse_end > start or end > bar.times[-1]:
+    is_separate = pulse_end <= start
+    is_recorded = end <= bar.times[-1]
+    if not is_separate or not is_recorded:
         return None
     passing = np.where(bar.times < pulse_end, bar.strains[0], 0.0)
+    # The free end turns the sign of the strain.
     predicted = TimeSeries(bar.times, -bar.propagated(passing, path))
-    window = (bar.times >= start) & (bar.times <= end)
-    recorded = TimeSeries(bar.times[window], bar.strains[0][window])
+    is_echo = (bar.times >= start) & (bar.times <= end)
+    recorded = TimeSeries(bar.times[is_echo], bar.strains[0][is_echo])
     misfit = misfit_of(recorded, predicted, (-slack, slack), None)
     if misfit.rms > ECHO_MISFIT or misfit.scale <= 0 or misfit.at_limit:
         return None
@@ -406,6 +433,7 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
 
 
 def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
+    """Compare the shifts of both waves, s, with the limit of their search, s."""
     for wave, shift in shifts._asdict().items():
         if abs(shift) >= (1 - SHIFT_LIMIT_RTOL) * limit:
             yield (
@@ -429,13 +457,17 @@ def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
 
 
 def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
-    """Compare the forces on both faces while the output force is on its plateau."""
+    """Compare the forces on both faces while the output force is on its plateau.
+
+    `impedance` is that of the input bar, Z, kg/s.
+    """
     size = np.abs(curve.output_force)
-    plateau = size >= PLATEAU_RATIO * size.max()
-    input_force = curve.input_force[plateau]
-    output_force = curve.output_force[plateau]
+    is_plateau = size >= PLATEAU_RATIO * size.max()
+    input_force = curve.input_force[is_plateau]
+    output_force = curve.output_force[is_plateau]
     mean = float(np.median(np.abs(input_force) + np.abs(output_force))) / 2
     difference = float(np.median(np.abs(input_force - output_force)))
+    # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave, Z c i.
     incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
     limit = IMBALANCE_LIMIT * mean + INPUT_FORCE_RTOL * np.abs(incident_force).max()
     if difference > limit:

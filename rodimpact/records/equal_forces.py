@@ -38,23 +38,29 @@ class EqualForceShot:
     times: Floats
 
     def curve(self) -> Curve:
-        """Forces, velocities and strain if the forces on both faces are equal."""
+        """Forces, velocities and strain if the forces on both faces are equal.
+
+        With the compressive strains of the waves at the faces::
+
+            F1 = F2 = E2 A2 (away + towards)     v2 = c2 (away - towards)
+            incident + reflected = F1/(E1 A1)    v1 = c1 (incident - reflected)
+        """
         input_bar = self.bars.input
         output_bar = self.bars.output
         output_waves = waves_with_free_end(output_bar)
         force = output_bar.stiffness * (output_waves.away + output_waves.towards)
-        strain = np.interp(input_bar.times, output_bar.times, force, left=0.0)
-        strain /= input_bar.stiffness
-        incident = _incident_wave(input_bar, strain)
-        reflected = strain - incident
+        # The strain at the input face, at the times of the input bar
+        face_strain = np.interp(input_bar.times, output_bar.times, force, left=0.0)
+        face_strain /= input_bar.stiffness
+        incident = _incident_wave(input_bar, face_strain)
+        reflected = face_strain - incident
+        input_velocity = input_bar.speed * (incident - reflected)
         output_velocity = output_bar.speed * (output_waves.away - output_waves.towards)
-        force = np.interp(self.times, output_bar.times, force)
+        force_at_times = np.interp(self.times, output_bar.times, force)
         faces = Faces(
-            input_force=force,
-            output_force=force,
-            input_velocity=np.interp(
-                self.times, input_bar.times, input_bar.speed * (incident - reflected)
-            ),
+            input_force=force_at_times,
+            output_force=force_at_times,
+            input_velocity=np.interp(self.times, input_bar.times, input_velocity),
             output_velocity=np.interp(self.times, output_bar.times, output_velocity),
         )
         return curve_of(faces, self.specimen, self.times)
@@ -92,18 +98,27 @@ class EqualForceShot:
 
 
 def waves_with_free_end(bar: InstrumentedBar) -> Waves:
-    """Waves at the face of an output bar with one gauge, whose far end is free."""
+    """Waves at the face of an output bar with one gauge, whose far end is free.
+
+    With the length L, the distance z of the gauge, the effect T(x) of a way x, and the wave a away
+    from the face, the wave towards it is -T(2 L) a. The gauge has the strain
+    e = T(z) a - T(2 L - z) a, so that a = T(-z) e + T(2 (L - z)) a: a sum of passages.
+    """
     strain = from_pulse(bar, 0)
     distance = float(bar.distances[0])
-    base = bar.propagated(strain, -distance)
-    base[bar.times > bar.known_until[0]] = 0.0
+    gauge_at_face = bar.propagated(strain, -distance)
+    gauge_at_face[bar.times > bar.known_until[0]] = 0.0
     length = float(bar.rod.length)
-    away = sum_of_passages(bar.guide, base, 2 * (length - distance))
+    away = sum_of_passages(bar.guide, gauge_at_face, 2 * (length - distance))
     return Waves(towards=-bar.propagated(away, 2 * length), away=away)
 
 
 def _incident_wave(bar: InstrumentedBar, face_strain: Floats) -> Floats:
-    """Incident wave at the face of an input bar with one gauge; `face_strain` is i + r."""
+    """Incident wave i at the face of an input bar with one gauge; `face_strain` s is i + r.
+
+    With the distance z of the gauge and the effect T(x) of a way x, the gauge has the strain
+    e = T(-z) i + T(z) (s - i), so that i = T(z) e - T(2 z) s + T(2 z) i: a sum of passages.
+    """
     distance = float(bar.distances[0])
     strain = from_pulse(bar, 0)
     base = bar.propagated(strain, distance) - bar.propagated(face_strain, 2 * distance)

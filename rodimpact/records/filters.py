@@ -26,24 +26,31 @@ MIN_MEAN_STEPS = 1e-6
 
 def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
     """Gaussian filter whose gain falls to 1/sqrt(2) at a frequency, Hz."""
-    # 7.5 standard deviations
+    # The response lasts 1/frequency to either side: 7.5 standard deviations.
     tail = math.ceil(min(1 / dt / frequency, MAX_SAMPLES))
-    half = math.log(2) / 2
+    exponent = math.log(2) / 2  # exp(-exponent) is 1/sqrt(2)
 
     def gain(f: Floats) -> Floats:
-        gains: Floats = np.exp(-half * (f / frequency) ** 2)
+        gains: Floats = np.exp(-exponent * (f / frequency) ** 2)
         return gains
 
     return _filter(values, dt, gain, tail)
 
 
 def blurred(values: Floats, dt: float, deviation: float) -> Floats:
-    """Gaussian filter of this standard deviation, s."""
-    return gaussian(values, dt, math.sqrt(math.log(2)) / (2 * math.pi * deviation))
+    """Gaussian filter of this standard deviation, s.
+
+    Its gain exp(-(2 pi f deviation)^2/2) is 1/sqrt(2) where 2 pi f deviation = sqrt(ln 2).
+    """
+    frequency = math.sqrt(math.log(2)) / (2 * math.pi * deviation)
+    return gaussian(values, dt, frequency)
 
 
 def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats:
-    """Response of a Butterworth amplifier at rest before, exact for lines between samples."""
+    """Response of a Butterworth amplifier at rest before, exact for lines between samples.
+
+    The gain is 1/sqrt(2) at the frequency, Hz; the order is 1 or 2.
+    """
     from scipy import signal
 
     if frequency * dt < MIN_FREQUENCY_STEP:
@@ -52,6 +59,7 @@ def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats
             "frequency", f"must be {lowest} or more, got {frequency}"
         )
     analog = signal.butter(order, 2 * math.pi * frequency, analog=True)
+    # "foh", a first-order hold, takes straight lines between samples.
     top, bottom, _ = signal.cont2discrete(analog, dt, method="foh")
     change = signal.lfilter(np.ravel(top), bottom, values - values[0])
     result: Floats = values[0] + change
@@ -66,7 +74,10 @@ LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
 
 
 def averaged(values: Floats, times: Floats, duration: float) -> Floats:
-    """Means over a duration centred at each sample, exact for straight lines; steps may differ."""
+    """Means over a duration, s, centred at each sample, exact for straight lines between samples.
+
+    Steps may differ. Means over a duration of next to nothing are the values themselves.
+    """
     if duration < MIN_MEAN_STEPS * np.diff(times).min():
         return values
     from scipy.interpolate import make_interp_spline
@@ -96,10 +107,12 @@ def first_mode(f: Floats, distance: float, bar: Any) -> Any:
 
     Delays count from the arrival of long waves; no wave above the cut-off goes on.
     """
-    # A frequency stands for a band around it: the share of the band below the cut-off.
-    below = np.clip((bar.cut_off - f) / f[1] + 0.5, 0.0, 1.0)
+    # A frequency stands for a band around it, as wide as a step: the share below the cut-off.
+    step = f[1]
+    share_below = np.clip((bar.cut_off - f) / step + 0.5, 0.0, 1.0)
     carried = np.minimum(f, bar.cut_off)
-    return below * np.exp(-2j * np.pi * carried * bar.delays(carried) * distance)
+    delays = bar.delays(carried)  # s/m
+    return share_below * np.exp(-2j * np.pi * carried * delays * distance)
 
 
 def _filter(
@@ -118,13 +131,15 @@ def _filter(
         remedy = "use resampled(dt) with a longer dt, or a shorter distance"
         raise invalid_argument("dt", f"{message}; {remedy}")
     count = fft.next_fast_len(len(values) + 3 * margin, real=True)
-    back = np.arange(1, count - len(values) - 2 * margin + 1)
-    weight = (1 + np.cos(np.pi * back / (len(back) + 1))) / 2
     first = values[0]
     last = values[-1]
     after = np.full(margin, last)
     before = np.full(margin, first)
-    period = np.concatenate((values, after, first + (last - first) * weight, before))
+    # The rest of the period leads back, by half a period of a cosine.
+    back = np.arange(1, count - len(values) - 2 * margin + 1)
+    weight_of_last = (1 + np.cos(np.pi * back / (len(back) + 1))) / 2
+    way_back = first + (last - first) * weight_of_last
+    period = np.concatenate((values, after, way_back, before))
     spectrum = fft.rfft(period) * gain(fft.rfftfreq(count, dt))
     result: Floats = fft.irfft(spectrum, count)[: len(values)]
     return result

@@ -36,7 +36,11 @@ MEASURED = (
 )
 """What a unit at the end of a name may be, without brackets: incident_V."""
 IN_BRACKETS = re.compile(r"(.*?)[\s_/,]*[\[(]([^\[\]()]*)[\])]")
+"""Name and unit of a head such as ``incident [mV]``."""
 AT_THE_END = re.compile(r"(.*?)\s*(?:/|\bin\b|_|,|\s)\s*([^\s_/,]+)")
+"""Name and last word, which may be a unit, of a head such as ``incident_mV``."""
+COMMENT_MARKS = "#%/"
+"""Characters with which instruments begin a line above the numbers."""
 
 
 class Head(NamedTuple):
@@ -49,7 +53,17 @@ class Head(NamedTuple):
 def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     """Head of each column, from the lines before the numbers.
 
-    Columns without heads are called "1", "2" and so on.
+    The heads are in the last line with a cell for each column, or above a line of units. Columns
+    without heads are called "1", "2" and so on.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines before the numbers.
+    form : NumberForm
+        How lines are cut into cells.
+    count : int
+        Number of columns.
 
     Raises
     ------
@@ -58,10 +72,10 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     """
     texts = []
     for line in lines:
-        text = line.strip("#%/ \t\r;,")
+        text = line.strip(f"{COMMENT_MARKS} \t\r;,")
         if text:
             texts.append(text)
-    rows = []
+    rows = []  # cells of each line with one for each column
     for text in texts:
         cells = _head_cells(text, form, count)
         if len(cells) == count and all(cells):
@@ -89,6 +103,7 @@ def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
     cells = []
     if texts:
         cells = form.cells(texts[-1])
+    # A single cell, or words between blanks, may be a sentence.
     if not form.delimiter or min(count, len(cells)) < 2:
         return
     if all(map(form.is_number, cells)):
@@ -105,17 +120,19 @@ def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
 def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:
     """Heads of different names: those of a line above, if the last line repeats names.
 
-    Scopes write a line of channels above a line such as Time, Signal, Signal.
+    Scopes write a line of channels above a line such as Time, Signal, Signal. The heads stay as
+    they are if no line has different names.
     """
     if len({head.name for head in heads}) == len(heads):
         return heads
     for row in reversed(rows[:-1]):
         names = [_head_of(cell).name for cell in row]
-        if len(set(names)) == len(names):
-            return [
-                head._replace(name=name)
-                for head, name in zip(heads, names, strict=True)
-            ]
+        are_different = len(set(names)) == len(names)
+        if are_different:
+            told_apart = []
+            for head, name in zip(heads, names, strict=True):
+                told_apart.append(head._replace(name=name))
+            return told_apart
     return heads
 
 
@@ -167,17 +184,22 @@ def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
     """
     cells = form.cells(text)
     if not form.delimiter and len(cells) != count:
-        cells = re.sub(r"\s+([\[(])", r"\1", text).split()
+        with_units_joined = re.sub(r"\s+([\[(])", r"\1", text)
+        cells = with_units_joined.split()
         if len(cells) != count:
             cells = re.split(r"\s{2,}|\t", text)
-    # LabVIEW has a column for comments, without entries
+    # LabVIEW has a column for comments, without entries.
     if len(cells) == count + 1 and cells[-1].casefold() == "comment":
         cells.pop()
     return cells
 
 
 def _head_of(cell: str) -> Head:
-    """Name and unit from a cell: ``incident [mV]``, ``incident_mV``, ``incident / mV``."""
+    """Name and unit from a cell: ``incident [mV]``, ``incident_mV``, ``incident / mV``.
+
+    Brackets alone hold the name. Without brackets the last word is a unit if it is known as one of
+    what instruments measure; otherwise all of the text is the name.
+    """
     text = cell.strip(" \"'")
     match = IN_BRACKETS.fullmatch(text)
     if match and match[1]:
@@ -187,8 +209,8 @@ def _head_of(cell: str) -> Head:
     match = AT_THE_END.fullmatch(text)
     if match and match[1]:
         unit = spelt(match[2])
-        si = known_units.conversion(unit)
-        if si and known_units.dimension_of(si.unit) in MEASURED and unit != "1":
+        in_si = known_units.conversion(unit)  # None of an unknown unit
+        if in_si and known_units.dimension_of(in_si.unit) in MEASURED and unit != "1":
             return Head(one_line(match[1]), unit)
     return Head(one_line(text), "")
 

@@ -67,7 +67,7 @@ def as_written(_: int, line: str) -> str:
 def find_layout(lines: list[str]) -> Layout:
     """Layout of a file with these first lines."""
     lines = lines[:MAX_ENTRY_LINES]
-    mark = "\t"
+    mark = "\t"  # what parts two cells
     if "," in lines[0]:
         mark = ","
     entries: Entries = {}
@@ -103,7 +103,7 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
     """Layout of a file whose rows have a number instead of a time.
 
     The first line is X, channels, Start, Increment; the second one has their units, the time of
-    the first row and the time step.
+    the first row and the time step. In each row the number, of a sample from 0 on, becomes a time.
     """
     start_column = heads.index("start")
     try:
@@ -118,14 +118,17 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
     for name, unit in zip(heads[1:start_column], entries[1:start_column], strict=True):
         channels.append(_head(name.upper(), spelt(unit)))
 
+    channel_count = start_column - 1  # X stands before them
+
     def table_line(index: int, line: str) -> str:
+        """The row with a time; "" of the first two lines, and of what is no row."""
         if index < 2:
             return ""
         number, *values = line.split(",")
         if not number.strip().isdecimal():
             return ""
         time = start + int(number) * step
-        return ",".join([repr(time), *values[: start_column - 1]])
+        return ",".join([repr(time), *values[:channel_count]])
 
     head = ",".join([_head("time", "s"), *channels])
     return Layout(head, table_line)
@@ -151,9 +154,14 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
             "the numbers and give rate"
         ) from None
     channels = [name for name in entries["tracename"] if name]
-    first_row = next((i for i, line in enumerate(lines) if _has_numbers_alone(line)), 0)
+    first_row = 0
+    for index, line in enumerate(lines):
+        if _has_numbers_alone(line):
+            first_row = index
+            break
 
     def table_line(index: int, line: str) -> str:
+        """The row with its time before it; "" of a line above the rows, or a blank one."""
         if index < first_row:
             return ""
         values = line.strip().removeprefix(",")
@@ -196,7 +204,8 @@ def _keysight_layout(first_line: str, entries: Entries) -> Layout:
 
     With several channels or segments there is a pair of columns for each.
     """
-    if len([text for text in entries["xorg"] if text]) > 1:
+    starts = [text for text in entries["xorg"] if text]  # of each channel or segment
+    if len(starts) > 1:
         raise FileFormatError(
             "has a column of times for each channel or segment; save each channel in a file of "
             "its own"
@@ -246,11 +255,14 @@ def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
     sign = first_value(entries, "decimal_separator", ".")
 
     def table_line(index: int, line: str) -> str:
+        """The row with its time before it; lines up to the heads as they are, a blank one ""."""
         if index <= head_index:
             return line
         if not line.strip():
             return ""
-        time = start + (index - head_index - 1) * step
+        row_number = index - head_index - 1  # from 0
+        time = start + row_number * step
+        # A row begins with a mark, as the first column, of times, is empty.
         return repr(time).replace(".", sign) + line
 
     return table_line
@@ -268,6 +280,7 @@ def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
     channel = first_value(entries, "source", "CH1")
 
     def table_line(_: int, line: str) -> str:
+        """What is to the right of the columns of entries."""
         return line.split(",", COLUMNS_BESIDE)[-1]
 
     head = _head_line([channel], units[:1], time_unit, mark=",")

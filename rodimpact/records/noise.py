@@ -23,13 +23,15 @@ def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> Instrumented
     The noise is a block bootstrap of the record before the pulse. Blocks keep the correlation of
     the noise. They are short, since the mean over the whole rest was subtracted as the baseline.
     """
-    block = max(2, bar.rest_samples // NOISE_BLOCKS)
+    block = max(2, bar.rest_samples // NOISE_BLOCKS)  # samples
     count = len(bar.times)
+    n_blocks = count // block + 1
     drawn = []
     for strain in bar.strains:
-        starts = rng.integers(0, bar.rest_samples - block + 1, count // block + 1)
-        noise = strain[starts[:, None] + np.arange(block)].ravel()[:count]
+        starts = rng.integers(0, bar.rest_samples - block + 1, n_blocks)
+        samples = starts[:, None] + np.arange(block)  # indices [block, sample of it]
+        noise = strain[samples].ravel()[:count]
         drawn.append(noise - noise[: bar.rest_samples].mean())
-    # sums of blocks vary less by this factor, because the rest has the mean 0
+    # Sums of blocks vary less by this factor, because the rest has the mean 0.
     shrinkage = math.sqrt(1 - block / bar.rest_samples)
     return bar._replace(strains=np.array(drawn) / shrinkage)

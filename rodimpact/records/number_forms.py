@@ -16,6 +16,7 @@ from .text_file import Survey
 FIRST_ROWS = 3
 """Rows of equally many numbers with which a table begins."""
 _NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
+"""A number, with the fraction {0} behind whole digits, or {1} alone; nan and inf, too."""
 _NUMBERS = {
     ".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
     ",": re.compile(_NUMBER.format(r",\d+", r",\d+")),
@@ -175,7 +176,7 @@ def _chosen(
 ) -> NumberForm:
     """One of the forms that match the first rows; FileFormatError if they leave it open."""
     line = lines[start]
-    # a line of one number is that number only if no form finds more
+    # A line of one number is that number only if no form finds more.
     several = [form for form in matching if form.count_numbers(line) > 1]
     if not several:
         several = matching
@@ -184,8 +185,11 @@ def _chosen(
         for head in lines[:start]:
             if head.strip():
                 last_head = head
+        # Another form takes the line for one number, with a decimal comma. It has columns if there
+        # are as many commas in the heads.
+        may_be_decimal = len(several) < len(matching)
         commas = COMMAS.count_numbers(line) - 1
-        if len(several) < len(matching) and last_head.count(",") != commas:
+        if may_be_decimal and last_head.count(",") != commas:
             raise FileFormatError(
                 f"line {start + 1}: {shown(line)} may be two numbers or a "
                 'decimal comma; give decimal="." or decimal=","'
@@ -210,10 +214,11 @@ def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
     line = lines[middle]
 
     def numbers_in(form: NumberForm) -> int:
+        """How many cells of the line are numbers."""
         return sum(map(form.is_number, form.cells(line)))
 
     form = max(forms, key=numbers_in)
-    count = form.count_numbers(line)
+    count = form.count_numbers(line)  # 0 if a cell is no number
     if count:  # then a line below it keeps it from being the first row
         return (
             f": line {middle + 1} has {count} numbers, but not all lines below it; every line "

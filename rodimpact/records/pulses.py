@@ -58,9 +58,12 @@ class Pulse(NamedTuple):
 
 
 def pulse_of(times: Floats, values: Floats) -> Pulse:
-    """Timing of the pulse with the largest sample; ValueError if the record cuts the pulse off."""
+    """Timing of the pulse with the largest sample; ValueError if the record cuts the pulse off.
+
+    Between samples the values are linear.
+    """
     sign = _sign_of(values)
-    # samples below any level beyond the ends
+    # Beyond the ends there are samples below any level. A pulse that ends there has no time.
     v = np.concatenate(([-np.inf], sign * values, [-np.inf]))
     t = np.concatenate(([np.nan], times, [np.nan]))
     top = _stretch_above(PLATEAU_RATIO * v.max(), t, v)
@@ -72,6 +75,7 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
             "the record cuts the pulse off: before the pulse the signal must be below a tenth of "
             "its plateau, after it below half; use a longer window, or subtract the baseline"
         )
+    # The first sample of 0.9 of the level, and the time at which it is passed before this sample
     first_high = int(np.argmax(v[half.samples] >= 0.9 * level))
     i = half.samples.start + first_high
     rise_end = float(np.interp(0.9 * level, v[i - 1 : i + 1], t[i - 1 : i + 1]))
@@ -94,6 +98,7 @@ class _Stretch(NamedTuple):
 def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:
     """The stretch about the largest sample; nan as a time if the record cuts it off."""
     below = np.flatnonzero(values < level)
+    # The nearest samples below the level: i before the largest sample, j after it
     after_top = int(np.searchsorted(below, values.argmax()))
     i = below[after_top - 1]
     j = below[after_top]
@@ -126,8 +131,9 @@ def first_part(times: Floats, values: Floats) -> Pulse:
     """
     size = np.abs(values)
     first = int(np.argmax(size >= MIN_FIRST_PART_RATIO * size.max()))
-    has_turned = values[first:] * values[first] < 0
+    has_turned = values[first:] * values[first] < 0  # whether the sign is another one
     if has_turned.any():
+        # Where the sign turns, a sample of 0 ends the first part.
         end = first + int(np.argmax(has_turned))
         values = np.append(values[:end], 0.0)
         times = times[: end + 1]
@@ -151,11 +157,11 @@ def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float
     It is not above a hundredth of the plateau, or three standard deviations of the noise.
     """
     level = max(ONSET_RATIO * abs(pulse.plateau), ONSET_NOISE_RATIO * noise)
-    size = np.sign(pulse.plateau) * values
+    size = np.sign(pulse.plateau) * values  # positive in the pulse
     is_low = (times < pulse.start) & (size <= level)
     if not is_low.any():
         return float(times[0])
-    i = int(np.flatnonzero(is_low)[-1])
+    i = int(np.flatnonzero(is_low)[-1])  # the last low sample
     return float(np.interp(level, size[i : i + 2], times[i : i + 2]))
 
 
@@ -172,27 +178,30 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     bar has lost the first moments of the rise; most of the rest of it is known. A steep pulse
     begins at its `line_onset`.
     """
-    size = np.sign(pulse.plateau) * values / abs(pulse.plateau)
-    end = int(np.argmax((times > pulse.start) & (size >= RISE_END_RATIO)))
-    is_low = size[:end] < RISE_BEGIN_RATIO
+    relative = np.sign(pulse.plateau) * values / abs(pulse.plateau)
+    # The rise has the samples from `begin` to `end` - 1.
+    end = int(np.argmax((times > pulse.start) & (relative >= RISE_END_RATIO)))
+    is_low = relative[:end] < RISE_BEGIN_RATIO
     begin = 0
     if is_low.any():
         begin = int(np.flatnonzero(is_low)[-1]) + 1
     if end - begin < MIN_RISE_SAMPLES:
         return line_onset(times, values, pulse)
     rise_times = times[begin:end] - pulse.start
-    roots = np.roots(np.polyfit(rise_times, size[begin:end], 2))
-    earlier = roots[np.isreal(roots)].real
-    earlier = earlier[earlier < rise_times[-1]]
+    parabola = np.polyfit(rise_times, relative[begin:end], 2)
+    zeros = np.roots(parabola)
+    real_zeros = zeros[np.isreal(zeros)].real
+    earlier = real_zeros[real_zeros < rise_times[-1]]
     if not earlier.size:
         return line_onset(times, values, pulse)
-    nearest_root = earlier[np.abs(earlier - rise_times[0]).argmin()]
-    return float(pulse.start + nearest_root)
+    nearest_to_rise = earlier[np.abs(earlier - rise_times[0]).argmin()]
+    return float(pulse.start + nearest_to_rise)
 
 
 def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:
     """Time at which a pulse exceeds a fifth of its plateau after it exceeds a tenth, s."""
-    size = np.sign(pulse.plateau) * values
+    size = np.sign(pulse.plateau) * values  # positive in the pulse
     fifth = 2 * START_RATIO * abs(pulse.plateau)
-    i = int(np.argmax((times > pulse.start) & (size >= fifth)))
+    is_above = (times > pulse.start) & (size >= fifth)
+    i = int(np.argmax(is_above))  # the first such sample
     return float(np.interp(fifth, size[i - 1 : i + 1], times[i - 1 : i + 1]))

@@ -218,9 +218,13 @@ def _signals(
     rate: float | None,
     units: Any,
 ) -> dict[str, Signal]:
-    """Signal of each channel. The columns leave the table one by one, to save memory."""
+    """Signal of each channel, by name, in SI units and over common times.
+
+    A channel that is shorter than the times has the first of them. The columns leave the table one
+    by one, to save memory. FileFormatError without times, or with a second clock beside `rate`.
+    """
     lengths = [len(column) for column in table.columns]
-    rows = max(lengths)
+    row_count = max(lengths)
     if min(lengths) < 2:
         raise FileFormatError(
             "has one line of numbers; a signal needs two samples or more"
@@ -234,9 +238,10 @@ def _signals(
             raise FileFormatError(
                 f"has a column of times, {shown(time_columns[0])}; leave rate out"
             )
+    # Index of the column of each channel, by name
     channels = {name: j for j, name in enumerate(table.names) if j != time_column}
     if time_column is not None:
-        if lengths[time_column] < rows:
+        if lengths[time_column] < row_count:
             raise FileFormatError(
                 f"{table.place_of(lengths[time_column])}, column "
                 f"{shown(table.names[time_column])}: must be a finite number, got ''; {REMEDY}"
@@ -244,7 +249,7 @@ def _signals(
         times = _times(table, time_column, time_unit)
     else:
         assert rate is not None
-        times = np.arange(float(rows))
+        times = np.arange(float(row_count))
         times /= rate
     times.flags.writeable = False
     user_units = _units_of(channels, units)
@@ -254,10 +259,10 @@ def _signals(
         if unit is None:
             unit = table.units[j]
         doubt = _clipping(table, j)
-        values, si = _take_in_si(table, j, unit, "units")
+        values, si_unit = _take_in_si(table, j, unit, option="units")
         if doubt:
             warnings.warn(doubt, ClippedSignal, stacklevel=4)
-        signals[name] = signal_of(values, times[: len(values)], si, name)
+        signals[name] = signal_of(values, times[: len(values)], si_unit, name)
     return signals
 
 
@@ -267,10 +272,15 @@ def _named_times(table: ColumnTable) -> list[str]:
 
 
 def _time_column(table: ColumnTable, time: str | None) -> int:
-    """Index of the column of times; FileFormatError if that is not a single one."""
+    """Index of the column of times; FileFormatError if that is not a single one, or the only one.
+
+    It is the column called `time`, if given; else the one called time or t, or without heads the
+    first one that increases.
+    """
     candidates = _named_times(table)
     expected = "time"
-    if table.names[0] == "1":
+    has_heads = table.names[0] != "1"
+    if not has_heads:
         candidates = [_first_increasing(table)]
     if time is not None:
         candidates = [time]
@@ -313,50 +323,61 @@ def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
 def _take_in_si(
     table: ColumnTable, column: int, unit: Any, option: str
 ) -> tuple[Floats, str]:
-    """Take a column out of the table: its numbers in SI units, and their unit."""
+    """Take a column out of the table: its numbers in SI units, read-only, and their SI unit.
+
+    The table keeps an empty column. FileFormatError for an unknown unit; it names `option`, the
+    argument that gives another one.
+    """
     numbers = table.columns[column]
     try:
-        values, si = known_units.in_si(numbers, unit)
+        values, si_unit = known_units.in_si(numbers, unit)
     except ValueError as error:
         name = shown(table.names[column])
         raise FileFormatError(f"column {name}: {error}; give {option}=") from None
     table.columns[column] = np.empty(0)
     values.flags.writeable = False
-    return values, si
+    return values, si_unit
 
 
 def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
-    """Times in s, as `checked_times` has them."""
+    """Times in s, as `checked_times` has them; FileFormatError if their unit is none of time.
+
+    `unit` is the one that the user gave, if any. The column leaves the table.
+    """
     name = shown(table.names[column])
     if not unit:
         unit = table.units[column]
-    times, si = _take_in_si(table, column, unit, "time_unit")
-    if si != "s":
+    times, si_unit = _take_in_si(table, column, unit, option="time_unit")
+    if si_unit != "s":
         raise FileFormatError(
             f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', 'us', "
             "'ns', or give the head of the column of times as time="
         )
-
     return checked_times(times, name, table.place_of, stacklevel=6)
 
 
 def _clipping(table: ColumnTable, column: int) -> str:
-    """A sentence if a channel stays long at its largest or smallest value, and at no other."""
+    """A sentence if a channel stays long at its largest or smallest value, and at no other.
+
+    "" otherwise. A channel may rest long at its first value.
+    """
     values = table.columns[column]
     low = values.min()
     high = values.max()
-    longest = 0
-    longest_start = 0
-    longest_other = 0
+    longest = 0  # samples of the longest run of equal ones at a limit
+    longest_start = 0  # index of its first sample
+    longest_other = 0  # samples of the longest run at another value
     for starts, lengths in _runs(values):
         level = values[starts]
-        at_limit = ((level == low) | (level == high)) & (level != values[0])
+        is_extreme = (level == low) | (level == high)
+        at_limit = is_extreme & (level != values[0])
         lengths_at_limit = np.where(at_limit, lengths, 0)
+        other_lengths = np.where(at_limit, 0, lengths)
         k = int(lengths_at_limit.argmax())
         if lengths_at_limit[k] > longest:
             longest = int(lengths[k])
             longest_start = int(starts[k])
-        longest_other = max(longest_other, int(np.where(at_limit, 0, lengths).max()))
+        longest_other = max(longest_other, int(other_lengths.max()))
     if longest < max(MIN_CLIPPED_SAMPLES, MIN_CLIPPED_RATIO * longest_other):
         return ""
     return (
@@ -371,10 +392,12 @@ def _runs(values: Floats) -> Iterator[tuple[Ints, Ints]]:
     count = len(values)
     begin = 0  # start of the run that goes on from the block before
     for start in range(0, count, BLOCK_SAMPLES):
-        # a block ends with the first sample of the next one
+        # A block ends with the first sample of the next one.
         block = values[start : start + BLOCK_SAMPLES + 1]
-        ends = start + 1 + np.flatnonzero(block[1:] != block[:-1])
-        if start + BLOCK_SAMPLES >= count:
+        changes = np.flatnonzero(block[1:] != block[:-1])  # a run ends after each
+        ends = start + 1 + changes
+        is_last_block = start + BLOCK_SAMPLES >= count
+        if is_last_block:
             ends = np.append(ends, count)
         if ends.size:
             starts = np.append(begin, ends[:-1])

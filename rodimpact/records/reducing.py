@@ -190,9 +190,8 @@ class _Records(NamedTuple):
     bars: InstrumentedBars  # with the strains as recorded
     calibration: Calibration | None
     specimen: Specimen
-    velocity_error: (
-        float  # of v1 - v2 by levels at rest that the noise does not show, m/s
-    )
+    # Error of v1 - v2, m/s, by errors of levels at rest, which the noise does not show
+    velocity_error: float
 
     @property
     def corrected(self) -> InstrumentedBars:
@@ -210,7 +209,10 @@ class _Records(NamedTuple):
 
 
 def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reduction:
-    """Reduce a shot whose gauges separate all waves."""
+    """Reduce a shot whose gauges separate all waves.
+
+    With a limit above 0, s, the waves are aligned within it first.
+    """
     recorded = records.bars
     input_bar = recorded.input
     # The curve lasts from the arrival at the specimen as long as the waves are separated.
@@ -241,7 +243,10 @@ def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reducti
 
 
 def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
-    """Reduce a shot with one gauge a bar and overlapping waves."""
+    """Reduce a shot with one gauge a bar and overlapping waves.
+
+    InvalidModel for two gauges on a bar, and for an input gauge at the specimen.
+    """
     recorded = records.bars
     for name, bar in zip(("input_gauges", "output_gauges"), recorded, strict=True):
         if len(bar.distances) > 1:
@@ -274,12 +279,15 @@ def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
 def _reduce_direct_impact(
     bar: InstrumentedBar, striker: Rod | RigidMass, specimen: Specimen, report: Report
 ) -> Reduction:
-    """Reduce the impact of a striker on a specimen that lies on an output bar."""
+    """Reduce the impact of a striker on a specimen that lies on an output bar.
+
+    An error of the time of the impact is one of the strain: times the first velocity, over L0.
+    """
     start = start_of_impact(bar)
     times = _times_between(start, separated_until(bar), bar.dt, "output_gauges")
     shot = DirectImpactShot(bar, striker, specimen, times)
     curve = shot.curve()
-    timing_error = curve.input_velocity[0] * timing_error_of(bar) / specimen.length
+    strain_error = curve.input_velocity[0] * timing_error_of(bar) / specimen.length
     return _reduction(
         shot,
         curve,
@@ -287,12 +295,15 @@ def _reduce_direct_impact(
         verdict_of_equal_forces(curve, shot.sentence()),
         doubts_of_direct_impact(bar),
         report,
-        strain_error=timing_error,
+        strain_error=strain_error,
     )
 
 
 def _times_between(start: float, end: float, dt: float, name: str) -> Floats:
-    """Times of a curve; InvalidModel if they are too few."""
+    """Times of a curve from `start` on, at steps of `dt`, up to `end`, all in s.
+
+    InvalidModel if they are too few; it names the argument `name`.
+    """
     count = int((end - start) / dt)
     if count < MIN_CURVE_SAMPLES:
         message = (
@@ -323,7 +334,8 @@ def _reduction(
     `strain_error` is an error of the strain that the noise does not show; it joins its band.
     """
     first = bars[0]
-    cut_off = min(first.guide.cut_off, 0.5 / first.dt)
+    half_sampling_rate = 0.5 / first.dt  # Hz
+    cut_off = min(first.guide.cut_off, half_sampling_rate)
     resolution = Resolution(first.dt, cut_off)
     bands = bands_of(shot, curve, calibration, resolution, report)
     return Reduction(

@@ -68,10 +68,11 @@ def checked_times(
         warnings.warn(_sentence(name, times, steps, equal), RoundedTimes, stacklevel)
         return equal
 
-    def refuse_if(wrong: Any, message: str) -> None:
-        if not wrong.any():
+    def refuse_if(is_wrong: Any, message: str) -> None:
+        """FileFormatError that names the first wrong step, if there is one; [step]."""
+        if not is_wrong.any():
             return
-        i = int(wrong.argmax())
+        i = int(is_wrong.argmax())
         raise FileFormatError(
             f"{place_of(i + 1)}, column {name}: {times[i + 1]:.9g}"
             f" s comes after {times[i]:.9g} s; {message}"
@@ -83,12 +84,15 @@ def checked_times(
         "and give rate",
     )
     usual = np.median(steps)
-    late = steps > MIN_GAP_RATIO * usual
+    is_gap = steps > MIN_GAP_RATIO * usual
+    # The distance from the usual step, in place of the steps, to save memory
     steps -= usual
     np.abs(steps, out=steps)
-    if np.mean(steps > EQUAL_STEP_RTOL * usual) < MIN_UNEVEN_RATIO:
+    uneven_share = np.mean(steps > EQUAL_STEP_RTOL * usual)
+    # Steps that are uneven on purpose have no gaps.
+    if uneven_share < MIN_UNEVEN_RATIO:
         refuse_if(
-            late, "samples are missing; cut the record there, or fill in the samples"
+            is_gap, "samples are missing; cut the record there, or fill in the samples"
         )
     return times
 
@@ -102,14 +106,16 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
     """
     if len(times) < MIN_ROUNDED_SAMPLES:
         return False
+    # If the times are rounded, the longest step exceeds the shortest one by the last digit.
     shortest = float(steps.min())
     last_digit = float(steps.max()) - shortest
-    has_repeats = shortest == 0
+    has_repeats = shortest == 0  # more samples than digits
     if shortest < 0 or last_digit <= EQUAL_STEP_RTOL * shortest:
-        return False
+        return False  # times that do not increase, or equal steps
     usual = np.median(steps)
     is_uneven = np.abs(steps - usual) > EQUAL_STEP_RTOL * usual
     is_rare = is_uneven.mean() < MIN_UNEVEN_RATIO
+    # A missing sample makes the longest step twice the shortest one: a last digit as long.
     if is_rare and shortest < MIN_GAP_RATIO * last_digit:
         return False
     if not has_repeats:
@@ -122,13 +128,18 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
 
 
 def _equal_steps(times: Floats) -> Floats:
-    """Equal steps through the times, by least squares, s."""
+    """Times with equal steps nearest to the times, by least squares, s.
+
+    With the numbers n of the samples about their mean it is mean(t) + n sum(n t)/sum(n^2).
+    """
     count = len(times)
-    offsets: Floats = np.arange(count, dtype=float) - (count - 1) / 2
-    step = float(offsets @ times) / float(offsets @ offsets)
-    offsets *= step
-    offsets += times.mean()
-    return offsets
+    numbers: Floats = np.arange(count, dtype=float) - (count - 1) / 2
+    step = float(numbers @ times) / float(numbers @ numbers)
+    # In place, to save memory
+    equal = numbers
+    equal *= step
+    equal += times.mean()
+    return equal
 
 
 def _sentence(name: str, times: Floats, steps: Floats, equal: Floats) -> str:

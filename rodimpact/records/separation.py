@@ -30,7 +30,11 @@ class Waves(NamedTuple):
 
 
 def waves_at_face(bar: InstrumentedBar) -> Waves:
-    """Waves at the face, towards the specimen and away from it."""
+    """Waves at the face, towards the specimen and away from it.
+
+    With one gauge no wave comes back towards the specimen in the output bar, and the record of the
+    input bar is the incident wave up to the begin of the reflected one.
+    """
     if len(bar.distances) == 2:
         return _from_two_gauges(bar)
     strain = bar.strains[0]
@@ -38,6 +42,7 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
     away = bar.propagated(strain, -distance)
     if bar.is_output:
         return Waves(np.zeros(len(strain)), away)
+    # The time and the sample at which the reflected wave reaches the gauge
     reflected_start = bar.pulse_start + 2 * distance / bar.speed
     split = int((reflected_start - bar.times[0]) / bar.dt)
     # The incident wave propagated back ends before the reflected wave begins, so it does not
@@ -47,23 +52,26 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
 
 
 def _from_two_gauges(bar: InstrumentedBar) -> Waves:
-    """The two waves from the records of two gauges, passage by passage."""
+    """The two waves from the records of two gauges, passage by passage.
+
+    The near gauge has the strain en and the distance zn, the far one ef and zf. The sum over all
+    passages of 2 D of en - T(D) ef is T(zn) times the wave away, and that of ef - T(D) en is T(-zf)
+    times the wave towards the face.
+    """
     near = int(bar.distances.argmin())
     far = 1 - near
     near_distance = float(bar.distances[near])
     far_distance = float(bar.distances[far])
-    apart = far_distance - near_distance
+    apart = far_distance - near_distance  # D
     near_strain = from_pulse(bar, near)
     far_strain = from_pulse(bar, far)
     away = near_strain - bar.propagated(far_strain, apart)
     towards = far_strain - bar.propagated(near_strain, apart)
+    away_at_near = sum_of_passages(bar.guide, away, 2 * apart)
+    towards_at_far = sum_of_passages(bar.guide, towards, 2 * apart)
     return Waves(
-        towards=bar.propagated(
-            sum_of_passages(bar.guide, towards, 2 * apart), far_distance
-        ),
-        away=bar.propagated(
-            sum_of_passages(bar.guide, away, 2 * apart), -near_distance
-        ),
+        towards=bar.propagated(towards_at_far, far_distance),
+        away=bar.propagated(away_at_near, -near_distance),
     )
 
 
@@ -96,13 +104,16 @@ def separated_until(bar: InstrumentedBar) -> float:
     At this time the record ends or, with one gauge, the wave from the far end of the bar is back
     at the gauge. ValueError if the incident and the reflected wave overlap at a single gauge.
     """
-    end = float(bar.known_until.min())
+    record_end = float(bar.known_until.min())
     if len(bar.distances) == 2:
-        return end
-    travel = float(bar.distances[0]) / bar.speed
+        return record_end
+    travel = float(bar.distances[0]) / bar.speed  # from the gauge to the face
     round_trip = 2 * float(bar.rod.length) / bar.speed
     if bar.is_output:
-        return min(end, bar.pulse_start - travel + round_trip - 2 * travel)
+        # The pulse is at the face a travel before it is at the gauge. What leaves the face a round
+        # trip later, less two travels, meets at the gauge the wave from the far end.
+        at_face = bar.pulse_start - travel
+        return min(record_end, at_face + round_trip - 2 * travel)
     pulse = bar.first_pulse
     passed = pulse.start + pulse.width + pulse.rise / 2
     if passed > bar.pulse_start + 2 * travel:
@@ -110,4 +121,6 @@ def separated_until(bar: InstrumentedBar) -> float:
             "the reflected wave reaches the gauge before the incident wave has passed; "
             "give a second gauge on this bar, or use a shorter striker"
         )
-    return min(end, bar.pulse_start + travel + round_trip - 2 * travel)
+    # In the input bar the pulse is at the face a travel after it is at the gauge.
+    at_face = bar.pulse_start + travel
+    return min(record_end, at_face + round_trip - 2 * travel)

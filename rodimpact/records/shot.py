@@ -57,7 +57,10 @@ class Bands(NamedTuple):
 
 
 def one_sample_of(shot: Shot, curve: Curve, dt: float) -> Floats:
-    """Change of the stress at equal strain by a sample, s, of the transmitted wave, Pa."""
+    """Largest change of the stress at equal strain, Pa, if the output record is shifted by `dt`, s.
+
+    The record is taken later, and earlier, by one sample.
+    """
     stresses = []
     for delay in (dt, -dt):
         moved = shot.with_later_output(delay).curve()
@@ -73,26 +76,32 @@ def bands_of(
     resolution: Resolution,
     report: Report,
 ) -> Bands:
-    """Bands of 95 %: from noise, from errors of a calibration, and from lost frequencies."""
+    """Bands of 95 %: from noise, from errors of a calibration, and from lost frequencies.
+
+    The noise goes through the reduction alone, since that is linear. `report` is told how many
+    draws of it are done.
+    """
     rng = np.random.default_rng(0)
-    drawn = []
+    noise_curves = []
     for k in range(NOISE_DRAWS):
-        drawn.append(shot.with_noise_alone(rng).curve())
+        noise_curves.append(shot.with_noise_alone(rng).curve())
         report(k + 1, NOISE_DRAWS)
-    changed = []
+    changed_curves = []
     if calibration is not None:
-        for each in shot.with_errors(calibration):
-            changed.append(each.curve())
+        for changed in shot.with_errors(calibration):
+            changed_curves.append(changed.curve())
 
     def band(name: str) -> Floats:
+        """Half width of the band of the column of that name, [sample]."""
         column = getattr(curve, name)
-        noises = [getattr(each, name) for each in drawn]
+        noises = [getattr(noise_curve, name) for noise_curve in noise_curves]
         variance = np.mean([noise**2 for noise in noises], axis=0)
         calibration_variance = 0.0
-        for each in changed:
-            difference = getattr(each, name) - column
+        for changed_curve in changed_curves:
+            difference = getattr(changed_curve, name) - column
             calibration_variance = calibration_variance + difference**2
         variance += calibration_variance
+        # The column has lost as much as it has at high frequencies, without the noise there.
         powers = [high_frequency_power(noise, resolution) for noise in noises]
         power = high_frequency_power(column, resolution)
         lost = np.maximum(power - np.mean(powers, axis=0), 0.0)
@@ -109,7 +118,8 @@ def high_frequency_power(column: Floats, resolution: Resolution) -> Floats:
     dt = resolution.dt
     octave_start = resolution.cut_off / 2
     low = Signal(column, dt=dt).low_pass(octave_start).values
-    width = min(2 * math.ceil(1 / octave_start / dt) + 1, len(column))
+    period = math.ceil(1 / octave_start / dt)  # the longest of the octave, samples
+    width = min(2 * period + 1, len(column))
     window = np.full(width, 1 / width)
     power: Floats = np.convolve((column - low) ** 2, window, "same")
     return power

@@ -347,6 +347,7 @@ class Signal(Frozen):
             waves.Bar,
             "waves.Bar(wave_speed=5000, poisson_ratio=0.3, radius=0.01)",
         )
+        # The values change their shape, and the times have the travel time of long waves.
         values = filters.dispersed(self.values, self.dt, z, bar)
         return self.replace(values=values, times=self.times + z / bar.wave_speed)
 
@@ -633,7 +634,7 @@ def _number_of_steps(name: str, duration: Any, step: float) -> int:
     if not 0 <= count < filters.MAX_SAMPLES:
         message = f"must be 0 or more, and at most {filters.MAX_SAMPLES} samples"
         raise invalid_argument(name, f"{message}, got {duration}")
-    return math.ceil(count * (1 - 1e-12))
+    return math.ceil(count * (1 - 1e-12))  # round-off makes no step more
 
 
 def bounds_of(name: str, bounds: Any, unit: str) -> Range | None:

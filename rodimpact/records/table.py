@@ -62,14 +62,14 @@ class Table:
         head = survey.head.split("\n")
         layout = find_layout(head)
         if survey.characters > len(survey.head):
-            head.pop()  # it goes on
+            head.pop()  # this line goes on beyond the head
         self._table_line = layout.table_line
         lines = [layout.table_line(i, line) for i, line in enumerate(head)]
         start = find_table(lines, survey, decimal)
         self._form = start.form
-        self._first = start.line
-        self._count = self._form.count_numbers(lines[start.line])
-        self._has_blanks = False
+        self._first = start.line  # index of the first row of numbers
+        self._count = self._form.count_numbers(lines[start.line])  # of columns
+        self._has_blanks = False  # whether a cell is blank
         above = lines[: start.line]
         if layout.head:
             above.append(layout.head)
@@ -81,7 +81,7 @@ class Table:
             self._check_decimal()
 
     def place_of(self, row: int) -> str:
-        """The line in which a row stands, from 1 on."""
+        """The line in which the row of that index stands, such as "line 12", from 1 on."""
         number, _ = next(islice(self._rows(), row, None))
         return f"line {number}"
 
@@ -95,19 +95,19 @@ class Table:
                 yield index + 1, row
 
     def _read_columns(self, report: Report) -> list[Floats]:
-        """Numbers of each column."""
+        """Numbers of each column, read in blocks of rows; `report` is told how far that is."""
         survey = self._text.survey
-        most = survey.lines - self._first
-        columns = [np.empty(most) for _ in range(self._count)]
+        most_rows = survey.lines - self._first
+        columns = [np.empty(most_rows) for _ in range(self._count)]
         rows = self._rows()
-        filled = 0
+        filled = 0  # rows
         characters = 0
         while block := list(islice(rows, BLOCK_ROWS)):
-            numbers = self._numbers_in(block)
+            numbers = self._numbers_in(block)  # [row, column]
             for column, part in zip(columns, numbers.T, strict=True):
                 column[filled : filled + len(block)] = part
             filled += len(block)
-            characters += sum(len(row) + 1 for _, row in block)
+            characters += sum(len(row) + 1 for _, row in block)  # with the line end
             report(min(characters, survey.characters), survey.characters)
         for column in columns:
             column.resize(filled, refcheck=False)
@@ -116,30 +116,42 @@ class Table:
         return columns
 
     def _cut_blank_ends(self, columns: list[Floats]) -> None:
-        """End each column before its blank cells; FileFormatError if numbers come after them."""
+        """End each column before its blank cells; FileFormatError if numbers come after them.
+
+        The columns are changed in place.
+        """
         for name, column in zip(self.names, columns, strict=True):
             is_blank = np.isnan(column)
-            count = len(column) - int(is_blank[::-1].argmin())
+            # Index of the first number from the end on
+            blanks_at_end = int(is_blank[::-1].argmin())
+            count = len(column) - blanks_at_end
             if is_blank[:count].any():
                 place = self.place_of(int(is_blank.argmax()))
                 raise self._invalid_cell(place, name, "")
             column.resize(count, refcheck=False)
 
     def _numbers_in(self, block: list[tuple[int, str]]) -> Floats:
-        """Numbers of some rows, [row, column]; FileFormatError where a cell is none."""
-        points = self._form.to_points
+        """Numbers of some rows, [row, column]; FileFormatError where a cell is none.
+
+        `block` has the number of the line and the text of each row. A blank cell is NaN.
+        """
+        to_points = self._form.to_points
+        delimiter = None  # any blanks
+        if self._form.delimiter:
+            delimiter = self._form.delimiter.translate(to_points)
         try:
             numbers: Floats = np.loadtxt(
-                [row.translate(points) for _, row in block],
-                delimiter=self._form.delimiter.translate(points) or None,
+                [row.translate(to_points) for _, row in block],
+                delimiter=delimiter,
                 comments=None,
                 quotechar='"',
                 ndmin=2,
             )
         except ValueError:
             numbers = np.empty((0, 0))
-        if numbers.shape != (len(block), self._count) or not np.isfinite(numbers).all():
-            # cell by cell, which names the first one at fault
+        is_complete = numbers.shape == (len(block), self._count)
+        if not is_complete or not np.isfinite(numbers).all():
+            # Cell by cell, which names the first one at fault
             return np.array([self._checked(line, row) for line, row in block])
         return numbers
 
@@ -172,11 +184,15 @@ class Table:
         )
 
     def _check_decimal(self) -> None:
-        """Refuse numbers that may be thousands or parts of one: all are like 1,234."""
+        """Refuse numbers that may be thousands or parts of one: all are like 1,234.
+
+        A single number that is not like that shows that the sign is a decimal one.
+        """
         sign = self._form.decimal
         first = ""
         for cell in self._cells_with(sign):
-            first = first or cell
+            if not first:
+                first = cell
             if not THOUSANDS[sign].fullmatch(cell):
                 return
         if first:

@@ -77,7 +77,7 @@ def read_tdms(file: BinaryIO) -> ChannelTable:
 
 
 def _names_of(channels: list[Any]) -> list[str]:
-    """Names of channels; those that several groups have begin with the group."""
+    """Names of channels; those that several groups have begin with the group: ``group/name``."""
     names = [str(channel.name) for channel in channels]
     full_names = []
     for name, channel in zip(names, channels, strict=True):

@@ -70,13 +70,14 @@ class TextFile:
         last_comma = -1
         quotes_commas = False
         with self._opened(encoding) as text:
-            # whole lines, so that no number is cut
+            # Blocks end with whole lines, so that no number is cut.
             while block := text.read(BLOCK) + text.readline():
                 if "\0" in block:
                     raise FileFormatError(NO_TEXT)
-                if not characters:
+                is_first = characters == 0
+                if is_first:
                     head = block[:BLOCK].replace(MINUS, "-")
-                comma = block.rfind(",")
+                comma = block.rfind(",")  # -1 if there is none
                 if comma >= 0:
                     last_comma = line_ends + block.count("\n", 0, comma)
                 if '"' in block and not quotes_commas:

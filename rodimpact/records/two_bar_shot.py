@@ -87,12 +87,17 @@ class TwoBarShot:
         return sampled
 
     def aligned(self, limit: float, report: Report) -> TwoBarShot:
-        """The shot with the shifts that make its start elastic and its forces alike."""
+        """The shot with the shifts, up to a limit in s, that balance the forces at its start.
+
+        The start goes up to half of the largest stress. If the specimen has a Young's modulus, the
+        shifts also make the start elastic. `report` is told how many curves are done.
+        """
         from scipy.optimize import least_squares
 
         stress = self.curve().stress
         largest = stress.max()
-        start = slice(0, int(np.argmax(stress > ELASTIC_RATIO * largest)) + 1)
+        first_above = int(np.argmax(stress > ELASTIC_RATIO * largest))
+        start = slice(0, first_above + 1)  # samples
         modulus = self.specimen.youngs_modulus
         curves = 0
 

@@ -88,6 +88,9 @@ class Verdict(NamedTuple):
 def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
     """Verdict on a curve with measured forces on both faces.
 
+    Its first sentence says that equilibrium cannot be judged, from which strain it is reached, or
+    that it is not reached.
+
     Parameters
     ----------
     curve : Curve
@@ -100,8 +103,9 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
     balance = _balance(curve, rise)
     imbalance = float(np.median(balance.imbalance[plateau]))
     resolution = _resolution(curve, plateau, impedance)
-    covered = balance.is_equal & plateau
-    is_balanced = covered.sum() >= MIN_BALANCED_RATIO * plateau.sum()
+    is_equal_on_plateau = balance.is_equal & plateau
+    balanced_samples = is_equal_on_plateau.sum()
+    is_balanced = balanced_samples >= MIN_BALANCED_RATIO * plateau.sum()
     in_equilibrium: bool | None = bool(is_balanced)
     equilibrium_from = math.nan
     if resolution > EQUILIBRIUM_RTOL:
@@ -112,7 +116,8 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
             f"force only; |F1 - F2| is {_percent(imbalance)} of it on the plateau"
         )
     elif in_equilibrium:
-        first = int(covered.argmax())
+        # The first balanced sample of the plateau, and those right before it
+        first = int(is_equal_on_plateau.argmax())
         while first > 0 and balance.is_equal[first - 1]:
             first -= 1
         equilibrium_from = float(curve.strain[first])
@@ -199,9 +204,9 @@ def _with_numbers(
 
 
 def _plateau(curve: Curve) -> Bools:
-    """Which samples are loading with a force near its peak."""
-    loading = np.arange(len(curve.times)) < curve.loading.stop
-    force = np.where(loading, curve.output_force, -np.inf)
+    """Which samples are loading with a force near its peak, [sample]."""
+    is_loading = np.arange(len(curve.times)) < curve.loading.stop
+    force = np.where(is_loading, curve.output_force, -np.inf)
     is_high: Bools = force >= PLATEAU_RATIO * force.max()
     return is_high
 
@@ -228,13 +233,18 @@ def _balance(curve: Curve, rise: float) -> _Balance:
 
 
 def _resolution(curve: Curve, plateau: Bools, impedance: float) -> float:
-    """Error of F1, the difference of two waves, over the mean force on the plateau."""
+    """Error of F1, the difference of two waves, over the median of F2 on the plateau.
+
+    `impedance` is that of the input bar, Z, kg/s.
+    """
+    # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave, Z c i.
     incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
-    mean = np.median(curve.output_force[plateau])
-    return float(INPUT_FORCE_RTOL * np.abs(incident_force).max() / mean)
+    plateau_force = np.median(curve.output_force[plateau])
+    return float(INPUT_FORCE_RTOL * np.abs(incident_force).max() / plateau_force)
 
 
 def _percent(ratio: float) -> str:
+    """A ratio in percents, without digits if it is next to nothing."""
     if abs(ratio) < SMALLEST_SHOWN_RATIO:
         return f"less than {100 * SMALLEST_SHOWN_RATIO:g} %"
     return f"{100 * ratio:.3g} %"

@@ -57,22 +57,26 @@ class Waveguide(NamedTuple):
         """Effect of distances, m, on the spectra of `count` samples.
 
         In a round bar with a Poisson ratio each frequency runs at its own phase velocity, and
-        frequencies above the cut-off of the first mode are removed.
+        frequencies above the cut-off of the first mode are removed. The transform is longer than
+        the samples, so that waves do not come round in its period.
         """
         from scipy import fft
 
-        longest_travel = np.abs(distances).max() / self.speed / self.dt
-        room = math.ceil(SLOW_WAVE_RATIO * longest_travel)
-        size = fft.next_fast_len(2 * count + room, real=True)
+        longest_travel = np.abs(distances).max() / self.speed / self.dt  # samples
+        slowest_travel = math.ceil(SLOW_WAVE_RATIO * longest_travel)
+        size = fft.next_fast_len(2 * count + slowest_travel, real=True)
         f = fft.rfftfreq(size, self.dt)
-        factors = np.exp(-2j * np.pi * f * distances / self.speed)
+        factors = np.exp(-2j * np.pi * f * distances / self.speed)  # a delay
         mode = self.mode
         if mode is not None:
             factors *= filters.first_mode(f, distances, mode)
         return TransferFunctions(size, factors)
 
     def propagated(self, strain: Floats, distance: float) -> Floats:
-        """The strain, at rest before, after a distance, m, along the bar."""
+        """The strain, at rest before, after a distance, m, along the bar, at the same times.
+
+        A negative distance gives the strain as it was before.
+        """
         from scipy import fft
 
         size, factors = self.transfer_functions(len(strain), distance)

@@ -52,9 +52,8 @@ def text_of_workbook(file: BinaryIO) -> BinaryIO:
     try:
         for row in rows:
             text.write((row + "\n").encode())
-    except (
-        Exception
-    ) as error:  # the packages have errors of their own, and those of zip files
+    except Exception as error:
+        # The packages have errors of their own, and those of zip files.
         text.close()
         raise FileFormatError(
             f"is no workbook that {package.__name__} reads ({one_line(str(error))}); save it "
@@ -65,10 +64,12 @@ def text_of_workbook(file: BinaryIO) -> BinaryIO:
 
 
 def _ending(file: BinaryIO) -> str:
+    """Ending of the name of a file, such as ".xls", in small letters."""
     return os.path.splitext(file.name)[1].casefold()
 
 
 def _rows_of_xlsx(openpyxl: Any, file: BinaryIO) -> Iterator[str]:
+    """Rows of the first sheet of a new workbook, with tabs between cells."""
     book = openpyxl.load_workbook(file, read_only=True, data_only=True)
     with closing(book):
         for row in book.worksheets[0].iter_rows(values_only=True):
@@ -76,7 +77,8 @@ def _rows_of_xlsx(openpyxl: Any, file: BinaryIO) -> Iterator[str]:
 
 
 def _rows_of_xls(xlrd: Any, file: BinaryIO) -> Iterator[str]:
-    # without a log it prints to the standard output
+    """Rows of the first sheet of an old workbook, with tabs between cells."""
+    # Without a log xlrd prints to the standard output.
     book = xlrd.open_workbook(file_contents=file.read(), logfile=io.StringIO())
     for row in book.sheet_by_index(0).get_rows():
         yield "\t".join(_cell_text(cell.value) for cell in row)
