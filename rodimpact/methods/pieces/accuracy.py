@@ -68,7 +68,8 @@ class Ended(NamedTuple):
 def prepare_second_run(fine: Any, coarse: Any) -> None:
     """Set what runs at a coarser tolerance need to be compared: other pieces, and the same end.
 
-    Their pieces are halved, or twice as long where breaks come too densely.
+    Pieces of `coarse` that no tolerance limits are halved, or twice as long where breaks come too
+    densely. `fine` is not changed.
 
     Parameters
     ----------
@@ -96,23 +97,25 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     tail = run.max_truncation_error / run.velocity_scale
     loose = LOOSE_FACTOR * tail**LOOSE_POWER
     resting = run.resting_velocity / run.velocity_scale
+    # Velocities that the peak forces of the links make
     velocities = [link.peak_force * link.effective_mobility for link in fine.links]
     strongest = size_of(velocities) / run.velocity_scale
     common = RUN_ROUND_OFF * max(1.0, strongest) + loose + resting + FIT_FACTOR * fit
     errors = [common, common, common, common, common]
     values = measures_of(fine)
-    if all(part.kind != Part.SEGMENT for part in fine.parts):
+    if all(part.kind != Part.SEGMENT for part in fine.parts):  # a row without rods
         add_faint_times(fine, errors)
     peak = size_of(values[PEAK_FORCE])
     if peak > 0:
-        excess = []
+        excess = []  # of the bounds of peaks over the peaks, N
         for link in fine.links:
             if has_peak(link):
                 excess.append(link.peak_force_bound - link.peak_force)
         errors[PEAK_FORCE] += PEAK_FACTOR * size_of(excess) / peak
     event_error = EVENT_FACTOR * size_of([link.event_error for link in fine.links])
+    # Time in which a force acted but counted as none, s
     cut = run.tick_duration * size_of([link.cut_ticks for link in fine.links])
-    for i in range(UNTIMED_MEASURES, len(errors)):
+    for i in range(UNTIMED_MEASURES, len(errors)):  # durations and times
         longest = size_of(values[i])
         if longest > 0:
             errors[i] += (event_error + cut) / longest
@@ -133,20 +136,20 @@ def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
         Largest relative change of a transit time.
     """
     values = measures_of(ended)
-    durations = size_of(values[DURATION])
-    times = size_of(values[TIME])
-    shift = transit_error * times
+    longest = size_of(values[DURATION])
+    latest = size_of(values[TIME])
+    shift = transit_error * latest  # by how much the latest time is wrong, s
     errors = [transit_error] * len(values)
-    if durations > 0:
+    if longest > 0:
         episodes = max([link.episodes for link in ended.links])
-        for i in range(UNTIMED_MEASURES):
-            errors[i] += shift / durations
-        errors[DURATION] += 2 * episodes * shift / durations
+        for i in range(UNTIMED_MEASURES):  # forces, impulses and velocities
+            errors[i] += shift / longest
+        errors[DURATION] += 2 * episodes * shift / longest
     return errors
 
 
 def has_peak(link: Any) -> bool:
-    """Whether a link is a contact or a joint with a force; an impact has an impulse alone."""
+    """Whether a link has a peak force: a contact or a joint, but no impact, no bond and no push."""
     return bool(link.law >= Law.JOINT and link.law != Law.IMPACT)
 
 
@@ -159,6 +162,7 @@ def add_faint_times(fine: Ended, errors: list[float]) -> None:
     """
     run = fine.run
     episodes = max([1, *[link.episodes for link in fine.links]])
+    # Share of the reference time, at the beginning and at the end of an episode
     ratio = 2 * run.graze_velocity / run.velocity_scale
     faint = ratio * run.shortest_transit * run.tick_duration * episodes
     values = measures_of(fine)
@@ -180,7 +184,7 @@ def measures_of(ended: Ended) -> list[list[float]]:
     durations = []
     times = []
     for link in ended.links:
-        if link.law >= Law.JOINT:
+        if link.law >= Law.JOINT:  # a joint or a contact
             impulses.append(link.impulse)
             durations.append(link.force_ticks * run.tick_duration)
             times.append(link.first_force_tick * run.tick_duration)
@@ -193,7 +197,7 @@ def measures_of(ended: Ended) -> list[list[float]]:
         # Groups go on evenly after the proof, whenever it came; parts of joined bodies vibrate.
         if run.has_bonds:
             velocities.append(part.mean_velocity)
-        elif part.part_count > 0:
+        elif part.part_count > 0:  # the first part of a group, which has its motion
             velocities.append(part.group_velocity)
     return [velocities, impulses, peaks, durations, times]
 
@@ -251,11 +255,12 @@ def momentum_error(fine: Ended) -> float:
         return 0.0
     worst = 0.0
     for first, head in enumerate(fine.parts):
-        mass = 0.0
+        mass = 0.0  # it stays 0 where `head` is not the first part of a group
         is_free = True
         for part in fine.parts[first : first + head.part_count]:
             mass += part.mass
-            is_free = is_free and part.kind < Part.WALL
+            is_anchor = part.kind >= Part.WALL
+            is_free = is_free and not is_anchor
         if is_free and mass > 0:
             momentum = 0.0  # gained since t = 0
             for link in fine.links:
@@ -274,11 +279,13 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     It is DIFFERENCE_FACTOR times the difference of both runs in this measure, or a share of the
     worst difference, which may be larger: two numbers agree by chance, where others do not. A
     relative error of velocities moves an event by this part of its `event_lag`, so that the share
-    is larger for short times. The error that both runs have in common is added.
+    is larger for short times. The error of pieces that no tolerance limits, which both runs have in
+    common, is added. An error is 0 where all values of the measure are.
     """
     apart = differences(fine, coarse)
     shared = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale
     apart[VELOCITY] = max(apart[VELOCITY], momentum_error(fine))
+    # Velocities, impulses and peak forces; and the waves in rods
     worst = max(apart[0], apart[1], apart[2], wave_difference(fine, coarse))
     lag = size_of([link.event_lag for link in fine.links])
     errors = []

@@ -65,7 +65,10 @@ def contact_times(row: Row) -> dict[int, Any]:
 
 
 def reference_time(row: Row, until: float | None) -> Any:
-    """Longest transit, s; without rods `until`, else the longest time of a contact or a flight."""
+    """Longest transit, s; without rods `until`, else the longest time of a contact or a flight.
+
+    It is 1 where there is none of these.
+    """
     if row.segments:
         return largest([s.transit_time for s in row.segments])
     if until:
@@ -132,14 +135,14 @@ def family_clock(
     jump_times = [share * transits[s] for s, share in jumps]
     counted_times = [row.of(time) for time in (*transits, *jump_times)]
     times_of_members = np.array(counted_times).reshape(-1, row.members).T.tolist()
-    longest_times = row.of(reference)
+    longest_times = row.of(reference)  # `of` gives a number for each member
     crossing_times = row.of(crossing_time)
     flight_times = row.of(flight_time)
     segments = len(transits)
-    tick: Any = np.zeros(row.members)
-    end: Any = np.zeros(row.members)
-    ticks = np.zeros((segments, row.members), np.int64)
-    counted: list[int] = []
+    tick: Any = np.zeros(row.members)  # duration of a tick, s
+    end: Any = np.zeros(row.members)  # end of the run, s
+    ticks = np.zeros((segments, row.members), np.int64)  # transit times
+    counted: list[int] = []  # `counted_times` in ticks
     for m, times in enumerate(times_of_members):
         longest = float(longest_times[m])
         end[m] = until
@@ -148,7 +151,7 @@ def family_clock(
             flight = float(flight_times[m])
             end[m] = rule.default_horizon(longest, crossing, flight, 1.0)
         longest_ticks, counted = count_ticks(times, longest, float(end[m]))
-        if longest_ticks == 0:
+        if longest_ticks == 0:  # there is no clock
             raise InvalidModel([too_long(float(end[m]), longest)])
         tick[m] = longest / longest_ticks
         ticks[:, m] = counted[:segments]

@@ -134,7 +134,7 @@ class Members:
         return getattr(self, name)
 
     def state(self) -> Any:
-        """The `State` of the member that ran last, as arrays."""
+        """The `State` of the member that ran last, as arrays, whatever the form of the batch."""
         return State(*[self.batch.array(name) for name in State._fields])
 
     def ended(self, member: int) -> Ended:
@@ -163,7 +163,7 @@ class Members:
             self.run_member(m, report)
 
     def load(self, member: int = 0) -> None:
-        """Put the records of a member, and its pieces at t = 0, on the batch."""
+        """Put the records of a member on the batch, and its pieces at t = 0 into the log there."""
         batch = self.batch
         records = {}
         for name in MEMBER_FIELDS:
@@ -187,13 +187,14 @@ class Members:
     def run_member(self, member: int = 0, report: Report = no_report) -> None:
         """Run a member to its end and store its records.
 
-        It runs in slices of steps. Between two it may change from plain Python to machine code.
+        It runs in slices of steps, each of which ends with CAP until the run has come to its end or
+        to the limit of the request. Between two it may change from plain Python to machine code.
         """
         batch = self.batch
         batch.choose_form(MIN_RUN_TIME)
         self.load(member)
         limit = self.request.limit
-        steps = 0
+        steps = 0  # done so far
         stop = Stop.CAP
         while stop == Stop.CAP and steps < limit:
             slice_steps = COMPILED_STEPS
@@ -219,7 +220,10 @@ class Members:
             runs[0].max_steps = limit
 
     def _expected_steps(self, run: Run) -> int | None:
-        """Estimated number of steps of a run to a given time; None where a proof ends it."""
+        """Estimated number of steps of a run to a given time; None where a proof ends it.
+
+        It is None, too, as long as some node is at t = 0.
+        """
         reached = min(node.now for node in self.batch.objects("nodes"))
         if run.ticks_after_proof != NEVER or reached <= 0:
             return None

@@ -13,7 +13,7 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
     """Raise `event_error` and `event_lag` of a link, s, by what an event of it may be wrong.
 
     The event is in a piece of duration h, s. Its guard is wrong by the remainder of its
-    polynomial, which makes `event_error`.
+    polynomial, which makes `event_error`; all of h if the guard changes by less than that.
 
     All that went before is wrong, too: where velocities are wrong by v, a force is wrong by v/Y,
     and an overlap by v times its memory. For a v of the velocity scale that makes `event_lag`.
@@ -27,6 +27,7 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
             # dg/dt, as y goes from -1 to 1 in the time h
             rate = abs(series.slope(node.scratch_series, event.position)) * 2 / h
             if error < rate * h:
+                # A guard of velocities or forces is wrong by 1 for a v of the scale.
                 lag = 1 / rate
                 if contact_laws.follows_overlap(link, which):
                     length = event_location.guard_length(run, h)

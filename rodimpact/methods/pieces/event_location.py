@@ -57,15 +57,19 @@ def evaluate_guard(run: Run, link: Link, node: Node, which: int, h: float) -> in
 
 
 def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
-    """Return the first event in a piece of duration h, s, of any guard of any link of a node."""
+    """Return the first event in a piece of duration h, s, of any guard of any link of a node.
+
+    Without one it is at 1, the end of the piece, and its link is NONE.
+    """
     position = 1.0
-    first = NONE
+    first = NONE  # link of the first event so far
     first_status = 0
     for q in range(node.link_count):
         i = node.first_link + q
         for which in range(contact_laws.guard_count(links[i])):
             status = evaluate_guard(run, links[i], node, which, h)
             zero = find_event(run, links[i], node, which, h)
+            # A place behind 1 means that there is no event.
             if zero <= 1 and (first == NONE or zero < position):
                 position = zero
                 first = i
@@ -86,6 +90,7 @@ def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
         # A force that starts softly is a polynomial that swings a little below 0.
         graze = run.graze_velocity * run.shortest_transit * run.tick_duration
         ignored = max(ignored, graze / guard_length(run, h))
+    # A dip below 0 that is less deep may be the truncation error of the piece.
     depth = max(ignored, run.tolerance / run.velocity_scale)
     j = 1  # first point at which the guard is negative
     while j < POINTS and node.scratch_values[j] >= -ignored:
@@ -111,7 +116,7 @@ def find_crossing(node: Node, j: int) -> float:
     series.set_series(node.scratch_values, node.scratch_series)
     low = X[j - 1]
     zero = X[j - 1]
-    if node.scratch_values[j - 1] <= 0:
+    if node.scratch_values[j - 1] <= 0:  # its sign shows a little behind the point
         low += FIRST_RISE * (X[j] - X[j - 1])
     if series.value(node.scratch_series, low) > 0:
         zero = series.first_zero(node.scratch_series, low, X[j])
@@ -127,6 +132,7 @@ def find_dip(node: Node, depth: float) -> float:
     """
     zero = NOWHERE
     least = series.smallest(node.scratch_values)
+    # If all values are well above 0, there is no zero between the points.
     if least < series.POSITIVE_RTOL * series.largest(node.scratch_values):
         j = 0  # point of the smallest value
         while node.scratch_values[j] > least:
@@ -142,6 +148,7 @@ def find_dip(node: Node, depth: float) -> float:
             is_end_lowest = series.slope_at_end(node.scratch_series, 1.0) <= 0
         if not is_end_lowest:
             bottom = series.place_of_minimum(node.scratch_series, low, high)
+            # There is a dip if the lowest place is well below 0, and not where the search began.
             if bottom > low and series.value(node.scratch_series, bottom) < -depth:
                 zero = series.first_zero(node.scratch_series, low, bottom)
     return zero

@@ -27,9 +27,11 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     """Change the status of link i of a node at a tick; set the order of the break that this makes.
 
     A contact that closes starts with overlap 0. Rigid bodies that close strike, which decides their
-    status anew. What stops or starts to yield gets the yield force and hardening that follow.
+    status anew. What stops to yield gets the yield force that it has reached; what starts to, or
+    comes to a knot of its table, gets exactly the overlap there, and the hardening behind a knot.
     """
     run = state.runs[0]
+    # Machine code counts no references to borrowed arrays.
     links = borrowed(state.links)
     masses = borrowed(state.masses)
     contact_log = borrowed(state.contact_log)
@@ -46,11 +48,11 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
         link.yield_force = link.stiffness * link.overlap
         link.hardening_share = link.shares[link.next_knot]
         link.next_knot += 1
-    elif old == Status.PLASTIC:
+    elif old == Status.PLASTIC:  # it no longer closes
         link.yield_force = link.stiffness * link.overlap
-    elif status == Status.PLASTIC:
+    elif status == Status.PLASTIC:  # it begins to yield
         link.overlap = link.yield_force / link.stiffness
-    if old == Status.OPEN:
+    if old == Status.OPEN:  # it closes
         if contact_laws.force_jumps(link):
             link.break_order = 0
         elif link.law == Law.IMPACT:
@@ -81,15 +83,15 @@ def inverse_mass(masses: Masses, node: Node, q: int) -> float:
 
     q = -1 is the body before the first link.
     """
-    if q < 0 or q == node.link_count - 1:
+    if q < 0 or q == node.link_count - 1:  # outside the chain is a wall
         return 0.0
     return 1 / float(masses[node.first_mass + q].mass)
 
 
 def apply_impulse(masses: Masses, node: Node, q: int, impulse: float) -> None:
-    """Change the velocities of both masses beside link q by an impulse in it, N s.
+    """Change the velocities of both masses beside link q by an impulse J in it, N s.
 
-    It drives them apart: -J/m on the left, J/m on the right.
+    It drives them apart: -J/m on the left, J/m on the right. A wall keeps its velocity.
     """
     if q > 0:
         before = inverse_mass(masses, node, q - 1)
@@ -127,8 +129,9 @@ def resolve_impacts(
             link.closing_after = 0.0
             if closing > 0:
                 link.closing_after = -link.restitution * closing
-            if -link.closing_after <= RESTING_RTOL * run.velocity_scale:
-                run.resting_velocity = max(run.resting_velocity, -link.closing_after)
+            parting = -link.closing_after
+            if parting <= RESTING_RTOL * run.velocity_scale:  # too slow to matter
+                run.resting_velocity = max(run.resting_velocity, parting)
                 link.closing_after = 0.0
             link.force[0] = 0.0
             link.closing[0] = closing
@@ -141,7 +144,7 @@ def resolve_impacts(
                 velocity_by_impulse = inverse_mass(masses, node, q - 1)
                 velocity_by_impulse += inverse_mass(masses, node, q)
                 excess = closing_of(masses, node, q) - link.closing_after
-                # The impulse stays at 0 or above.
+                # The change of the impulse `force[0]`, which stays at 0 or above
                 step = max(excess / velocity_by_impulse, -link.force[0])
                 link.force[0] += step
                 apply_impulse(masses, node, q, step)
@@ -158,22 +161,24 @@ def resolve_impacts(
 def finish_impact(
     run: Run, contact_log: ContactLog, link: Link, i: int, tick: int, closing: float
 ) -> None:
-    """Set the status of link i after an impact that left a closing velocity, and log its impulse.
+    """Set the status of link i after an impact that left the velocity `closing`; log its impulse.
 
-    The contact is open; or at rest, if the bodies do not part, as long as they are pressed.
+    The contact is open (OPEN); or at rest (REST) if the bodies do not part, or so slowly that it
+    does not matter. A contact that got no impulse (`force[0]`, N s) did not strike: it is not
+    logged.
     """
     struck = link.force[0] > 0
     link.overlap = 0.0
     link.break_order = 0
     link.status = Status.OPEN.value
-    if closing >= -RESTING_RTOL * run.velocity_scale:
+    if closing >= -RESTING_RTOL * run.velocity_scale:  # the bodies do not part
         link.status = Status.REST.value
-        run.resting_impacts += struck
+        run.resting_impacts += struck  # one more if it struck
         run.resting_velocity = max(run.resting_velocity, -closing)
     if struck:
         link.impulse += link.force[0]
         log_contact_change(run, contact_log, link, i, tick, Status.PRESS.value)
-        change = contact_log[run.contact_event_count - 1]
+        change = contact_log[run.contact_event_count - 1]  # the row just logged
         change.impulse = link.force[0]
         change.mean_closing = 0.5 * (link.closing[0] + closing)
         link.last_force_tick = tick
@@ -186,7 +191,7 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
     """Take the piece of a node that was solved, of `ticks` from now, as done.
 
     States of the links and masses become those at its end; impulses, peaks, durations and the log
-    of contacts are continued; and what the run keeps is stored.
+    of contacts are continued; and what the run keeps is stored. `now` of the node stays.
     """
     run = state.runs[0]
     h = ticks * run.tick_duration
@@ -200,22 +205,26 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         if link.status == Status.OPEN:
             touch = Status.OPEN.value
         start = node.now  # since when it did that
-        if link.status != Status.OPEN and link.status != Status.GRAZE:
+        if link.status != Status.OPEN and link.status != Status.GRAZE:  # a force acts
+            # The integral is over y, which runs through 2 in the time h.
             link.impulse += 0.5 * h * series.integral(link.force)
             largest = series.largest(link.force)
             # A piece within the window lies where two breaks nearly meet: its peak is round-off.
             if ticks > run.event_window and largest > PEAK_RTOL * link.peak_force:
                 raise_peak(link, node, largest)
             overlap = series.largest(link.overlaps)
-            if link.status >= Status.PRESS and presses(run, link, largest, overlap):
+            is_contact = link.status >= Status.PRESS  # no bond, joint or push
+            if is_contact and presses(run, link, largest, overlap):
                 touch = Status.PRESS.value
                 link.fading_ticks = 0
+                # The piece may end with a force that counts as none.
                 if not presses(run, link, link.force[N], link.overlaps[N]):
                     link.fading_ticks = ticks
                 # A force that was faint until now has begun when the contact closed.
                 start -= max(link.faint_ticks, 0)
                 link.force_ticks += node.now + ticks - start
-        if link.law >= Law.RIGID and touch != link.logged_status:
+        can_open = link.law >= Law.RIGID
+        if can_open and touch != link.logged_status:
             log_contact_change(
                 run, state.contact_log, link, node.first_link + q, start, touch
             )
@@ -246,6 +255,7 @@ def set_end_state(link: Link, h: float) -> None:
     link.overlap_rate = link.closing[N] - link.mobility * link.force[N]
     rate_before = link.closing[N - 1] - link.mobility * link.force[N - 1]
     rise = link.overlap_rate - rate_before
+    # The points are h (X[N] - X[N - 1])/2 apart in time.
     link.overlap_acceleration = 2 * rise / (h * (X[N] - X[N - 1]))
 
 
@@ -266,10 +276,10 @@ def raise_peak(link: Link, node: Node, largest: float) -> None:
 def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
     """Return whether a touching contact presses with a force, N, at an overlap, m, that counts.
 
-    The force of a contact with a contact law counts from an overlap on that `graze_velocity` makes
-    in the shortest transit; other forces count if they make more than that velocity.
+    A compliant contact presses from an overlap on that `graze_velocity` makes in the shortest
+    transit. Other forces count if they make more than that velocity.
     """
-    if link.law >= Law.SPRING:
+    if link.law >= Law.SPRING:  # its force follows from its overlap
         transit = run.shortest_transit * run.tick_duration
         return force > 0 and overlap > run.graze_velocity * transit
     return force * link.effective_mobility > run.graze_velocity
@@ -283,6 +293,7 @@ def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
     is round-off: then NONE is returned until the contact opens.
     """
     faint = link.faint_ticks
+    # From SPRING on a law is that of an overlap, from PRESS on a contact has a force.
     is_closed = link.law >= Law.SPRING and link.status >= Status.PRESS
     if touch == Status.PRESS or not is_closed:
         faint = 0
@@ -298,18 +309,20 @@ def log_contact_change(
 ) -> None:
     """Log that link i presses (PRESS), only touches (GRAZE) or is open (OPEN) from a tick on.
 
-    First and last force, episodes, the last opening and the time cut from forces are continued.
+    That is `touch`. First and last force, episodes, the last opening and `cut_ticks`, the time cut
+    from forces, are continued in the link.
     """
     if touch == Status.PRESS:
         if link.first_force_tick == NONE:
             link.first_force_tick = tick
-        link.episodes += link.starts_episode
+        link.episodes += link.starts_episode  # 1 if it has opened since the last one
         link.starts_episode = 0
     elif link.logged_status == Status.PRESS:
         link.last_force_tick = tick
         if link.status >= Status.PRESS:  # the force has become faint
             link.cut_ticks += link.fading_ticks
     if touch == Status.OPEN:
+        # It pressed in this episode, and its force was faint in the end.
         is_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
         if is_faint and link.law >= Law.SPRING and link.damping == 0:
             # A spring presses until it opens: its last force was logged too early by this time.
@@ -340,7 +353,7 @@ def keep_history(state: State, node: Node, link: Link, ticks: int) -> None:
     lines.append_values(
         run, all_lines, log, l, now, ticks, link.force, node.scratch_series
     )
-    if link.law >= Law.JOINT:
+    if link.law >= Law.JOINT:  # its neighbours can move against each other
         lines.append_values(
             run, all_lines, log, l + 1, now, ticks, link.overlaps, node.scratch_series
         )

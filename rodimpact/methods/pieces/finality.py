@@ -54,6 +54,7 @@ def check_finality(state: State, tick: int) -> None:
             and tick < run.end_tick
         ):
             time = time_until_over(run, state.links, parts)
+            # Where the time is infinite, the tick of the next look still stays below NEVER.
             ticks = int(min(time / run.tick_duration, 0.5 * NEVER)) + 1
             run.next_proof_tick = tick + max(run.proof_interval, ticks)
             if time == 0:
@@ -81,7 +82,8 @@ def read_lines_at(state: State, tick: int) -> None:
 def time_until_over(run: Run, links: Links, parts: Parts) -> float:
     """Return the time until it may be proved that the run is over, s, as bodies move now.
 
-    It is 0 if no contact presses and none can close again, or if nothing changes any more.
+    It is 0 if no contact presses and none can close again, or if nothing changes any more; else a
+    tick or more, after which it is worth while to ask again.
     """
     # Velocities below this one count as 0, m/s.
     slow = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance
@@ -90,7 +92,7 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
     longest = 0.0
     for i in range(len(links)):
         link = links[i]
-        if link.left_group == NONE:
+        if link.left_group == NONE:  # it cannot open
             continue
         left = parts[link.left_group]
         right = parts[link.right_group]
@@ -120,7 +122,8 @@ def time_until_apart(
     least_opening = -math.inf  # least velocity with which the two faces can part
     if left.ends_follow_waves and right.ends_follow_waves:
         least_opening = right.min_wave - left.max_wave
-    # Gap between the mean motions: the faces are beside these by their deviations.
+    # Gap between the mean motions: the faces are beside these by their deviations. The right end
+    # (1) of the left group faces the left end (0) of the right one.
     mean_gap = left.end_deviations[1] - right.end_deviations[0] - link.overlap
     left_reach = max_deviation(left, left.compliance_integrals[1])
     right_reach = max_deviation(right, right.compliance_integrals[0])
@@ -131,7 +134,7 @@ def time_until_apart(
 def is_quiet(link: Link, group: GroupPart, slow: float) -> bool:
     """Return whether a group moves evenly, and the overlap of a contact with it is constant.
 
-    Velocities within `slow`, m/s, are the same.
+    Velocities within `slow`, m/s, are the same. Index N is the end of the last piece.
     """
     rate = link.closing[N] - link.mobility * link.force[N]
     return bool(group.max_wave - group.min_wave <= slow and abs(rate) <= slow)
@@ -203,6 +206,7 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
         transit = state.lines[2 * part.index].delay
         squares = 0.0
         for way in range(2):  # a, to the right, and b, to the left
+            # What is under way at the tick was sent in the transit time before it.
             head = state.lines[2 * part.index + way].read_piece
             wave = lines.moments(state.log, head, tick - transit, transit, speed)
             part.wave_integrals[way] = wave.whole
@@ -248,23 +252,24 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
         if not is_anchored:  # beyond means: to the left, as seen from the right end
             g = before / mass
             w = passed / mass
-        if not is_anchored and side == 0:
+        if not is_anchored and side == 0:  # and to the right, as seen from the left end
             g = 1 - g
             w = 1 - w
         if part.kind == Part.SEGMENT:
             transit = state.runs[0].tick_duration * state.lines[2 * part.index].delay
             deviation += sign * strain_integral(part, g, w) * transit
+            # The mean of g^2 where g is linear is (g^2 + g w + w^2)/3.
             compliance += part.compliance * (g * g + g * w + w * w) / 3
         elif part.kind == Part.JOINT:
             joint = state.links[part.index]
-            if part.compliance > 0:
+            if part.compliance > 0:  # it has a spring
                 deviation -= sign * joint.overlap * g
                 compliance += part.compliance * (g * g)
-            else:
+            else:  # a dashpot alone
                 heavier_side = max(passed, mass - passed)
                 stretch += 2 * g * math.sqrt(heavier_side) / joint.damping
         elif part.kind == Part.ENDLESS:
-            compliance = part.compliance
+            compliance = part.compliance  # so large that no force holds its end
     if stretch > 0:
         reach = math.sqrt(compliance) + stretch
         compliance = reach * reach
@@ -296,8 +301,8 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
                 )
                 group.min_wave = low
                 group.max_wave = high
-        elif part.kind < Part.WALL:
-            other_parts += 1  # masses and joints
+        elif part.kind < Part.WALL:  # a mass or a joint
+            other_parts += 1
     for k in range(first, stop):
         if state.parts[k].kind == Part.WALL:
             # A wall of velocity V reflects a wave w as 2 V - w. The wall is the anchor of the
@@ -318,8 +323,10 @@ def strain_integral(part: GroupPart, g: float, w: float) -> float:
     (b - a)/2 dt. The part of a that was sent last is at the left end now, that of b at the right
     end: y of b runs with x, that of a against it, so that their moments add.
     """
-    mean = part.wave_integrals[1] - part.wave_integrals[0]
-    slope = part.wave_moments[1] + part.wave_moments[0]
+    mean = part.wave_integrals[1] - part.wave_integrals[0]  # integral of b - a over y
+    slope = part.wave_moments[1] + part.wave_moments[0]  # integral of (b - a) y
+    # Here y is the place, g is (g + w)/2 + (w - g)/2 y, and strain dx over the transit time is
+    # (b - a)/2 dy/2: the three halves make 1/8.
     return float((g + w) * mean + (w - g) * slope) / 8
 
 
@@ -328,7 +335,8 @@ def wave_bounds(
 ) -> tuple[float, float]:
     """Return the smallest and the largest of `low`, `high` and the waves under way in line l, m/s.
 
-    The values of a series are within c[0] -/+ (abs(c[1]) + abs(c[2]) + ...).
+    Under way is what lies from the read piece of the line on. The values of a series are within
+    c[0] -/+ (abs(c[1]) + abs(c[2]) + ...).
     """
     i = all_lines[l].read_piece
     while i != NONE:

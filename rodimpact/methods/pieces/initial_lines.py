@@ -163,7 +163,7 @@ class InitialLines:
         """
         scale = float(self._clock.scale)
         tolerance = self._request.tolerance * scale / 4
-        fit = tolerance
+        fit = tolerance  # largest miss of a piece, m/s
         is_state = any(isinstance(profile, Polynomials) for profile, _ in profiles)
         if is_state and not is_drive:
             fit = EXACT_FIT * scale  # keeps the waves of an earlier run
@@ -253,9 +253,9 @@ class InitialLines:
     def _outside_signal(self, side: int) -> OutsideSignal:
         """How the signal of an end follows from the value that acts there, by the kind of the end.
 
-        `side` is 0 on the left, 1 on the right. A velocity counts in the frame, which falls; a
-        force acts as it is. The wave out of an endless rod is the one that the end sends inward at
-        t = 0, and what the strain adds.
+        That is factor, start and slope, see `OutsideSignal`. `side` is 0 on the left, 1 on the
+        right. A velocity counts in the frame, which falls; a force acts as it is. The wave out of
+        an endless rod is the one that the end sends inward at t = 0, and what the strain adds.
         """
         row = self._row
         kind, _ = row.boundaries[side]
@@ -290,8 +290,9 @@ class InitialLines:
         """
         tick = self._clock.tick
         start = signal.start + value * signal.factor
-        if np.any(np.asarray(signal.slope) != 0):
+        if np.any(np.asarray(signal.slope) != 0):  # a velocity, whose factor is 1
             stop = np.rint(self._request.until / tick) + 1
+            # The straight line is middle + half y.
             half = signal.slope * stop * tick / 2
             middle = signal.start + value + half
             piece = layout.piece_of(0, stop, [middle, half])
@@ -317,11 +318,13 @@ class InitialLines:
         drive = profile_pieces.signal_of(value, until, ticks_of)
         drive = drive.times(float(signal.factor)).plus(float(signal.start))
         if signal.slope:
-            ramp = np.array([0.0, signal.slope * stop * tick])
+            ramp = np.array([0.0, signal.slope * stop * tick])  # values at 0 and `stop`
             drive = drive + Pieces.through([0, stop], ramp)
+        # It makes velocities of errors of the value.
         velocity_per_value = float(signal.factor)
         if kind == "force":  # F changes the velocity of a free end by 2 F/Z
             impedances = [float(segment.impedance) for segment in self._row.segments]
             velocity_per_value = 2 / min(impedances, default=math.inf)
         profile = (value, velocity_per_value)
-        return self._fit_pieces(drive, 0, stop, profile, is_drive=True)[None]
+        pieces = self._fit_pieces(drive, 0, stop, profile, is_drive=True)
+        return pieces[None]  # [member, piece]

@@ -76,7 +76,7 @@ class InitialLine(NamedTuple):
 def piece_of(start: Any, stop: Any, values: Any) -> Any:
     """A record of a piece from tick `start` to `stop` with these first coefficients of its series.
 
-    It is on no line yet, and no piece follows it.
+    The others are 0. It is on no line yet, and no piece follows it.
     """
     piece = blank(1, PIECE)[0]
     piece.start = start
@@ -135,7 +135,7 @@ def lay_out(
     masses = make_masses(row, clock)
     parts = make_parts(row, nodes, links, outside)
     count = len(initial_lines)
-    if request.keep:
+    if request.keep:  # lines that keep forces, overlaps and velocities come behind
         count = number_history_lines(links, masses, count)
     lines = make_lines(clock, initial_lines, count)
     run = make_run(row, clock, request, shortest, initial_lines)
@@ -178,7 +178,8 @@ def make_run(
 ) -> Any:
     """The record of a run before its first step; `shortest` is the shortest transit, ticks."""
     run = blank(1, RUN)[0]
-    breaks = 0  # mean number of hard breaks in the shortest transit, on the line with the most
+    # Mean number of hard breaks in the shortest transit, on the line with the most
+    breaks = 0
     for line in initial_lines:
         run.piece_count += line.piece_count
         if line.hard_breaks > 0:
@@ -200,7 +201,7 @@ def make_run(
         run.keeps_history = 1
     run.first_averaged_tick = NONE
     set_proof(run, row, shortest, np.rint(reference))
-    run.ticks_after_proof = NEVER
+    run.ticks_after_proof = NEVER  # a proof does not end a run to a given time
     if request.until is None:
         run.ticks_after_proof = 0
     return run
@@ -209,7 +210,8 @@ def make_run(
 def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
     """Set when a run first looks for its proof of finality, and how often; times are ticks.
 
-    A run with an external drive never does. `has_bonds` says that some contact cannot open.
+    `shortest` and `longest` are transit times. A run with an external drive never does. It also
+    sets `has_bonds`, which says that some contact cannot open.
     """
     run.proved_tick = NONE
     run.last_proof_tick = NONE
@@ -226,11 +228,14 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
     """Nodes from left to right, one more than there are segments; `shortest` is a transit, ticks.
 
     Segment k, from 0 on, lies between the nodes k and k + 1. Its line 2 k leads to the right, its
-    line 2 k + 1 to the left. `outside` are the lines from outside, left and right.
+    line 2 k + 1 to the left. `outside` are the lines from outside, left and right; NONE at the free
+    end of a rod.
     """
     n = len(row.segments)
     nodes = blank(n + 1, NODE)
     for k, node in enumerate(nodes):
+        # Node k has the masses from row.first[k] to before row.first[k + 1]: each node has a link
+        # more than masses.
         node.first_mass = row.first[k]
         node.first_link = k + node.first_mass
         node.link_count = row.first[k + 1] - row.first[k] + 1
@@ -266,6 +271,7 @@ def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]
             set_mobility(link, node, q)
             set_effective_mobility(link, node, q, row.masses, time)
             if link.law == Law.IMPACT:
+                # The force that makes the velocity scale in the shortest transit
                 link.resting_force = clock.scale / link.effective_mobility
             elif link.law == Law.OWN:
                 link.overlap_step = DIFFERENCE_STEP * clock.scale * time
@@ -276,7 +282,8 @@ def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]
 def set_law(link: Any, row_link: Any, i: int) -> None:
     """Set the law of link i with its numbers from the link of the row, and its status at t = 0.
 
-    Nothing has happened to it yet. A contact without a gap presses (PRESS).
+    Nothing has happened to it yet. A contact without a gap presses (PRESS), one with a gap or an
+    impact is open (OPEN), and all else is a bond (BOND).
     """
     link.left_group = NONE
     link.right_group = NONE
@@ -293,7 +300,7 @@ def set_law(link: Any, row_link: Any, i: int) -> None:
     link.overlap = -initial_gap(row_link)
     if link.law == Law.IMPACT:  # the first step strikes bodies that touch
         link.status = Status.OPEN.value
-    elif link.law >= Law.RIGID:
+    elif link.law >= Law.RIGID:  # a contact that can open
         is_open = row_link.gap > 0
         link.status = np.where(is_open, Status.OPEN.value, Status.PRESS.value)
 
@@ -301,7 +308,7 @@ def set_law(link: Any, row_link: Any, i: int) -> None:
 def set_mobility(link: Any, node: Any, q: int) -> None:
     """Set `mobility`, the sum of 1/Z of the rod ends beside link q of a node, s/kg.
 
-    A rod end is only beside the first and the last link.
+    A rod end is only beside the first and the last link of the node.
     """
     left = 0.0
     if q == 0:
@@ -317,11 +324,12 @@ def set_effective_mobility(
 ) -> None:
     """Set the closing velocity that 1 N in link q of a node makes in a time, s, over 1 N; s/kg.
 
-    A rod end takes 1/Z, a mass m takes time/m.
+    A rod end takes 1/Z, a mass m takes time/m. `masses` are those of the row, kg.
     """
-    first = max(q - 1, 0)  # mass on the left of the link, if there is one
+    # Link q lies between the masses q - 1 and q of the node, as far as there are any.
+    first = max(q - 1, 0)
     stop = q + 1
-    if q == node.link_count - 1:  # no mass on the right
+    if q == node.link_count - 1:
         stop = q
     mobility = link.mobility
     for m in range(first, stop):
@@ -348,9 +356,9 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
     for link in links:
         link.history_line = l
         l += 1
-        if link.law >= Law.JOINT:
+        if link.law >= Law.JOINT:  # a joint or a contact: its overlap follows
             l += 1
-        if link.law == Law.YIELD:
+        if link.law == Law.YIELD:  # its closing velocity follows
             l += 1
     for mass in masses:
         mass.history_line = l
@@ -361,7 +369,8 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
 def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> list[Any]:
     """All lines, `count` of them; those of `initial_lines` come first, the others are empty.
 
-    Pieces at t = 0 stand at the beginning of the log, line by line.
+    Pieces at t = 0 stand at the beginning of the log, line by line. The lines of a segment have its
+    transit time as delay, others none.
     """
     lines = blank(count, LINE)
     for history_line in lines[len(initial_lines) :]:
@@ -376,6 +385,7 @@ def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> li
         first += initial.piece_count
         line.last_piece = first - 1
         line.unread_breaks = initial.hard_breaks
+    # Segment s, from 0 on, has the lines 2 s and 2 s + 1.
     for l in range(2 * len(clock.transits)):
         lines[l].delay = clock.transits[l // 2]
     return lines
@@ -393,7 +403,7 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
         for q in range(node.link_count):
             i = node.first_link + q
             link = links[i]
-            if link.law >= Law.RIGID:
+            if link.law >= Law.RIGID:  # it can open: another group begins behind it
                 link.left_group = head
                 head = len(parts)
                 link.right_group = head
@@ -405,7 +415,7 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
                 add_part(parts, head, Part.MASS.value, m, row.masses[m], 0.0)
         if k < len(row.segments):
             segment = row.segments[k]
-            compliance = segment.transit_time / segment.impedance
+            compliance = segment.transit_time / segment.impedance  # L/(E A)
             add_part(parts, head, Part.SEGMENT.value, k, segment.mass, compliance)
     add_ground(parts, head, row.boundaries[1][0], outside[1])
     return parts

@@ -30,7 +30,7 @@ def at(piece: Piece, y: float) -> float:
 
     A y beyond these is round-off: the value at the end is returned.
     """
-    if piece.degree == 0:
+    if piece.degree == 0:  # the piece is constant
         return piece.coefficients[0]
     return series.value(piece.coefficients, min(1.0, max(-1.0, y)))
 
@@ -41,12 +41,13 @@ def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
     Hard breaks that it passes are no longer counted as unread.
     """
     line = lines[l]
+    # A piece has been read when its end has arrived, a delay after it was sent.
     while (
         log[line.read_piece].next != NONE
         and log[line.read_piece].end + line.delay <= tick
     ):
         line.read_piece = log[line.read_piece].next
-        if log[line.read_piece].break_order <= HARD:
+        if log[line.read_piece].break_order <= HARD:  # the lower its order, the harder
             line.unread_breaks -= 1
 
 
@@ -58,6 +59,7 @@ def rewind(lines: Lines, log: Log, l: int) -> None:
     line = lines[l]
     line.read_piece = line.first_piece
     line.unread_breaks = 0
+    # A break is at the start of a piece; that of the first one is not counted.
     i = log[line.first_piece].next
     while i != NONE:
         if log[i].break_order <= HARD:
@@ -77,6 +79,7 @@ def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
     """
     delay = lines[l].delay
     i = log[lines[l].read_piece].next
+    # The break at the start of piece i arrives at the tick start + delay.
     while i != NONE and log[i].start + delay < end:
         if log[i].break_order <= HARD and log[i].start + delay > tick:
             return int(log[i].start + delay)
@@ -106,12 +109,14 @@ def sample(
     """
     begin = tick - lines[l].delay  # when the wave was sent
     piece = log[lines[l].read_piece]
-    if piece.degree == 0 and begin + ticks <= piece.end:
+    if piece.degree == 0 and begin + ticks <= piece.end:  # one constant piece holds
         for j in range(POINTS):
             f[j] = piece.coefficients[0]
         return
     for j in range(POINTS):
         u = 0.5 * (X[j] + 1) * ticks  # time since `begin`
+        # Go on to the piece that holds at this time; but not beyond a piece that ends where the
+        # sampled time ends.
         while (
             piece.next != NONE and begin + u > piece.end and piece.end < begin + ticks
         ):
@@ -124,8 +129,9 @@ def sample(
 def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
     """Return the moments of the wave, less a velocity, that a line sent over `ticks` from `begin`.
 
-    i is the row of the log of a piece of the line at or before `begin`. Each piece is integrated
-    with the weights of the stages.
+    i is the row of the log of a piece of the line at or before `begin`; `speed` is the velocity,
+    m/s. The moments are integrals over y, from -1 at `begin` to 1 after `ticks`. Each piece is
+    integrated with the weights of the stages.
     """
     whole = 0.0
     tilt = 0.0
@@ -138,13 +144,15 @@ def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
         if high > low:
             for j in range(N):
                 u = 0.5 * (X[j + 1] + 1) * (high - low)  # time since `low`
+                # Places of this time: in the piece, and in the time of the moments
                 in_piece = 2 * ((low - piece.start) + u) / (piece.end - piece.start) - 1
                 y = 2 * ((low - begin) + u) / ticks - 1
                 v = at(piece, in_piece) - speed
+                # v times its weight: the part of the piece is (high - low)/ticks of the time
                 w = (high - low) / ticks * WEIGHTS[j] * v
                 whole += w
                 tilt += w * y
-                bend += w * (1.5 * y * y - 0.5)
+                bend += w * (1.5 * y * y - 0.5)  # P2
                 square += w * v
         i = piece.next
     return Moments(whole, tilt, bend, square)
@@ -155,7 +163,7 @@ def project(
 ) -> None:
     """Set f to the parabola nearest to the wave that arrives by line l in `ticks` from `tick` on.
 
-    It has the same momentum, and never more energy.
+    It has the same momentum, and never more energy. f are its values at the points.
     """
     line = lines[l]
     begin = tick - line.delay  # when the wave was sent
@@ -176,12 +184,13 @@ def append_piece(
     """Append the piece of the series c from `tick` to `stop` to line l; return its row in the log.
 
     A constant wave stays one piece as long as it is constant: a front is a piece of degree 0. If
-    the new piece only goes on with it, the old one is made longer, and NONE is returned.
+    the new piece only goes on with it, the old one is made longer, and NONE is returned. The new
+    piece has no break at its start (SMOOTH): callers set one.
     """
     i = int(run.piece_count)
     line = lines[l]
     old = line.last_piece
-    if old == NONE:
+    if old == NONE:  # it is the first piece of the line
         line.first_piece = i
         line.read_piece = i
     elif degree == 0 and log[old].degree == 0 and log[old].coefficients[0] == c[0]:
@@ -217,6 +226,7 @@ def append_values(
 
     Return its row in the log, or NONE, as `append_piece`. c is scratch.
     """
+    # Machine code counts no references to borrowed arrays.
     lines = borrowed(lines)
     log = borrowed(log)
     degree = 0
@@ -233,6 +243,9 @@ def send(
     run: Run, lines: Lines, log: Log, l: int, node: Node, ticks: int, order: int
 ) -> None:
     """Append `node.outgoing`, over `ticks` from now, to line l; it begins with a break of `order`.
+
+    `order` is the lowest that theory allows: where less jumps, the break gets a higher order. Hard
+    breaks are counted as unread.
 
     A constant wave that starts to change makes a hard break, however smooth the start is. So no
     piece of any node reaches across the arrival of this wave, and nothing moves before it arrives.
@@ -275,6 +288,7 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
         b = before.coefficients[m]
         c = sign * new.coefficients[m]
         jump += c - b
+        # New slope less old one: at the start of a piece T_m' has the sign -(-1)^m.
         slope -= q * (c * s_new + b * s_before)
         bend += q * (q - 1) / 6 * (c * s_new * s_new - b * s_before * s_before)
         sign = -sign
@@ -289,7 +303,8 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
 def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
     """Send the piece that arrives at a free end back, unchanged; return the tick of its end.
 
-    v = (a + b)/2 and no force: the wave that leaves is the one that arrives.
+    v = (a + b)/2 and no force: the wave that leaves is the one that arrives, with its break. The
+    piece is appended to the outgoing line; the caller sets `now` of the node.
     """
     side = 0  # side of the rod
     if node.mobility[1] > 0:
@@ -309,6 +324,7 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
         log[i].break_order = 0
         classify_break(run, lines, log, old, i)
     elif i != NONE and node.now == piece.start + delay:
+        # The start of the piece arrives now, and its break is sent on: one more, if it is hard.
         log[i].break_order = piece.break_order
         lines[target].unread_breaks += piece.break_order <= HARD
     return int(stop)

@@ -56,7 +56,8 @@ class PieceResult(NamedTuple):
 def run_nodes(state: State) -> int:
     """Run all nodes to `end_tick`, or to the proof of finality and `ticks_after_proof` more.
 
-    All is in the state: a run whose log is full goes on with a longer one.
+    All is in the state: a run whose log is full goes on with a longer one. The motion of its groups
+    is set at each check of finality, and at its end.
 
     Returns
     -------
@@ -76,6 +77,7 @@ def run_nodes(state: State) -> int:
         borrowed(state.contact_log),
         borrowed(state.matrix),
     )
+    # What one step may append to the log of pieces and to that of contacts, at most
     step_rows = 2 + ROWS_PER_LINK * len(state.links) + len(state.masses)
     step_events = len(state.links) + MAX_STATUS_CHANGES
     run.stop_reason = Stop.NONE.value
@@ -92,7 +94,7 @@ def run_nodes(state: State) -> int:
             run.stop_reason = Stop.CAP.value
         elif not is_due and is_full:
             run.stop_reason = Stop.FULL.value
-        if is_due or run.stop_reason == Stop.CAP:
+        if is_due or run.stop_reason == Stop.CAP:  # a capped run gets its final motion
             finality.check_finality(state, min(earliest.now, run.end_tick))
         elif run.stop_reason == Stop.NONE:
             run.steps += 1
@@ -117,6 +119,8 @@ def advance(state: State, node: Node) -> bool:
 
     The step is a piece, up to its first event. It moves the node on: states and totals of its
     links and masses, leaving waves, `now`, and `next_ticks`, the wanted duration of the next piece.
+    At an event the status of its link changes. Errors and steps that took means are noted in the
+    run.
     """
     run = state.runs[0]
     all_lines = state.lines
@@ -132,7 +136,7 @@ def advance(state: State, node: Node) -> bool:
     if result.ticks == 0:
         return False
     event = result.event
-    ticks = result.ticks
+    ticks = result.ticks  # of the piece that is kept
     if event.link != NONE:
         h = result.ticks * run.tick_duration
         event_errors.record_event(run, state.links, node, event, h)
@@ -164,6 +168,7 @@ def event_ticks(run: Run, status: int, result: PieceResult) -> int:
     rounding = 0.5
     if result.event.status == Status.PLASTIC:
         rounding = 0.0
+    # The position runs from -1 at the start to 1 at the end.
     ticks = max(1, int(0.5 * (result.event.position + 1) * full + rounding))
     is_at_end = full - ticks <= run.event_window
     if is_at_end and status == Status.OPEN:
@@ -202,6 +207,7 @@ def record_error(
         run.max_truncation_error = max(run.max_truncation_error, result.error)
     if node.is_averaging == 0 and is_limited:
         has_no_event = result.event.link == NONE
+        # Without an event the integrals of the waves matter, else their values.
         remainder = nodes.wave_remainder(state.links, node, has_no_event)
         share = ticks / run.shortest_transit
         run.shared_error = max(run.shared_error, share * remainder)
@@ -210,7 +216,8 @@ def record_error(
 def begin_after_event(state: State, node: Node, event: Event) -> None:
     """Begin a piece of a node at an event at its end: change the status of the link.
 
-    The waves at the start of the piece are those at the end of the last one.
+    The waves at the start of the piece are those at the end of the last one. If the link opens, the
+    next proof of finality is tried as soon as all nodes have come so far.
     """
     run = state.runs[0]
     node.halved_until = 0
@@ -228,7 +235,7 @@ def set_next_ticks(run: Run, node: Node, result: PieceResult, is_limited: bool) 
     """Set `next_ticks`, the wanted duration of the next piece, from the error of this one.
 
     The error is about proportional to the N-th power of the duration. A piece whose duration
-    something else has limited does not make the next one shorter.
+    something else has limited (`is_limited`) does not make the next one shorter.
     """
     growth = MAX_GROWTH
     if result.error > 0:
@@ -310,6 +317,7 @@ def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
     """
     known_ticks = lines.known_until(all_lines, log, l) - tick
     stretch = max(known_ticks, run.shortest_transit)
+    # The mean distance is stretch/unread_breaks.
     return bool(all_lines[l].unread_breaks * run.min_break_spacing > 2 * stretch)
 
 
@@ -317,7 +325,9 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
     """Solve a node on a piece of up to `ticks`, shortened until it is smooth.
 
     An event at the start of the piece happens before the piece begins: the status of its link is
-    changed, and the piece is solved anew. So the event of the result is behind the start.
+    changed, and the piece is solved anew. So the event of the result is behind the start. Without a
+    solution on a piece of one tick the result has 0 ticks. After MAX_STATUS_CHANGES at the start it
+    has no event.
     """
     run = state.runs[0]
     links = state.links
@@ -333,6 +343,7 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
         error = -1.0  # no solution
         if nodes.collocate(run, links, masses, node, h, state.matrix):
             error = nodes.truncation_error(links, masses, node)
+        # A piece that is averaging, or as short as can be, is accepted with any error.
         is_smooth = error <= run.tolerance
         is_accepted = is_smooth or node.is_averaging or ticks <= MIN_PIECE_TICKS
         if error >= 0 and is_accepted:
@@ -341,7 +352,9 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
             if event.link != NONE and links[event.link].status == Status.OPEN:
                 # It closes with what arrives at the start
                 start_ticks = run.event_window
-            if event.link == NONE or 0.5 * (event.position + 1) * ticks >= start_ticks:
+            # The position of the event runs from -1 at the start to 1 at the end.
+            ticks_to_event = 0.5 * (event.position + 1) * ticks
+            if event.link == NONE or ticks_to_event >= start_ticks:
                 return PieceResult(ticks, error, event)
             changes += 1
             if changes > MAX_STATUS_CHANGES:
@@ -362,8 +375,10 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
 def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
     """Set `node.incoming` to the waves that arrive from both sides in a piece of `ticks` from now.
 
-    They are values at the points of the piece, or those of the nearest parabola (averaging).
+    They are values at the points of the piece, or those of the nearest parabola if the node is
+    averaging.
     """
+    # Machine code counts no references to borrowed arrays.
     all_lines = borrowed(all_lines)
     log = borrowed(log)
     now = node.now
@@ -392,6 +407,7 @@ def shortening(
         return MIN_GROWTH
     power = 1.0 * N
     if error_before > error:
+        # Exponent of the power law through both errors
         observed = math.log(error_before / error) / math.log(ticks_before / ticks)
         power = max(1.0, min(power, observed))
     smallest = MIN_SHORTENING_OF_STARTS
@@ -409,6 +425,8 @@ def send_outgoing(
     `left_order` and `right_order` are the orders of the breaks that arrive from both sides. A wave
     that leaves breaks with the one that arrives on its side, or with the force of the first link
     there. Each link, and each mass between links, makes breaks smoother on their way.
+
+    The waves of an averaging node are replaced by their nearest parabolas, and may jump.
     """
     run = state.runs[0]
     links = state.links

@@ -64,8 +64,9 @@ def solve(
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more.
 
-    It runs once, with a tolerance that follows from `rtol`. A second, coarser run then tells the
-    errors: they are stated, and a result that misses `rtol` is not refined.
+    It runs once, with a tolerance that follows from `rtol`, in `max_events` steps of nodes at most.
+    A second, coarser run then tells the errors: they are stated, and a result that misses `rtol` is
+    not refined.
 
     Raises
     ------
@@ -93,9 +94,10 @@ def solve(
 def members_per_call(row: Row) -> int:
     """How many members to run in one call; 0 where each is to be run alone.
 
-    The force of a bond between rigid bodies follows from signals, which a family does not keep.
+    That is where profiles or drives vary, with laws of the user, and with bonds between rigid
+    bodies: their force follows from signals, which a family does not keep.
     """
-    has_rigid_bond = any(i < 0 for i in row.contact_link)
+    has_rigid_bond = any(i < 0 for i in row.contact_link)  # such a bond is no link
     if not has_no_profiles(row) or has_rigid_bond or own_laws(row):
         return 0
     return MAX_MEMBERS_PER_CALL
@@ -111,7 +113,10 @@ def solve_family(
     later_members: int = 0,  # noqa: ARG001 - an argument of every method's family
     also: Sequence[str] = (),
 ) -> Columns:
-    """Columns of every member.
+    """Columns of every member, as `family.family_columns` makes them.
+
+    A member whose numbers are beyond the scales, or whose walls squeeze a mass, is refused: its
+    numbers are nan.
 
     Parameters
     ----------
@@ -154,7 +159,8 @@ def stated_errors(
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure], of members that have run.
 
-    Members run again in other steps, at a coarser tolerance, and the results are compared.
+    Members run again in other steps, at a coarser tolerance, and the results are compared. Members
+    that are not in `members` have nan.
     """
     coarser = fine.request._replace(
         tolerance=COARSER * fine.request.tolerance, keep=False
@@ -285,6 +291,7 @@ def _bond_tally(force: Pieces, tick: float, now: int) -> ContactTally:
     """Totals of a bond between rigid bodies from its force, N by tick."""
     impulse = float(force.integral(0, now)) * tick
     peak = max(0.0, float(force.at(force.marks).max()))
+    # A bond has no duration, no first and last force, and no episodes.
     return ContactTally(impulse, peak, 0.0, math.nan, math.nan, 0)
 
 
@@ -326,6 +333,7 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     )
     before = []
     after = []
+    # The first part of a group has the number of its parts, and the motion of the group.
     for head in np.flatnonzero(parts["part_count"][0] > 0):
         group = parts[:, head].reshape(shape)
         before.append(group["initial_velocity"] + row.frame)
@@ -343,7 +351,7 @@ def vibration_of(family: Members) -> list[Any]:
     parts = family.parts
     kinds = parts["kind"][0].tolist()
     indices = parts["index"][0].tolist()
-    part_energies = {}
+    part_energies = {}  # J by member, by kind and index of the part
     for p, key in enumerate(zip(kinds, indices, strict=True)):
         part_energies[key] = parts["vibration_energy"][:, p]
     energies = list[Any]()

@@ -53,7 +53,8 @@ SWING_ROUND_OFF = 8e-15
 def overlap_changes(link: Link) -> bool:
     """Return whether the overlap of a link changes over a piece.
 
-    That of a bond, of bodies at rest and of a rigid contact that presses is constant.
+    That of a bond, of bodies at rest and of a rigid contact that presses is constant. A joint has
+    the status BOND, but deforms.
     """
     if link.status == Status.BOND:
         return bool(link.law == Law.JOINT)
@@ -91,6 +92,7 @@ def set_forces(links: Links, node: Node) -> int:
         link = links[node.first_link + q]
         is_push = link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT
         is_bond = link.law == Law.BOND
+        # A contact from PRESS on presses, yields or rests.
         acts = link.status >= Status.PRESS or is_bond or link.law == Law.JOINT
         link.unknown_index = NONE
         if acts and (node.link_count > 1 or overlap_changes(link)):
@@ -128,6 +130,8 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
 
     m v' = F before - F behind,  closing = velocity on the left - on the right,
     d' = share (closing - Y F) with the elastic share; a link that cannot deform has share 0.
+
+    h is the duration of the piece, s. `scratch_values` of the node holds derivatives meanwhile.
     """
     for i in range(node.link_count - 1):
         before = links[node.first_link + i]
@@ -142,6 +146,7 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
         if overlap_changes(link):
             share = elastic_share(link)
         for j in range(POINTS):
+            # An end of a rod counts with the wave that comes in.
             if q == 0:
                 left = node.incoming[0][j]
             else:
@@ -165,11 +170,11 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
     """Set the tangent F = base + by_overlap d + by_closing closing of a link at each stage.
 
     In the first Newton step the tangent is taken at the extrapolated overlap d + d' u + d'' u^2/2,
-    u the time since the start of the piece.
+    u the time since the start of the piece, whose duration is h, s.
 
     Return the residual, the largest difference of the law from the present force, relative to the
     largest force, or to the round-off of the terms that cancel in it: a law with damping has almost
-    no force where bodies part almost as fast as it lets go.
+    no force where bodies part almost as fast as it lets go. Without any force it is 0.
     """
     residual = 0.0
     largest = 0.0
@@ -177,7 +182,8 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
         d = link.overlaps[j]
         closing = link.closing[j]
         if is_first:
-            u = 0.5 * h * (X[j] + 1)
+            u = 0.5 * h * (X[j] + 1)  # time since the start of the piece
+            # The mean of d' + d'' t over t from 0 to u
             mean_rate = link.overlap_rate + 0.5 * u * link.overlap_acceleration
             d = link.overlap + u * mean_rate
         F, by_overlap, by_closing = contact_laws.force(link, d, closing)
@@ -233,9 +239,9 @@ def set_equations(
                 change = closing_by_impulse(masses, node, q, p)
                 set_block(link, change, p == q, h, G, N * column)
         for j in range(N):
-            present = link.force[j + 1]
+            present = link.force[j + 1]  # stage j is point j + 1
             if link.status == Status.REST:
-                present = 0.0
+                present = 0.0  # its tangent is that of `closing`, not of a force
             G[N * link.unknown_index + j][right_side] = (
                 link.base[j + 1]
                 + link.by_overlap[j + 1] * link.overlaps[j + 1]
@@ -278,10 +284,11 @@ def set_block(
     with S = STAGES, S S = TWICE and the elastic share. The block is 1 (if same, and not at rest)
     less by_closing times the first and by_overlap times the second.
     """
+    # Factors of the matrices in the docstring
     half = 0.5 * h
     by_closing = half * by_impulse
     share = half * elastic_share(link)
-    by_force = 0.0
+    by_force = 0.0  # share (h/2) Y
     identity = 0.0
     if is_same:
         by_force = share * link.mobility
@@ -294,6 +301,7 @@ def set_block(
         row = G[N * link.unknown_index + j]
         stages = STAGES[j]
         twice = TWICE[j]
+        # Changes x of the force change what the tangent law says at stage j by (a S + b S S) x.
         a = link.by_closing[j + 1] * by_closing - link.by_overlap[j + 1] * by_force
         b = link.by_overlap[j + 1] * share * by_closing
         for m in range(N):
@@ -314,24 +322,28 @@ def take_step(
 ) -> None:
     """Add the changes of forces in the last column of G to the forces, and update the motion.
 
-    Where dF/dd times scale times h is above the force, the link is stiff: its overlap is a small
-    difference of large numbers. It is then computed from the force by the tangent law,
+    Where dF/dd times the velocity scale times h is above the force, the link is stiff: its overlap
+    is a small difference of large numbers. It is then computed from the force by the tangent law,
     d = (F - base - by_closing closing)/by_overlap, as integrating the closing rate would lose
     digits.
     """
+    solution = N * unknown_count  # column of G with the changes
     for q in range(node.link_count):
         link = links[node.first_link + q]
         stages = N
         if link.unknown_index == NONE:
-            stages = 0
+            stages = 0  # its force does not change
         for j in range(stages):
-            link.force[j + 1] += G[N * link.unknown_index + j][N * unknown_count]
+            link.force[j + 1] += G[N * link.unknown_index + j][solution]
     update_motion(links, masses, node, h)
     for q in range(node.link_count):
         link = links[node.first_link + q]
         if link.unknown_index != NONE and overlap_changes(link):
             for j in range(1, POINTS):
-                if link.by_overlap[j] * run.velocity_scale * h > abs(link.force[j]):
+                is_stiff = link.by_overlap[j] * run.velocity_scale * h > abs(
+                    link.force[j]
+                )
+                if is_stiff:
                     damped = link.by_closing[j] * link.closing[j]
                     elastic = link.force[j] - link.base[j] - damped
                     link.overlaps[j] = elastic / link.by_overlap[j]
@@ -342,15 +354,18 @@ def collocate(
 ) -> bool:
     """Solve a node over a piece of duration h, s; return whether Newton's method converged.
 
-    Forces, velocities, closing rates and overlaps at the points of the piece are set. G is scratch.
+    Forces, velocities, closing rates and overlaps at the points of the piece are set, from the
+    incoming waves of the node and the states of its links and masses. G is scratch. Newton's method
+    fails if it diverges, or takes more than MAX_NEWTON_STEPS.
 
     Radau IIA is stiffly accurate: contacts far stiffer than the piece is long do no harm.
     """
+    # Machine code counts no references to borrowed arrays.
     links = borrowed(links)
     masses = borrowed(masses)
     G = borrowed(G)
     unknown_count = set_forces(links, node)
-    residual = 1.0
+    residual = 1.0  # that before the last step: a step more follows if it was large
     steps = 0
     update_motion(links, masses, node, h)
     while unknown_count > 0 and residual >= RESIDUAL_RTOL:
@@ -402,6 +417,7 @@ def forbid_pulling(links: Links, node: Node) -> None:
         smallest = series.smallest(link.force)
         # If the force is well above 0 at all points, it has no zero between them.
         may_swing = smallest < series.POSITIVE_RTOL * largest
+        # From PRESS on a contact has a force: it presses, yields or rests.
         if link.status >= Status.PRESS and may_swing:
             # This sets `scratch_series` to the coefficients of the force.
             series.set_series(link.force, node.scratch_series)
@@ -410,7 +426,7 @@ def forbid_pulling(links: Links, node: Node) -> None:
             swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
             impulse = series.integral(link.force)
             if swing > 0:
-                share = 0.0
+                share = 0.0  # J/(J + m h), which keeps the impulse
                 if impulse > 0:
                     share = impulse / (impulse + 2 * swing)
                 for j in range(POINTS):
@@ -441,12 +457,12 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     worst = 0.0
     for side in range(2):
         link = links[outer_link(node, side)]
-        velocity = 1.0
-        if link.law == Law.PUSH_LEFT + side:
+        velocity = 1.0  # per unit of the input
+        if link.law == Law.PUSH_LEFT + side:  # there is a push on this side
             velocity = 2 * link.effective_mobility  # the input is a force, not a wave
         error = series.truncation_estimate(node.incoming[side]) * velocity
         worst = max(worst, error)
-        if node.mobility[side] > 0:
+        if node.mobility[side] > 0:  # there is a rod, into which a wave leaves
             set_outgoing(links, node, side)
             worst = max(worst, series.truncation_estimate(node.outgoing))
     for i in range(node.link_count - 1):
@@ -458,6 +474,7 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     for q in range(count):
         link = links[node.first_link + q]
         if overlap_changes(link):
+            # What 1 N makes in a typical piece; the mobility is that of a whole transit.
             velocity = PIECE_PER_TRANSIT * link.effective_mobility
             worst = max(worst, velocity * series.truncation_estimate(link.force))
     return worst
@@ -471,7 +488,7 @@ def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
     largest = 0.0
     for side in range(2):
         largest = max(largest, series.remainder(node.incoming[side], integrated))
-        if node.mobility[side] > 0:
+        if node.mobility[side] > 0:  # there is a rod, into which a wave leaves
             set_outgoing(links, node, side)
             largest = max(largest, series.remainder(node.outgoing, integrated))
     return largest

@@ -68,11 +68,13 @@ def _from_samples(
     from scipy.interpolate import make_interp_spline
 
     spline = make_interp_spline(edges, samples, 5)
-    values = spline(edges[:-1, None] + step * SHARES)  # [interval, place]
+    # Values in each interval between two samples, [interval, place]
+    values = spline(edges[:-1, None] + step * SHARES)
     # The spline passes through the samples but for round-off, which would be a jump of the signal.
     values[:, 0] = samples[:-1]
     values[:, -1] = samples[1:]
     degree = VALUES_PER_INTERVAL - 1
+    # Shares run from 0 to 1, y from -1 to 1.
     values_to_series = np.linalg.inv(chebyshev.chebvander(2 * SHARES - 1, degree))
     return Pieces(ticks[:-1], values @ values_to_series.T, ticks[-1])
 
@@ -118,19 +120,21 @@ def in_pieces(
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
     jumps = changes > CONTINUITY_RTOL * tolerance + round_off  # [edge behind the first]
     borders = _borders_of_rest(signal, edges, round_off)  # [edge]
+    # No piece reaches across a jump, or into what is constant.
     fitted = _fit_longest(signal, edges, jumps | borders[1:], fit)
-    first = fitted.first
+    first = fitted.first  # interval with which each piece begins, that is its edge
     series = fitted.series
     is_constant = np.abs(series[:, 1:]).sum(axis=1) <= round_off
     series[is_constant, 1:] = 0.0
     inner = first[1:]  # edge between a piece and the next one
     starts = edges[first]
-    stops = edges[np.append(inner, -1)]
+    stops = edges[np.append(inner, -1)]  # the last piece ends at the last edge
     kinks = _kinks(series, (stops - starts) * 1.0)
-    before = edges[inner] - edges[inner - 1]
+    before = edges[inner] - edges[inner - 1]  # width of the interval before the edge
     after = edges[inner + 1] - edges[inner]
     # Lines between samples w apart of a smooth curve, whose slope changes by k, miss it by k w/8.
     bends = kinks * np.minimum(before, after) / 8
+    # The order of a break is 0 where the value jumps, 1 where the slope does.
     kink_order = np.where(bends > tolerance + round_off, 1, SMOOTH)
     order = np.where(jumps[inner - 1], 0, kink_order)
     order = np.where(borders[inner], np.minimum(order, HARD), order)
@@ -151,6 +155,7 @@ def _kinks(series: Floats, widths: Floats) -> Floats:
     at 1, and (-1)^(k + 1) k^2 at -1; y runs through 2 in a piece.
     """
     k = np.arange(POINTS)
+    # Slopes at the end and at the start of each piece
     at_stop = series @ k**2 * 2 / widths
     at_start = series @ (k**2 * (-1.0) ** (k + 1)) * 2 / widths
     return np.abs(at_start[1:] - at_stop[:-1])
@@ -159,14 +164,17 @@ def _kinks(series: Floats, widths: Floats) -> Floats:
 def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
     """Whether an edge borders the constant stretch at the start or at the end, [edge].
 
-    Changes in an interval up to `round_off` count as none.
+    Changes in an interval up to `round_off` count as none. A signal that never changes has no such
+    border; the first edge is none, the last one is if the signal changes up to it.
     """
     series = signal.cut(edges[:-1], int(edges[-1])).coefficients
     changing = np.flatnonzero(np.abs(series[:, 1:]).sum(axis=1) > round_off)
     borders = np.zeros(len(edges), bool)
     if len(changing):
-        borders[changing[0]] = changing[0] > 0
-        borders[changing[-1] + 1] = True
+        first = changing[0]  # interval, whose edges are `first` and `first` + 1
+        last = changing[-1]
+        borders[first] = first > 0
+        borders[last + 1] = True
     return borders
 
 
@@ -174,10 +182,12 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
     """Fit pieces of 2^n intervals without a jump inside: those that miss too much are halved.
 
     `jumps` says for each edge behind the first whether no piece may reach across it; `tolerance` is
-    the largest miss. An interval by itself keeps the series of the signal.
+    the largest miss. An interval by itself keeps the series of the signal. The pieces are in order
+    of time.
     """
     jumps_before = np.cumsum(np.append(0, jumps[:-1]))  # [interval]
     n = len(edges) - 1
+    # Number of intervals of a piece: first the least power of 2 that is not below n
     width = 1 << min(MAX_LEVELS, max(n - 1, 0).bit_length())
     first = np.arange(0, n, width)  # first interval of each piece that is tried
     firsts = list[Ints]()  # of pieces that fit
@@ -185,12 +195,12 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
     worst = 0.0
     while width > 1:
         stop = np.minimum(first + width, n)
-        is_whole = first + width == stop
+        is_whole = first + width == stop  # it does not go beyond the last interval
         has_no_jump = jumps_before[stop - 1] == jumps_before[first]
         may_fit = is_whole & has_no_jump
         series, misses = _through(signal, edges, first[may_fit], width)
-        fits = misses <= tolerance
-        good = may_fit.copy()
+        fits = misses <= tolerance  # of those that may fit
+        good = may_fit.copy()  # of all that are tried
         good[may_fit] = fits
         worst = max(worst, misses[fits].max(initial=0.0))
         firsts.append(first[good])
@@ -199,6 +209,7 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
         halved = first[~good]
         first = np.concatenate((halved, halved + width))  # both halves are tried
         first = first[first < n]
+    # What is left are single intervals.
     own_series = signal.cut(edges[:-1], int(edges[-1])).coefficients[first]
     single = np.zeros((len(first), POINTS))
     single[:, : own_series.shape[1]] = own_series
@@ -220,16 +231,17 @@ def _through(
     high = edges[first + width]
     durations = (high - low)[:, None]
     values = signal.at(low[:, None] + durations * (_X + 1) / 2)  # [piece, point]
-    values[:, -1] = signal.at(high, "left")
+    values[:, -1] = signal.at(high, "left")  # the signal may jump at the end of a piece
     series = values @ _SERIES.T
     intervals = first[:, None] + np.arange(width)  # [piece, interval of the piece]
     starts = edges[intervals]
     stops = edges[intervals + 1]
+    # Ticks at which pieces are compared with the signal, [piece, interval, share]
     inside = starts[..., None] + (stops - starts)[..., None] * SHARES
     shape = (len(first), width * VALUES_PER_INTERVAL)
     y = 2 * (inside.reshape(shape) - low[:, None]) / durations - 1
     exact = signal.inside(starts.ravel(), stops.ravel(), SHARES)
-    exact = exact * np.ones(VALUES_PER_INTERVAL)
+    exact = exact * np.ones(VALUES_PER_INTERVAL)  # a constant signal has one value only
     fitted = chebyshev.chebval(y.T, series.T, tensor=False).T
     misses = np.abs(fitted - exact.reshape(shape))
     return series, misses.max(axis=1, initial=0.0)
@@ -238,7 +250,8 @@ def _through(
 def backwards(pieces: Any) -> Any:
     """Pieces with time reversed: from the last to the first, at negative ticks.
 
-    T_m(-y) = (-1)^m T_m(y). The break at the start of a piece is now at the start of the next.
+    T_m(-y) = (-1)^m T_m(y). The break at the start of a piece is at its end then, and so at the
+    start of the next one. `pieces` is not changed.
     """
     back = pieces[::-1].copy()
     back["start"] = -pieces["end"][::-1]

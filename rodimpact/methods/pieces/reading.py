@@ -12,8 +12,8 @@ from . import lines
 def waves_of(log: Any, count: int) -> list[Any]:
     """The pieces of each of `count` lines of a log, as a table by line.
 
-    Each table has lists by piece: ``piece``, its ``place`` in the log, its ``start``, tick, and
-    ``passed``, the integrals of `passed_by` up to the start.
+    Each table has the ``log``, and lists by piece: ``piece``, its ``place`` in the log, its
+    ``start``, tick, and ``passed``, the integrals of `passed_by` up to the start.
     """
     waves: list[Any] = [
         {"log": log, "piece": [], "place": [], "start": [], "passed": []}
@@ -48,7 +48,10 @@ def value_at(wave: Any, tick: float) -> float:
 
 
 def passed_by(wave: Any, tick: float) -> tuple[float, float]:
-    """Integrals of a wave and of its square over ticks, from the start of its line to a tick."""
+    """Integrals of a wave and of its square over ticks, from the start of its line to a tick.
+
+    Those up to the piece that holds there are known: what this piece adds is integrated.
+    """
     i = place_of(wave, tick)
     begin = wave["start"][i]
     passed, squares = wave["passed"][i]

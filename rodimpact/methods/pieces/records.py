@@ -122,10 +122,9 @@ class Link(link.Link):
     last_opening_tick: Tick
     starts_episode: int  # 1: the next force begins another episode
     force_ticks: Tick  # total time with force
-    faint_ticks: (
-        Tick  # time since it closed, without a force that counts; NONE if this has
-    )
-    # lasted for so long that its force is round-off
+    # Time since it closed, without a force that counts; NONE if this has lasted for so long that
+    # its force is round-off
+    faint_ticks: Tick
     fading_ticks: Tick  # its last piece with force, if its end is faint
     cut_ticks: Tick  # time in which a force became faint, or acted and counts as none
     episodes: int

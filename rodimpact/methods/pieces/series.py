@@ -113,7 +113,9 @@ def slope(c: Values, y: float) -> float:
 def set_series(f: Values, c: MutableValues) -> None:
     """Set c to the coefficients of the series with the values f at the points."""
     for m in range(POINTS):
-        row = SERIES[m]  # taken out of the inner loop: a view costs more than a product
+        # Coefficient m is the product of row m of SERIES with the values. The row is taken out of
+        # the inner loop, as a view costs more than a product.
+        row = SERIES[m]
         s = 0.0
         for j in range(POINTS):
             s += row[j] * f[j]
@@ -121,10 +123,13 @@ def set_series(f: Values, c: MutableValues) -> None:
 
 
 def integral(f: Values) -> float:
-    """Return the integral over y from -1 to 1 of the polynomial with the values f at the points."""
+    """Return the integral over y from -1 to 1 of the polynomial with the values f at the points.
+
+    The value at the start, f[0], is not needed.
+    """
     s = 0.0
     for j in range(N):
-        s += WEIGHTS[j] * f[j + 1]
+        s += WEIGHTS[j] * f[j + 1]  # stage j is point j + 1
     return s
 
 
@@ -173,7 +178,7 @@ def remainder(f: Values, integrated: bool) -> float:
 
 
 def is_constant(f: Values) -> bool:
-    """Return whether the values at all points are the same."""
+    """Return whether the values at all points are the same, so that the polynomial is constant."""
     same = True
     for j in range(1, POINTS):
         same = same and f[j] == f[0]
@@ -183,13 +188,15 @@ def is_constant(f: Values) -> bool:
 def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
     """Replace f by the values of the same polynomial at the points of the part from -1 to y.
 
-    c is scratch.
+    c is scratch. A constant f stays as it is.
     """
     if is_constant(f):
         return
     set_series(f, c)
     for j in range(POINTS):
-        f[j] = value(c, 0.5 * (y + 1) * (X[j] + 1) - 1)
+        # Point j of the part: the part is (y + 1)/2 times as long as the whole piece.
+        place = 0.5 * (y + 1) * (X[j] + 1) - 1
+        f[j] = value(c, place)
 
 
 def first_zero(c: Values, low: float, high: float) -> float:
@@ -240,20 +247,22 @@ def place_of_minimum(c: Values, low: float, high: float) -> float:
 def minimum(c: Values) -> float:
     """Return the smallest value of the series c, searched for beside the smallest of samples.
 
-    A series is c[0] - abs(c[1]) - abs(c[2]) - ... or more. If that is not negative, it is returned.
+    A series is c[0] - abs(c[1]) - abs(c[2]) - ... or more. If this bound is not negative, it is
+    returned in place of the smallest value.
     """
-    least = c[0]
+    least = c[0]  # the bound
     for m in range(1, POINTS):
         least -= abs(c[m])
     if least < 0:
         step = 2.0 / SAMPLES
-        best = 0
+        best = 0  # sample with the smallest value; sample k is at step k - 1
         least = value(c, -1.0)
         for k in range(1, SAMPLES + 1):
             sample = value(c, step * k - 1.0)
             if sample < least:
                 least = sample
                 best = k
+        # The minimum lies between the samples on both sides of that one.
         low = max(-1.0, step * (best - 1) - 1.0)
         high = min(1.0, step * (best + 1) - 1.0)
         y = place_of_minimum(c, low, high)
@@ -269,25 +278,26 @@ def maximum(f: Values, c: MutableValues, least: float) -> float:
     `least`, the largest of the values at the points is returned: a series is
     c[0] + abs(c[1]) + abs(c[2]) + ... or less.
     """
-    best = 0
+    best = 0  # point of the largest value
     for j in range(POINTS):
         if f[j] > f[best]:
             best = j
     low = X[max(best - 1, 0)]
     high = X[min(best + 1, N)]
     set_series(f, c)
-    reach = c[0]
+    reach = c[0]  # no value is larger
     for m in range(1, POINTS):
         reach += abs(c[m])
     if reach <= least:
         return f[best]
-    for _ in range(EXTREMUM_STEPS):  # the third beside the smaller value is left out
-        u = (2 * low + high) / 3
-        w = (low + 2 * high) / 3
-        if value(c, u) < value(c, w):
-            low = u
+    # Of three thirds, the outer one beside the smaller of the two values in between is left out.
+    for _ in range(EXTREMUM_STEPS):
+        first_third = (2 * low + high) / 3
+        second_third = (low + 2 * high) / 3
+        if value(c, first_third) < value(c, second_third):
+            low = first_third
         else:
-            high = w
+            high = second_third
     return max(f[best], value(c, low))
 
 
@@ -310,10 +320,10 @@ def flatten(f: MutableValues) -> None:
     tilt = 0.0  # of f P1
     bend = 0.0  # of f P2
     for j in range(1, POINTS):
-        w = WEIGHTS[j - 1] * f[j]
+        w = WEIGHTS[j - 1] * f[j]  # what point j adds to the integral of f
         whole += w
-        tilt += w * X[j]
-        bend += w * (1.5 * X[j] * X[j] - 0.5)
+        tilt += w * X[j]  # P1 = y
+        bend += w * (1.5 * X[j] * X[j] - 0.5)  # P2
     set_parabola(f, whole, tilt, bend)
 
 
@@ -321,9 +331,10 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
     """Solve n equations by Gauss elimination in place: column n of G, the right side, becomes x.
 
     All coefficients are less than `band` from the diagonal; pivoting fills as much again on the
-    right. G is spoilt.
+    right. The other columns of G are spoilt.
     """
     for i in range(n):
+        # Column i is 0 from row `below` on, row i from column `right` on.
         below = min(n, i + band)
         right = min(n, i + 2 * band)
         p = i  # row of the pivot, the largest coefficient of column i from the diagonal on
@@ -334,7 +345,7 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
                 most = abs(G[j][i])
         row = G[i]
         pivot_row = G[p]
-        swapped = right
+        swapped = right  # first column that is not swapped
         if p == i:
             swapped = i  # there is nothing to swap
         for q in range(i, swapped):
@@ -351,5 +362,5 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
         row = G[i]
         s = row[n]
         for q in range(i + 1, min(n, i + 2 * band)):
-            s -= row[q] * G[q][n]
+            s -= row[q] * G[q][n]  # column n holds x of the later rows by now
         row[n] = s / row[i]

@@ -18,7 +18,9 @@ NOTHING = Pieces([0], [0.0])
 
 
 def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
-    """Signals of a run: all that it keeps of the motion.
+    """Signals of a run: waves, force and gap of each contact, actions on the ends, and masses.
+
+    A bond of rigid bodies is no link: its force follows from the forces beside it.
 
     Parameters
     ----------
@@ -43,6 +45,7 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
             own_turns = turns[turns["link"] == i]
             contact = _contact(state.links[i], own_turns, lines, clock.tick)
         contacts.append(contact)
+    # Contacts are counted from the end whose wall they touch.
     left = _with_blows(_outside(row, 0, lines, frame, state), bodies[0], contacts)
     right = _with_blows(
         _outside(row, 1, lines, frame, state), bodies[-1], contacts[::-1]
@@ -67,6 +70,7 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
         if contact is None:
             contact = ContactSignal(force, NOTHING, NOTHING, ())
         signals.append(contact)
+    # Segments count from 1 there, and have two lines each.
     waves = Waves([None, None, *lines[: 2 * len(row.segments)]])
     return Signals(waves, tuple(signals), (left, right), None, masses)
 
@@ -79,10 +83,10 @@ def _masses(
     state: Any,
     turns: Any,
 ) -> dict[int, Pieces]:
-    """Velocity of each rigid body in the frame, m/s.
+    """Velocity of each rigid body in the frame, m/s, by the number of the body.
 
-    A blow at t = 0 takes one tick, in which bodies keep the velocities before it; so do those of
-    a run that ends at t = 0.
+    A body that is bonded to a wall moves with the wall. A blow at t = 0 takes one tick, in which
+    bodies keep the velocities before it; so do those of a run that ends at t = 0.
     """
     starts_with_blow = bool(np.any((turns["impulse"] > 0) & (turns["tick"] == 0)))
     count = len(row.masses)
@@ -117,7 +121,7 @@ def _with_blows(
 
 def _lines(log: Any, count: int) -> list[Pieces]:
     """Signals of the first `count` lines from their pieces in the log; `NOTHING` if it has none."""
-    log = log[np.argsort(log["line"], kind="stable")]
+    log = log[np.argsort(log["line"], kind="stable")]  # line by line, in order of time
     bounds = np.searchsorted(log["line"], np.arange(count + 1))
     lines = []
     for start, stop in pairwise(bounds):
@@ -125,7 +129,7 @@ def _lines(log: Any, count: int) -> list[Pieces]:
         line = NOTHING
         if len(pieces):
             coefficients = pieces["coefficients"]
-            if not pieces["degree"].any():
+            if not pieces["degree"].any():  # all pieces are constant
                 coefficients = coefficients[:, :1]
             line = Pieces(pieces["start"], coefficients, pieces["end"][-1])
         lines.append(line)
@@ -133,13 +137,17 @@ def _lines(log: Any, count: int) -> list[Pieces]:
 
 
 def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
-    """Force, gap and closing velocity of a link, and the episodes that its turns bound."""
+    """Force, gap and closing velocity of a link, and the episodes that its `turns` bound.
+
+    `turns` are its rows in the log of contacts, `tick` is the duration of a tick, s. Its blows, the
+    impacts, are forces of one tick. Bonds have no gap, and joints no episodes.
+    """
     # What the lines that follow this one keep: see `layout.number_history_lines`.
     history_line = link["history_line"]
     force = lines[history_line]
     if link["law"] < Law.JOINT:  # a bond has no gap
         return ContactSignal(force, NOTHING, NOTHING, ())
-    gap = lines[history_line + 1].times(-1.0)
+    gap = lines[history_line + 1].times(-1.0)  # minus the overlap
     if link["law"] == Law.YIELD:
         closing = lines[history_line + 2]
     else:
@@ -160,10 +168,10 @@ def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> Contact
 
 
 def _rate(signal: Pieces, factor: float) -> Pieces:
-    """Derivative by ticks times a factor."""
-    if signal.size == 1:
+    """Derivative of a signal by ticks times a factor; `NOTHING` of a constant one."""
+    if signal.size == 1:  # it has constants only
         return NOTHING
-    per_tick = 2 * factor / signal.widths
+    per_tick = 2 * factor / signal.widths  # y runs through 2 in a piece
     slopes = chebder(signal.coefficients, axis=1) * per_tick[:, None]
     return Pieces(signal.ticks, slopes, signal.end)
 

@@ -24,7 +24,7 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
         peak = math.nan
     first = math.nan
     last = math.nan
-    if link.first_force_tick >= 0:
+    if link.first_force_tick >= 0:  # there was a force
         first = link.first_force_tick * tick
         last = link.last_force_tick * tick
         if link.logged_status == Status.PRESS and not is_impact:  # the force still acts
@@ -44,9 +44,10 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     """
     if run.proved_tick < 0:
         return math.nan
-    ends = []
+    ends = []  # of the force, and of touching, of each contact
     for link in links:
-        if link.law >= Law.RIGID and link.episodes > 0:
+        can_open = link.law >= Law.RIGID
+        if can_open and link.episodes > 0:
             has_struck = link.law == Law.IMPACT and link.status == Status.OPEN
             force_end = link.last_force_tick * run.tick_duration
             if link.logged_status == Status.PRESS and not has_struck:
