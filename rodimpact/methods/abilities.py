@@ -50,9 +50,10 @@ def needs(system: model.System) -> Needs:
             name = PHYSICS_OF_LAWS.get(law.law, COMPLIANCE)
             physics.append((f"contacts.{k}.law", name))
     for side, end in zip(model.SIDES, system.ends, strict=True):
-        value = getattr(end, "value", None)
+        value = getattr(end, "value", None)  # None where an end has none
         if isinstance(value, model.Samples | model.Polynomials):
             name = "value"
+            # A moved end may be given by its position, from which the value follows.
             if getattr(end, "position", None) is not None:
                 name = "position"
             physics.append((f"ends.{side}.{name}", SMOOTH_DRIVES))
@@ -60,7 +61,10 @@ def needs(system: model.System) -> Needs:
 
 
 def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
-    """List all physics of a rod at this path that not every method has: path and name of each."""
+    """List all physics of a rod at this path that not every method has: path and name of each.
+
+    Physics of its segments have the path of the segment, or that of the rod if there is only one.
+    """
     physics: Needs = []
     if rod.shaft is not None:
         along = SOIL

@@ -43,6 +43,7 @@ class Batch(Generic[StateT]):
         is_compiled: bool,
         user_laws: Functions = (),
     ) -> None:
+        """Keep the arguments as attributes; nothing runs yet."""
         self.kernel = kernel
         self.state = state
         self.record_types = record_types
@@ -50,7 +51,7 @@ class Batch(Generic[StateT]):
         self.user_laws = user_laws
 
     def run(self) -> Any:
-        """Run the kernel; return what it returns."""
+        """Run the kernel on the state, in the form that it has; return what the kernel returns."""
         kernel: Any = compiling.interpreted(self.kernel, self.user_laws)
         if self.is_compiled:
             kernel = compiling.compiled(self.kernel, self.user_laws)
@@ -59,13 +60,15 @@ class Batch(Generic[StateT]):
     def choose_form(self, seconds: float) -> None:
         """Bring the state to the form in which so many seconds in plain Python take less time.
 
-        These are arrays for machine code, or lists for plain Python.
+        These are arrays for machine code, or lists for plain Python. The seconds are counted for
+        the kernel: once all that it took would have paid for compiling it, it is compiled.
         """
-        is_compiled = compiling.can_be(self.user_laws)
-        is_compiled = is_compiled and kernels.worth_compiling(seconds, self.kernel)
-        if is_compiled and not self.is_compiled:
+        # Machine code cannot call laws of the user that are not compiled.
+        pays = compiling.can_be(self.user_laws)
+        pays = pays and kernels.worth_compiling(seconds, self.kernel)
+        if pays and not self.is_compiled:
             self.to_arrays()
-        elif self.is_compiled and not is_compiled:
+        elif self.is_compiled and not pays:
             self.to_lists()
 
     def to_arrays(self) -> None:
@@ -85,10 +88,10 @@ class Batch(Generic[StateT]):
         values: Any = getattr(self.state, name)
         if self.is_compiled:
             return values
-        if name not in self.record_types:
+        if name not in self.record_types:  # numbers
             return np.array(values)
         record = self.record_types[name]
-        if values and isinstance(values[0], list):
+        if values and isinstance(values[0], list):  # a list of records for each member
             return np.array([as_records(objects, record) for objects in values])
         return as_records(values, record)
 

@@ -97,15 +97,16 @@ class Clock:
 
     @property
     def longest(self) -> int:
-        """Transit time of the longest rod, ticks."""
+        """Transit time of the longest rod, ticks; 0 without rods."""
         longest = 0
         for first, last in self.spans:
             longest = max(longest, sum(self.ticks[first : last + 1]))
         return longest
 
     def mass(self, body: int) -> float:
-        """Mass with the transit times in use, kg; infinite for a wall."""
-        if self.spans[body][1] == 0:
+        """Mass of a body with the transit times in use, kg; infinite for a wall."""
+        last_segment = self.spans[body][1]
+        if last_segment == 0:  # no rod
             return float(getattr(self.system.bodies[body], "mass", math.inf))
         return mass_of(self, body)
 
@@ -115,8 +116,8 @@ def mass_of(clock: Clock, body: int) -> float:
 
     The page has this as JavaScript.
     """
-    first, last = clock.row.spans[body]
-    mass_in_ticks: float = 0
+    first, last = clock.row.spans[body]  # segments, counted from 1
+    mass_in_ticks: float = 0  # kg/s times ticks
     for s in range(first, last + 1):
         mass_in_ticks += clock.impedance[s] * clock.transits[s - 1]
     return mass_in_ticks * clock.tick
@@ -133,6 +134,8 @@ def clock_of(
     is_mesh: bool = False,
 ) -> Clock:
     """The clock of a single row whose segments take so many ticks.
+
+    Its `reference` and `last_tick` are not set.
 
     Parameters
     ----------
@@ -177,7 +180,10 @@ def crossing_time_of(row: Any) -> Any:
 
 
 def flight_time_of(row: Any, scale: Any) -> Any:
-    """Time to cross all gaps, one after the other, at the velocity scale, m/s; s."""
+    """Time to cross all gaps, one after the other, at the velocity scale, s; `scale` in m/s.
+
+    An overlap is no gap.
+    """
     flight_length = 0.0
     for link in row.links:
         flight_length = flight_length + np.maximum(link.gap, 0.0)
@@ -198,16 +204,17 @@ def count_ticks(
     counted = blank(len(durations), rule.DURATION)
     for i in range(len(counted)):
         counted[i].time = durations[i]
-    total = 1 << bits
+    longest_ticks = 1 << bits
     if len(counted) > 0:
-        total = rule.assign_ticks(counted, bits)
-    return total, [duration.ticks for duration in counted]
+        longest_ticks = rule.assign_ticks(counted, bits)
+    return longest_ticks, [duration.ticks for duration in counted]
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
     """Largest relative change of a transit time on the clock, and the path of its segment.
 
-    `ticks` are the transit times by segment, on a clock of this `tick`, s. The page has this as
+    `ticks` are the transit times by segment, on a clock of this `tick`, s. If nothing is rounded,
+    the path is that of the first segment; "" in a row without segments. The page has this as
     JavaScript.
     """
     error = 0.0

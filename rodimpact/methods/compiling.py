@@ -144,7 +144,8 @@ class Compiled:
     def _make(self, keep: bool) -> None:
         """Set the machine code, still to be compiled, and the place where it is kept.
 
-        Without `keep`, or where no directory can be written, it is compiled in each process.
+        Without `keep`, or where no directory can be written, it is compiled in each process, and
+        its place is empty.
         """
         njit = compiler().njit
         options = {"no_cfunc_wrapper": True, **OPTIONS}
@@ -158,7 +159,9 @@ class Compiled:
     def __call__(self, *arguments: Any) -> Any:
         """Run the machine code with these arguments, and return what it returns.
 
-        Machine code on disk that cannot be read is deleted with a warning, and compiled anew.
+        At the first call it is read from disk, or compiled for the types of the arguments. Machine
+        code on disk that cannot be read is deleted with a warning, and compiled anew; on a full
+        disk it is compiled anew and not kept.
         """
         try:
             if not self._ready:
@@ -169,8 +172,10 @@ class Compiled:
                 self._ready = True
             return self._fast(*arguments)
         except Exception as error:
+            # An error of numba, or of code that is not on disk, is not the cache's.
             if not self.place or type(error).__module__.startswith("numba"):
                 raise
+            # Writing to the cache fails with an OSError, most often for want of space.
             is_disk_full = isinstance(error, OSError)
             if not is_disk_full:
                 self._discard_cache()
@@ -186,7 +191,10 @@ class Compiled:
         warnings.warn(message, DamagedCache, stacklevel=4)
 
     def files(self) -> list[Path]:
-        """Indices of machine code on disk, of any sources."""
+        """Files on disk that list machine code of this kernel, be it of these sources or others.
+
+        There are none if it is kept nowhere.
+        """
         if not self.place:
             return []
         return list(Path(self.place).glob(f"*.{self._twin.__name__}-*.nbi"))
@@ -216,12 +224,14 @@ def can_be(user_functions: Functions) -> bool:
 
 
 def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
-    """The twin of a kernel, closing over a digest of its sources.
+    """The twin of a kernel, to be compiled: a function that closes over a digest of its sources.
 
-    Numba compiles anew what closes over another one, and else looks at the kernel's file alone.
+    Numba compiles anew a function that closes over another value than the one on disk, and else
+    looks at the kernel's file alone. So a change in any source compiles the kernel anew.
     """
     module = sys.modules[kernel.__module__]
     code = kernel.__code__.replace(co_freevars=("digest",))
+    # The value that is closed over, and the globals: those of a copy of the module with all jitted
     digest = (CellType(f"{kernel.__name__} {digest_of(module)}"),)
     scope = vars(_twin(module, user_functions, _names_used_once(module)))
     twin = FunctionType(code, scope, kernel.__name__, kernel.__defaults__, digest)
@@ -231,7 +241,10 @@ def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
 
 
 def _names_used_once(module: ModuleType) -> frozenset[str]:
-    """Names that one function uses, of those in a kernel module and in what it imports."""
+    """Names that one function alone uses, of all functions in a kernel module and its imports.
+
+    Names of attributes count, too.
+    """
     uses: Counter[str] = Counter()  # how many functions use each name
     for each in _modules(module):
         for value in vars(each).values():
@@ -259,16 +272,17 @@ def _twin(
         return compiler().njit(**INNER, forceinline=name in once)(function)
 
     for name, value in vars(module).items():
-        counterpart = value
+        counterpart = value  # constants, and what other modules define
         if name == "user_force" and user_functions:
             counterpart = _one_of(user_functions, jit)
         elif name == "borrowed" and once is not None:
             counterpart = _borrowing()
         elif isinstance(value, FunctionType) and value.__module__ == module.__name__:
+            # The copy finds the functions and tables that it uses in the twin.
             scope = vars(twin)
             copy = FunctionType(value.__code__, scope, name, value.__defaults__)
             counterpart = jit(copy, name)
-        elif _is_kernel(value):
+        elif _is_kernel(value):  # a kernel module that this one imports
             counterpart = _twin(value, user_functions, once)
         elif isinstance(value, list) and once is not None:
             counterpart = np.array(value)
@@ -311,7 +325,10 @@ def _borrowing() -> Any:
 
 
 def _one_of(functions: Functions, jit: Any) -> Any:
-    """A function of (number, d, rate) that calls the function of the user with this number."""
+    """A function of (number, d, rate) that calls the function of the user with this number.
+
+    `jit` compiles a function. The functions are tried one after the other, the last one unasked.
+    """
     number, function = functions[0]
     later = functions[1:]
     if not later:
@@ -328,13 +345,13 @@ def _one_of(functions: Functions, jit: Any) -> Any:
 
 
 def _is_kernel(value: Any) -> bool:
-    """Whether a module is one of ours."""
+    """Whether a value is a module of this package: modules that kernels import are kernels."""
     package = __name__.partition(".")[0]
     return isinstance(value, ModuleType) and value.__name__.startswith(f"{package}.")
 
 
 def _modules(module: ModuleType) -> list[ModuleType]:
-    """A kernel module, and those that it imports."""
+    """A kernel module, and all kernel modules that it imports, also through others."""
     modules = [module]
     for each in modules:  # the list grows
         for value in vars(each).values():

@@ -125,6 +125,7 @@ def power_force(link: Any, d: float, closing: float) -> tuple[float, float, floa
     Y = link.mobility
     share = 1 / (1 + g * chi * Y)
     ratio = (1 + chi * closing) * share  # F/g
+    # dF/dd is slope dF/dg.
     return g * ratio, slope * ratio * share, g * chi * share
 
 
@@ -156,7 +157,7 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
     force slows down the closing that makes it.
     """
     Y = link.mobility
-    F = odd_user_force(link, d, closing)
+    F = odd_user_force(link, d, closing)  # first guess: the force does not slow it down
     rate_step = link.rate_step
     slope = 0.0  # df/dd'
     for _ in range(MAX_ITERATIONS):
@@ -270,7 +271,7 @@ def guard(
     if status == Status.GRAZE and which == 1:
         return -sign, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
-        static_force = F
+        static_force = F  # without what damping adds: that does not make it yield
         if link.damping > 0:
             static_force = link.stiffness * d
         return 1 - static_force / link.yield_force, Status.PLASTIC.value
@@ -288,7 +289,7 @@ def follows_overlap(link: Any, which: int) -> bool:
     status = link.status
     if status == Status.OPEN:
         return True
-    if which > 0 or status > Status.PRESS:  # it yields, or rests
+    if which > 0 or status > Status.PRESS:  # PLASTIC or REST: it yields, or rests
         return False
     if status == Status.PRESS:
         return not force_jumps(link)
@@ -308,7 +309,7 @@ def break_order(link: Any, order: int) -> Any:
     own_order = link.break_order
     if status == Status.OPEN or status == Status.GRAZE:
         return int(own_order)
-    is_bond_or_push = law <= Law.PUSH_RIGHT
+    is_bond_or_push = law <= Law.PUSH_RIGHT  # these come first
     if is_bond_or_push or law == Law.RIGID or link.damping > 0:
         return min(own_order, order)
     return min(own_order, order + 1)
@@ -343,7 +344,7 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
         dF = max((end_force - F) / w, 0.0)
     elif law == Law.YIELD:
         F, dF = mean_spring(k, 0.0, x0, x1)
-    else:
+    else:  # a spring, which may have a dashpot
         F, dF = mean_spring(k, damping, x0, x1)
     # `damping` is chi here; c of a spring is in its mean already. Where nothing damps what yields,
     # the factor is 1.
@@ -363,14 +364,16 @@ def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]
     F = (b - a)/w (k (a + b)/2 + c w).
     """
     w = x1 - x0
-    last = k * x1 + c * w
-    if x0 >= 0 and last >= 0:
+    last = k * x1 + c * w  # force at the end of the way
+    if x0 >= 0 and last >= 0:  # it presses all the way
         return k * (x0 + x1) / 2 + c * w, k / 2 + c
     least = max(-c * w / k, 0.0)  # overlap at which it lets go, or begins
     a = max(x0, least)
     b = max(x1, least)
     share = (b - a) / w  # part of the way on which it presses
     F = share * (k * (a + b) / 2 + c * w)
+    # F w is the integral of k x + c w over the way from a to b. Its derivative by x1 is the force
+    # at the end of the way, 0 once it has let go, and c (b - a), as the rate w rises.
     return F, (max(last, 0.0) - F) / w + share * c
 
 
@@ -385,17 +388,19 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     """
     q = p + 1
     w = x1 - x0
-    first = k * max(x0, 0.0) ** p
-    last = k * max(x1, 0.0) ** p
+    first = k * max(x0, 0.0) ** p  # force at x0
+    last = k * max(x1, 0.0) ** p  # force at x1
     if x0 <= 0 or abs(w) > x0 / 2:
         F = (last * x1 - first * x0) / (q * w)
         return F, (last - F) / w
     F = first
     h = w / x0
     if h != 0:
+        # (1 + h)^q - 1 without cancellation
         F = first * math.expm1(q * math.log1p(h)) / (q * h)
     if abs(q * h) > SERIES_RANGE:
         return F, (last - F) / w
+    # Terms of the series over p/x0 times the force: the last two are those with h^2 and h^3.
     third = (p - 1) * h
     fourth = third * (p - 2) * h
     series = 1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30
@@ -420,11 +425,12 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     k = link.stiffness
     knot = link.next_knot
     force = link.yield_force
-    x = force / k
+    x = force / k  # overlap at which it yields
     start = max(x0, 0.0)
     slope = link.hardening_share * k
     work = (x - start) * (force + k * start) / 2
     knots = link.knots
+    # Go on from knot to knot, as long as the line reaches the next one.
     while force + slope * (x1 - x) > knots[knot]:
         knot_force = knots[knot]
         part = (knot_force - force) / slope  # of the overlap, up to the knot

@@ -36,7 +36,7 @@ def family_columns(
     """Columns that every family has: restitution, vibration, final, status, and those by number.
 
     Velocities after have the number of the body, such as "velocity_after.0", totals of contacts
-    that of the contact.
+    that of the contact. Restitution is nan unless one contact alone can open.
 
     Parameters
     ----------
@@ -79,6 +79,7 @@ def status_column(refused: Any, final: Any, capped: Any, until: float | None) ->
     It was refused, is final in a run without a given end, or met the cap on events; else it ran to
     `until`, or to the end of the clock. The first three are arrays of bool.
     """
+    # The first reason that holds counts.
     reasons = {
         "refused": refused,
         "final": final & (until is None),

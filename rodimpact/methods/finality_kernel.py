@@ -33,12 +33,13 @@ def separation_time(
     tolerance : float
         Velocity that counts as zero.
     """
-    if least_opening >= -tolerance:
+    if least_opening >= -tolerance:  # the ends cannot approach each other
         return 0.0
+    # The mean gap does not close, and vibration cannot bridge it.
     if opening >= -tolerance and mean_gap > 0 and mean_gap * mean_gap > bound_squared:
         return 0.0
     wait = math.inf
-    if opening > tolerance:
+    if opening > tolerance:  # the mean gap will be as large as the bound
         wait = (math.sqrt(bound_squared) - mean_gap) / opening
     return wait
 

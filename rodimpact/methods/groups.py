@@ -28,7 +28,7 @@ def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
     `group` has the numbers of its bodies; there are two velocities at most.
     """
     velocities: list[Any] = []
-    for side, i in enumerate([0, len(system.bodies) - 1]):
+    for side, i in enumerate([0, len(system.bodies) - 1]):  # first and last body
         if i in group and system.bodies[i].kind == "wall":
             velocities.append(system.bodies[i].velocity)
         elif i in group and system.ends[side].kind == "fixed":
@@ -42,6 +42,7 @@ def velocities_in_group(
     """Velocities of the bodies of a group, m/s: that of the wall that holds them, or their mean.
 
     Between two walls of different velocities a group has its mean velocity: it swings about none.
+    Bodies outside of those `inside`, walls and masses bonded to them, have that of their wall.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def velocities_in_group(
     moving = group
     if len(inside) > 0:
         moving = inside
-    shared = anchors[0]
+    shared = anchors[0]  # velocity of those that can move
     if len(anchors) == 2:
         # Adding 0 makes a number of an array of no dimension.
         shared = np.where(anchors[0] == anchors[1], anchors[0], mean) + 0.0
@@ -102,7 +103,10 @@ def body_velocities(system: Any, means: list[Any]) -> list[Any]:
 
 
 def segments_of_groups(system: Any, spans: Any) -> list[int]:
-    """The first segment of each group of bonded rods; of a lone wall 0.
+    """The first segment of each group of bonded bodies: that of its first body that is no wall.
+
+    A lone wall has no segment: what is returned for it, the first entry of its span, has no
+    meaning, and its velocity is its own.
 
     Parameters
     ----------
@@ -141,11 +145,13 @@ def fill_bonds(
         Force of what is outside the left end.
     """
     filled = [*forces]
-    is_rigid = [force is None for force in forces]
-    # Forces between a wall on the left and the first rod follow from the right.
+    is_rigid = [force is None for force in forces]  # a bond of rigid bodies
+    # Forces between a wall on the left and the first rod follow from the right: what pushes a wall
+    # is not known.
     first = 0
     if isinstance(system.bodies[0], Wall) and False in is_rigid:
         first = is_rigid.index(False)
+    # Contact k lies between the bodies k and k + 1.
     for k in range(first - 1, -1, -1):
         filled[k] = filled[k + 1] + inertia_force(k + 1)
     for k in range(first, len(filled)):

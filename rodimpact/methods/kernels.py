@@ -48,6 +48,9 @@ def enabled() -> bool:
 def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     """Whether a job shall run compiled.
 
+    The seconds of all jobs of a kernel in this process are added up, until it is worth it; from
+    then on it always is.
+
     Parameters
     ----------
     seconds : float
@@ -62,7 +65,7 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     NoCompiler
         If it would be worth it, and numba is missing or does not start.
     """
-    if _forced is not None:
+    if _forced is not None:  # within the context `forced`
         return _forced and not why_not()
     if kernel not in _ready:
         _spent[kernel] = _spent.get(kernel, 0.0) + seconds
@@ -91,15 +94,15 @@ _ready: set[Kernel] = set()  # paid for by this process
 def _pays(seconds: float, kernel: Kernel) -> bool:
     """Whether machine code of a kernel costs less than so many seconds, at least in the long run.
 
-    Who waits for it to be compiled is told.
+    Who waits for it to be compiled is told; and who waits for plain Python, as nothing can be.
     """
     price = LOADING
-    if not _ready:
+    if not _ready:  # numba has not started yet
         price = STARTING + LOADING
     if seconds <= price:
         return False  # a look at the cache would start numba
     reason = why_not()
-    if reason or not compiled(kernel).files():
+    if reason or not compiled(kernel).files():  # there is no machine code of it
         if seconds <= COMPILING:
             return False
         _tell(reason)

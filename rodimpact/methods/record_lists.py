@@ -26,6 +26,7 @@ def dtype_of(record: type) -> np.dtype[Any]:
     """
     fields = []
     for name, hint in typing.get_type_hints(record, include_extras=True).items():
+        # What stands behind the type in `Annotated`, or else the type itself
         (kind,) = getattr(hint, "__metadata__", (hint,))
         fields.append((name, kind))
     return np.dtype(fields, align=True)
@@ -36,8 +37,8 @@ def _object_class(record: Any) -> Any:
     """A class with the fields of a record: numbers and lists of numbers, 0 at first."""
     fields = []
     for name in record.names:
-        zero = np.zeros((), record[name]).tolist
-        if record[name].subdtype:
+        zero = np.zeros((), record[name]).tolist  # it makes a number, or a new list
+        if record[name].subdtype:  # the field is an array
             default = dataclasses.field(default_factory=zero)
         else:
             default = zero()
@@ -57,6 +58,7 @@ def as_objects(records: Any) -> list[Any]:
     if record.names is None:
         return records.tolist()  # type: ignore[no-any-return]
     make = _object_class(record)
+    # Fields that are arrays become lists of their own; without any, whole records are faster.
     if any(record[name].subdtype for name in record.names):
         columns = [records[name].tolist() for name in record.names]
         return list(map(make, *columns))
@@ -66,14 +68,14 @@ def as_objects(records: Any) -> list[Any]:
 def as_records(objects: list[Any], record: Any) -> Any:
     """Return a list of `as_objects` as an array of that kind again."""
     rows = objects
-    if record.names:
+    if record.names:  # records, not numbers
         fields_of = operator.attrgetter(*record.names)
         rows = list(map(fields_of, objects))
     return np.array(rows, record)
 
 
 def lengthened(records: Any, record: Any) -> Any:
-    """Return records with room for more behind them."""
+    """Return records with room for more behind them: blank objects, or records not set yet."""
     if isinstance(records, list):
         return records + blank((GROWTH_OF_LISTS - 1) * len(records), record)
     longer = np.empty(GROWTH_OF_ARRAYS * len(records), record)

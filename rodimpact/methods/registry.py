@@ -137,6 +137,7 @@ class Options(FrozenDataclass):
     snapshots: int | ArrayLike | None = None
 
     def _check(self, problems: Problems) -> None:
+        """Check all options, and note what is wrong; counts and times are set as plain numbers."""
         self._set(max_events=count(problems, "max_events", self.max_events))
         if self.cells is not None:
             self._set(cells=count(problems, "cells", self.cells))
@@ -148,8 +149,8 @@ class Options(FrozenDataclass):
                 problems, "rtol", "must be at most 1, the whole outcome", self.rtol
             )
         for name in ("dt", "cells"):
-            both = self.rtol is not None and getattr(self, name) is not None
-            if both and name not in reported:
+            has_both = self.rtol is not None and getattr(self, name) is not None
+            if has_both and name not in reported:
                 message = "fixes the step, rtol chooses it; give one of them"
                 problems.append((name, message))
         one_of("method", self.method, METHOD_NAMES)
@@ -174,7 +175,7 @@ class Options(FrozenDataclass):
         method = self.method
         if method == "auto":
             method = self._first_of(capable)
-        missing = METHODS[method].lacking(needs)
+        missing = METHODS[method].lacking(needs)  # none of a capable method
         remedy = f'method "{capable[0]}" has'
         if all(physics == abilities.TAPER for _, physics in missing):
             remedy += ", or give rod.in_steps(n)"
@@ -197,6 +198,7 @@ class Options(FrozenDataclass):
         if self.method == "auto":
             used += ', which "auto" takes'
         problems: Problems = []
+        # This method takes every option that any method takes.
         for name in METHODS["finite-difference"].takes:
             is_given = getattr(self, name) is not None
             if is_given and name not in METHODS[method].takes:
@@ -264,7 +266,7 @@ class Options(FrozenDataclass):
 
         Single entries switch on one of `abilities.SINGLE`.
         """
-        needs = abilities.needs(system)
+        needs = abilities.needs(system)  # path and name of physics
         needs_of_many = [need for need in needs if need[1] not in abilities.SINGLE]
         # The method that would be taken were it not for single entries
         faster = self._first_of(capable_of(needs_of_many))
@@ -322,6 +324,7 @@ def _snapshots(
 
     If it is neither, note the problem, and return 0.
     """
+    # If it is no number it may be times: the problem goes to a list that is dropped.
     number = count([], "snapshots", value)
     if number > 0:
         return number
@@ -330,7 +333,7 @@ def _snapshots(
     if until is not None:
         interval = f"[0, {until!r}]"
         before = f" up to until = {until!r} s"
-    with suppress(ValueError):
+    with suppress(ValueError):  # it is no array of times: the message below says so
         times = array("snapshots", value, "s", interval)
         if times.ndim == 1 and times.size:
             return tuple(times.tolist())

@@ -92,7 +92,7 @@ class Row:
 
         ("outside", side), ("mass", m) or ("segment", s).
         """
-        stands = [("outside", 0)]
+        stands = [("outside", 0)]  # all that stands in the row, from left to right
         for k, (start, stop) in enumerate(pairwise(self.first)):
             for m in range(start, stop):
                 stands.append(("mass", m))
@@ -106,6 +106,7 @@ class Row:
     def by_law(self) -> dict[int, int]:
         """Link of each contact that is not bonded, by contact: its force follows from a law."""
         links = {k: i for k, i in enumerate(self.contact_link) if i >= 0}
+        # Bonds come first among the laws.
         return {k: i for k, i in links.items() if self.links[i].law > Law.BOND}
 
     @cached_property

@@ -68,7 +68,7 @@ def rigid_blocks(system: Any) -> list[list[int]]:
 
 
 def split_at(cuts: list[bool]) -> list[list[int]]:
-    """Split the bodies into blocks from left to right.
+    """Split the bodies into blocks from left to right; a block is a list of their numbers.
 
     `cuts[k]` says whether to cut between the bodies k and k + 1.
     """
@@ -83,8 +83,10 @@ def split_at(cuts: list[bool]) -> list[list[int]]:
 def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
     """Add a block of rigid bodies to a row: one mass, or the outside if there is a wall in it.
 
-    `block` has the numbers of its bodies. Their common velocity is momentum over mass.
+    `block` has the numbers of its bodies. Their common velocity is momentum over mass. A wall
+    becomes the boundary on its side, and the masses bonded to it are no masses of the row.
     """
+    # Contacts inside the block are no links, and its bodies have no segments.
     row.contact_link.extend([-1 for _ in block[1:]])
     row.spans.extend([(1, 0) for _ in block])
     walls = [i for i in block if bodies[i].kind == "wall"]
@@ -111,8 +113,9 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
 
 def add_rod(row: Row, path: str, rod: Any) -> None:
     """Add a rod, whose path is `path`, to a row: its segments, bonded to each other."""
-    row.mass_of.append(-1)
+    row.mass_of.append(-1)  # it is no rigid mass
     count = len(rod.segments)
+    # Segments are counted from 1.
     row.spans.append((len(row.segments) + 1, len(row.segments) + count))
     for j, segment in enumerate(rod.segments):
         if j > 0:
@@ -122,7 +125,7 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
         if count > 1:
             segment_path = f"{path}.segments.{j}"
         row.paths.append(segment_path)
-        row.first.append(len(row.masses))
+        row.first.append(len(row.masses))  # masses on the left of the segment
 
 
 def add_end(row: Row, side: int, end: Any) -> None:
@@ -133,7 +136,7 @@ def add_end(row: Row, side: int, end: Any) -> None:
         value = end.value
     row.boundaries[side] = (kind, value)
     law = Law.BOND
-    if kind in ("none", "force"):
+    if kind in ("none", "force"):  # a given force, which is 0 at a free end
         law = Law.PUSH_LEFT
         if side > 0:
             law = Law.PUSH_RIGHT

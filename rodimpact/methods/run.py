@@ -88,10 +88,10 @@ def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
         t = float(when) * tick
         if status == Status.PRESS:
             force_end = math.nan
-            if math.isnan(start):
+            if math.isnan(start):  # it begins
                 start = t
         elif not math.isnan(start):
-            if math.isnan(force_end):
+            if math.isnan(force_end):  # its force has just ended
                 force_end = t
             if status == Status.OPEN:
                 episodes.append(Episode(start, force_end, t))

@@ -53,6 +53,7 @@ def frame_of(row: Any) -> Any:
     walls = [body.velocity for body in row.system.bodies if body.kind == "wall"]
     if len(walls) == 0:
         velocities = velocities_of(row)
+        # Halves are added, as a sum may overflow.
         return smallest(velocities) / 2 + largest(velocities) / 2
     return sum(walls) / len(walls)
 
@@ -71,7 +72,7 @@ def least_impedance(row: Any) -> Any:
     """Smallest impedance rho c A of all segments, kg/s."""
     impedances = []
     for s in row.segments:
-        least_area = extremes(s.area)[0]
+        least_area = extremes(s.area)[0]  # an area may vary along the segment
         impedances.append(s.material.density * s.wave_speed * least_area)
     return smallest(impedances)
 
@@ -79,7 +80,8 @@ def least_impedance(row: Any) -> Any:
 def scale_of(row: Any) -> Any:
     """Scale of velocities of a row with rods, m/s.
 
-    It is the spread of the velocities, and what strains, forces and gravity make of it.
+    It is the spread of the velocities, plus the velocities that the largest strain, the largest
+    force and gravity in the longest transit time make.
     """
     strained = [0.0]  # wave speed times strain, m/s
     for body in row.system.bodies:
@@ -104,7 +106,7 @@ def scale_of(row: Any) -> Any:
             overlap = np.maximum(0.0 - link.gap, 0.0)
             pushed.append(link.stiffness * overlap**link.exponent)
     transit = largest([s.transit_time for s in row.segments])
-    fall = abs(row.system.gravity) * transit
+    fall = abs(row.system.gravity) * transit  # m/s
     velocities = velocities_of(row)
     spread = largest(velocities) - smallest(velocities)
     return spread + largest(strained) + largest(pushed) / least_impedance(row) + fall
@@ -132,10 +134,12 @@ def scale_without_rods(row: Any, time: Any) -> Any:
         if link.law == Law.JOINT:
             extension = np.abs(link.stretch)
         elif link.law >= Law.SPRING:
+            # A compliant contact may begin with an overlap.
             extension = np.maximum(-np.asarray(link.gap), 0.0)
         else:
             continue
-        # The energy that the link stores at t = 0, over k d^(p + 1), moves a mass.
+        # The energy k d^(p + 1)/(p + 1) that the link stores at t = 0 moves a mass. The factor
+        # 2/(p + 1) of m v^2 does not matter for a scale.
         stored = link.stiffness * extension ** (link.exponent + 1)
         scale = scale + np.sqrt(stored / least_mass)
     return scale
@@ -163,6 +167,7 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
     for s in segments:
         largest_area = extremes(s.area)[1]
         impedances.append(s.material.density * s.wave_speed * largest_area)
+    # Energies and squares of forces must be between the bounds, and far from both.
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         force = scale * largest(impedances)
         energy = scale * scale * heaviest
@@ -179,8 +184,9 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
         )
         is_beyond = np.not_equal(scale, 0) & ~(is_above & is_below)
         beyond = [(is_beyond, "bodies", message)]
-        for k, i in row.by_law.items():
+        for k, i in row.by_law.items():  # contact k is link i
             link = row.links[i]
+            # Slope of the force k d^p at d = scale times transit, times transit over impedance
             stiffness = (
                 link.stiffness
                 * (transit / least_impedance(row))
@@ -198,7 +204,10 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
 
 
 def check_scales(row: Any) -> None:
-    """Raise InvalidModel where numbers overflow or vanish, or a contact is as good as rigid."""
+    """Raise InvalidModel where numbers overflow or vanish, or a contact is as good as rigid.
+
+    If numbers overflow or vanish, contacts are not judged.
+    """
     problems = []
     for is_beyond, path, message in beyond_scales(row):
         if is_beyond:

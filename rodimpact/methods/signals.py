@@ -98,7 +98,7 @@ class Pieces:
 
     @cached_property
     def _primitive(self) -> tuple[Floats, Floats]:
-        """Integrals, value times ticks.
+        """Integrals of all pieces, value times ticks, from which `integral` follows.
 
         Returns
         -------
@@ -109,6 +109,7 @@ class Pieces:
         """
         from numpy.polynomial.chebyshev import chebint
 
+        # The integral over y times half of the width is that over ticks.
         half_widths = np.diff(self.ticks, append=self.end)[:, None] / 2
         integral = chebint(self.coefficients, lbnd=-1, axis=1)
         of_pieces = np.asarray(integral * half_widths)
@@ -137,12 +138,13 @@ class Pieces:
         low = float((middle - swing).min())
         high = float((middle + swing).max())
         error = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
-        parts = np.ones(len(middle))
+        parts = np.ones(len(middle))  # into which each piece is divided
         if error > 0:
             # A line over the n-th part of a piece is off by less than (2/n)^2/8 of its bend.
             parts = np.ceil(np.sqrt(self.bends / (2 * error)))
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
         firsts = np.cumsum(counts) - counts  # first mark of each piece
+        # Of all marks: their number in their piece, from 0 on
         index_in_piece = np.arange(counts.sum()) - np.repeat(firsts, counts)
         part_widths = np.repeat(self.widths // counts, counts)
         inside = np.repeat(self.ticks, counts) + part_widths * index_in_piece
@@ -191,9 +193,10 @@ class Pieces:
         """
         starts = np.asarray(starts)
         lengths = np.asarray(stops) - starts
-        i = self.piece(starts + lengths // 2)
+        i = self.piece(starts + lengths // 2)  # the piece in which the middle lies
         if self.size == 1:
             return self.coefficients[i]
+        # Ticks from the start of the piece to each share
         since_start = (starts - self.ticks[i])[:, None] + lengths[:, None] * shares
         y = np.clip(since_start / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
         return _polynomials(self.coefficients, i[:, None], y)
@@ -242,7 +245,7 @@ class Pieces:
         first = int(self.piece(start))
         after_last = max(int(self.ticks.searchsorted(stop, "right")), first + 1)
         end = self.end
-        if after_last < len(self.ticks):
+        if after_last < len(self.ticks):  # it ends with the last piece that is kept
             end = int(self.ticks[after_last])
         ticks = self.ticks[first:after_last]
         return Pieces(ticks, self.coefficients[first:after_last], end)
@@ -265,7 +268,8 @@ class Pieces:
     def _combined(self, other: Pieces, operation: Any, size: int) -> Pieces:
         """Apply an operation to two signals; the pieces of the result have `size` coefficients.
 
-        It is computed at as many points of each interval between breaks of either.
+        It is computed at as many points of each interval between breaks of either. The last
+        interval has no length, and holds the constant values behind both signals.
         """
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])
@@ -285,6 +289,7 @@ class Pieces:
     def time_reversed(self, about: int) -> Pieces:
         """The signal backwards: its value at tick t is that of this one at `about` - t."""
         starts = (about - self.ticks - self.widths)[::-1]
+        # T_m(-y) = (-1)^m T_m(y)
         mirrored = self.coefficients * (-1.0) ** np.arange(self.size)
         return Pieces(starts, mirrored[::-1], int(about - self.ticks[0]))
 
@@ -307,9 +312,9 @@ def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
 
     By Clenshaw's recurrence b_k = c_k + 2 y b_(k+1) - b_(k+2) they are c_0 + y b_1 - b_2.
     """
-    before = np.zeros(())
-    last = np.zeros(())
-    for column in coefficients.T[:0:-1]:
+    before = np.zeros(())  # b_(k + 2)
+    last = np.zeros(())  # b_(k + 1)
+    for column in coefficients.T[:0:-1]:  # c_k of all rows, from the last k to 1
         following = column[i] + 2 * y * last - before
         before = last
         last = following
@@ -330,6 +335,7 @@ def _interpolation(size: int) -> tuple[Floats, Floats]:
     [size, size] array
         M, with coefficients = values @ M.
     """
+    # Point j is y = cos(angle j), where T_k is cos(k angle): a discrete cosine transform.
     angles = np.pi * (np.arange(size)[::-1] + 0.5) / size
     to_coefficients = np.cos(angles[:, None] * np.arange(size)) * (2 / size)
     to_coefficients[:, 0] /= 2
@@ -342,9 +348,9 @@ def each_once(*ticks: ArrayLike) -> Ints:
     Sorting merges what is in order already.
     """
     merged: Ints = np.sort(np.concatenate(ticks), kind="stable")
-    first = np.ones(len(merged), dtype=bool)
-    first[1:] = merged[1:] != merged[:-1]
-    return merged[first]
+    is_first = np.ones(len(merged), dtype=bool)  # of those that are equal
+    is_first[1:] = merged[1:] != merged[:-1]
+    return merged[is_first]
 
 
 @cache

@@ -29,6 +29,7 @@ def is_held(system: Any) -> bool:
     last = len(system.bodies) - 1
     wall_count = 0
     is_joined = False
+    # The first and the last body, each with the contact that a wall there has
     for body, contact in ((0, 0), (last, last - 1)):
         if system.bodies[body].kind == "wall":
             wall_count += 1
@@ -117,7 +118,7 @@ def last_contact(
     for force_end, opening in ends:
         if force_end != force_end:  # nan: it presses on
             latest = math.inf
-        elif opening == opening:  # not nan
+        elif opening == opening:  # not nan: its gap opened
             latest = max(latest, opening)
         elif t_end - force_end >= round_trip * (1 - ROUND_TRIP_RTOL):
             latest = max(latest, force_end)

@@ -62,7 +62,7 @@ def recognise(x: float) -> tuple[int, int]:
     q1 = 0
     y = x  # rest of the fraction
     while y < MAX_TERM + 1:  # a larger term makes p or q too large
-        a = int(y)
+        a = int(y)  # the next term
         p2 = a * p1 + p0
         q2 = a * q1 + q0
         p0 = p1
@@ -104,16 +104,16 @@ def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int
     leader.q = 1
     for i in range(start + 1, len(durations)):
         other = durations[durations[i].sorted_index]
-        if other.q >= 0:
+        if other.q >= 0:  # it has no ticks yet
             p, q = recognise(other.time / leader.time)
             other.p = p
             other.q = q
-            if q > 0:
-                common_parts = parts // math.gcd(parts, q) * q
+            if q > 0:  # the ratio is simple
+                common_parts = parts // math.gcd(parts, q) * q  # least common multiple
                 if common_parts <= max_parts:
                     parts = common_parts
                 else:
-                    other.q = 0
+                    other.q = 0  # too many parts: it is none of the class
     return parts
 
 
@@ -123,11 +123,11 @@ def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
     No record moves. The last `drive_count` durations are ordered by themselves and come last.
     """
     n = len(durations)
-    for i in range(n):
+    for i in range(n):  # insertion: those before i are in order
         first = 0
         if i >= n - drive_count:
             first = n - drive_count
-        j = i
+        j = i  # place of duration i in the order
         while j > first:
             previous = durations[j - 1].sorted_index
             if durations[previous].time >= durations[i].time:
@@ -160,7 +160,7 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
     longest_time = durations[durations[0].sorted_index].time
     for start in range(len(durations)):
         leader = durations[durations[start].sorted_index]
-        if leader.q < 0:
+        if leader.q < 0:  # it has its ticks, as a member of an earlier class
             continue
         # Ticks of the leader before they are rounded; 0 for the first class
         exact_ticks = leader.time / longest_time * longest_ticks
@@ -184,6 +184,7 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
             continue
         for i in range(start, len(durations)):
             member = durations[durations[i].sorted_index]
+            # The leader has `parts` parts of `unit` ticks, a member of its class p/q of them.
             if member.q > 0:
                 member.ticks = unit * (parts // member.q) * member.p
                 member.q = -1
@@ -199,7 +200,7 @@ def clock_bits(ratio: float) -> int:
         return MAX_TRANSIT_BITS
     if not 0 < ratio < math.inf:
         return 0
-    mantissa, exponent = math.frexp(ratio)
+    mantissa, exponent = math.frexp(ratio)  # ratio is mantissa times 2^exponent
     bits = CLOCK_BITS - exponent
     if mantissa > 0.5:  # ratio is no power of two: round up
         bits -= 1
