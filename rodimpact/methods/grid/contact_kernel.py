@@ -44,6 +44,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     c : float
         Closing in this step without the own force.
 
+    The link is not changed.
+
     Returns
     -------
     F, x1, dF/dx1
@@ -60,6 +62,7 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         F = (k * x0 + slope * c) / divisor
         x1 = x0 + (c - y * k * x0) / divisor
         return F, x1, slope
+    # The guess of x1, which Newton's method mends
     x = min(link.overlap, top)
     yields = False
     if link.law == Law.YIELD:
@@ -72,7 +75,7 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         if not yields:
             x = min(elastic_limit, top)
     F = 0.0
-    slope = 0.0
+    slope = 0.0  # dF/dx1
     for _ in range(MAX_NEWTON_STEPS):
         F, slope = contact_laws.mean_force(link, x0, x)
         residual = x - top + y * F
@@ -103,11 +106,11 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
 def closing_without_own_force(links: Any, i: int) -> float:
     """Closing of link i in this step without its own force, by those of both neighbours.
 
-    The first link of a chain shares nothing with the one before it. Behind the last of all links
-    comes the first.
+    The first link of a chain shares nothing with the one before it: its coupling is 0. Behind the
+    last of all links comes the first.
     """
     link = links[i]
-    after = links[i + 1 - len(links)]
+    after = links[i + 1 - len(links)]  # an index below 0 counts from the end
     c: float = (
         link.force_free_closing
         + link.coupling_mobility * links[i - 1].force
@@ -121,7 +124,8 @@ def gauss_seidel_sweep(
 ) -> tuple[float, float]:
     """Set the forces of the links of a chain one after the other, with the others as they are.
 
-    The closing without the own force is c. A rigid link, or an impact, takes
+    Their slopes are set too, and the overlaps of those that are not rigid. The closing without the
+    own force is c. A rigid link, or an impact, takes
     F = max(0, (c - max_closing)/mobility); other links are solved by `solve_link`.
 
     Parameters
@@ -146,12 +150,13 @@ def gauss_seidel_sweep(
         c = closing_without_own_force(links, i)
         if link.law == Law.RIGID or link.law == Law.IMPACT:
             F = (c - link.max_closing) / link.self_mobility
-            slope = -1.0
+            slope = -1.0  # its closing is fixed
             if F <= 0:
                 F = 0.0
                 slope = 0.0
         else:
             F, link.overlap, slope = solve_link(link, c)
+        # By how much its force changes its closing
         change = max(change, abs(F - link.force) * link.self_mobility)
         link.force = F
         link.force_slope = slope
@@ -183,6 +188,7 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
         else:
             middle = 1 + s * link.self_mobility
             right = link.force + s * (link.force_free_closing - link.overlap - link.gap)
+        # The link before is eliminated: its force is before.force - before.upper F.
         right += s * link.coupling_mobility * before.force
         pivot = middle + s * link.coupling_mobility * before.upper
         if pivot <= 4 * EPS * middle:  # nothing but round-off is left
@@ -193,7 +199,7 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
     for i in range(last, first - 1, -1):
         link = links[i]
         link.force -= link.upper * links[i + 1 - len(links)].force
-        if link.law >= Law.RIGID:
+        if link.law >= Law.RIGID:  # a contact, not a joint
             link.force = max(link.force, 0.0)
 
 
@@ -204,19 +210,19 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
     converge, if slowly. A Newton step is kept where it halves the change in the next sweep. One
     link alone needs one sweep. `speed` is that of the bodies, whose round-off is no change.
     """
-    change = math.inf
-    largest = speed
+    change = math.inf  # largest change of a closing in the last sweep that is kept
+    largest = speed  # largest speed in it
     newton_taken = False
-    sweeps = 2 * MAX_SWEEPS
+    sweeps = 2 * MAX_SWEEPS  # those that are left; 0 ends the iteration
     while sweeps > 0:
         new_change, new_largest = gauss_seidel_sweep(links, first, last, speed)
         sweeps -= 1
-        if newton_taken and new_change > change / 2:
+        if newton_taken and new_change > change / 2:  # take the Newton step back
             newton_taken = False
             for i in range(first, last + 1):
                 links[i].force = links[i].force_before
         else:
-            change = 0.0
+            change = 0.0  # one link alone is solved
             if first < last:
                 change = new_change
             largest = new_largest
@@ -240,6 +246,7 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
         link = links[i]
         # Closing in this step with the own force
         w = closing_without_own_force(links, i) - link.force * link.self_mobility
+        # It has not begun, and its gap at the end of the step would be below 0.
         if link.max_closing == math.inf and link.gap - w < -tolerance:
             u = link.initial_closing
             link.max_closing = 0.0
@@ -253,25 +260,26 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
     """Return the gap of a link at the end of a step in which it closes by w.
 
     Set what else has changed: whether a rigid contact is closed, and yield force and hardening of
-    one that yields. Closing velocities within `tolerance` are 0.
+    one that yields. Closing velocities within `tolerance` are 0. The gap in the link stays that at
+    the start of the step.
     """
     gap: float = -link.overlap
-    if link.law == Law.RIGID or link.law == Law.IMPACT:
+    if link.law == Law.RIGID or link.law == Law.IMPACT:  # these have no overlap
         gap = link.gap - w
     final_closing = 2 * w - link.initial_closing  # velocity, as w is a mean
     is_at_rest = link.force <= 0 and link.gap <= 0 and abs(w) <= tolerance
     if link.law == Law.RIGID:
         if link.is_closed == 0:
-            if link.force > 0:
+            if link.force > 0:  # it closes in this step
                 link.is_closed = 1
         elif link.force <= 0 and final_closing < -tolerance:
             # It opens at the kick in the middle of the step: the gap is -final_closing/2.
             link.is_closed = 0
             gap = link.initial_closing / 2 - w
-        else:
+        else:  # it stays closed
             gap = 0.0
     elif link.law == Law.IMPACT and is_at_rest:
-        gap = link.gap
+        gap = link.gap  # without the round-off of w
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
         # It hardens, and its faces move for good.
         link.yield_force, _, next_knot = contact_laws.load_plastically(

@@ -22,11 +22,18 @@ def factor(
 ) -> None:
     """Store the LU factors of the equations in `lower`, `inverse_diagonal` and `upper` [node].
 
-    `is_prescribed` is 1 at nodes whose values are prescribed. The factors of the middle node are
-    those of its neighbours: `lower` of the left one, `upper` of the right one.
+    `is_prescribed` is 1 at nodes whose values are prescribed: their equation is x[i] = right side.
+    The factors of the middle node are those of its neighbours: `lower` of the left one, `upper` of
+    the right one.
+
+    With the entries d of the diagonal and e of the off-diagonal towards the node before and f
+    towards the one after it, the factors of a node are
+
+        lower = e inverse_before,  inverse_diagonal = 1/(d - e upper_before),
+        upper = f inverse_diagonal.
     """
     n = len(diagonal)
-    m = (n - 1) // 2
+    m = (n - 1) // 2  # the middle node
     # `inverse_diagonal` and `upper` of the node before, in the left half
     left_inverse = 0.0
     left_share = 0.0
@@ -80,13 +87,12 @@ def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
     the off-diagonal entries of the equations are negative.
     """
     n = len(x)
-    m = (n - 1) // 2
+    m = (n - 1) // 2  # the middle node
     last = 2 * m
     y = 0.0  # value of the node before, in the left half
     z = 0.0  # in the right half
-    for i in range(
-        last + 1, n
-    ):  # once or not at all: an even n has one node more there
+    # This is done once or not at all: an even n has one node more in the right half.
+    for i in range(last + 1, n):
         z = x[i]
     for i in range(m):
         y = x[i] + lower[i] * y

@@ -11,16 +11,17 @@ from .run import GridRun
 def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
     """Mean force of each contact in each step, N [contact][step].
 
-    `left` is what acts on the left end of the row.
+    `left` is what acts on the left end of the row: forces in bonds of rigid bodies follow from
+    there.
     """
     row = run.row
     forces: list[Floats | None] = []
     for k, link in enumerate(row.contact_link):
-        if k in row.by_law:
+        if k in row.by_law:  # a contact or a joint, whose force is recorded
             forces.append(run.contact(k)[0])
         elif link < 0:
             forces.append(None)  # a bond of rigid bodies: it follows from their momenta
-        else:
+        else:  # a bond with a rod
             forces.append(run.bond_force(link))
 
     def momentum_rate(body: int) -> Floats:
@@ -52,7 +53,7 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     # Force of a pushed end, wave of an endless bar
     given = run.history.prescribed[:, side]
     force = given
-    if link in run.mesh.touching:
+    if link in run.mesh.touching:  # there is a wall, with a contact or a joint
         force = run.recorded(link, "force")
     elif kind == "velocity":
         force = run.bond_force(link)
@@ -60,6 +61,7 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
         end = run.grid.ends[side]
         excess = end["background_wave"] + given - speed
         force = INWARD[side] * (end["impedance"] * excess)
+    # Velocity that the frame has gained in the middle of each step
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return BoundaryAction(
         row.boundary_name(side),

@@ -43,6 +43,8 @@ from .records import INDEX_MASK, NONE, Run
 def run_steps(grid: Any, history: Any, until: int) -> bool:
     """Take steps until `until` steps are taken, and fill the window `history` with them.
 
+    A step is drift, kick, contacts, drift; see above. States are kept at the ends of steps.
+
     Parameters
     ----------
     grid : Grid
@@ -175,7 +177,8 @@ def keep_nodes(
     """
     n = len(v)
     nodes = run.kept_states * n  # first entry of the state among those of nodes
-    cells = (run.kept_states * (n + 1)) & INDEX_MASK  # the same among those of cells
+    # The same among those of cells; the mask changes no index.
+    cells = (run.kept_states * (n + 1)) & INDEX_MASK
     kept_force[cells] = 0.0
     kept_force[cells + n] = 0.0
     # Numba compiles a loop in a tenth of the time of a copied slice.
@@ -216,7 +219,7 @@ def keep_pieces(
     run: Run, pieces: Any, lost: Any, kept_displacement: Any, kept_lost: Any
 ) -> None:
     """Store displacements of pieces, and the energy lost in all cells, in the next state kept."""
-    first = run.kept_states * len(pieces)
+    first = run.kept_states * len(pieces)  # first entry of the state
     for i in range(len(pieces)):
         kept_displacement[first + i] = pieces[i].displacement
     total = 0.0
@@ -230,8 +233,9 @@ def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) 
     for i in range(len(links)):
         link = links[i]
         link.initial_closing = v[link.left_node] - v[link.right_node]
+    row = run.step - run.first_step  # of the window, with an entry for each end
     for side in range(2):
-        ends[side].prescribed = prescribed[2 * (run.step - run.first_step) + side]
+        ends[side].prescribed = prescribed[2 * row + side]
 
 
 def store_selected(run: Run, values: Any, selected: Any, table: Any) -> None:
@@ -277,6 +281,8 @@ def kick_radially(
     """Move the rates of radial strain to the end of the step.
 
     J dq_t = s_i (q[i + 1] - q[i]) - s_(i-1) (q[i] - q[i - 1]) - (G - b^2/k) q - b/k tension.
+
+    J and the stiffnesses are those of `records.Grid`; s_i lies between the cells i and i + 1.
     """
     before = 0.0  # shear force from the cell on the left
     for i in range(len(radial_strain) - 1):
@@ -323,7 +329,7 @@ def find_implicit_forces(
     """Set x, the right side of the equations of a step: elastic and viscous forces on the nodes.
 
     The viscous force is eta A/dx (v[i + 1] - v[i]) with the velocities before the step, which are
-    kept in `old_velocity`.
+    kept in `old_velocity`. Node i lies between the cells i and i + 1.
     """
     before = force[0]  # tension on the left of node i
     for i in range(len(v) - 1):
@@ -370,7 +376,8 @@ def solve_contacts(run: Run, v: Any, links: Any) -> bool:
 def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
     """Find the forces of a chain of links, whose first is link `first`; False if there are none.
 
-    Links that are coupled by bodies between them make a chain, see `contact_kernel`.
+    Links that are coupled by bodies between them make a chain, see `contact_kernel`. `v` are the
+    velocities at the end of the step without link forces; they stay so.
     """
     last = links[first].chain_end
     speed = 0.0
@@ -393,6 +400,7 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
             if link.is_closed == 1:
                 max_closing = link.initial_closing / 2
             link.max_closing = max(max_closing, 0.0)
+    # An impact that the forces of others make begin changes all forces: solve again.
     is_solved = True
     has_new_impact = True
     while has_new_impact:
@@ -444,12 +452,13 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
         ) / 2
         is_stiff = link.law == Law.RIGID or link.law == Law.IMPACT
         if is_stiff and link.force > 0:
-            link.closing = link.max_closing
+            link.closing = link.max_closing  # free of round-off
         link.gap = contacts.updated_gap(link, link.closing, run.velocity_tolerance)
         signal = signals[(run.step - run.first_step) * len(links) + i]
         signal.force = link.force
         signal.gap = link.gap
         signal.closing = gap_before - link.gap
+        # The gaps of these do not follow their closing while they press.
         if link.law == Law.RIGID or link.law == Law.YIELD:
             signal.closing = link.closing
         if run.step == 0 and link.initial_force > 0:

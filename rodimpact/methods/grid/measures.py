@@ -32,11 +32,12 @@ def largest_force(force: Floats) -> float:
     one must have much less curvature, and be smooth: its curvature is less than its slope, or the
     force is constant.
     """
-    if np.max(force, initial=0.0) <= 0:
+    if np.max(force, initial=0.0) <= 0:  # no force presses
         return 0.0
     top = int(np.argmax(force))
     # Two steps more on both sides, so that `top` is the middle of five
     earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
+    # The curve is value + slope t + curve t^2, t in steps.
     value, slope, curve = _parabola(before, F, after)
     begin = 1  # begin of the top step, in steps behind that of the first of the three
     largest = F
@@ -44,6 +45,7 @@ def largest_force(force: Floats) -> float:
     # Time is counted away from the top step on either side.
     for second, third in ((after, later), (before, earlier)):
         a, b, c = _parabola(F, second, third)
+        # Its curvature 2 c is less than its slope in the first step, or it is flat.
         is_smooth = abs(c) < abs(F - second) / 2 or abs(c) <= FLAT_RTOL * F
         if KINK_CURVATURE_RATIO * abs(c) < least_curvature and is_smooth:
             value = a
@@ -53,6 +55,7 @@ def largest_force(force: Floats) -> float:
             # The other side, in its turn, is taken if it is less curved than this one.
             least_curvature = KINK_CURVATURE_RATIO * abs(c)
             largest = max(a, a + b + c)  # at the begin and at the end of the step
+    # If the vertex lies in the top step it is the largest force.
     if curve < 0 and begin < -slope / (2 * curve) < begin + 1:
         largest = value - slope * slope / (4 * curve)
     return float(largest)
@@ -76,7 +79,8 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
     """
     # Steps in which forces begin, and those behind their last ones, in turn
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
-    wide = np.flatnonzero(gap > open_gap)
+    wide = np.flatnonzero(gap > open_gap)  # step ends at which the gap is open
+    # Step in which the next force begins, or the end of the run
     next_begins = [*edges, len(force)][2::2]
     intervals = []
     for first, stop, following in zip(
@@ -84,7 +88,7 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
     ):
         begin = begin_of_force(force, gap, first)
         end = math.nan
-        if stop < len(force):
+        if stop < len(force):  # it ends before the run does
             end = max(begin, end_of_force(force, gap, first, stop))
         opening = math.nan
         # First step end with a wide gap from `stop` on, if there is one
@@ -116,7 +120,7 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
     # The force of step i is round-off: that of the next step begins the contact.
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
         return i + 1.0
-    before = max(i - 1, 0)
+    before = max(i - 1, 0)  # the step before, or the first one
     fall_per_step = gap[before] - gap[before + 1]
     if 0 < gap[i] < MAX_CLOSING_STEPS * fall_per_step:
         return i + float(gap[i] / fall_per_step)
@@ -132,10 +136,10 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
     fraction Fm/Fe of that step. If it falls evenly, it ends where the line through the last means
     reaches 0. A dashpot can lose its force while there is overlap: then it ends as a rigid one.
     """
-    begin = j - 1
-    first_gap = float(gap[j - 1])
+    begin = j - 1  # of the last step with force
+    first_gap = float(gap[j - 1])  # at its begin and at its end
     last_gap = float(gap[j])
-    if first_gap < 0 < last_gap:
+    if first_gap < 0 < last_gap:  # the overlap ends inside the step
         return begin + _closing_share(gap, i, j)
     if j - i >= 3:
         third = float(force[j - 3])
@@ -149,6 +153,8 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
             if extrapolated <= 0:
                 return begin
             return begin + min(1.0, 2 * last / extrapolated)
+        # The force falls evenly, at least half and at most twice as fast as before, and reaches 0
+        # within a step of its last mean, which it has in the middle of the step.
         if 0 < fall <= 2 * last_fall <= 4 * fall and last <= last_fall:
             return begin + 0.5 + last / last_fall
     if first_gap < 0:
@@ -179,7 +185,8 @@ def _closing_share(gap: Floats, i: int, j: int) -> float:
 def share_of_jump(force: Floats) -> float:
     """Fraction Fm/Fe of the last step during which a force acts that ends with a jump.
 
-    Fm is the mean of the last step and Fe is extrapolated from up to three means before. It is 1 if
+    Fm is the mean of the last step, the last of `force`, and Fe is extrapolated from up to three
+    means before: along a line if they are smooth, else it is the last of them. The fraction is 1 if
     Fe - Fm is at most twice the curvature of these means.
     """
     *before, last = force.tolist()
@@ -200,9 +207,10 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
     """Time at which bodies part whose gap passes `open_gap`, m, before step end k, in steps.
 
     Their force ended at `force_end`. Numerical dispersion opens small false gaps. Take the vertex
-    of the parabola through the times t and s at which the gap passes `open_gap` and half of it, t -
-    (t - s)/(1 - sqrt(1/2)). If the gap did not accelerate before the vertex, that earlier gap is
-    false and the vertex is the opening; else the last zero of the gap is.
+    of the parabola through the times t and s at which the gap passes `open_gap` and half of it,
+    t - (t - s)/(1 - sqrt(1/2)). If the gap before the vertex did not accelerate, it is false, and
+    the vertex is the opening; else the last zero of the gap is. A gap that accelerates is at a half
+    of the time a quarter of what it is in the end, or less; a third is the bound.
     """
     last_zero = max(_passing_time(gap, k, 0.0), force_end)
     half = _passing_time(gap, k, open_gap / 2)
@@ -216,9 +224,9 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
 
 
 def _passing_time(gap: Floats, k: int, level: float) -> float:
-    """Last time at which a gap that is larger at step end k was at this level, in steps.
+    """Last time before step end k at which a gap, larger there, was at this level, in steps.
 
-    It is k - 1 if the gap was never so small.
+    Gaps are straight lines between step ends. It is k - 1 if the gap was never so small.
     """
     for i in range(k - 1, -1, -1):
         if gap[i] <= level:

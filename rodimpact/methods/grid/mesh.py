@@ -135,8 +135,9 @@ class GridMotion(NamedTuple):
         inside = slice(nodes.start + 1, nodes.stop)  # cells between the nodes
         change = np.diff(v)
         k = self.cells.stiffness[inside]
+        # What cells add to M - h^2 K/4 between their nodes
         off_diagonal = self.cells.lateral[inside] - k * step**2 / 4
-        k = np.where(k > 0, k, np.inf)
+        k = np.where(k > 0, k, np.inf)  # cells without stiffness have no energy
         kinetic = float(mass @ (v * v) + off_diagonal @ (change * change)) / 2
         strained = float(np.sum(self.force[state, inside] ** 2 / k)) / 2
         if not self.radial.size:
@@ -145,18 +146,18 @@ class GridMotion(NamedTuple):
         b = self.cells.coupling[inside]
         G = self.cells.radial[inside]
         q = self.radial[state] * step
-        rate = self.radial_rate[state]
+        rate = self.radial_rate[state]  # of q
         slope = np.diff(q)[nodes]  # between the cells beside each node
         slope_rate = np.diff(rate)[nodes]
         q = q[inside]
         rate = rate[inside]
-        # A spring between two rods belongs to either by half.
+        # A spring between two rods, at an end of the nodes, belongs to either by half.
         shear = self.shear[nodes] / 2
         shear[1:-1] *= 2
         radial_strained = (G - b * b / k) @ q**2 + shear @ slope**2
         # v K v without k (dv)^2, which the kinetic energy has already
         stiffness_term = 2 * (b * change) @ rate + G @ rate**2 + shear @ slope_rate**2
-        moving = J @ rate**2 - step * step / 4 * stiffness_term
+        moving = J @ rate**2 - step * step / 4 * stiffness_term  # twice the energy
         return kinetic + float(moving) / 2, strained + float(radial_strained) / 2
 
 
@@ -216,9 +217,9 @@ class Mesh:
         for side, (kind, _) in enumerate(row.boundaries):
             if kind == "velocity":
                 driven.append(side)
-        node = self._lay_out(driven)
+        node = self._lay_out(driven)  # the last one
         self.starts, self.stops = _between(self.touching.values(), node)
-        open_links = []
+        open_links = []  # nodes of the links that can open
         for link, nodes in self.touching.items():
             if row.links[link].law != Law.JOINT:
                 open_links.append(nodes)
@@ -230,6 +231,7 @@ class Mesh:
         self.viscous = self.cells.viscous
         self.lateral = self.cells.lateral
         self.width = self.cells.width
+        # Half of the mass of the cells on both sides
         self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         self.shear = _in_series(self.cells.shear)
         self.mass[self.node_of_mass] += row.masses
@@ -239,8 +241,8 @@ class Mesh:
         self.pulled = [cell for _, cell in self.bonds.values()]
         watched = [*self.ends, *self.node_of_mass]
         for cell in self.pulled:
-            watched.extend((cell - 1, cell))
-        self.watched = list(dict.fromkeys(watched))
+            watched.extend((cell - 1, cell))  # the nodes on both sides of the cell
+        self.watched = list(dict.fromkeys(watched))  # each once
         self.has_radial_strain = bool(np.any(self.cells.swelling))
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral))
 
@@ -253,14 +255,15 @@ class Mesh:
         row = self.row
         outer_links = (0, len(row.links) - 1)
         recorded_links = {*row.contact_link, *(outer_links[side] for side in driven)}
-        node = -1
+        node = -1  # the last one so far
         parts: list[Cells] = []
+        # Link i lies between what stands before it and a thing of this kind and number.
         for i, ((before, _), (kind, s)) in enumerate(row.neighbours):
             law = row.links[i].law
             if i == 0:  # the outside begins the first piece
                 node += 1
                 parts.append(NO_CELL)
-            if law >= Law.JOINT:  # a piece ends
+            if law >= Law.JOINT:  # a joint or a contact: a piece ends
                 node += 1
                 parts.append(NO_CELL)
                 self.touching[i] = node - 1, node
@@ -291,7 +294,7 @@ def _between(
     """
     starts = [0]
     stops = []
-    for left, right in cuts:
+    for left, right in cuts:  # nodes on both sides of a cut
         stops.append(left)
         starts.append(right)
     return starts, [*stops, last]
@@ -401,7 +404,7 @@ def crossing_time(segment: Any) -> float:
 
 
 def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
-    """Longest stable step of a segment in so many cells, s.
+    """Longest stable step of a segment in `count` cells, s.
 
     Leapfrog is stable up to 2/omega of the fastest motion. Soil of a stiffness per length, N/m^2,
     adds soil_stiffness/(rho A) to the square of omega. The fastest motion of a cell with transit
@@ -424,6 +427,7 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
     cells = _cells(segment, count)
     m = cells.cell_mass
     J = cells.swelling
+    # omega^2 of both motions by themselves
     axial = 4 * cells.stiffness / m
     radial = (cells.radial + 4 * cells.shear) / J
     # The larger root of the equation, which is quadratic in omega^2
@@ -436,7 +440,8 @@ def most_cells(segment: Any, count: int, step: float) -> int:
     """Largest number of cells of a segment, up to `count`, for which a step in s is stable.
 
     It is at least 1, even if a step is too long for a single cell. The longest stable step falls
-    with the number of cells, so the stable numbers come first.
+    with the number of cells, so the stable numbers come first, and there are as many as the place
+    of the first unstable one.
     """
     stable_count = bisect_left(
         range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step
@@ -445,8 +450,11 @@ def most_cells(segment: Any, count: int, step: float) -> int:
 
 
 def _refuse_stiff(path: str, cells: Cells) -> None:
-    """Raise InvalidModel where viscosity or lateral inertia couples cells too strongly."""
-    impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)
+    """Raise InvalidModel where viscosity or lateral inertia couples cells too strongly.
+
+    `path` is that of the segment which has the cells.
+    """
+    impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)  # kg/s [cell]
     sizes = {
         "material.viscosity": cells.viscous / impedance,
         "lateral_inertia": cells.lateral / cells.cell_mass,
@@ -473,7 +481,7 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     transit = sum(float(segment.transit_time) for segment in segments)
     parts = []
     for segment in segments:
-        share = float(segment.transit_time) / transit
+        share = float(segment.transit_time) / transit  # of the cells
         parts.append(_cells(segment, max(4, round(MODAL_CELLS * share))))
     # Each part is a matrix [property, cell]: the cells of all segments stand in a row.
     cells = Cells(*np.concatenate(parts, axis=1))
@@ -485,7 +493,8 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     n = len(axial_inertia)
     K[:n, n:] = _differences(n).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
-    moves = np.append(np.ones(n, bool), cells.swelling > 0)  # what has inertia
+    # Unknowns with inertia: without lateral inertia radial strains have none, and are left out.
+    moves = np.append(np.ones(n, bool), cells.swelling > 0)
     inside = np.ix_(moves, moves)
     M = block_diag(axial_inertia, np.diag(cells.swelling))[inside]
     # Mode 0 is the motion of the rigid rod.

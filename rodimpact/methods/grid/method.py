@@ -105,8 +105,9 @@ def run_grid(
     check_scales(row)
     check_polar_moments(row)
     counts, step = mesh_size(row, cells, dt, until)
-    takes_steps = until is None or 2 * until > step
+    takes_steps = until is None or 2 * until > step  # the run has half a step or more
     if until is not None and takes_steps:
+        # The step becomes a whole part of `until`, no longer than it was.
         step = until / math.ceil(until / step * (1 - UNTIL_RTOL))
     runs: list[GridRun] = []
 
@@ -125,7 +126,7 @@ def run_grid(
         runs.append(run)
         return run
 
-    if cells is None and dt is None and takes_steps:
+    if cells is None and dt is None and takes_steps:  # the mesh is refined
         order = order_of(row)
         goal = RTOL
         if rtol is not None:
@@ -144,7 +145,7 @@ def run_grid(
             estimates[PEAK_FORCE] += run.peak_error
     else:
         run = run_level(1)
-    if run.stopped_by == "final":
+    if run.stopped_by == "final":  # a round trip more than to the proof
         run.advance(run.steps + run.round_trip)
     return run
 
@@ -181,7 +182,7 @@ def _try_proofs(run: GridRun, last: int, report_of: Callable[[int], None]) -> No
     longest = run.round_trip // 2  # steps in which waves cross the longest rod
     report_of(0)
     while run.proved < 0:
-        wait = finality_time(run) / run.step
+        wait = finality_time(run) / run.step  # in steps; 0 if the proof succeeds
         if wait == 0:
             run.proved = run.steps
         elif run.steps < last:
@@ -236,8 +237,10 @@ def mesh_size(
 def _least_wasteful(transits: Array, until: float | None) -> int:
     """Number of cells of the longest transit for which all Courant numbers are nearest to 1.
 
-    Segments have whole numbers of cells: the largest waste of any of them is 1 less its Courant
-    number. It is the first such number among those up to twice as many as are needed.
+    Segments have whole numbers of cells, and waste 1 less their Courant number; the largest waste
+    of any segment counts. It is the first best number among those from the fewest that are needed
+    up to twice as many. `transits` in s are those of the segments, `until` is the end of the run,
+    s.
     """
     longest = float(transits.max())
     least = max(MIN_LONGEST_CELLS, math.ceil(MIN_CELLS * longest / transits.min()))
@@ -246,7 +249,7 @@ def _least_wasteful(transits: Array, until: float | None) -> int:
         least = max(least, math.ceil(of_short_run))
     candidates = min(least, 1 + MAX_CELLS // len(transits))
     numbers = float(least) + np.arange(candidates)
-    # Cells of each segment, not yet whole
+    # Steps in which waves cross each segment, of which each has the whole part as cells
     steps = numbers[:, None] * (transits / longest)
     waste = (1 - np.floor(steps * STABLE_COURANT) / steps).max(axis=1)
     best = int(np.argmax(waste <= waste.min() + EQUAL_WASTE))
@@ -271,6 +274,7 @@ def _stable_counts(
     step: Any = dt
     if cells is not None:
         step = float(transits[longest]) / cells
+    # As many cells as the transit time has whole steps; the factor lets round-off cost none.
     counts = np.floor(transits / step * STABLE_COURANT)
     if cells is not None:
         counts[longest] = cells  # exactly, whatever the rounding of the quotient

@@ -37,8 +37,8 @@ def finality_time(run: GridRun) -> float:
     rest_bound = tolerance * run.step  # up to this bound ends move as their groups do
     state = present(run)
     for link in run.grid.links[run.grid.links["law"] != Law.JOINT]:
-        gap = float(link["gap"]) * run.step
-        if gap < 0:
+        gap = float(link["gap"]) * run.step  # m
+        if gap < 0:  # it presses
             return math.inf
         left = side_of(run, link["left_node"], True, state)
         right = side_of(run, link["right_node"], False, state)
@@ -47,6 +47,7 @@ def finality_time(run: GridRun) -> float:
         least_opening = -math.inf  # least velocity with which the ends can part
         if max(left.bound, right.bound) <= rest_bound:
             least_opening = opening
+        # Gap between the mean motions, beside which the faces are by their deviations
         mean_gap = gap + left.deviation - right.deviation
         time = finality_kernel.separation_time(
             opening, least_opening, mean_gap, reach * reach, tolerance
@@ -98,15 +99,17 @@ def add_joints(
     """
     first, last = group
     dashpots = 0.0
+    # Link `link` of the row is link `column` of the grid; it lies on the left of node `right`.
     for column, (link, (_, right)) in enumerate(run.mesh.touching.items()):
         if first < right <= last:  # a joint
-            cell = right - first - 1
+            cell = right - first - 1  # its place among the cells of the group
             k = float(run.row.links[link].stiffness)
             if k > 0:
                 stretch[cell] = run.grid.links["gap"][column] * run.step
                 compliance[cell] = 1 / k
                 energy += k * stretch[cell] ** 2 / 2
             else:
+                # A dashpot c yields by g (change of momentum)/c: twice the largest momentum.
                 dashpots += 2 * g[cell] / float(run.row.links[link].damping)
     return energy, dashpots
 

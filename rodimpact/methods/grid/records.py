@@ -194,7 +194,7 @@ STATE_FIELDS = StepHistory._fields[5:]
 
 
 def filled(kind: np.dtype[Any], count: int, /, **columns: Any) -> Any:
-    """Array of records, some of whose fields are given."""
+    """Array of `count` records of a kind, with fields from `columns`; all others are 0."""
     records = np.zeros(count, kind)
     for name, values in columns.items():
         records[name] = values

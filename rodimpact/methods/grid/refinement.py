@@ -116,8 +116,8 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
     if not error < math.inf:  # nan where a measure overflows
         return math.inf
     if name == DURATION:
-        least = 0.0
-        if latest > 0 and order > 1 / 2:
+        least = 0.0  # error that a duration has at least, s
+        if latest > 0 and order > 1 / 2:  # nothing jumps
             least = TIME_RESOLUTION * h
         elif latest > 0:  # forces jump, and waves may oscillate on all levels
             least = h
@@ -137,7 +137,7 @@ def comparable_runs(
     would take too much memory.
     """
     coarser = [run for run in runs if run.step > finest.step][-MAX_COMPARED:]
-    if len(coarser) + 1 < MIN_LEVELS:
+    if len(coarser) + 1 < MIN_LEVELS:  # with the finest one
         return []
     if sum(run.states_bytes for run in coarser) > MAX_STATES_BYTES:
         return []
@@ -218,9 +218,10 @@ def velocities_of(run: GridRun) -> Array:
             )
     if run.stopped_by == "until":
         for start, stop in run.row.spans:
-            if stop > 0:
+            if stop > 0:  # a rod, with these segments
                 first = mesh.first[start]
                 last = mesh.last[stop]
+                # Either node of a cell has half of its mass.
                 halves = mesh.cell_mass[first + 1 : last + 1] / 2
                 momentum = halves @ v[first:last] + halves @ v[first + 1 : last + 1]
                 velocities.append(float(momentum / (2 * halves.sum())))

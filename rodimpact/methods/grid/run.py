@@ -97,12 +97,14 @@ class GridRun:
         self._stride = 1  # steps between two states
         self._chosen_steps: Array | None = None  # steps after which states are kept
         if snapshots is None or isinstance(snapshots, int):
+            # Two numbers of 8 bytes a node and its cell, twice as many with radial strains
             state_bytes = 16 * len(mesh.mass) * (1 + mesh.has_radial_strain)
             count = snapshots
             if not count:
                 count = max(64, MAX_STATES_BYTES // state_bytes)
             self._max_states = max(count, 3)
         else:
+            # States at the step ends before and behind each time, and at t = 0
             steps = np.array(snapshots) / step
             self._chosen_steps = np.concatenate(
                 (np.floor(steps), np.ceil(steps), [0.0])
@@ -118,7 +120,7 @@ class GridRun:
         self.grid = scheme.grid_of(mesh, step)
         kick = start.begin(mesh, step, self.grid)
         self.history = self._empty_history(0, 0)
-        self.advance(0)
+        self.advance(0)  # no step, but the state at t = 0 is kept
         start.slow_down(mesh, step, self.grid, kick)
 
     @property
@@ -142,6 +144,7 @@ class GridRun:
         row = self.row
         states = min(steps, self._max_states) + 2.0
         self.checked_steps = steps
+        # Numbers of a step that the kernel records: of links, ends, nodes and cells
         recorded = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
         # Records of the kernel, twice while they are joined; force, gap, path, rate and power
         # of a contact with their integrals; masses; ends and times.
@@ -154,7 +157,7 @@ class GridRun:
             # Lists take four times the memory of arrays, and stand beside them.
             record = record + 4.0 * steps * recorded
             fields = 3 * fields
-        argument = "until"
+        argument = "until"  # what is to be changed: the larger part
         if record <= fields:
             argument = "snapshots"
         require_memory(
@@ -180,11 +183,14 @@ class GridRun:
         if self._in_threes:
             steps = np.concatenate((steps - 1, steps, steps + 1))
             last = end - np.arange(4)
-        steps = np.union1d(steps, last)
+        steps = np.union1d(steps, last)  # in order, each once
         return np.asarray(steps[(steps >= 0) & (steps <= end)])
 
     def _bound_states(self, end: int) -> int:
-        """Upper bound of the number of states that are kept of a run to step `end`."""
+        """Upper bound of the number of states that are kept of a run to step `end`, by the stride.
+
+        Threes of neighbouring states overlap where each step is kept.
+        """
         if self._in_threes and self._stride > 1:
             return 3 * (end // self._stride + 2)
         return end // self._stride + 2
@@ -211,7 +217,11 @@ class GridRun:
         )
 
     def advance(self, end: int, report: Callable[[int], None] | None = None) -> None:
-        """Run to step `end`; `report` is told the steps taken, several times a second."""
+        """Run to step `end`; `report` is told the steps taken, several times a second.
+
+        The records of the new steps and the states that are kept of them are joined to `history`.
+        Kept states that a wider stride no longer wants are dropped.
+        """
         if end > self.checked_steps:
             self._require_memory(max(end, 2 * self.checked_steps))
         when = self._choose_states(end)
@@ -239,6 +249,9 @@ class GridRun:
     ) -> None:
         """Take the steps to `end`, compiled or in plain Python, and fill a window with them.
 
+        The grid and the window are changed in place; in plain Python lists are made of them, and
+        copied back.
+
         Raises
         ------
         InvalidModel
@@ -250,6 +263,7 @@ class GridRun:
         self.grid.run["first_step"] = first
         self.grid.run["kept_states"] = 0
         numbers = sum(array.nbytes for array in arrays) // 8
+        # Time that plain Python takes
         seconds = (end - first) * step_time(self.mesh, plain=True)
         seconds += numbers * kernels.LIST_TIME
         is_compiled = kernels.worth_compiling(seconds, grid_kernel.run_steps)
@@ -263,7 +277,7 @@ class GridRun:
             history = history._make(map(record_lists.as_objects, history))
         is_solved = True
         time_of_step = step_time(self.mesh, plain=not is_compiled)
-        chunk = max(1, int(REPORT_INTERVAL / time_of_step))
+        chunk = max(1, int(REPORT_INTERVAL / time_of_step))  # steps between two reports
         for taken in (*range(first + chunk, end, chunk), end):
             is_solved = is_solved and kernel(grid, history, taken)
             if is_solved and report and taken < end:
@@ -306,7 +320,7 @@ class GridRun:
 
     def recorded(self, link: int, field: str) -> Array:
         """Values of a field of `SIGNAL` of a link that has a law, [step]; time in steps."""
-        column = list(self.mesh.touching).index(link)
+        column = list(self.mesh.touching).index(link)  # number of the link in the grid
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
@@ -320,7 +334,7 @@ class GridRun:
             Gap at the ends of steps, from t = 0 on, m [steps + 1].
         """
         link = self.row.contact_link[contact]
-        gap = self.recorded(link, "gap") * self.step
+        gap = self.recorded(link, "gap") * self.step  # m, at the ends of steps
         first_gap = float(initial_gap(self.row.links[link]))
         return self.recorded(link, "force"), np.append(first_gap, gap)
 
@@ -353,7 +367,7 @@ class GridRun:
         Indices beyond the masses of the row are its left and right wall.
         """
         side = mass - len(self.row.masses)
-        if side >= 0:
+        if side >= 0:  # a wall, which the frame falls past
             wall = float(self.row.boundaries[side][1]) - self.row.frame
             return np.asarray(wall - self.row.system.gravity * self.times)
         return self.velocity(self.mesh.node_of_mass[mass])
@@ -370,7 +384,7 @@ class GridRun:
         if cell == node:  # cell i lies on the left of node i
             sign = 1
         v = self.velocity(node)
-        stretch_rate = sign * (v - self.velocity(node - sign))
+        stretch_rate = sign * (v - self.velocity(node - sign))  # of the cell
         # Tension in the step: elastic, viscous, and what depends on the change of velocities
         coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
         implicit = coupling * np.diff(stretch_rate)
@@ -441,6 +455,7 @@ class GridRun:
                 continue
             force = self.contact(contact)[0]
             sums = np.concatenate((np.zeros(OVERSHOOT_STEPS), np.cumsum(force)))
+            # Means over the last few steps: differences of sums that are so many steps apart
             means = (sums[OVERSHOOT_STEPS:] - sums[:-OVERSHOOT_STEPS]) / OVERSHOOT_STEPS
             peak = largest_force(force)
             excess = peak - float(means.max(initial=0.0))
@@ -467,10 +482,12 @@ class GridRun:
 
 def step_time(mesh: Mesh, *, plain: bool) -> float:
     """Approximate time of a step, s, in plain Python or compiled."""
+    # Equations to be solved take six, or in plain Python two, times as long as the rest.
     implicit = 6
     if plain:
         implicit = 2
     times = 1 + mesh.has_radial_strain + implicit * mesh.implicit
+    # The first time of each pair is that of machine code.
     return STEP_TIMES[plain] + len(mesh.mass) * times * CELL_TIMES[plain]
 
 

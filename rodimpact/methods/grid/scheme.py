@@ -207,7 +207,7 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     # of a velocity counts, as a closing is the mean of those before and after the step.
     coupling = np.zeros(count)
     coupling[1:] = responses.by_first[left[1:]] / 2
-    begins = np.flatnonzero(coupling == 0)
+    begins = np.flatnonzero(coupling == 0)  # first links of chains
     chain_end = np.full(count, NONE)
     chain_end[begins] = np.append(begins[1:], count) - 1
     links: Array = filled(
@@ -244,7 +244,7 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
         return boundary_velocity(mesh.row, step, value, times)
     # At each kick the mean over two steps, which waves can follow: four half steps about the middle
     # of the step. Before t = 0 the value is as in the first half step.
-    halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)
+    halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)  # of half steps
     around = np.concatenate((halves[:1], halves))
     first = around[:-3:2]  # half steps about the kick of each step
     second = around[1:-2:2]

@@ -56,12 +56,13 @@ def make_run(run: GridRun, until: float | None) -> Run:
     proof = ""
     if run.proved >= 0:
         t_proved = float(run.times[run.proved])
+        # End of the last force of each contact, and the opening after it
         ends = [pressed[-1, 1:].tolist() for pressed in intervals if len(pressed)]
         t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
         proof = proof_sentence(any(x.episodes for x in contacts), t_final)
     events = run.steps * len(run.row.links)
     end = run.steps * STEP_TICKS
-    if until and not run.steps:
+    if until and not run.steps:  # the run ends before half a step
         end = math.ceil(until / run.clock.tick)
     steep = bool(run.coarser) and order_of(run.row) < 1
     coarser = []
@@ -146,7 +147,8 @@ def _accuracy_sentence(run: GridRun) -> str:
 def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTally:
     """Totals of contact k in SI units.
 
-    `force` is its mean force in each step, `intervals` are the times of `GridRun.pressed`.
+    `force` is its mean force in each step, `intervals` are the times of `GridRun.pressed`. An
+    impact has no peak force (nan).
     """
     law = run.row.system.contacts[k]
     begins, ends = run.spans(intervals)
@@ -188,7 +190,7 @@ def _signals(
     pushes: dict[int, Floats] = {}  # forces to the right, N, by node
     for k, force in enumerate(forces):
         link = row.contact_link[k]
-        gap = np.zeros(run.steps + 1)
+        gap = np.zeros(run.steps + 1)  # a bond has none
         closing = np.zeros(run.steps)
         if k in row.by_law:
             gap = run.contact(k)[1]

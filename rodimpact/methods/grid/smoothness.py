@@ -55,13 +55,14 @@ def waves_jump(row: Row) -> bool:
     system = row.system
     for part in (*system.bodies, *system.ends):
         for name in ("velocity", "strain", "value"):
-            profile = getattr(part, name, 0.0)
+            profile = getattr(part, name, 0.0)  # 0 where a part has none
             if name == "value" and jumps_inside(profile):
                 return True
+            # Polynomials along a rod are a state of an earlier run, which may jump.
             if name != "value" and isinstance(profile, Steps | Polynomials):
                 return True
     for law in system.contacts:
-        if law.opens and not law.begins_from_zero:
+        if law.opens and not law.begins_from_zero:  # its force jumps as it closes
             return True
     return any((_jumps_between_bodies(row), _jumps_at_ends(row), _jumps_at_steps(row)))
 
@@ -76,7 +77,7 @@ def _jumps_between_bodies(row: Row) -> bool:
     system = row.system
     for k, (left_body, right_body) in enumerate(pairwise(system.bodies)):
         law = system.contacts[k]
-        left = _face(left_body, -1)
+        left = _face(left_body, -1)  # the right end of the left body
         right = _face(right_body, 0)
         if isinstance(law, Bonded):
             if _differ(row, left.velocity, right.velocity):
@@ -120,6 +121,7 @@ def _jumps_at_steps(row: Row) -> bool:
     for body in row.system.bodies:
         if not isinstance(body, Rod) or len(body.segments) == 1:
             continue
+        # Rods of several segments are those whose stiffness jumps.
         smallest, largest = extremes(body.strain)
         if smallest != 0 or largest != 0:
             return True
@@ -133,6 +135,7 @@ def _face(body: Any, last: int) -> Face:
         return Face(velocity, None)
     segment = body.segments[last]
     modulus = float(segment.material.youngs_modulus)
+    # E A strain
     force = modulus * _value(segment.area, last) * _value(body.strain, last)
     return Face(velocity, force)
 
@@ -156,6 +159,7 @@ def _forces_differ(row: Row, face: Face, force: float) -> bool:
     """
     if face.force is None:
         return False
+    # Impedance, which is mass over transit time, makes a force of a velocity.
     impedance = max(
         float(segment.mass / segment.transit_time) for segment in row.segments
     )

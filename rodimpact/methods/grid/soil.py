@@ -47,11 +47,12 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
     edges = _edges_in_rod(mesh, body)
     length = float(rod.length)
     nodes = _nodes_in_rod(mesh, body)
-    of_half_cells = resistances(soil, edges, length)
+    of_half_cells = resistances(soil, edges, length)  # ultimate ones, N
     shares = mobilised_shares(soil, edges, length)
+    # Sums over the half cells of each node
     ultimate = np.bincount(nodes, of_half_cells)
     resistance = np.bincount(nodes, of_half_cells * shares)
-    in_soil = np.flatnonzero(ultimate)
+    in_soil = np.flatnonzero(ultimate)  # nodes, counted from the left end of the rod
     ultimate = ultimate[in_soil]
     resistance = np.clip(resistance[in_soil], -ultimate, ultimate)
     damping_factor = np.full(len(in_soil), float(soil.damping))
@@ -70,10 +71,15 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
 
 
 def _drag_of_rod(mesh: Mesh, shaft: int, body: int) -> Array:
-    """Drag of a rod: each node has that of the halves of the cells beside it."""
+    """Drag of one rod as `records.SOIL`, [node with drag].
+
+    Each node has that of the halves of the cells beside it, as a damping without resistance.
+    `shaft` is the place of the rod among the `shaft_bodies`.
+    """
     rod = mesh.row.system.bodies[body]
     edges = _edges_in_rod(mesh, body)
     nodes = _nodes_in_rod(mesh, body)
+    # Drag coefficients of half cells, N s/m, added up for each node
     damping = np.bincount(nodes, coefficients(rod.shaft, edges, float(rod.length)))
     dragged = np.flatnonzero(damping)
     drag_records = _records_at(mesh, body, shaft, dragged)
@@ -85,7 +91,7 @@ def _records_at(mesh: Mesh, body: int, shaft: int, places: Array) -> Array:
     """Blank records of these nodes of a rod, counted from its left end, [node]."""
     is_first_node = np.where(places == 0, 1, 0)
     is_last_node = np.where(places == _nodes_in_rod(mesh, body)[-1], 1, 0)
-    first, _ = mesh.row.spans[body]
+    first, _ = mesh.row.spans[body]  # first segment of the rod
     blank_records: Array = filled(
         records.SOIL,
         len(places),
@@ -116,7 +122,10 @@ def _edges_in_rod(mesh: Mesh, body: int) -> Array:
 
 
 def soil_stiffnesses(row: Row) -> list[float]:
-    """Largest stiffness of the soil along each segment of a row, N/m^2; 0 without soil."""
+    """Largest stiffness of the soil along the rod of each segment, N/m^2; 0 without soil.
+
+    Drag has no stiffness.
+    """
     stiffnesses = [0.0] * len(row.segments)
     for body in shaft_bodies(row):
         rod = row.system.bodies[body]

@@ -47,7 +47,8 @@ def move_soil(run: Run, soil: Any, v: Any) -> None:
 def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
     """Subtract R + c (v - ground) of the soil from x, the right sides of the equations of the step.
 
-    v are the velocities before the step; the ground has its mean velocity over the step.
+    v are the velocities before the step; the ground has its mean velocity over the step. What c
+    does by the change of v in the step is on the left side.
     """
     ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
     for i in range(len(soil)):
@@ -63,7 +64,7 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
     `old_velocity` before the step and `v` behind it; its power is that force times u.
     """
     ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
-    first = (run.step - run.first_step) * run.shafts
+    first = (run.step - run.first_step) * run.shafts  # first entry of this step
     for i in range(run.shafts):
         shaft = shafts[first + i]
         shaft.force = 0.0
@@ -73,7 +74,7 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
     for i in range(len(soil)):
         at_node = soil[i]
         node = at_node.node
-        mean = (v[node] + old_velocity[node]) / 2 - ground
+        mean = (v[node] + old_velocity[node]) / 2 - ground  # u
         force = -(at_node.resistance + at_node.damping * mean)
         shaft = shafts[first + at_node.shaft]
         shaft.force += force

@@ -25,6 +25,9 @@ LITTLE_RETARDATION = 1 / 64
 def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     """Store the state at t = 0 in a grid: velocities then, forces half a step before.
 
+    Displacements of pieces, radial strains, the resistance of soil, waves from endless bars and
+    contacts that are closed are set too.
+
     Returns
     -------
     array
@@ -32,7 +35,7 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     """
     v = grid.velocity
     elongation = np.zeros(len(grid.force))
-    v[:] = _velocities(mesh, elongation)
+    v[:] = _velocities(mesh, elongation)  # this sets `elongation`
     v += _changes_by_driven_ends(mesh, step, grid)
     cells = mesh.cells
     # At t = 0 the radial strain follows the stretching: G q + b du = 0.
@@ -60,8 +63,10 @@ def _begin_soil(grid: Grid, kick: Array) -> None:
     `kick` are the velocities by half a kick at t = 0.
     """
     soil = grid.soil
+    # Against the ground: the velocity at t = 0, and its change by half a kick
     v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
     change = kick[soil["node"]] - grid.run["ground_acceleration"] / 2
+    # As for cells: half a step later the resistance is R + k (v + change)/2, a step adds k v.
     soil["resistance"] += soil["stiffness"] * (change - v) / 2
 
 
@@ -74,6 +79,9 @@ def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
     v = grid.velocity
     nodes = np.array(mesh.ends)
     cells = np.array(mesh.end_cells)
+    # INWARD is 1 at the left end and -1 at the right one: it leads to the next node or cell. The
+    # end is half a cell from the middle of its cell; the mean over half a cell is that at a quarter
+    # of a cell from the end, and the next one is three quarters of a cell further on.
     in_last_cell = tension[cells]
     tension_at_end = in_last_cell - (tension[cells + INWARD] - in_last_cell) / 2
     velocity_at_end = v[nodes] - (v[nodes + INWARD] - v[nodes]) / 3
@@ -97,6 +105,7 @@ def _velocities(mesh: Mesh, elongation: Array) -> Array:
             L = float(row.segments[s - 1].length)
             N = mesh.counts[s - 1]
             edges = half_cell_edges(left, L, N)
+            # Velocities and masses of half cells, whose momenta are added up for each node
             halves = averages(body.velocity, edges, float(body.length))
             masses = np.repeat(mesh.cell_mass[first + 1 : last + 1] / 2, 2)
             v[first : last + 1] += np.bincount(nodes_of_half_cells(N), masses * halves)
@@ -111,7 +120,8 @@ def _velocities(mesh: Mesh, elongation: Array) -> Array:
 def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
     """Changes of velocity, m/s [node], by driven ends whose velocity jumps at t = 0.
 
-    Lateral inertia takes neighbours of the end along.
+    Lateral inertia takes neighbours of the end along: the equations are (M + J) dv = 0 with the
+    jump prescribed at the end.
     """
     jump = np.zeros(len(mesh.mass))
     off_diagonal = mesh.lateral / step
@@ -132,7 +142,7 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     from node to node.
     """
     row = mesh.row
-    force = np.diff(tension)
+    force = np.diff(tension)  # on the nodes
     soil = grid.soil
     ground = grid.run["ground_velocity"] + grid.run["ground_acceleration"] / 2
     v = grid.velocity[soil["node"]] - ground  # mean of the ground over the step
@@ -149,12 +159,13 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         right = link["right_node"]
         touches = link["law"] == Law.RIGID and link["gap"] == 0
         if touches and force[left] > force[right]:
+            # These press the faces together, and the contact takes them.
             force[left] = 0.0
             force[right] = 0.0
         elif link["law"] == Law.JOINT:
             force[left] += link["stiffness"] * link["gap"]
             force[right] -= link["stiffness"] * link["gap"]
-        elif link["gap"] < 0:
+        elif link["gap"] < 0:  # a compliant contact with an overlap
             push = _initial_push(grid, link)
             force[left] -= push
             force[right] += push
@@ -189,7 +200,7 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     An end that closes inside a step is stopped over two steps, so that the mean force is right from
     then on. Where ends touch at t = 0 the first of the two would begin before. It takes half of the
     velocity by which they close, or the part that closes beyond a small gap; `kick` is the velocity
-    that forces give. Links and damped cells lose this energy.
+    that half a kick by the forces at t = 0 gives. Links and damped cells lose this energy.
 
     Without viscosity all follows half a step late: a sharp front that comes back to a contact at a
     kick, as it left it, opens it as it closed, and ends get back the energy that they lost.
@@ -203,12 +214,14 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     parting = kick[right] - kick[left]
     # Overlap at the first kick, half a step behind t = 0
     overlap = (closing - parting) / 2 - links["gap"]
+    # Links whose ends are to be slowed down: rigid ones that close faster than forces part them
     is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
-    is_late &= links["self_mobility"] > 0
+    is_late &= links["self_mobility"] > 0  # one of the ends can move
     is_late &= overlap > grid.run["velocity_tolerance"]
     is_late &= closing > 2 * parting
     retardation = quotient(mesh.viscous, mesh.stiffness)  # eta/E of cells
     retardation = retardation[[left, right + 1]].max(axis=0)  # beside each link
+    # Part of the slowing down that is done: 0 without viscosity, 1 with much of it
     share = retardation / (retardation + LITTLE_RETARDATION * step)
     is_late &= share > 0
     if not is_late.any():
@@ -220,6 +233,7 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     for i in np.flatnonzero(is_late):
         link = links[i]
         v_before = v.copy()
+        # This takes share times overlap from the closing velocity: mobilities have half of one.
         push = share[i] * overlap[i] / (2 * mobility[i])
         nodes = slice(link["leftmost_node"], link["left_node"] + 1)
         v[nodes] -= responses.by_last[nodes] * push
@@ -232,11 +246,11 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         mean = (v + v_before) / 2
         stretching = np.diff(mean, prepend=0.0, append=0.0)
         dv_stretching = np.diff(dv, prepend=0.0, append=0.0)
-        stretching[[0, -1]] = 0.0
+        stretching[[0, -1]] = 0.0  # cells beyond the ends stand for nothing
         dv_stretching[[0, -1]] = 0.0
         kinetic = mesh.mass @ (mean * dv) + mesh.lateral @ (stretching * dv_stretching)
         gain = kinetic / step + grid.force @ dv_stretching / 2
         heat = grid.viscous * stretching**2
         grid.lost[:] += heat
         link["initial_force"] = push
-        link["initial_loss"] = -gain - heat.sum()
+        link["initial_loss"] = -gain - heat.sum()  # what the link itself loses
