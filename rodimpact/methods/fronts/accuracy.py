@@ -29,7 +29,8 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
     side. A second run uses that tick. The difference between both outcomes is the stated
     error: it exceeds the error of an outcome that varies steadily between both ticks.
     It is empty where round-off is larger or the cap ended the run, and inf where both
-    runs end for different reasons.
+    runs end for different reasons. Errors of velocities are relative to the velocity
+    scale, others to the largest value of the measure.
     """
     if finished.clock.transit_error <= ROUNDED or finished.stopped_by == "max_events":
         return NO_ERRORS
@@ -87,8 +88,9 @@ def with_faint_forces(
 ) -> Mapping[str, float]:
     """Relative errors of an outcome, with those of durations and times by faint forces.
 
-    A contact that grazes after a faint force may press until it opens. If it grazes
-    when the collision is over, it may press for ever.
+    A contact that grazes after a faint force may press until it opens: durations and
+    times are wrong by so much. If it grazes when the collision is over, it may press
+    for ever: they are inf. `errors` are those so far, and stay as they are.
     """
     faint_ticks = 0
     for node in finished.contacts:

@@ -78,6 +78,7 @@ class FrontBatch(Batch[State]):
     def __init__(
         self, layout: FamilyLayout, request: RunRequest, *, is_compiled: bool
     ) -> None:
+        """Make the records, which no member has used yet."""
         state = make_state(layout, INITIAL_LOG_ROWS, [])
         request.store(state.runs[0])
         super().__init__(run_members, state, RECORD_TYPES, is_compiled=False)
@@ -120,7 +121,7 @@ class FrontBatch(Batch[State]):
     def _ask_for_log(self) -> None:
         """Raise TooLong if a longer log takes too much memory."""
         rows = len(self.state.log)
-        numbers = rows * NUMBERS_PER_LIST_ROW
+        numbers = rows * NUMBERS_PER_LIST_ROW  # of 8 bytes
         if self.is_compiled:
             numbers = rows * 2 * NUMBERS_PER_ROW  # takes memory as its rows are used
         require_memory(
@@ -138,8 +139,11 @@ class FrontBatch(Batch[State]):
 
 
 def expected_events(run: Run) -> int | None:
-    """Estimated number of events of a run to a given time; None where a proof ends it."""
-    if run.end_tick <= 0 or run.now <= 0:
+    """Estimated number of events of a run to a given time; None where a proof ends it.
+
+    It is None, too, as long as the run is at t = 0.
+    """
+    if run.end_tick <= 0 or run.now <= 0:  # NONE is below 0
         return None
     expected = int(run.events) * int(run.end_tick) // int(run.now)
     return min(int(run.max_events), expected)

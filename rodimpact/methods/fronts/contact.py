@@ -21,7 +21,10 @@ that is no round-off. Other forces end as waves cancel, and do not pass through 
 
 
 def reset_node(node: Node, zero: Amplitude) -> None:
-    """Set a node to t = 0; `closed_status` and `gap` are set before."""
+    """Set a node to t = 0: no force, no motion, all totals 0; `zero` is 0 of its kind of number.
+
+    `closed_status` and `gap` are set before; a node with a gap is open.
+    """
     node.status = Status.OPEN.value if node.gap > 0 else node.closed_status
     node.solved_tick = 0
     node.gap_rate = zero
@@ -63,6 +66,7 @@ def resolve_contact(
     """
     gap = node.gap + node.gap_rate * dt
     status: int = node.status
+    # It closes now if it would do so within the window, at the speed before or after the arrivals.
     if status == Status.OPEN and gap <= max(-node.gap_rate, closing) * window:
         gap = 0 * gap  # 0 of the same kind of number: a float, or a fraction
         status = Status.TOUCH.value
@@ -71,10 +75,10 @@ def resolve_contact(
             status = Status.PRESS.value
         elif closing < -tolerance:
             status = Status.OPEN.value
-        elif status == Status.PRESS:
+        elif status == Status.PRESS:  # no force is left
             status = Status.GRAZE.value
     node.gap = gap
-    node.gap_rate = 0 * closing
+    node.gap_rate = 0 * closing  # a gap that does not change has exactly this rate
     if status == Status.OPEN and abs(closing) > tolerance:
         node.gap_rate = -closing
     return status
@@ -109,11 +113,12 @@ def log_contact_change(
     node.status = status
     node.is_faint = 0
     if before == Status.PRESS and status == Status.GRAZE:
+        # The closing velocity that its last force took away
         last_closing = node.force * mobility
         if last_closing <= run.velocity_tolerance * FAINT_TOLERANCES:
             node.is_faint = 1
     if status == Status.PRESS:
-        if before != Status.GRAZE:
+        if before != Status.GRAZE:  # grazing belongs to the episode before
             node.episodes += 1
         if node.first_force_tick == NONE:
             node.first_force_tick = tick
@@ -124,7 +129,7 @@ def log_contact_change(
         run.next_proof_tick = min(run.next_proof_tick, tick)
         if before == Status.PRESS:
             node.last_force_tick = tick
-        has_pressed = before >= Status.GRAZE
+        has_pressed = before >= Status.GRAZE  # since it closed
         if status == Status.OPEN and has_pressed:
             node.last_opening_tick = tick
     change.tick = tick

@@ -107,7 +107,8 @@ def solve_many(
     columns: dict[tuple[str, int], Array] = {}
     for name, k in fields:
         columns[name, k] = np.empty(count, NODE_RESULT[name])
-    member_time = INITIAL_LOG_ROWS * PLAIN_ROW_TIME  # s, in plain Python
+    # Time of a member in plain Python, s: estimated, until a block that took long is measured
+    member_time = INITIAL_LOG_ROWS * PLAIN_ROW_TIME
     is_measured = False
     batch = FrontBatch(layout, request, is_compiled=False)
     first = 0
@@ -118,13 +119,13 @@ def solve_many(
         block = slice(first, min(first + size, count))
         length = block.stop - first
         begin = processor_time()
-        ahead = 0.0
+        ahead = 0.0  # time in plain Python that is certain to follow, s
         if is_measured:
             ahead = member_time * (count - block.stop + later_members)
         is_compiled = kernels.worth_compiling(
             member_time * length, run_members, ahead=ahead
         )
-        if is_compiled != batch.is_compiled:
+        if is_compiled != batch.is_compiled:  # the form changes
             batch = FrontBatch(layout, request, is_compiled=is_compiled)
         batch.load_members(members.values_of(block))
         batch.run_to_end()
@@ -137,6 +138,7 @@ def solve_many(
         if not batch.is_compiled:
             member_time = seconds / length
             is_measured = is_measured or not is_quick
+        # The next block takes about BLOCK_TIME.
         if is_quick:
             size = min(BLOCK_GROWTH * size, MAX_BLOCK_SIZE)
         else:

@@ -20,15 +20,20 @@ def update_motion(state: State) -> None:
     nodes = state.nodes
     last = nodes[len(nodes) - 1]
     is_anchored = nodes[0].status == Status.BOND or last.status == Status.BOND
+    # The velocities follow from the momenta at t = 0, and where something is bonded to the outside.
     if is_anchored or run.events == 0:
         measure_segments(state)
     set_group_velocities(state)
+    # Energies are those about the velocities that are now known.
     if run.run_past_proof or run.events > 0:
         measure_segments(state)
 
 
 def measure_segments(state: State) -> None:
-    """Set momentum, and vibration energy about `group_velocity`, of each segment."""
+    """Set momentum, and vibration energy about `group_velocity`, of each segment.
+
+    Both are sums over its two waves: what was sent to either end in the last transit time.
+    """
     now = state.runs[0].now
     log = state.log
     for s in range(1, len(state.segments) - 1):
@@ -37,7 +42,7 @@ def measure_segments(state: State) -> None:
         mean = segment.group_velocity
         momentum = 0 * mean
         energy = 0 * mean
-        for l in range(2 * s, 2 * s + 2):
+        for l in range(2 * s, 2 * s + 2):  # both lines of the segment
             line = state.lines[l]
             # From the end where the waves arrive, back to the end where they are sent
             r = line.next_row
@@ -67,10 +72,10 @@ def set_group_velocities(state: State) -> None:
     run = state.runs[0]
     segments = state.segments
     nodes = state.nodes
-    first = 1
+    first = 1  # first segment of a group
     while first < len(nodes):
         last = segments[first].group_last
-        mass = 0 * segments[first].mobility
+        mass = 0 * segments[first].mobility  # 0 of the same kind of number
         momentum = mass
         for s in range(first, last + 1):
             mass += segments[s].transit / segments[s].mobility
@@ -125,7 +130,7 @@ def largest_difference(
     window : int
         A wave that lasts no longer comes of round-off, and does not count.
     """
-    largest = abs(0 * log[a].value)
+    largest = abs(0 * log[a].value)  # 0 of the same kind of number
     while a != NONE:
         wave_a = log[a]
         a0 = wave_a.tick  # the wave was sent from a0 to a1
@@ -135,6 +140,7 @@ def largest_difference(
         # Waves that left the other end a transit before this one do not meet it.
         while log[b].next_row != NONE and log[log[b].next_row].tick <= a0 - transit:
             b = log[b].next_row
+        # Waves that left the other end a transit after this one, or later, do not meet it either.
         r = b
         while r != NONE and log[r].tick < a1 + transit and a1 - a0 > window:
             wave_b = log[r]

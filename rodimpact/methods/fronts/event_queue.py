@@ -17,7 +17,7 @@ def size_for(nodes: int) -> int:
 
 
 def schedule(queue: Queue, leaf: int, tick: int) -> None:
-    """Set the tick of a leaf, and the entries above it."""
+    """Set the tick of a leaf, and the entries above it, up to the root."""
     queue[leaf] = tick
     i = leaf
     while i > 1:

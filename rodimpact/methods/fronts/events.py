@@ -35,7 +35,7 @@ def start(state: State) -> None:
     first front holds from t = 0 on, and later ones arrive at their own tick.
     """
     run = state.runs[0]
-    zero = 0 * state.segments[1].mobility
+    zero = 0 * state.segments[1].mobility  # 0 of the kind of number that is used
     empty_lines(state.lines, zero)
     chain_initial_fronts(state)
     for node in state.nodes:
@@ -80,19 +80,22 @@ def chain_initial_fronts(state: State) -> None:
         front = log[r]
         line = state.lines[front.line]
         front.next_row = NONE
-        if line.last_row == NONE:
+        if line.last_row == NONE:  # the first front of its line
             line.incoming_wave = front.value
             line.first_row = r
         else:
             log[line.last_row].next_row = r
-            if line.next_row == NONE:
+            if line.next_row == NONE:  # the second one
                 line.next_row = r
                 line.arrival_tick = front.tick + state.segments[front.line // 2].transit
         line.last_row = r
 
 
 def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> None:
-    """Set the first and the last segment of the bonded group of each segment."""
+    """Set the first and the last segment of the bonded group of each segment.
+
+    What lies outside gets the empty range from 1 to 0.
+    """
     n = len(nodes) - 1
     for s in range(n + 2):
         segments[s].group_first = s
@@ -100,6 +103,7 @@ def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> No
         if s < 1 or s > n:  # what lies outside is no group
             segments[s].group_first = 1
             segments[s].group_last = 0
+    # Node k joins the segments k and k + 1.
     for k in range(1, n):
         if nodes[k].status == Status.BOND:
             segments[k + 1].group_first = segments[k].group_first
@@ -122,7 +126,7 @@ def build_event_queue(state: State) -> None:
         queue[leaves + k] = 0
         if state.nodes[k].status == Status.FREE:
             incoming = 3 if k == 0 else 2 * k  # line that arrives here from inside
-            outgoing = incoming ^ 1
+            outgoing = incoming ^ 1  # the other line of the same segment
             incoming_wave = state.lines[incoming].incoming_wave
             if state.log[state.lines[outgoing].last_row].value == incoming_wave:
                 queue[leaves + k] = state.lines[incoming].arrival_tick
@@ -136,7 +140,8 @@ def advance(state: State, horizon: int) -> int:
     """Run to tick `horizon`, until the log is full, or until a proof is due.
 
     All arrivals of one tick at one node are taken together, then the node is solved
-    once. Nothing is half done when this returns: grow the log and call again.
+    once. Nothing is half done when this returns: grow the log and call again. The
+    state is changed: nodes, lines, log, queue, and the progress in the run.
 
     Returns
     -------
@@ -152,7 +157,7 @@ def advance(state: State, horizon: int) -> int:
     tolerance = run.velocity_tolerance
     window = run.closing_window
     leaves = len(queue) // 2
-    last_free_row = len(log) - MAX_ROWS_PER_EVENT
+    last_free_row = len(log) - MAX_ROWS_PER_EVENT  # from which an event still fits
     rows = run.log_rows
     events = run.events
     stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)
@@ -176,8 +181,9 @@ def advance(state: State, horizon: int) -> int:
         node.solved_tick = tick
         left_mobility = segments[k].mobility
         right_mobility = segments[k + 1].mobility
-        if node.status >= Status.OPEN:
+        if node.status >= Status.OPEN:  # a contact that can open
             status = contact.resolve_contact(node, a - b, dt, tolerance, window)
+            # The gap closed, and opens again without a force.
             is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
             if status != node.status or is_touch:
                 mobility = left_mobility + right_mobility
@@ -195,11 +201,13 @@ def advance(state: State, horizon: int) -> int:
         for side in range(2):
             l = 2 * k + 1 + side
             if side == 0:
+                # b' = a - 2 F Y1
                 wave = force_free_velocity - 2 * force * left_mobility
             else:
+                # a' = b + 2 F Y2
                 wave = b + 2 * force * right_mobility
             line = lines[l]
-            last_row = line.last_row
+            last_row = line.last_row  # NONE on a line out of the row
             if last_row != NONE and abs(wave - log[last_row].value) > tolerance:
                 send(line, log, rows, tick, l, wave)
                 if line.next_row == NONE:  # no other front is in flight
@@ -224,7 +232,8 @@ def advance(state: State, horizon: int) -> int:
 def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> int:
     """Why a run stops before its next event, that at `tick`, as `states.Stop`; NONE if it goes on.
 
-    `is_full` says that the log has no room for an event.
+    Other nodes may have an event at the same tick as the last one: the cap waits for them.
+    `is_full` says that the log has no room for an event, `events` is the number so far.
     """
     if tick > horizon:
         return Stop.DONE.value

@@ -41,7 +41,8 @@ class ResultColumns(NamedTuple):
 
 
 def members_per_call(row: Row) -> int:
-    """Number of members to run in one call, so that they take little memory."""
+    """Number of members to run in one call, 1 or more, so that they take little memory."""
+    # Values of a member, and about six numbers of results a node
     numbers = len(lay_out_family(row).values) + 6 * (len(row.segments) + 2)
     fitting = MAX_BYTES_PER_CALL // (8 * numbers)
     return int(max(1, min(MAX_MEMBERS_PER_CALL, fitting)))
@@ -63,6 +64,7 @@ def solve_family(
     group_segments = segments_of_groups(row.system, row.spans)
     needs_waves = not WAVE_COLUMNS.isdisjoint(also)
 
+    # Results of a run are at node 0, those of segment s at node s.
     fields = [("stop_reason", 0), ("is_proved", 0), ("vibration_energy", 0)]
     for s in group_segments:
         fields.append(("velocity_before", s))
@@ -75,7 +77,7 @@ def solve_family(
     columns = driver.solve_many(layout, request, fields, should_stop, later_members)
 
     stop_reason = columns["stop_reason", 0]
-    is_refused = stop_reason >= Stop.OVERFLOW
+    is_refused = stop_reason >= Stop.OVERFLOW  # without a clock
     is_capped = stop_reason == Stop.CAP
     is_final: Array = (columns["is_proved", 0] > 0) & (
         not has_external_drive(row.system)
@@ -96,6 +98,7 @@ def solve_family(
         final=is_final,
         status=status_column(is_refused, is_final, is_capped, until),
     )
+    # Rigid contacts dissipate nothing.
     family["dissipated"] = results.masked(np.zeros(row.members))
     if needs_waves:
         family |= wave_columns(row, results)
@@ -122,7 +125,10 @@ def body_columns(
 
 
 def wave_fields(segments: int) -> list[tuple[str, int]]:
-    """Fields from which stress and displacement follow, each with its node."""
+    """Fields of `records.NodeResult` from which stress and displacement follow, each with its node.
+
+    There are so many `segments` in the row; those of segment s are at node s.
+    """
     fields = [("end_time", 0), ("frame_velocity", 0)]
     for k in range(segments + 1):
         fields.append(("impulse_time_integral", k))
@@ -133,7 +139,10 @@ def wave_fields(segments: int) -> list[tuple[str, int]]:
 
 
 def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
-    """Displacement of each body, m, and the largest stress in each rod, Pa, by their names."""
+    """Displacement of each body, m, and the largest stress in each rod, Pa, [member] by name.
+
+    Names are such as "displacement.0", with the number of the body.
+    """
     columns: dict[str, Array] = {}
     for i, body in enumerate(row.system.bodies):
         first, last = row.spans[i]

@@ -89,14 +89,15 @@ def lay_out_family(row: Any) -> FamilyLayout:
     initial_pieces = len(row.segments)
     durations = len(row.segments)
     for profile in profiles:
+        # Between so many values there is a jump less.
         jumps = profile.velocity_count - 1 + profile.strain_count - 1
         durations += jumps
-        if profile.boundary_kind == BoundaryKind.STEADY:
+        if profile.boundary_kind == BoundaryKind.STEADY:  # of a body, not of a drive
             initial_pieces += jumps
     contacts: list[int] = []
     for i in range(len(row.system.gaps)):
-        last_segment = row.spans[i][1]
-        contacts.append(last_segment)
+        last_segment = row.spans[i][1]  # of the body on the left; 0 if that is a wall
+        contacts.append(last_segment)  # node k is on the right of segment k
     # Each piece of the initial state fills two lines, and a drive has a value more than
     # jumps.
     initial_fronts = 2 * durations + 2
@@ -133,7 +134,7 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
     outside = len(row.segments) + 1
     profiles: list[Profile] = []
     for i, body in enumerate(system.bodies):
-        first, last = row.spans[i]
+        first, last = row.spans[i]  # segments of the body
         strain = 0.0
         if body.kind == "rod":
             strain = body.strain
@@ -211,7 +212,7 @@ def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
         Rows of the log, in addition to those of the fronts at t = 0.
     values : [member, value]
     """
-    n = len(layout.closed_status) - 1
+    n = len(layout.closed_status) - 1  # number of segments
     run = blank(1, RUN)[0]
     segments = blank(n + 2, SEGMENT)
     for profile in layout.profiles:

@@ -33,10 +33,11 @@ def finality_tick(state: State, now: int) -> int:
             # First and last segment of the two groups beside the contact
             first = segments[k].group_first
             last = max(k, segments[k + 1].group_last)  # outside, `group_last` is 0
+            # Nothing changes any more, and the gap does not close.
             is_steady = node.gap_rate >= 0 and no_front_in_flight(lines, first, last)
             if not is_steady:
                 longest = max(longest, ticks_until_apart(state, k, now))
-    if longest >= NEVER // 2:
+    if longest >= NEVER // 2:  # beyond what the clock counts, or infinite
         return IDLE
     wait = 0
     if longest > 0:
@@ -66,7 +67,10 @@ def least_opening_velocity(
 
 
 def ticks_until_apart(state: State, k: int, now: int) -> float:
-    """Ticks until contact k may be proved not to close again, see `finality_kernel`."""
+    """Ticks until contact k may be proved not to close again, see `finality_kernel`.
+
+    0 if it may be proved `now`. The segments beside the contact get the motions of their groups.
+    """
     tolerance = state.runs[0].velocity_tolerance
     left = state.segments[k]
     right = state.segments[k + 1]
@@ -99,7 +103,7 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
     for side in range(2):
         s = k + side
         segment = state.segments[s]
-        if segment.group_last > 0:
+        if segment.group_last > 0:  # inside the row
             find_mean_motion(state, k, s, now)
         else:
             # The line that arrives at node k from this side
@@ -114,6 +118,8 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     """Set mean velocity and velocity bounds of the group of segment s, on one side of contact k.
 
     The mean velocity is momentum over mass: sum of (1/Y) integral(a + b) over the sum of 2 T/Y.
+    That of a group bonded to the outside is the wave that arrives from there. The bounds are those
+    of all its waves; if these are steady, both are the mean velocity.
     """
     segments = state.segments
     nodes = state.nodes
@@ -152,7 +158,7 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     group.min_end_velocity = lowest
     group.max_end_velocity = highest
     group.is_end_velocity_bounded = 0
-    if first == last:
+    if first == last:  # a uniform segment: its waves go round unchanged
         group.is_end_velocity_bounded = 1
 
     is_semi_infinite = False
@@ -166,8 +172,9 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
         if nodes[end_node].status == Status.BOND:
             group.mean_velocity = outside_wave
             is_semi_infinite = outside_mobility > 0
-            if not is_semi_infinite:
+            if not is_semi_infinite:  # a wall, which turns waves round
                 group.is_end_velocity_bounded = 0
+    # Steady waves are all the mean velocity; but a semi-infinite bar gives way while it is pressed.
     if is_steady and not (is_semi_infinite and is_pressing):
         group.min_end_velocity = group.mean_velocity
         group.max_end_velocity = group.mean_velocity
@@ -190,11 +197,11 @@ def bound_deviations(state: State, k: int, now: int) -> None:
     """
     for s in range(k, k + 2):
         segment = state.segments[s]
-        zero = 0 * segment.mean_velocity
+        zero = 0 * segment.mean_velocity  # 0 of the same kind of number
         segment.end_deviation = zero
         segment.deviation_bound_squared = zero
         segment.compliance_integral = zero
-        if segment.group_last > 0:
+        if segment.group_last > 0:  # inside the row
             bound_deviation(state, k, s, now)
 
 
@@ -204,7 +211,8 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     Segments are taken from the far end to the contact. g grows from g0 to g1 over a segment; its
     part of integral(g^2 dx/(E A)) is Y T (g0^2 + g0 g1 + g1^2)/3. A wave w about the mean motion,
     sent over `width` ticks, has the energy w^2 width/(4 Y), the momentum w width/(2 Y) and the
-    part w width g/2 of integral(strain g dx), with the sign of (b - a).
+    part w width g/2 of integral(strain g dx), with the sign of (b - a). The bound stays 0 where the
+    motion is steady.
     """
     segments = state.segments
     log = state.log
@@ -216,7 +224,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     mass = group_mass(segments, first, last, zero)
     has_left_bond = state.nodes[first - 1].status == Status.BOND
     is_anchored = has_left_bond or state.nodes[last].status == Status.BOND
-    far_mobility = zero  # mobility of what holds the far end
+    far_mobility = zero  # mobility of what holds the far end; 0 of a wall
     if is_anchored:
         far_mobility += far_outside(segments, is_right).mobility
 
@@ -237,13 +245,14 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
             g1 = g0
         compliance += mobility * transit * (g0 * g0 + g0 * g1 + g1 * g1) / 3
         for l in range(2 * inner, 2 * inner + 2):
-            is_leftward = l % 2 == 1
+            is_leftward = l % 2 == 1  # it carries b, not a
             sign = 1 if is_leftward else -1
             runs_to_contact = is_leftward == is_right
             line = state.lines[l]
+            # From the end where the waves arrive, back to the end where they are sent
             r = line.next_row
             wave = line.incoming_wave - group.mean_velocity
-            edge = transit
+            edge = transit  # ticks since this wave was first sent, as far as it counts
             is_last = False
             while not is_last:
                 is_last = r == NONE
@@ -261,7 +270,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
                     edge = low
                     wave = log[r].value - group.mean_velocity
                     r = log[r].next_row
-    if is_right:
+    if is_right:  # stretching moves its left end, at the contact, to the left
         deviation = -deviation
     group.end_deviation = deviation - far_mobility * taken
     is_steady = no_front_in_flight(state.lines, first, last)

@@ -103,12 +103,14 @@ def choose_clock(state: State, values: Values) -> None:
     run.horizon = default_horizon(state, values)
     if run.until >= 0:
         run.horizon = run.until
+    # Base-2 logarithm of the longest transit in ticks; too small without a clock
     bits = rule.clock_bits(run.horizon / run.longest_transit_time)
     set_drive_times(run, values, durations, segments)
     for i in range(jump_end, len(durations) - run.drive_jump_count):
         # This member has fewer jumps inside its segments than the family at most.
         durations[i].time = run.longest_transit_time
     longest_bits = max(bits, rule.MIN_TRANSIT_BITS)
+    # This also keeps the durations for the next member.
     is_unchanged = same_durations(durations) and run.longest_bits == longest_bits
     run.longest_bits = longest_bits
     if not is_unchanged:
@@ -142,11 +144,12 @@ def split_at_jumps(state: State, values: Values) -> int:
     j = 0  # index of its present strain
     left = 0.0  # left end of the segment, m from the left end of the body
     for s in range(1, n + 1):
-        if segments[s].velocity_count > 0:
+        if segments[s].velocity_count > 0:  # a body begins
             body = segments[s]
             i = 0
             j = 0
             left = 0.0
+        # Where the four lists of the body begin among the values
         velocities = body.profile_offset
         velocity_jumps = velocities + body.velocity_count
         strains = velocity_jumps + body.velocity_count - 1
@@ -158,9 +161,10 @@ def split_at_jumps(state: State, values: Values) -> int:
         durations[s - 1].time = transit_time
         segments[s].first_piece = piece_count
         right = left + length
-        x = left
+        x = left  # left end of the present piece
         is_inside = True
         while is_inside:
+            # Go on to the velocity and the strain that hold from x on.
             while i < body.velocity_count - 1 and values[velocity_jumps + i] <= x:
                 i += 1
             while j < body.strain_count - 1 and values[strain_jumps + j] <= x:
@@ -174,6 +178,7 @@ def split_at_jumps(state: State, values: Values) -> int:
                 jump_index = n + piece_count - s
                 durations[jump_index].time = time_to_jump
             piece_count += 1
+            # The next piece begins at the next jump, if that is inside the segment.
             x = right
             if i < body.velocity_count - 1:
                 x = min(x, values[velocity_jumps + i])
@@ -190,7 +195,7 @@ def default_horizon(state: State, values: Values) -> float:
     run = state.runs[0]
     n = len(state.nodes) - 1
     crossing_time = 0.0  # time to cross the whole row
-    for i in range(n):
+    for i in range(n):  # transit times come first among the durations
         crossing_time += state.durations[i].time
     flight_time = 0.0  # time to cross all gaps at the velocity scale
     for node in state.nodes:
@@ -217,7 +222,7 @@ def set_drive_times(
     """Set the last durations: the times at which drives jump.
 
     A jump after the end of the run is given the longest transit time, which is there
-    already and so changes no clock.
+    already and so changes no clock. The number of jumps is set in the run.
     """
     last = len(segments) - 1  # like segment 0, it stands for what lies outside
     run.drive_jump_count = drive_jumps(segments[0]) + drive_jumps(segments[last])
@@ -225,6 +230,7 @@ def set_drive_times(
     for side in range(2):
         outside = segments[side * last]
         for j in range(drive_jumps(outside)):
+            # Times of jumps stand behind the values.
             time = values[outside.profile_offset + outside.velocity_count + j]
             if time > run.until:
                 time = run.longest_transit_time
@@ -263,6 +269,7 @@ def set_transits(
         segment.mobility = 1 / values[impedance_index]
         segment.transit = durations[s - 1].ticks
         if run.perturb_rounding:
+            # Relative change of the transit time by its rounding
             change = segment.transit * run.tick_duration / durations[s - 1].time - 1
             if change > TRANSIT_RTOL:
                 segment.transit -= 1
@@ -289,7 +296,7 @@ def find_clock_fault(
     max_energy = (
         run.velocity_scale * run.velocity_scale * max_impedance * 2.0**rule.CLOCK_BITS
     )
-    if not max_energy < math.inf:
+    if not max_energy < math.inf:  # infinite, or not a number
         return Stop.OVERFLOW.value
     if bits < rule.MIN_TRANSIT_BITS:
         return Stop.LONG.value
@@ -336,7 +343,11 @@ def initialise_member(state: State, values: Values) -> None:
 
 
 def set_end(run: Run, segments: Sequence[Segment]) -> None:
-    """Set the tick to run to, or the ticks to run on after the proof."""
+    """Set the tick to run to, or the ticks to run on after the proof.
+
+    These are a round trip of the longest body if that is asked for, or if velocities may still
+    change; else 1.
+    """
     run.end_tick = NONE
     run.ticks_after_proof = 1
     if run.until >= 0:
@@ -380,6 +391,7 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
             if leftward:
                 i = first + k
             piece = pieces[i]
+            # Ends of the piece; the duration up to the jump that begins piece i is number n + i - s
             x0 = 0
             x1 = transit
             if i > first:
@@ -388,7 +400,7 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
                 x1 = min(durations[n + i + 1 - s].ticks, transit)
             velocity = piece.velocity - run.frame_velocity
             wave = velocity + sign * wave_speed * piece.strain
-            if x1 > x0:
+            if x1 > x0:  # a piece that lasts no tick is left out
                 tick = -x1
                 if leftward:
                     tick = x0 - transit
@@ -424,7 +436,7 @@ def append_driven_fronts(
     value_count = outside.velocity_count  # values of any kind
     start = run.log_rows
     stop_tick = 0
-    j = 0
+    j = 0  # number of the value
     is_last = False
     while not is_last:
         value = values[outside.profile_offset + j]

@@ -13,9 +13,10 @@ from .records import CHANGE, IDLE, NEVER, NONE, NodeResult, Run, State
 
 
 def run_members(state: State) -> bool:
-    """Run every member to its end; return whether all have ended.
+    """Run every member to its end, and set its results; return whether all have ended.
 
-    If the log is full, call this again with a longer one: the member goes on.
+    If the log is full, call this again with a longer one: the member goes on. A member without a
+    clock is not run, and its results say so.
     """
     run = state.runs[0]
     segments = state.segments
@@ -77,7 +78,7 @@ def run_to_end(state: State) -> int:
         horizon = find_horizon(run)
         stop = events.advance(state, horizon)
         if stop == Stop.DONE and had_end:
-            run.now = horizon
+            run.now = horizon  # no event is left up to there
         if stop != Stop.FULL and run.proved_tick == NONE:
             try_proof(state, stop)
         # A proof sets the end: the run goes on to it.
@@ -85,7 +86,7 @@ def run_to_end(state: State) -> int:
         is_running = stop == Stop.CHECK or (stop == Stop.DONE and proof_sets_end)
     if stop == Stop.DONE and runs_to_proof:
         stop = Stop.FINAL.value
-        if run.proved_tick == NONE:
+        if run.proved_tick == NONE:  # no proof came before the clock ended
             stop = Stop.CLOCK.value
     return stop
 
@@ -113,7 +114,7 @@ def try_proof(state: State, stop: int) -> None:
     tick = finality.finality_tick(state, now)
     if tick == now:
         run.proved_tick = now
-        run.next_proof_event = IDLE
+        run.next_proof_event = IDLE  # no further proof
     elif stop == Stop.CHECK:
         run.next_proof_tick = tick
         run.next_proof_event = run.events + node_count + run.events // 8
@@ -139,10 +140,10 @@ def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
     time = run.now * tick_duration
     vibration_energy = 0.0
     for k in range(len(state.nodes)):
-        segment = state.segments[k]
+        segment = state.segments[k]  # on the left of the node
         node = state.nodes[k]
         result = results[k]
-        moment = node.impulse_moment * tick_duration * tick_duration
+        moment = node.impulse_moment * tick_duration * tick_duration  # N s^2
         result.velocity_before = segment.initial_group_velocity + run.frame_velocity
         result.velocity_after = segment.group_velocity + run.frame_velocity
         result.initial_momentum = segment.initial_momentum * tick_duration

@@ -69,7 +69,11 @@ def make_run(
     until: float | None,
     rounding_errors: Mapping[str, float] = NO_ERRORS,
 ) -> Run:
-    """The `Run` that all methods return, of a finished run to `until`, s."""
+    """The `Run` that all methods return, of a finished run to `until`, s.
+
+    `rounding_errors` are those of `effect_of_rounding`, by measure; errors by faint forces are
+    added.
+    """
     clock = finished.clock
     now = finished.run.now
     t_end = now * clock.tick

@@ -59,6 +59,7 @@ class FrontRun:
         self.clock = self._clock()
         self.stopped_by = REASONS[Stop(self.run.stop_reason)]
         self.proved_tick = self.run.proved_tick
+        # A proof means nothing where an end is driven; then `until` is given.
         if self.run.until >= 0 and has_external_drive(self.layout.row.system):
             self.proved_tick = NONE
 
@@ -83,8 +84,8 @@ class FrontRun:
         """The clock of the run; a semi-infinite bar has the impedance of the segment beside it."""
         row = self.layout.row
         impedance = [float(segment.impedance) for segment in row.segments]
-        impedance = [0.0, *impedance, 0.0]
-        if self.segments[0].mobility:
+        impedance = [0.0, *impedance, 0.0]  # with the outside
+        if self.segments[0].mobility:  # a semi-infinite bar
             impedance[0] = impedance[1]
         if self.segments[-1].mobility:
             impedance[-1] = impedance[-2]

@@ -45,9 +45,10 @@ def waves_by_line(finished: FrontRun) -> Lines:
     """
     count = 2 * len(finished.segments) - 1
     log = finished.log
+    # Lines 0 and 1 lie outside on the left, those from 2 n + 2 on outside on the right.
     inside = (log["line"] > 1) & (log["line"] < count - 1)
     log = log[inside]
-    log = log[np.argsort(log["line"], kind="stable")]
+    log = log[np.argsort(log["line"], kind="stable")]  # line by line, in order of time
     bounds = np.searchsorted(log["line"], np.arange(count))
     lines: Lines = []
     for start, stop in pairwise(bounds):
@@ -86,7 +87,7 @@ def contact_signal(
     is_pressing = status == Status.PRESS
     if closed_status == Status.BOND:
         is_pressing = np.full(ticks.shape, True)
-    mobility = 0.0
+    mobility = 0.0  # Y1 + Y2; a wall has none
     for s in (k, k + 1):
         if clock.impedance[s] > 0:
             mobility += 1 / clock.impedance[s]
@@ -119,9 +120,10 @@ def gaps_at_starts(
     before the first one it began as `first_gap`. So it is what the faces have travelled since then.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
-    travelled = np.concatenate(([0.0], np.cumsum(steps)))
+    travelled = np.concatenate(([0.0], np.cumsum(steps)))  # by the faces since t = 0
     at_changes = travelled[np.searchsorted(ticks, changes)]
-    zeros = np.append(at_changes, -first_gap)  # read by index -1: no change yet
+    # What was travelled where the gap was 0; the last one is read by index -1: no change yet
+    zeros = np.append(at_changes, -first_gap)
     last_change = np.searchsorted(changes, ticks, "right") - 1
     return np.asarray(travelled - zeros[last_change])
 

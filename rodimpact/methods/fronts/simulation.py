@@ -28,7 +28,11 @@ class Simulation(State):
         return [row for row in self.log[: self.run.log_rows] if row.line == CHANGE]
 
     def run_to_proof(self, max_events: int, tolerance: Amplitude = 0.0) -> Stop:
-        """Run to the proof of finality, and one tick more; return why it stopped."""
+        """Run to the proof of finality, and one tick more; return why it stopped.
+
+        `max_events` is the cap on events, `tolerance` the smallest change of a wave that is a
+        front.
+        """
         self.run.end_tick = NONE
         self.run.ticks_after_proof = 1
         return self._run(max_events, tolerance)
@@ -36,7 +40,7 @@ class Simulation(State):
     def run_to(
         self, end_tick: Any, max_events: int, tolerance: Amplitude = 0.0
     ) -> Stop:
-        """Run to a tick; return why it stopped."""
+        """Run to tick `end_tick`; return why it stopped. The others are as in `run_to_proof`."""
         self.run.end_tick = end_tick
         return self._run(max_events, tolerance)
 

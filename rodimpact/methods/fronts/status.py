@@ -51,7 +51,10 @@ def end_of_run(
 
 
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
-    """Sentence on a collision that is proved final; `t_final` is the end of the last contact, s."""
+    """Sentence on a collision that is proved final; `t_final` is the end of the last contact, s.
+
+    If contacts go on pressing, it names them.
+    """
     pressing: list[int] = []
     has_pressed = False
     for i, node in enumerate(contacts):
@@ -75,7 +78,7 @@ def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
         if node.faint_ticks > 0:
             faint.append(i)
             longest = max(longest, node.faint_ticks)
-        if node.is_faint and run.until < 0:
+        if node.is_faint and run.until < 0:  # no end was given
             lasts_for_ever = True
     if len(faint) == 0:
         return ""

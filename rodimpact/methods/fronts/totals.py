@@ -40,7 +40,7 @@ def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float
         is_contact = node.status >= Status.OPEN
         if not is_contact or node.episodes == 0:
             continue
-        force_end = math.nan
+        force_end = math.nan  # it presses on
         if node.status != Status.PRESS:
             force_end = node.last_force_tick * run.tick_duration
         opening = math.nan
@@ -170,7 +170,8 @@ class BoundaryEffects:
         self.drive_work = 0.0
         self.radiated = 0.0
         clock = finished.clock
-        for side in (0, -1):
+        for side in (0, -1):  # first and last of nodes, bodies and ends
+            # A push on the row acts to the right at its left end, to the left at its right end.
             sign = 1 if side == 0 else -1
             impulse = sign * finished.nodes[side].impulse * clock.tick
             self.impulse += impulse
