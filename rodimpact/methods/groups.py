@@ -56,18 +56,21 @@ def velocities_in_group(
     anchors = anchor_velocities(system, group)
     if len(anchors) == 0:
         return [mean for _ in group]
-    moving = group
     if len(inside) > 0:
         moving = inside
-    shared = anchors[0]  # velocity of those that can move
+    else:
+        moving = group
+    # Velocity of those that can move
     if len(anchors) == 2:
         # Adding 0 makes a number of an array of no dimension.
         shared = np.where(anchors[0] == anchors[1], anchors[0], mean) + 0.0
+    else:
+        shared = anchors[0]
     velocities = []
     for i in group:
-        if i < moving[0]:
+        if i < moving[0]:  # the left wall, or bonded to it
             velocities.append(anchors[0])
-        elif i > moving[-1]:
+        elif i > moving[-1]:  # the right one
             velocities.append(anchors[-1])
         else:
             velocities.append(shared)
@@ -117,9 +120,10 @@ def segments_of_groups(system: Any, spans: Any) -> list[int]:
     segments = []
     for group in groups(system):
         inside = without_walls(system, group)
-        body = group[0]
         if len(inside) > 0:
             body = inside[0]
+        else:
+            body = group[0]
         segments.append(spans[body][0])
     return segments
 

@@ -90,9 +90,10 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
     row.contact_link.extend([-1 for _ in block[1:]])
     row.spans.extend([(1, 0) for _ in block])
     walls = [i for i in block if bodies[i].kind == "wall"]
-    mass_index = len(row.masses)
     if len(walls) > 0:
         mass_index = -1
+    else:
+        mass_index = len(row.masses)
     row.mass_of.extend([mass_index for _ in block])
     for i in walls:
         side = 1
@@ -135,9 +136,11 @@ def add_end(row: Row, side: int, end: Any) -> None:
     if end.kind in DRIVEN:
         value = end.value
     row.boundaries[side] = (kind, value)
-    law = Law.BOND
-    if kind in ("none", "force"):  # a given force, which is 0 at a free end
+    is_push = kind in ("none", "force")  # a given force, which is 0 at a free end
+    if not is_push:
+        law = Law.BOND
+    elif side == 0:
         law = Law.PUSH_LEFT
-        if side > 0:
-            law = Law.PUSH_RIGHT
+    else:
+        law = Law.PUSH_RIGHT
     row.links.append(link_of(law))

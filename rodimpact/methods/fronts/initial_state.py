@@ -447,16 +447,15 @@ def append_driven_fronts(
         else:
             value -= run.frame_velocity
         start_tick = stop_tick
-        # This value is the last, and lasts to the end of the run, unless a jump comes before:
-        # any later tick shows that it lasts.
-        stop_tick = start_tick + 1
-        is_last = True
-        if j < value_count - 1:  # times of jumps stand behind the values
+        is_last = j == value_count - 1
+        if not is_last:  # times of jumps stand behind the values
             jump_time = values[outside.profile_offset + value_count + j]
             is_last = jump_time > run.until
-            if not is_last:
-                jump_tick = state.durations[first_jump + j].ticks
-                stop_tick = max(start_tick, jump_tick)
+        if is_last:
+            stop_tick = start_tick + 1  # it lasts: any later tick shows that
+        else:
+            jump_tick = state.durations[first_jump + j].ticks
+            stop_tick = max(start_tick, jump_tick)
         if stop_tick > start_tick:
             append_front(run, log, start, start_tick, outside_line, value)
         j += 1

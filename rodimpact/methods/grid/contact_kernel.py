@@ -62,18 +62,20 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         F = (k * x0 + slope * c) / divisor
         x1 = x0 + (c - y * k * x0) / divisor
         return F, x1, slope
-    # The guess of x1, which Newton's method mends
-    x = min(link.overlap, top)
-    yields = False
+    # x is the guess of x1, which Newton's method mends.
+    yields = False  # whether x1 is beyond the elastic limit
     if link.law == Law.YIELD:
         # The mean force bends both ways, its work only up: begin on the right of the root.
         elastic_limit = link.yield_force / link.stiffness
         force_at_limit, _ = contact_laws.mean_force(link, x0, elastic_limit)
         # The residual of Newton's method, below, is < 0 at the limit if the root is beyond.
         yields = elastic_limit - top + y * force_at_limit < 0
-        x = top
-        if not yields:
+        if yields:
+            x = top
+        else:
             x = min(elastic_limit, top)
+    else:
+        x = min(link.overlap, top)
     F = 0.0
     slope = 0.0  # dF/dx1
     for _ in range(MAX_NEWTON_STEPS):
@@ -87,8 +89,10 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         step = residual / (1 + y * slope + further_slope)
         F = F - slope * step  # at the new x, to first order
         x = min(x - step, top)
-        size = x  # what the step is small beside: the overlap, or, without one, the way
-        if x <= 0:
+        # What the step is to be small beside: the overlap, or, without one, the way
+        if x > 0:
+            size = x
+        else:
             size = x0 - x
         # In a contact that is not stiff, round-off of the closing is round-off of x. The overlap
         # of a stiff one is small beside the closing that it stops.

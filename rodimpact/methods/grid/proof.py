@@ -145,11 +145,13 @@ def side_of(
     h = run.step
     a, b = group_of(mesh, node)
     nodes = slice(a, b + 1)
-    far = b  # node of the other end
-    sign = -1  # stretching moves the left end to the left, the right one to the right
+    # Node of the other end, and the direction in which stretching moves this one
     if right_end:
         far = a
         sign = 1
+    else:
+        far = b
+        sign = -1
     m = mesh.mass[nodes]
     v = motion.velocity[0, nodes]
     mass = m.sum() or 1.0  # a wall has none, and v - v[0] is 0 then
@@ -165,11 +167,13 @@ def side_of(
     if a == b:
         return GroupState(mean, 0.0, 0.0)
     # Mass fraction beyond each cell: on its left, as seen from the right end, or else on its right
-    g = np.cumsum(m[:-1]) / m.sum()
+    on_left = np.cumsum(m[:-1]) / m.sum()
     if mesh.is_prescribed[far] or Z:
         g = np.ones(b - a)
-    elif not right_end:
-        g = 1 - g
+    elif right_end:
+        g = on_left
+    else:
+        g = 1 - on_left
     energy = sum(motion.energies(nodes, m, 0, v - mean, h))
     stretch = elongation[a + 1 : b + 1].copy()
     compliance = quotient(1.0, mesh.cells.relaxed[a + 1 : b + 1])

@@ -380,9 +380,10 @@ class GridRun:
         """
         mesh = self.mesh
         node, cell = mesh.bonds[link]
-        sign = -1
         if cell == node:  # cell i lies on the left of node i
             sign = 1
+        else:
+            sign = -1
         v = self.velocity(node)
         stretch_rate = sign * (v - self.velocity(node - sign))  # of the cell
         # Tension in the step: elastic, viscous, and what depends on the change of velocities

@@ -57,9 +57,10 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
     resistance = np.clip(resistance[in_soil], -ultimate, ultimate)
     damping_factor = np.full(len(in_soil), float(soil.damping))
     is_smith = soil.law == SMITH
-    damping = damping_factor * ultimate
     if is_smith:
         damping = damping_factor * np.abs(resistance)
+    else:
+        damping = damping_factor * ultimate
     soil_records = _records_at(mesh, body, shaft, in_soil)
     soil_records["is_smith"] = is_smith
     soil_records["stiffness"] = ultimate / float(soil.quake) * step

@@ -134,6 +134,7 @@ def family_clock(
     flight_time = flight_time_of(row, scale)
     jump_times = [share * transits[s] for s, share in jumps]
     counted_times = [row.of(time) for time in (*transits, *jump_times)]
+    # Lists by member of the times that are counted: transit times, then times to jumps
     times_of_members = np.array(counted_times).reshape(-1, row.members).T.tolist()
     longest_times = row.of(reference)  # `of` gives a number for each member
     crossing_times = row.of(crossing_time)
@@ -145,18 +146,19 @@ def family_clock(
     counted: list[int] = []  # `counted_times` in ticks
     for m, times in enumerate(times_of_members):
         longest = float(longest_times[m])
-        end[m] = until
         if until is None:
             crossing = float(crossing_times[m])
             flight = float(flight_times[m])
             end[m] = rule.default_horizon(longest, crossing, flight, 1.0)
+        else:
+            end[m] = until
         longest_ticks, counted = count_ticks(times, longest, float(end[m]))
         if longest_ticks == 0:  # there is no clock
             raise InvalidModel([too_long(float(end[m]), longest)])
         tick[m] = longest / longest_ticks
         ticks[:, m] = counted[:segments]
         if segments and min(counted[:segments]) <= MIN_TRANSIT:
-            s = int(ticks[:, m].argmin())
+            s = int(ticks[:, m].argmin())  # the shortest segment, counted from 0
             raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
     shape = row.system.shape
     tick = tick.reshape(shape)
@@ -165,5 +167,5 @@ def family_clock(
     if not row.segments:
         refuse_short_contacts(row, tick)
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
-    # Only a single row, not a family, has states that jump.
+    # Only a single row, not a family, has states that jump: `counted` is that of its only member.
     return clock, dict(zip(jumps, counted[segments:], strict=True))

@@ -244,7 +244,8 @@ class Members:
         stop = Stop(batch.run())
         while stop == Stop.FULL:
             pieces = len(batch.state.log)
-            # In numbers of 8 bytes; the longer log stands beside this one for a while.
+            # The longer log has up to four times as many pieces, and stands beside this one for a
+            # while. Numbers are of 8 bytes.
             require_memory(
                 4 * pieces * PIECE.itemsize / 8,
                 "until",

@@ -200,10 +200,12 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         if run.keeps_history:
             keep_history(state, node, link, ticks)
         set_end_state(link, h)
-        # What the contact did in this piece, as it is logged
-        touch = Status.GRAZE.value
+        # What the contact did in this piece, as it is logged: unless it presses, see below, it
+        # was open or only touched.
         if link.status == Status.OPEN:
             touch = Status.OPEN.value
+        else:
+            touch = Status.GRAZE.value
         start = node.now  # since when it did that
         if link.status != Status.OPEN and link.status != Status.GRAZE:  # a force acts
             # The integral is over y, which runs through 2 in the time h.

@@ -163,10 +163,12 @@ class InitialLines:
         """
         scale = float(self._clock.scale)
         tolerance = self._request.tolerance * scale / 4
-        fit = tolerance  # largest miss of a piece, m/s
         is_state = any(isinstance(profile, Polynomials) for profile, _ in profiles)
+        # Largest miss of a piece, m/s
         if is_state and not is_drive:
             fit = EXACT_FIT * scale  # keeps the waves of an earlier run
+        else:
+            fit = tolerance
         pieces, miss = profile_pieces.in_pieces(signal, start, stop, tolerance, fit)
         self.fit = max(self.fit, miss / scale)
         for profile, factor in profiles:
@@ -320,11 +322,12 @@ class InitialLines:
         if signal.slope:
             ramp = np.array([0.0, signal.slope * stop * tick])  # values at 0 and `stop`
             drive = drive + Pieces.through([0, stop], ramp)
-        # It makes velocities of errors of the value.
-        velocity_per_value = float(signal.factor)
+        # Velocity that a unit of the value makes, for the error of the value
         if kind == "force":  # F changes the velocity of a free end by 2 F/Z
             impedances = [float(segment.impedance) for segment in self._row.segments]
             velocity_per_value = 2 / min(impedances, default=math.inf)
+        else:
+            velocity_per_value = float(signal.factor)
         profile = (value, velocity_per_value)
         pieces = self._fit_pieces(drive, 0, stop, profile, is_drive=True)
         return pieces[None]  # [member, piece]

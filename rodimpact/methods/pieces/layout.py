@@ -161,9 +161,10 @@ def shortest_transit(clock: Clock) -> Any:
 
 def longest_body_time(row: Any, clock: Clock, shortest: Any) -> Any:
     """Longest time in which a wave goes through a body, ticks; `shortest` in a row without rods."""
-    times = [shortest]
     if len(clock.transits) > 0:
         times = [0]
+    else:
+        times = [shortest]
     for first, last in row.spans:  # first and last segment of a body, counted from 1
         times.append(sum(clock.transits[first - 1 : last]))
     return largest(times)

@@ -410,9 +410,10 @@ def shortening(
         # Exponent of the power law through both errors
         observed = math.log(error_before / error) / math.log(ticks_before / ticks)
         power = max(1.0, min(power, observed))
-    smallest = MIN_SHORTENING_OF_STARTS
     if power > SLOW_POWER:
         smallest = MIN_SHORTENING
+    else:
+        smallest = MIN_SHORTENING_OF_STARTS
     part = SHORTENING_SAFETY * (tolerance / error) ** (1 / power)
     return max(smallest, min(MAX_SHORTENING, part))
 

@@ -215,6 +215,7 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     status += _struck_together(row)
     status += rounding(clock.transit_error, clock.worst)
     status += strain_warning(_largest_strain(row, state.log[: run.piece_count]))
+    # A function that makes the signals when it is first called, and keeps them
     make_signals = cache(partial(signals_of, row, clock, end_tick, state))
     before, after = _body_velocities(members)
     vibration = _floats(vibration_of(members))

@@ -294,9 +294,11 @@ def set_block(
         by_force = share * link.mobility
         if link.status != Status.REST:
             identity = 1.0
-    coupled = N  # number of stages by which a mass between both links couples them
+    # Number of stages by which a mass between both links couples them
     if by_impulse == 0:
         coupled = 0
+    else:
+        coupled = N
     for j in range(N):
         row = G[N * link.unknown_index + j]
         stages = STAGES[j]
@@ -468,9 +470,10 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     for i in range(node.link_count - 1):
         body = masses[node.first_mass + i]
         worst = max(worst, series.truncation_estimate(body.velocity))
-    count = node.link_count
-    if count == 1:
+    if node.link_count == 1:
         count = 0  # the force between two rods is seen in the leaving waves
+    else:
+        count = node.link_count
     for q in range(count):
         link = links[node.first_link + q]
         if overlap_changes(link):

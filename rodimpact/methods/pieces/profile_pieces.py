@@ -117,6 +117,7 @@ def in_pieces(
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
     round_off = min(ROUND_OFF, fit) * np.abs(signal.coefficients).max()
+    # Differences of the values before and behind each edge but the first
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
     jumps = changes > CONTINUITY_RTOL * tolerance + round_off  # [edge behind the first]
     borders = _borders_of_rest(signal, edges, round_off)  # [edge]

@@ -19,9 +19,10 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
     `tick` is the duration of a tick, s. An impact has no peak force: it is nan.
     """
     is_impact = link.law == Law.IMPACT
-    peak = link.peak_force
     if is_impact:
         peak = math.nan
+    else:
+        peak = link.peak_force
     first = math.nan
     last = math.nan
     if link.first_force_tick >= 0:  # there was a force
