@@ -52,9 +52,11 @@ class Batch(Generic[StateT]):
 
     def run(self) -> Any:
         """Run the kernel on the state, in the form that it has; return what the kernel returns."""
-        kernel: Any = compiling.interpreted(self.kernel, self.user_laws)
+        kernel: Any
         if self.is_compiled:
             kernel = compiling.compiled(self.kernel, self.user_laws)
+        else:
+            kernel = compiling.interpreted(self.kernel, self.user_laws)
         return kernel(self.state)
 
     def choose_form(self, seconds: float) -> None:

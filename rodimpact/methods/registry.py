@@ -156,7 +156,10 @@ class Options(FrozenDataclass):
         one_of("method", self.method, METHOD_NAMES)
 
     def method_for(self, system: Any) -> str:
-        """Choose the method that is to run.
+        """Return the name of the method that is to run.
+
+        It is the one that was given; for ``"auto"`` the fastest that has all physics of the system,
+        and that takes `rtol` if it is given.
 
         Parameters
         ----------
@@ -177,6 +180,7 @@ class Options(FrozenDataclass):
             method = self._first_of(capable)
         missing = METHODS[method].lacking(needs)  # none of a capable method
         remedy = f'method "{capable[0]}" has'
+        # A taper can be replaced by steps.
         if all(physics == abilities.TAPER for _, physics in missing):
             remedy += ", or give rod.in_steps(n)"
         problems: Problems = []
@@ -240,6 +244,7 @@ class Options(FrozenDataclass):
 
         If single entries kept ``"auto"`` from a faster method, the status also says which.
         """
+        # Options that only this method, or some methods, take
         own_options = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
             build_row(system),
@@ -303,7 +308,7 @@ def count(problems: Problems, name: str, value: Any) -> int:
     if 1 <= counted <= LARGEST_COUNT:
         return counted
     limit = ""
-    if counted > 1:
+    if counted > 1:  # it is too large
         limit = f" of at most {LARGEST_COUNT:g}"
     problems.append(
         (name, f"must be a positive whole number{limit}, got {shown(value)}")

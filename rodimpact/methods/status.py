@@ -121,6 +121,7 @@ def last_contact(
         elif opening == opening:  # not nan: its gap opened
             latest = max(latest, opening)
         elif t_end - force_end >= round_trip * (1 - ROUND_TRIP_RTOL):
+            # It still touches, but no wave has parted the bodies in a round trip.
             latest = max(latest, force_end)
         else:
             return math.nan

@@ -200,9 +200,12 @@ def clock_bits(ratio: float) -> int:
         return MAX_TRANSIT_BITS
     if not 0 < ratio < math.inf:
         return 0
-    mantissa, exponent = math.frexp(ratio)  # ratio is mantissa times 2^exponent
+    # The ratio is mantissa times 2^exponent, with a mantissa from 1/2 to below 1. Its logarithm,
+    # rounded up, is the exponent, or one less for a power of two. One bit more is left free, as the
+    # longest transit has about 2^bits ticks only.
+    mantissa, exponent = math.frexp(ratio)
     bits = CLOCK_BITS - exponent
-    if mantissa > 0.5:  # ratio is no power of two: round up
+    if mantissa > 0.5:
         bits -= 1
     return min(MAX_TRANSIT_BITS, bits)
 

@@ -56,7 +56,10 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
 
 
 def measures_of(finished: FrontRun) -> dict[str, Array]:
-    """Values of each of `runs.MEASURES`, by body or by contact."""
+    """Values of each of `runs.MEASURES` in SI units, by body or by contact.
+
+    Times are three of each contact; that of NONE, where there was no force, is a tick before 0.
+    """
     tick = finished.clock.tick
     tallies = [tally_of(node, tick) for node in finished.contacts]
     times: list[float] = []

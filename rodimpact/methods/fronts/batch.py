@@ -56,7 +56,8 @@ class RunRequest(NamedTuple):
     perturb_rounding: bool = False
 
     def store(self, run: Run) -> None:
-        """Store the request in the record of a run."""
+        """Store the request in the record of a run; flags become 0 or 1."""
+        # A negative end is none: -until is the share of the default horizon.
         run.until = -1.0 if self.until is None else self.until
         run.max_events = self.max_events
         run.run_past_proof = int(self.run_past_proof)
@@ -121,9 +122,12 @@ class FrontBatch(Batch[State]):
     def _ask_for_log(self) -> None:
         """Raise TooLong if a longer log takes too much memory."""
         rows = len(self.state.log)
-        numbers = rows * NUMBERS_PER_LIST_ROW  # of 8 bytes
+        # Numbers of 8 bytes
         if self.is_compiled:
-            numbers = rows * 2 * NUMBERS_PER_ROW  # takes memory as its rows are used
+            # A longer array takes memory as its rows are used: twice as many are counted.
+            numbers = rows * 2 * NUMBERS_PER_ROW
+        else:
+            numbers = rows * NUMBERS_PER_LIST_ROW
         require_memory(
             numbers,
             "max_events",

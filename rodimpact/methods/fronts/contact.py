@@ -149,7 +149,8 @@ def solve_force(
     """Set the force of a node and the velocity of its left face.
 
     Where the node presses or is bonded, both faces move alike: F = (a - b)/(Y1 + Y2).
-    At an end under a given force, F Y arrives from outside as a wave.
+    At an end under a given force, F Y arrives from outside as a wave. Elsewhere there is
+    no force.
 
     Returns
     -------
@@ -157,7 +158,7 @@ def solve_force(
         a, the velocity of the left face without the force, m/s. At a pushed left end,
         which has no left segment, a + b, the velocity of the end.
     """
-    force = 0 * a
+    force = 0 * a  # 0 of the same kind of number
     force_free_velocity = a
     if node.status == Status.PRESS or node.status == Status.BOND:
         force = (a - b) / (left_mobility + right_mobility)
@@ -206,7 +207,7 @@ def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> 
     window : int
         A gap that closes at most so many ticks before an arrival waits for it.
     """
-    if node.gap < -node.gap_rate * (NEVER - tick):
+    if node.gap < -node.gap_rate * (NEVER - tick):  # it closes before the clock ends
         ticks = (2 * node.gap - node.gap_rate) / (-2 * node.gap_rate)  # gap/speed + 1/2
         closing_tick: int = tick + math.trunc(ticks)
         if closing_tick + window < arrival_tick:

@@ -129,19 +129,22 @@ def values_of(row: Any) -> list[Any]:
 
 
 def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
-    """Append the profiles of bodies and drives to the values; return their places."""
+    """Append the profiles of bodies and drives to the values; return their places.
+
+    Those of all bodies come first, from left to right, then those of the ends that are not free.
+    """
     system = row.system
     outside = len(row.segments) + 1
     profiles: list[Profile] = []
     for i, body in enumerate(system.bodies):
-        first, last = row.spans[i]  # segments of the body
+        first = row.spans[i][0]  # first segment of the body
         strain = 0.0
         if body.kind == "rod":
             strain = body.strain
-        elif last == 0:  # a wall is what lies outside
+        elif i == 0:  # a wall is what lies outside: on the left
+            first = 0
+        else:  # or on the right
             first = outside
-            if i == 0:
-                first = 0
         profile = append_profile(
             values, first, body.velocity, strain, BoundaryKind.STEADY.value
         )

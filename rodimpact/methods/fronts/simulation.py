@@ -95,10 +95,11 @@ def start_simulation(
         Velocity of the frame, m/s.
     """
     state = Simulation(*make_state(layout, INITIAL_LOG_ROWS, []))
+    # The clock is given, where `initial_state.choose_clock` makes one in other runs.
     state.run.tick_duration = tick_duration
     state.run.frame_velocity = frame_velocity
     segments = state.segments
-    initial_state.split_at_jumps(state, values)
+    initial_state.split_at_jumps(state, values)  # a piece for each segment
     n = len(ticks)
     for s in range(1, n + 1):
         segments[s].transit = ticks[s - 1]

@@ -267,9 +267,11 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
     one that yields. Closing velocities within `tolerance` are 0. The gap in the link stays that at
     the start of the step.
     """
-    gap: float = -link.overlap
+    gap: float
     if link.law == Law.RIGID or link.law == Law.IMPACT:  # these have no overlap
         gap = link.gap - w
+    else:
+        gap = -link.overlap
     final_closing = 2 * w - link.initial_closing  # velocity, as w is a mean
     is_at_rest = link.force <= 0 and link.gap <= 0 and abs(w) <= tolerance
     if link.law == Law.RIGID:
@@ -285,7 +287,8 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
     elif link.law == Law.IMPACT and is_at_rest:
         gap = link.gap  # without the round-off of w
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
-        # It hardens, and its faces move for good.
+        # It hardens, and its faces move for good: from where they are now its overlap is the
+        # elastic one at the new yield force.
         link.yield_force, _, next_knot = contact_laws.load_plastically(
             link, -link.gap, link.overlap
         )

@@ -145,7 +145,7 @@ class GridMotion(NamedTuple):
         J = self.cells.swelling[inside]
         b = self.cells.coupling[inside]
         G = self.cells.radial[inside]
-        q = self.radial[state] * step
+        q = self.radial[state] * step  # stored as 1/s times steps
         rate = self.radial_rate[state]  # of q
         slope = np.diff(q)[nodes]  # between the cells beside each node
         slope_rate = np.diff(rate)[nodes]
@@ -225,7 +225,7 @@ class Mesh:
                 open_links.append(nodes)
         self.groups = list(zip(*_between(open_links, node), strict=True))
         self.ends = [0, node]
-        self.end_cells = [1, node]
+        self.end_cells = [1, node]  # cell i lies on the left of node i
         self.cell_mass = self.cells.cell_mass
         self.stiffness = self.cells.stiffness
         self.viscous = self.cells.viscous
@@ -235,6 +235,7 @@ class Mesh:
         self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         self.shear = _in_series(self.cells.shear)
         self.mass[self.node_of_mass] += row.masses
+        # Cells on both sides of a rigid mass swell independently.
         self.shear[self.node_of_mass] = 0.0
         self.is_prescribed = np.zeros(node + 1, np.int64)
         self.is_prescribed[[self.ends[side] for side in driven]] = 1

@@ -55,6 +55,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     row = mesh.row
     n = len(mesh.mass)
     cells = mesh.cells
+    # Time is counted in steps, see `records`: M becomes M/h, and a stiffness k becomes k h.
     mass = mesh.mass / step
     impedance = _end_impedances(mesh)
     mass[mesh.ends] += impedance / 2
@@ -197,11 +198,14 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
         raise InvalidModel([("contacts", message)])
     left = np.array(mesh.stops[:-1], np.int64)
     right = np.array(mesh.starts[1:], np.int64)
-    leftmost: Any = left
-    rightmost: Any = right
-    if mesh.implicit:
+    leftmost: Any
+    rightmost: Any
+    if mesh.implicit:  # a force changes the velocities of its whole piece in a step
         leftmost = mesh.starts[:-1]
         rightmost = mesh.stops[1:]
+    else:  # or that of its node alone
+        leftmost = left
+        rightmost = right
     # Two links are coupled by a piece of one node, or by one that moves as a whole. `left` of a
     # link is the last node of the piece before it, whose first node the link before pushes. Half
     # of a velocity counts, as a closing is the mean of those before and after the step.
@@ -209,6 +213,7 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     coupling[1:] = responses.by_first[left[1:]] / 2
     begins = np.flatnonzero(coupling == 0)  # first links of chains
     chain_end = np.full(count, NONE)
+    # A chain ends before the next one begins.
     chain_end[begins] = np.append(begins[1:], count) - 1
     links: Array = filled(
         records.LINK,

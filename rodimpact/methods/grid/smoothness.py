@@ -109,6 +109,7 @@ def _jumps_at_ends(row: Row) -> bool:
             return True
         if isinstance(end, Moved) and _differ(row, face.velocity, _value(end.value, 0)):
             return True
+        # A push is a pressure, and the force of a face a tension.
         if isinstance(end, Pushed) and _forces_differ(row, face, -_value(end.value, 0)):
             return True
         if isinstance(end, Incoming) and _value(end.value, 0) != 0:

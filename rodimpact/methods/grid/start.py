@@ -152,6 +152,7 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         if kind == "force":
             force[node] += INWARD[side] * scheme.boundary_values(mesh, step, side, 1)[0]
         elif kind == "absorbing":
+            # The background wave holds the state at t = 0: the given wave alone changes it.
             wave = scheme.boundary_values(mesh, step, side, 1)[0]
             force[node] = grid.ends["impedance"][side] * wave
     for link in grid.links:
@@ -249,6 +250,7 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         stretching[[0, -1]] = 0.0  # cells beyond the ends stand for nothing
         dv_stretching[[0, -1]] = 0.0
         kinetic = mesh.mass @ (mean * dv) + mesh.lateral @ (stretching * dv_stretching)
+        # In steps: masses of the grid are those of the mesh over the step.
         gain = kinetic / step + grid.force @ dv_stretching / 2
         heat = grid.viscous * stretching**2
         grid.lost[:] += heat

@@ -181,7 +181,7 @@ def cut_piece(state: State, node: Node, full: int, ticks: int) -> None:
     """Shorten the piece that is solved at a node from `full` ticks to its first `ticks`.
 
     Its polynomials are restricted to them. An averaging node is solved anew: means over the shorter
-    time are needed, or momentum would be lost.
+    time are needed, or momentum would be lost. With `full` ticks nothing changes.
     """
     run = state.runs[0]
     if ticks < full and node.is_averaging:
