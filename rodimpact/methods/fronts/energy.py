@@ -64,10 +64,11 @@ def measure_segments(state: State) -> None:
 
 
 def set_group_velocities(state: State) -> None:
-    """Set the velocities of bonded groups: from their momenta at t = 0, then impulses.
+    """Set the velocities V of bonded groups of mass m: from their momenta p, then impulses.
 
-    The impulses are more exact than the momenta of waves, and independent of them.
-    The velocity of a group bonded to what is outside follows from its momentum only.
+    V = p/m at t = 0, and V(0) + (impulse on the left - impulse on the right)/m later:
+    impulses are more exact than the momenta of waves, and independent of them. A group
+    bonded to what is outside always has V = p/m.
     """
     run = state.runs[0]
     segments = state.segments

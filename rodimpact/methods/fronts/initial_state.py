@@ -312,7 +312,8 @@ def find_clock_fault(
 def initialise_member(state: State, values: Values) -> None:
     """Set the gaps, the end of the run, and the fronts that fill the row at t = 0.
 
-    The clock is chosen, and the log is long enough.
+    What lies outside gets its mobility (0, or that of an endless bar) and the wave that it sends,
+    or the fronts of what drives the end. The clock is chosen, and the log is long enough.
     """
     run = state.runs[0]
     segments = state.segments
@@ -324,7 +325,7 @@ def initialise_member(state: State, values: Values) -> None:
     set_end(run, segments)
     run.log_rows = 0
     for s in range(1, n + 1):
-        append_initial_fronts(state, s, values[s - 1])
+        append_initial_fronts(state, s, values[s - 1])  # wave speeds come first
     first_jump = len(state.durations) - run.drive_jump_count
     for side in range(2):
         outside = segments[segment_outside(n, side)]

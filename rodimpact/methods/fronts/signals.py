@@ -43,13 +43,14 @@ def waves_by_line(finished: FrontRun) -> Lines:
 
     Lines are counted as in `records`: 2 s and 2 s + 1 belong to segment s.
     """
-    count = 2 * len(finished.segments) - 1
+    n = len(finished.segments) - 2
+    count = 2 * n + 2  # of lines, without those outside on the right
     log = finished.log
-    # Lines 0 and 1 lie outside on the left, those from 2 n + 2 on outside on the right.
-    inside = (log["line"] > 1) & (log["line"] < count - 1)
+    # Lines 0 and 1 lie outside on the left; a change of status has a line below 0.
+    inside = (log["line"] > 1) & (log["line"] < count)
     log = log[inside]
     log = log[np.argsort(log["line"], kind="stable")]  # line by line, in order of time
-    bounds = np.searchsorted(log["line"], np.arange(count))
+    bounds = np.searchsorted(log["line"], np.arange(count + 1))
     lines: Lines = []
     for start, stop in pairwise(bounds):
         wave = None

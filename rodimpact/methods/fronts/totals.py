@@ -164,7 +164,10 @@ class BoundaryEffects:
     def __init__(
         self, finished: FrontRun, masses: list[float], velocities: Sequence[float]
     ) -> None:
-        """Add up what acts on both ends of a run; masses and velocities are those of the bodies."""
+        """Add up what acts on both ends of a run; masses and velocities are those of the bodies.
+
+        Work in the laboratory is work in the frame plus velocity of the frame times impulse.
+        """
         self.impulse = 0.0
         self.wall_work = 0.0
         self.drive_work = 0.0
@@ -176,7 +179,7 @@ class BoundaryEffects:
             impulse = sign * finished.nodes[side].impulse * clock.tick
             self.impulse += impulse
             end = clock.system.ends[side]
-            if masses[side] == math.inf:
+            if masses[side] == math.inf:  # a wall
                 self.wall_work += impulse * velocities[side]
             elif not isinstance(end, Free | Fixed):
                 work = (

@@ -38,6 +38,7 @@ def factor(
     left_inverse = 0.0
     left_share = 0.0
     for i in range(m):
+        # Factors of a prescribed node, unless it is none
         lower[i] = 0.0
         inverse = 1.0
         share = 0.0
@@ -49,7 +50,8 @@ def factor(
         upper[i] = share
         left_inverse = inverse
         left_share = share
-    right_inverse = 0.0  # the same in the right half
+    # The same in the right half, where the node before i is i + 1
+    right_inverse = 0.0
     right_share = 0.0
     for i in range(n - 1, m, -1):
         lower[i] = 0.0

@@ -42,8 +42,9 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     None at a free end, and in a run without steps.
     """
     row = run.row
-    link = 0
-    if side == 1:
+    if side == 0:
+        link = 0
+    else:
         link = len(row.links) - 1
     kind, _ = row.boundaries[side]
     if kind == "none" or not run.steps:
@@ -52,15 +53,16 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     speed = (v[:-1] + v[1:]) / 2  # mean over each step
     # Force of a pushed end, wave of an endless bar
     given = run.history.prescribed[:, side]
-    force = given
     if link in run.mesh.touching:  # there is a wall, with a contact or a joint
         force = run.recorded(link, "force")
-    elif kind == "velocity":
+    elif kind == "velocity":  # a wall that is bonded to the row, or a driven end
         force = run.bond_force(link)
     elif kind == "absorbing":
         end = run.grid.ends[side]
         excess = end["background_wave"] + given - speed
         force = INWARD[side] * (end["impedance"] * excess)
+    else:
+        force = given
     # Velocity that the frame has gained in the middle of each step
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return BoundaryAction(

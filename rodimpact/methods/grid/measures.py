@@ -80,7 +80,8 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
     # Steps in which forces begin, and those behind their last ones, in turn
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
     wide = np.flatnonzero(gap > open_gap)  # step ends at which the gap is open
-    # Step in which the next force begins, or the end of the run
+    # Step in which the next force begins: every other edge from the third on; then the end of the
+    # run
     next_begins = [*edges, len(force)][2::2]
     intervals = []
     for first, stop, following in zip(

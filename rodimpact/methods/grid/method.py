@@ -212,17 +212,19 @@ def mesh_size(
     transits = np.array([crossing_time(segment) for segment in row.segments])
     shortest = int(np.argmin(transits))
     # Path of an error: the argument that was given, else the shortest segment
-    name = row.paths[shortest + 1]
     if cells is not None:
         name = "cells"
     elif dt is not None:
         name = "dt"
+    else:
+        name = row.paths[shortest + 1]
     if cells is None and dt is None:
         cells = _least_wasteful(transits, until)
     counts = _stable_counts(row, transits, cells, dt, name)
     stable_steps = list(map(stable_step, row.segments, counts, soil_stiffnesses(row)))
-    step = min(stable_steps) * COURANT
-    if dt is not None:
+    if dt is None:
+        step = min(stable_steps) * COURANT
+    else:
         step = dt
     worst = int(np.argmin(stable_steps))
     if step > STABLE_COURANT * stable_steps[worst]:
@@ -281,10 +283,11 @@ def _stable_counts(
     path = row.paths[shortest + 1]
     shortest_time = f"{transits[shortest]:.6g} s"
     if counts.min() < 1:
-        remedy = f"{shortest_time} or less"  # for `dt`
         if cells is not None:
             ratio = transits[longest] / transits[shortest]
             remedy = f"{math.ceil(ratio / STABLE_COURANT)} or more"
+        else:  # `dt` is given
+            remedy = f"{shortest_time} or less"
         message = (
             f"must be {remedy} for a cell in {path}, which waves cross in "
             f"{shortest_time}"

@@ -36,7 +36,8 @@ def finality_time(run: GridRun) -> float:
     tolerance = float(run.grid.run["velocity_tolerance"][0])
     rest_bound = tolerance * run.step  # up to this bound ends move as their groups do
     state = present(run)
-    for link in run.grid.links[run.grid.links["law"] != Law.JOINT]:
+    contacts = run.grid.links[run.grid.links["law"] != Law.JOINT]
+    for link in contacts:
         gap = float(link["gap"]) * run.step  # m
         if gap < 0:  # it presses
             return math.inf

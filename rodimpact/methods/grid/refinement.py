@@ -107,7 +107,7 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
         return math.inf
     h = levels[-1].step
     values = levels[-1].measures[name]
-    latest = float(np.abs(values).max(initial=0.0))
+    largest = float(np.abs(values).max(initial=0.0))
     errors = []
     for coarser in levels[-1 - MAX_COMPARED : -1]:
         change = float(np.abs(coarser.measures[name] - values).max(initial=0.0))
@@ -117,13 +117,13 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
         return math.inf
     if name == DURATION:
         least = 0.0  # error that a duration has at least, s
-        if latest > 0 and order > 1 / 2:  # nothing jumps
+        if largest > 0 and order > 1 / 2:  # nothing jumps
             least = TIME_RESOLUTION * h
-        elif latest > 0:  # forces jump, and waves may oscillate on all levels
+        elif largest > 0:  # forces jump, and waves may oscillate on all levels
             least = h
         error = max(DURATION_FACTOR * error, least)
-    if latest > 0:
-        return error / latest
+    if largest > 0:
+        return error / largest
     return error
 
 

@@ -258,6 +258,7 @@ class GridRun:
             If walls squeeze a rigid mass.
         """
         first = self.steps
+        # Kernels take flat arrays: these share the memory of the window.
         flat_window = StepHistory(*(array.reshape(-1) for array in window))
         arrays = [*self.grid, *flat_window]
         self.grid.run["first_step"] = first
@@ -267,12 +268,13 @@ class GridRun:
         seconds = (end - first) * step_time(self.mesh, plain=True)
         seconds += numbers * kernels.LIST_TIME
         is_compiled = kernels.worth_compiling(seconds, grid_kernel.run_steps)
-        kernel: Any = grid_kernel.run_steps
+        kernel: Any
         grid: Any = self.grid
         history: Any = flat_window
         if is_compiled:
             kernel = kernels.compiled(grid_kernel.run_steps)
         else:
+            kernel = grid_kernel.run_steps
             grid = grid._make(map(record_lists.as_objects, grid))
             history = history._make(map(record_lists.as_objects, history))
         is_solved = True

@@ -141,8 +141,9 @@ def lay_out(
     run = make_run(row, clock, request, shortest, initial_lines)
     for part in parts:
         is_anchor = part.kind >= Part.WALL
-        is_group = part.part_count != 1
-        if is_anchor and is_group:  # something is joined to a wall or an endless rod
+        is_alone = part.part_count == 1
+        # Something is joined to this wall or endless rod.
+        if is_anchor and not is_alone:
             run.has_bonds = 1
     goes_on = run.has_bonds or request.keep  # else the run ends with its proof
     if request.until is None and goes_on:
@@ -177,7 +178,10 @@ def make_run(
     shortest: Any,
     initial_lines: list[InitialLine],
 ) -> Any:
-    """The record of a run before its first step; `shortest` is the shortest transit, ticks."""
+    """The record of a run before its first step: request, clock, tolerances and proof.
+
+    `shortest` is the shortest transit, ticks. The log has the pieces of `initial_lines`.
+    """
     run = blank(1, RUN)[0]
     # Mean number of hard breaks in the shortest transit, on the line with the most
     breaks = 0

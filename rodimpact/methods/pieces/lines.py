@@ -306,9 +306,11 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
     v = (a + b)/2 and no force: the wave that leaves is the one that arrives, with its break. The
     piece is appended to the outgoing line; the caller sets `now` of the node.
     """
-    side = 0  # side of the rod
+    # Side of the node on which its rod is
     if node.mobility[1] > 0:
         side = 1
+    else:
+        side = 0
     source = node.incoming_lines[side]
     target = node.outgoing_lines[side]
     advance_to(lines, log, source, node.now)

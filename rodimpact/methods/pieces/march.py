@@ -87,9 +87,9 @@ def run_nodes(state: State) -> int:
         # `last_proof_tick` is the tick of the last check, whether it proved anything or not. The
         # first one is due at once: it notes the velocities at t = 0.
         is_due = run.last_proof_tick == NONE or earliest.now >= check_tick
-        is_full = run.piece_count + step_rows > len(
-            state.log
-        ) or run.contact_event_count + step_events > len(state.contact_log)
+        is_log_full = run.piece_count + step_rows > len(state.log)
+        event_rows = run.contact_event_count + step_events
+        is_full = is_log_full or event_rows > len(state.contact_log)
         if not is_due and run.steps >= run.max_steps:
             run.stop_reason = Stop.CAP.value
         elif not is_due and is_full:
