@@ -67,9 +67,10 @@ def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
     """
     physics: Needs = []
     if rod.shaft is not None:
-        along = SOIL
         if isinstance(rod.shaft, model.Drag):
             along = DRAG
+        else:
+            along = SOIL
         physics.append((f"{path}.shaft", along))
     for name, profile in (("velocity", rod.velocity), ("strain", rod.strain)):
         if isinstance(profile, model.Samples | model.Polynomials):

@@ -271,9 +271,11 @@ def guard(
     if status == Status.GRAZE and which == 1:
         return -sign, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
-        static_force = F  # without what damping adds: that does not make it yield
+        # It yields by the force that it would have without damping.
         if link.damping > 0:
             static_force = link.stiffness * d
+        else:
+            static_force = F
         return 1 - static_force / link.yield_force, Status.PLASTIC.value
     if status == Status.PRESS and (which > 0 or has_dashpot(link)):
         return sign, Status.GRAZE.value

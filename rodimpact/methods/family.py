@@ -85,8 +85,9 @@ def status_column(refused: Any, final: Any, capped: Any, until: float | None) ->
         "final": final & (until is None),
         "max_events": capped,
     }
-    otherwise = "until"
     if until is None:
         otherwise = "clock"
+    else:
+        otherwise = "until"
     places = [STOPPED_BY.index(name) for name in reasons]
     return np.select(list(reasons.values()), places, STOPPED_BY.index(otherwise))

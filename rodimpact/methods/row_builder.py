@@ -96,9 +96,10 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
         mass_index = len(row.masses)
     row.mass_of.extend([mass_index for _ in block])
     for i in walls:
-        side = 1
         if i == 0:
             side = 0
+        else:
+            side = 1
         row.boundaries[side] = ("velocity", bodies[i].velocity)
     if len(walls) > 0:
         return
@@ -122,9 +123,10 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
         if j > 0:
             row.links.append(link_of(Law.BOND))
         row.segments.append(segment)
-        segment_path = path
         if count > 1:
             segment_path = f"{path}.segments.{j}"
+        else:
+            segment_path = path
         row.paths.append(segment_path)
         row.first.append(len(row.masses))  # masses on the left of the segment
 

@@ -62,11 +62,12 @@ def describe_end(
             f"Stopped at the time asked for, {end}, before the collision was final"
         )
         if has_external_drive(system):
-            acting = "an end is driven"
-            if system.has_shaft:
-                acting = "soil or drag acts"
             if system.gravity != 0:
                 acting = "gravity acts"
+            elif system.has_shaft:
+                acting = "soil or drag acts"
+            else:
+                acting = "an end is driven"
             reason = f"while {acting}, no contact is known to be the last"
             return RunEnd(f"{statement}; {reason}.", "")
         if is_held(system):

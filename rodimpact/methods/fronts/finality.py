@@ -130,7 +130,8 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     last = group.group_last
     is_steady = no_front_in_flight(lines, first, last)
     is_pressing = nodes[k].status == Status.PRESS
-    mass = 0 * lines[2 * first].incoming_wave  # sum of both waves: twice the mass
+    # Both are summed over either wave: twice the mass, and twice the momentum
+    mass = 0 * lines[2 * first].incoming_wave
     momentum = mass
     lowest = lines[2 * first].incoming_wave
     highest = lowest
@@ -161,10 +162,12 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     if first == last:  # a uniform segment: its waves go round unchanged
         group.is_end_velocity_bounded = 1
 
+    # What the group is bonded to outside: on one side at most, as the contact is on the other
     is_semi_infinite = False
-    for side in range(2):  # what the group is bonded to outside
-        end_node = first - 1
-        if side == 1:
+    for side in range(2):
+        if side == 0:
+            end_node = first - 1
+        else:
             end_node = last
         # The line that arrives at this node from outside of the group
         outside_wave = lines[2 * end_node + 3 * side].incoming_wave

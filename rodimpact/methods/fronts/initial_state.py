@@ -100,9 +100,10 @@ def choose_clock(state: State, values: Values) -> None:
     run.longest_transit_time = 0.0
     for s in range(1, n + 1):
         run.longest_transit_time = max(run.longest_transit_time, durations[s - 1].time)
-    run.horizon = default_horizon(state, values)
     if run.until >= 0:
         run.horizon = run.until
+    else:
+        run.horizon = default_horizon(state, values)
     # Base-2 logarithm of the longest transit in ticks; too small without a clock
     bits = rule.clock_bits(run.horizon / run.longest_transit_time)
     set_drive_times(run, values, durations, segments)
@@ -388,9 +389,10 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
         sign = 2 * leftward - 1  # of c eps: -1 in a, 1 in b
         for k in range(stop - first):
             # In order of time: what is nearest to the end where it arrives was sent first.
-            i = stop - 1 - k
             if leftward:
                 i = first + k
+            else:
+                i = stop - 1 - k
             piece = pieces[i]
             # Ends of the piece; the duration up to the jump that begins piece i is number n + i - s
             x0 = 0
@@ -401,10 +403,12 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
                 x1 = min(durations[n + i + 1 - s].ticks, transit)
             velocity = piece.velocity - run.frame_velocity
             wave = velocity + sign * wave_speed * piece.strain
-            if x1 > x0:  # a piece that lasts no tick is left out
+            # When the front of the piece was sent, see above
+            if leftward:
+                tick = x0 - transit
+            else:
                 tick = -x1
-                if leftward:
-                    tick = x0 - transit
+            if x1 > x0:  # a piece that lasts no tick is left out
                 append_front(run, state.log, start, tick, 2 * s + leftward, wave)
 
 

@@ -107,10 +107,11 @@ def try_proof(state: State, stop: int) -> None:
     """
     run = state.runs[0]
     node_count = len(state.nodes)
-    now = run.now
     if stop == Stop.CHECK:
         # No event comes before, so that the state at that tick is known.
         now = max(run.now, run.next_proof_tick)
+    else:
+        now = run.now
     tick = finality.finality_tick(state, now)
     if tick == now:
         run.proved_tick = now

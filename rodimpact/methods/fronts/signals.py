@@ -85,9 +85,10 @@ def contact_signal(
     closing = from_left.at(ticks) - from_right.at(ticks)
     status = statuses.at(ticks)
 
-    is_pressing = status == Status.PRESS
     if closed_status == Status.BOND:
         is_pressing = np.full(ticks.shape, True)
+    else:
+        is_pressing = status == Status.PRESS
     mobility = 0.0  # Y1 + Y2; a wall has none
     for s in (k, k + 1):
         if clock.impedance[s] > 0:
@@ -161,8 +162,9 @@ def outside_signal(
         return BoundaryAction("wall", contacts[-side].force, velocity)
     if isinstance(clock.system.ends[side], Free | Fixed):
         return None
-    s = 1  # first segment
-    if side == 1:
+    if side == 0:
+        s = 1  # first segment
+    else:
         s = len(clock.ticks) - 2  # last segment
     # On the left the line 2 s leads inward, on the right the line 2 s + 1.
     inward = lines[2 * s + side]

@@ -83,9 +83,10 @@ def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
     if len(faint) == 0:
         return ""
     listed = names_of(faint, system)
-    extension = f"last up to {format_si(longest * run.tick_duration, 's')} longer"
     if lasts_for_ever:
         extension = "go on for ever"
+    else:
+        extension = f"last up to {format_si(longest * run.tick_duration, 's')} longer"
     return (
         f" The force of contact {listed} decays and counts as zero below 2^-48 of the "
         f"velocity scale; it may {extension}."

@@ -37,14 +37,14 @@ MAX_SWEEPS = 1000
 def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     """Solve x1 = x0 + c - y F(x0, x1) for a compliant contact or joint, y its mobility.
 
+    The link is not changed.
+
     Parameters
     ----------
     link : Link
         x0 is -link.gap, and link.overlap a guess of x1.
     c : float
         Closing in this step without the own force.
-
-    The link is not changed.
 
     Returns
     -------
@@ -226,9 +226,10 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
             for i in range(first, last + 1):
                 links[i].force = links[i].force_before
         else:
-            change = 0.0  # one link alone is solved
             if first < last:
                 change = new_change
+            else:
+                change = 0.0  # one link alone is solved
             largest = new_largest
             newton_taken = True
             if change > 8 * EPS * largest:

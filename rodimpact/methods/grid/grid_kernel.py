@@ -396,9 +396,10 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
         if link.law != Law.IMPACT:
             # A rigid contact that is closed closes no more at the end of the step. One that closes
             # inside the step is stopped over two steps.
-            max_closing = link.gap / 2 + link.initial_closing / 4
             if link.is_closed == 1:
                 max_closing = link.initial_closing / 2
+            else:
+                max_closing = link.gap / 2 + link.initial_closing / 4
             link.max_closing = max(max_closing, 0.0)
     # An impact that the forces of others make begin changes all forces: solve again.
     is_solved = True

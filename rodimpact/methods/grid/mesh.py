@@ -269,8 +269,10 @@ class Mesh:
                 parts.append(NO_CELL)
                 self.touching[i] = node - 1, node
             elif law == Law.BOND and i in recorded_links:  # a rod and something else
-                cell = node  # on the left of the node
-                if before != "segment":
+                # The cell of the rod: cell i lies on the left of node i.
+                if before == "segment":
+                    cell = node
+                else:
                     cell = node + 1
                 self.bonds[i] = node, cell
             if kind == "mass":

@@ -78,9 +78,10 @@ def refined(
         try:
             finer = run_level(factor)
         except TooLong:
-            if not levels:
+            if not levels:  # not even the coarsest run
                 raise
             break
+        # A run that met the cap shows less than the coarser one before it.
         if levels and finer.stopped_by == "max_events":
             break
         finest = finer

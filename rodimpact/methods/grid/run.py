@@ -157,9 +157,11 @@ class GridRun:
             # Lists take four times the memory of arrays, and stand beside them.
             record = record + 4.0 * steps * recorded
             fields = 3 * fields
-        argument = "until"  # what is to be changed: the larger part
+        # The argument that is to be changed: that of the larger part
         if record <= fields:
             argument = "snapshots"
+        else:
+            argument = "until"
         require_memory(
             record + fields,
             argument,
@@ -179,10 +181,11 @@ class GridRun:
             while self._bound_states(end) > self._max_states:
                 self._stride *= 2
             steps = np.arange(0, end, self._stride)
-        last = np.array([end])
         if self._in_threes:
             steps = np.concatenate((steps - 1, steps, steps + 1))
             last = end - np.arange(4)
+        else:
+            last = np.array([end])
         steps = np.union1d(steps, last)  # in order, each once
         return np.asarray(steps[(steps >= 0) & (steps <= end)])
 

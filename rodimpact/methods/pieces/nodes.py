@@ -256,7 +256,8 @@ def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
     An impulse in the link itself drives the masses on both sides apart: -1/m_left - 1/m_right. One
     in a neighbour pushes the mass between them towards link q: 1/m. Others change nothing.
     """
-    left = 0.0  # 1/m of the mass on the left of link q; 0 for the end of a rod
+    # 1/m of the masses on both sides of link q; 0 for the end of a rod
+    left = 0.0
     right = 0.0
     if q > 0:
         left = 1 / masses[node.first_mass + q - 1].mass

@@ -345,9 +345,11 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
                 most = abs(G[j][i])
         row = G[i]
         pivot_row = G[p]
-        swapped = right  # first column that is not swapped
+        # First column that is not swapped
         if p == i:
             swapped = i  # there is nothing to swap
+        else:
+            swapped = right
         for q in range(i, swapped):
             row[q], pivot_row[q] = pivot_row[q], row[q]
         row[n], pivot_row[n] = pivot_row[n], row[n]

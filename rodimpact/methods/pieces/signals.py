@@ -139,8 +139,9 @@ def _lines(log: Any, count: int) -> list[Pieces]:
 def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
     """Force, gap and closing velocity of a link, and the episodes that its `turns` bound.
 
-    `turns` are its rows in the log of contacts, `tick` is the duration of a tick, s. Its blows, the
-    impacts, are forces of one tick. Bonds have no gap, and joints no episodes.
+    `turns` are its rows in the log of contacts, `tick` is the duration of a tick, s. Blows, the
+    impacts, are forces of one tick, in which the closing velocity is that of their work. Bonds have
+    no gap, and joints no episodes.
     """
     # What the lines that follow this one keep: see `layout.number_history_lines`.
     history_line = link["history_line"]
@@ -199,11 +200,11 @@ def _outside(
         return None
     # The index -side is 0 for the first and -1 for the last of nodes, masses and links.
     node = state.nodes[-side]
-    if kind == "velocity" and isinstance(value, float):
+    if kind == "velocity" and isinstance(value, float):  # it is constant
         speed = Pieces([0], [value])
     elif kind == "velocity":
         speed = lines[node["incoming_lines"][side]] + frame
-    elif kind == "force" and node["link_count"] > 1:
+    elif kind == "force" and node["link_count"] > 1:  # on a rigid mass
         speed = lines[state.masses["history_line"][-side]] + frame
     else:  # v of a rod's end is half the sum of the waves that leave and arrive
         inner = 1 - side  # side of the end node on which its rod lies
