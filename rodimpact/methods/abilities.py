@@ -94,7 +94,7 @@ def has_external_drive(system: Any) -> bool:
     These are drives, soil or drag, and gravity on a row that is held; in free fall it does nothing.
     The page has this as JavaScript.
     """
-    is_held = False  # by a wall, or by a semi-infinite bar
+    is_held = False  # a wall or a semi-infinite bar holds the row
     is_pushed = False
     for each in (*system.bodies, *system.ends):
         if each.kind in ("wall", "fixed", "absorbing"):

@@ -313,7 +313,7 @@ def _borrowing() -> Any:
         def code(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
             return builder.inttoptr(arguments[0], context.get_value_type(pointer))
 
-        signature = pointer(address)  # from an address to a pointer
+        signature = pointer(address)  # it makes a pointer of an address
         return signature, code
 
     @numba.njit(**INNER, forceinline=True)  # type: ignore[untyped-decorator]

@@ -435,7 +435,7 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     # Go on from knot to knot, as long as the line reaches the next one.
     while force + slope * (x1 - x) > knots[knot]:
         knot_force = knots[knot]
-        part = (knot_force - force) / slope  # of the overlap, up to the knot
+        part = (knot_force - force) / slope  # way up to the knot, m
         work += part * (force + knot_force) / 2
         x = x + part
         force = knot_force

@@ -65,7 +65,7 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     NoCompiler
         If it would be worth it, and numba is missing or does not start.
     """
-    if _forced is not None:  # within the context `forced`
+    if _forced is not None:  # the context `forced` decides
         return _forced and not why_not()
     if kernel not in _ready:
         _spent[kernel] = _spent.get(kernel, 0.0) + seconds

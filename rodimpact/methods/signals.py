@@ -60,7 +60,7 @@ class Pieces:
             columns = columns[:, None]
         self.coefficients = columns
         self.size: int = columns.shape[1]  # coefficients of a piece
-        if end is None:  # as for constants, whose last value goes on for ever
+        if end is None:  # constants need none: the last one goes on for ever
             end = self.ticks[-1]
         self.end = int(end)
 
@@ -144,7 +144,7 @@ class Pieces:
             parts = np.ceil(np.sqrt(self.bends / (2 * error)))
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
         firsts = np.cumsum(counts) - counts  # first mark of each piece
-        # Of all marks: their number in their piece, from 0 on
+        # Number of each mark in its piece, counted from 0
         index_in_piece = np.arange(counts.sum()) - np.repeat(firsts, counts)
         part_widths = np.repeat(self.widths // counts, counts)
         inside = np.repeat(self.ticks, counts) + part_widths * index_in_piece
@@ -348,7 +348,7 @@ def each_once(*ticks: ArrayLike) -> Ints:
     Sorting merges what is in order already.
     """
     merged: Ints = np.sort(np.concatenate(ticks), kind="stable")
-    is_first = np.ones(len(merged), dtype=bool)  # of those that are equal
+    is_first = np.ones(len(merged), dtype=bool)  # whether no equal tick is before it
     is_first[1:] = merged[1:] != merged[:-1]
     return merged[is_first]
 

@@ -157,7 +157,8 @@ def advance(state: State, horizon: int) -> int:
     tolerance = run.velocity_tolerance
     window = run.closing_window
     leaves = len(queue) // 2
-    last_free_row = len(log) - MAX_ROWS_PER_EVENT  # from which an event still fits
+    # The last row from which an event still fits
+    last_free_row = len(log) - MAX_ROWS_PER_EVENT
     rows = run.log_rows
     events = run.events
     stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)

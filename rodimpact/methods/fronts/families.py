@@ -77,7 +77,7 @@ def solve_family(
     columns = driver.solve_many(layout, request, fields, should_stop, later_members)
 
     stop_reason = columns["stop_reason", 0]
-    is_refused = stop_reason >= Stop.OVERFLOW  # without a clock
+    is_refused = stop_reason >= Stop.OVERFLOW  # members without a clock
     is_capped = stop_reason == Stop.CAP
     is_final: Array = (columns["is_proved", 0] > 0) & (
         not has_external_drive(row.system)

@@ -92,11 +92,11 @@ def lay_out_family(row: Any) -> FamilyLayout:
         # Between so many values there is a jump less.
         jumps = profile.velocity_count - 1 + profile.strain_count - 1
         durations += jumps
-        if profile.boundary_kind == BoundaryKind.STEADY:  # of a body, not of a drive
+        if profile.boundary_kind == BoundaryKind.STEADY:  # it is a body's, no drive
             initial_pieces += jumps
     contacts: list[int] = []
     for i in range(len(row.system.gaps)):
-        last_segment = row.spans[i][1]  # of the body on the left; 0 if that is a wall
+        last_segment = row.spans[i][1]  # last one of the body on the left; 0: a wall
         contacts.append(last_segment)  # node k is on the right of segment k
     # Each piece of the initial state fills two lines, and a drive has a value more than
     # jumps.

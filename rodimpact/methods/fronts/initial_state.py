@@ -156,7 +156,7 @@ def split_at_jumps(state: State, values: Values) -> int:
         strains = velocity_jumps + body.velocity_count - 1
         strain_jumps = strains + body.strain_count
         wave_speed = values[s - 1]  # wave speeds come first among the values
-        length_index = 2 * n + s - 1  # behind n wave speeds and n impedances
+        length_index = 2 * n + s - 1  # n wave speeds and n impedances come first
         length = values[length_index]
         transit_time = length / wave_speed
         durations[s - 1].time = transit_time
@@ -266,7 +266,7 @@ def set_transits(
     run.shortest_segment = 1
     for s in range(1, n + 1):
         segment = segments[s]
-        impedance_index = n + s - 1  # behind n wave speeds
+        impedance_index = n + s - 1  # n wave speeds come first
         segment.mobility = 1 / values[impedance_index]
         segment.transit = durations[s - 1].ticks
         if run.perturb_rounding:
@@ -386,7 +386,7 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     stop = state.segments[s + 1].first_piece
     for leftward in range(2):  # 0: the wave a to the right, 1: the wave b to the left
         start = run.log_rows
-        sign = 2 * leftward - 1  # of c eps: -1 in a, 1 in b
+        sign = 2 * leftward - 1  # sign of c eps: -1 in a, 1 in b
         for k in range(stop - first):
             # In order of time: what is nearest to the end where it arrives was sent first.
             if leftward:

@@ -141,7 +141,7 @@ def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
     time = run.now * tick_duration
     vibration_energy = 0.0
     for k in range(len(state.nodes)):
-        segment = state.segments[k]  # on the left of the node
+        segment = state.segments[k]  # the segment on the left of the node
         node = state.nodes[k]
         result = results[k]
         moment = node.impulse_moment * tick_duration * tick_duration  # N s^2

@@ -82,10 +82,10 @@ def make_run(
     t_final = math.nan
     t_proved = math.nan
     if finished.is_proved:
-        round_trip = 2 * clock.longest * clock.tick  # in the longest rod, s
+        round_trip = 2 * clock.longest * clock.tick  # time in the longest rod, s
         t_final = last_contact_end(finished.run, finished.contacts, round_trip)
         t_proved = finished.proved_tick * clock.tick
-    slowest = min(clock.wave_speed[1:-1])  # without the two outsides, which have none
+    slowest = min(clock.wave_speed[1:-1])  # the two outsides have none
     max_strain = finished.run.max_wave / slowest  # a bound
     why = end_of_run(
         finished.run, finished.contacts, clock.system, finished.is_proved, t_final

@@ -84,7 +84,7 @@ class FrontRun:
         """The clock of the run; a semi-infinite bar has the impedance of the segment beside it."""
         row = self.layout.row
         impedance = [float(segment.impedance) for segment in row.segments]
-        impedance = [0.0, *impedance, 0.0]  # with the outside
+        impedance = [0.0, *impedance, 0.0]  # the outside included
         if self.segments[0].mobility:  # a semi-infinite bar
             impedance[0] = impedance[1]
         if self.segments[-1].mobility:

@@ -29,7 +29,7 @@ def signals_of(finished: FrontRun) -> Signals:
     """All signals of a finished run: waves by line, contacts, and what acts on the ends."""
     lines = waves_by_line(finished)
     is_change = finished.log["line"] == CHANGE  # rows of the log that are no fronts
-    changes = finished.log[is_change]  # of status
+    changes = finished.log[is_change]  # changes of status
     contacts = []
     for contact in range(len(finished.layout.contacts)):
         contacts.append(contact_signal(finished, lines, changes, contact))
@@ -44,7 +44,7 @@ def waves_by_line(finished: FrontRun) -> Lines:
     Lines are counted as in `records`: 2 s and 2 s + 1 belong to segment s.
     """
     n = len(finished.segments) - 2
-    count = 2 * n + 2  # of lines, without those outside on the right
+    count = 2 * n + 2  # lines without those outside on the right
     log = finished.log
     # Lines 0 and 1 lie outside on the left; a change of status has a line below 0.
     inside = (log["line"] > 1) & (log["line"] < count)
@@ -122,7 +122,7 @@ def gaps_at_starts(
     before the first one it began as `first_gap`. So it is what the faces have travelled since then.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
-    travelled = np.concatenate(([0.0], np.cumsum(steps)))  # by the faces since t = 0
+    travelled = np.concatenate(([0.0], np.cumsum(steps)))  # way since t = 0
     at_changes = travelled[np.searchsorted(ticks, changes)]
     # What was travelled where the gap was 0; the last one is read by index -1: no change yet
     zeros = np.append(at_changes, -first_gap)

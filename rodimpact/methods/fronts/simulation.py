@@ -103,7 +103,7 @@ def start_simulation(
     n = len(ticks)
     for s in range(1, n + 1):
         segments[s].transit = ticks[s - 1]
-        impedance_index = n + s - 1  # behind n wave speeds
+        impedance_index = n + s - 1  # n wave speeds come first
         segments[s].mobility = 1 / values[impedance_index]
     initial_state.initialise_member(state, values)
     events.start(state)

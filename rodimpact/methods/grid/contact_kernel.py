@@ -87,7 +87,7 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         if yields:
             further_slope = residual / (x - x0)
         step = residual / (1 + y * slope + further_slope)
-        F = F - slope * step  # at the new x, to first order
+        F = F - slope * step  # the force at the new x, to first order
         x = min(x - step, top)
         # What the step is to be small beside: the overlap, or, without one, the way
         if x > 0:
@@ -160,7 +160,7 @@ def gauss_seidel_sweep(
                 slope = 0.0
         else:
             F, link.overlap, slope = solve_link(link, c)
-        # By how much its force changes its closing
+        # Change of its closing by its own force
         change = max(change, abs(F - link.force) * link.self_mobility)
         link.force = F
         link.force_slope = slope
@@ -286,7 +286,7 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
         else:  # it stays closed
             gap = 0.0
     elif link.law == Law.IMPACT and is_at_rest:
-        gap = link.gap  # without the round-off of w
+        gap = link.gap  # the round-off of w does not move it
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
         # It hardens, and its faces move for good: from where they are now its overlap is the
         # elastic one at the new yield force.

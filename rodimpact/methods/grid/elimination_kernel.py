@@ -91,8 +91,8 @@ def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
     n = len(x)
     m = (n - 1) // 2  # the middle node
     last = 2 * m
-    y = 0.0  # value of the node before, in the left half
-    z = 0.0  # in the right half
+    y = 0.0  # value of the node before in the left half
+    z = 0.0  # the same in the right half
     # This is done once or not at all: an even n has one node more in the right half.
     for i in range(last + 1, n):
         z = x[i]

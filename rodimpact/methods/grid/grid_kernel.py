@@ -233,7 +233,7 @@ def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) 
     for i in range(len(links)):
         link = links[i]
         link.initial_closing = v[link.left_node] - v[link.right_node]
-    row = run.step - run.first_step  # of the window, with an entry for each end
+    row = run.step - run.first_step  # row of the window, with an entry for each end
     for side in range(2):
         ends[side].prescribed = prescribed[2 * row + side]
 

@@ -54,7 +54,7 @@ def largest_force(force: Floats) -> float:
             begin = 0
             # The other side, in its turn, is taken if it is less curved than this one.
             least_curvature = KINK_CURVATURE_RATIO * abs(c)
-            largest = max(a, a + b + c)  # at the begin and at the end of the step
+            largest = max(a, a + b + c)  # values at both ends of the step
     # If the vertex lies in the top step it is the largest force.
     if curve < 0 and begin < -slope / (2 * curve) < begin + 1:
         largest = value - slope * slope / (4 * curve)
@@ -137,8 +137,8 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
     fraction Fm/Fe of that step. If it falls evenly, it ends where the line through the last means
     reaches 0. A dashpot can lose its force while there is overlap: then it ends as a rigid one.
     """
-    begin = j - 1  # of the last step with force
-    first_gap = float(gap[j - 1])  # at its begin and at its end
+    begin = j - 1  # begin of the last step with force
+    first_gap = float(gap[j - 1])  # gaps at its begin and at its end
     last_gap = float(gap[j])
     if first_gap < 0 < last_gap:  # the overlap ends inside the step
         return begin + _closing_share(gap, i, j)

@@ -146,8 +146,8 @@ class GridMotion(NamedTuple):
         b = self.cells.coupling[inside]
         G = self.cells.radial[inside]
         q = self.radial[state] * step  # stored as 1/s times steps
-        rate = self.radial_rate[state]  # of q
-        slope = np.diff(q)[nodes]  # between the cells beside each node
+        rate = self.radial_rate[state]  # rate of q
+        slope = np.diff(q)[nodes]  # difference of the cells beside each node
         slope_rate = np.diff(rate)[nodes]
         q = q[inside]
         rate = rate[inside]
@@ -335,7 +335,7 @@ def _cells(segment: Any, count: int) -> Cells:
     moduli = radial_moduli(E, float(material.poisson_ratio))
     return cells._replace(
         stiffness=moduli.axial * area / dx,
-        swelling=INERTIA * rho * polar * dx,  # with the correction of lateral inertia
+        swelling=INERTIA * rho * polar * dx,  # corrected by INERTIA
         coupling=moduli.coupling * area,
         radial=moduli.radial * area * dx,
         shear=moduli.shear * polar / dx,
@@ -484,7 +484,7 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     transit = sum(float(segment.transit_time) for segment in segments)
     parts = []
     for segment in segments:
-        share = float(segment.transit_time) / transit  # of the cells
+        share = float(segment.transit_time) / transit  # share of the cells
         parts.append(_cells(segment, max(4, round(MODAL_CELLS * share))))
     # Each part is a matrix [property, cell]: the cells of all segments stand in a row.
     cells = Cells(*np.concatenate(parts, axis=1))

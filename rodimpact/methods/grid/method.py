@@ -182,7 +182,7 @@ def _try_proofs(run: GridRun, last: int, report_of: Callable[[int], None]) -> No
     longest = run.round_trip // 2  # steps in which waves cross the longest rod
     report_of(0)
     while run.proved < 0:
-        wait = finality_time(run) / run.step  # in steps; 0 if the proof succeeds
+        wait = finality_time(run) / run.step  # steps to wait; 0 if the proof succeeds
         if wait == 0:
             run.proved = run.steps
         elif run.steps < last:

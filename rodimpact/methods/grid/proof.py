@@ -118,7 +118,7 @@ def add_joints(
 def group_of(mesh: Mesh, node: int) -> tuple[int, int]:
     """First and last node of the group to which a node belongs."""
     group = mesh.groups[0]
-    for next_group in mesh.groups:  # from left to right
+    for next_group in mesh.groups:  # they stand from left to right
         first, _ = next_group
         if first <= node:
             group = next_group

@@ -138,7 +138,7 @@ def comparable_runs(
     would take too much memory.
     """
     coarser = [run for run in runs if run.step > finest.step][-MAX_COMPARED:]
-    if len(coarser) + 1 < MIN_LEVELS:  # with the finest one
+    if len(coarser) + 1 < MIN_LEVELS:  # the finest one is a level, too
         return []
     if sum(run.states_bytes for run in coarser) > MAX_STATES_BYTES:
         return []
@@ -167,7 +167,7 @@ def measures_of(run: GridRun) -> dict[str, Array]:
             impulses.append(float(force.sum()) * run.step)
             # Impacts of rigid bodies have no peak force and no duration: their impulse jumps.
             if run.row.links[run.row.contact_link[k]].law != Law.IMPACT:
-                begins, ends = run.spans(run.pressed(k))  # of all its forces, s
+                begins, ends = run.spans(run.pressed(k))  # times of all its forces, s
                 peaks.append(largest_force(force))
                 durations.append(float((ends - begins).sum()))
         elif run.stopped_by == "until":

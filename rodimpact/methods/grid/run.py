@@ -186,7 +186,7 @@ class GridRun:
             last = end - np.arange(4)
         else:
             last = np.array([end])
-        steps = np.union1d(steps, last)  # in order, each once
+        steps = np.union1d(steps, last)  # they are in order, each once
         return np.asarray(steps[(steps >= 0) & (steps <= end)])
 
     def _bound_states(self, end: int) -> int:
@@ -390,7 +390,7 @@ class GridRun:
         else:
             sign = -1
         v = self.velocity(node)
-        stretch_rate = sign * (v - self.velocity(node - sign))  # of the cell
+        stretch_rate = sign * (v - self.velocity(node - sign))  # that of the cell
         # Tension in the step: elastic, viscous, and what depends on the change of velocities
         coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
         implicit = coupling * np.diff(stretch_rate)

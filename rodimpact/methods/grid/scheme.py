@@ -249,7 +249,7 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
         return boundary_velocity(mesh.row, step, value, times)
     # At each kick the mean over two steps, which waves can follow: four half steps about the middle
     # of the step. Before t = 0 the value is as in the first half step.
-    halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)  # of half steps
+    halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)  # half steps
     around = np.concatenate((halves[:1], halves))
     first = around[:-3:2]  # half steps about the kick of each step
     second = around[1:-2:2]

@@ -142,7 +142,7 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     from node to node.
     """
     row = mesh.row
-    force = np.diff(tension)  # on the nodes
+    force = np.diff(tension)  # forces on the nodes
     soil = grid.soil
     ground = grid.run["ground_velocity"] + grid.run["ground_acceleration"] / 2
     v = grid.velocity[soil["node"]] - ground  # mean of the ground over the step
@@ -221,7 +221,7 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     is_late &= overlap > grid.run["velocity_tolerance"]
     is_late &= closing > 2 * parting
     retardation = quotient(mesh.viscous, mesh.stiffness)  # eta/E of cells
-    retardation = retardation[[left, right + 1]].max(axis=0)  # beside each link
+    retardation = retardation[[left, right + 1]].max(axis=0)  # that beside each link
     # Part of the slowing down that is done: 0 without viscosity, 1 with much of it
     share = retardation / (retardation + LITTLE_RETARDATION * step)
     is_late &= share > 0

@@ -107,7 +107,7 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
         add_faint_times(fine, errors)
     peak = size_of(values[PEAK_FORCE])
     if peak > 0:
-        excess = []  # of the bounds of peaks over the peaks, N
+        excess = []  # bounds of peaks less the peaks, N
         for link in fine.links:
             if has_peak(link):
                 excess.append(link.peak_force_bound - link.peak_force)
@@ -138,7 +138,7 @@ def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
     values = measures_of(ended)
     longest = size_of(values[DURATION])
     latest = size_of(values[TIME])
-    shift = transit_error * latest  # by how much the latest time is wrong, s
+    shift = transit_error * latest  # error of the latest time, s
     errors = [transit_error] * len(values)
     if longest > 0:
         episodes = max([link.episodes for link in ended.links])

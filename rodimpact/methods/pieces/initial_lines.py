@@ -137,7 +137,8 @@ class InitialLines:
         them.
         """
         number = len(self.log)
-        first_row = sum(line.piece_count for line in self.lines)  # of the joined log
+        # Row of the joined log at which the line begins
+        first_row = sum(line.piece_count for line in self.lines)
         count = pieces.shape[1]
         pieces["line"] = number
         pieces["next"] = [*range(first_row + 1, first_row + count), NONE]

@@ -244,7 +244,7 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
         node.first_mass = row.first[k]
         node.first_link = k + node.first_mass
         node.link_count = row.first[k + 1] - row.first[k] + 1
-        # Of the segment k - 1 on the left, and of the segment k on the right
+        # Lines of the segment k - 1 on the left, and of the segment k on the right
         node.incoming_lines = [2 * (k - 1), 2 * k + 1]
         node.outgoing_lines = [2 * (k - 1) + 1, 2 * k]
         for side in range(2):

@@ -136,7 +136,7 @@ def advance(state: State, node: Node) -> bool:
     if result.ticks == 0:
         return False
     event = result.event
-    ticks = result.ticks  # of the piece that is kept
+    ticks = result.ticks  # duration of the piece that is kept
     if event.link != NONE:
         h = result.ticks * run.tick_duration
         event_errors.record_event(run, state.links, node, event, h)
@@ -332,7 +332,7 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
     run = state.runs[0]
     links = state.links
     masses = state.masses
-    changes = 0  # of status, at the start of the piece
+    changes = 0  # changes of status at the start of the piece
     changes_of_graze = MIN_CHATTER_CHANGES + node.link_count * node.link_count
     ticks_before = ticks  # duration of the piece that failed before, and its error
     error_before = 0.0

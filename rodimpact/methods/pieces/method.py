@@ -251,7 +251,7 @@ def _largest_strain(row: Row, log: Any) -> float:
     wave_speeds = np.zeros(len(row.segments))
     for s, segment in enumerate(row.segments):
         wave_speeds[s] = float(segment.wave_speed)
-    bounds = np.abs(waves["coefficients"]).sum(axis=1)  # of abs(a) or abs(b)
+    bounds = np.abs(waves["coefficients"]).sum(axis=1)  # bounds of abs(a) or abs(b)
     strains = bounds / wave_speeds[waves["line"] // 2]
     return float(strains.max(initial=0.0))
 

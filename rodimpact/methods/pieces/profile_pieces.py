@@ -191,7 +191,7 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
     # Number of intervals of a piece: first the least power of 2 that is not below n
     width = 1 << min(MAX_LEVELS, max(n - 1, 0).bit_length())
     first = np.arange(0, n, width)  # first interval of each piece that is tried
-    firsts = list[Ints]()  # of pieces that fit
+    firsts = list[Ints]()  # first intervals of pieces that fit
     all_series = list[Floats]()
     worst = 0.0
     while width > 1:
@@ -200,8 +200,8 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
         has_no_jump = jumps_before[stop - 1] == jumps_before[first]
         may_fit = is_whole & has_no_jump
         series, misses = _through(signal, edges, first[may_fit], width)
-        fits = misses <= tolerance  # of those that may fit
-        good = may_fit.copy()  # of all that are tried
+        fits = misses <= tolerance  # among those that may fit
+        good = may_fit.copy()  # the same among all that are tried
         good[may_fit] = fits
         worst = max(worst, misses[fits].max(initial=0.0))
         firsts.append(first[good])

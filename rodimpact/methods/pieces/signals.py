@@ -204,7 +204,7 @@ def _outside(
         speed = Pieces([0], [value])
     elif kind == "velocity":
         speed = lines[node["incoming_lines"][side]] + frame
-    elif kind == "force" and node["link_count"] > 1:  # on a rigid mass
+    elif kind == "force" and node["link_count"] > 1:  # the force acts on a rigid mass
         speed = lines[state.masses["history_line"][-side]] + frame
     else:  # v of a rod's end is half the sum of the waves that leave and arrive
         inner = 1 - side  # side of the end node on which its rod lies

@@ -45,7 +45,7 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     """
     if run.proved_tick < 0:
         return math.nan
-    ends = []  # of the force, and of touching, of each contact
+    ends = []  # ends of the force and of touching, by contact
     for link in links:
         can_open = link.law >= Law.RIGID
         if can_open and link.episodes > 0:
