@@ -27,8 +27,11 @@ from .quantities import Floats, floats, is_integer
 
 Array: TypeAlias = Floats
 
+UNCHECKED = ""
+"""Sign of a number whose range is checked elsewhere: any float will do, NaN too."""
 
-def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
+
+def array(name: str, value: ArrayLike, unit: str, sign: str = UNCHECKED) -> Array:
     """Return an argument as an array of floats in its unit.
 
     Parameters
@@ -38,8 +41,8 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     value : float or array
         The argument, in `unit` or with a unit that converts to it.
     unit, sign : str
-        Those of a `QuantityField`; without a sign any float will do, NaN too. With a sign the
-        magnitude is one that the model may have, so that products do not overflow.
+        Those of a `QuantityField`, or `UNCHECKED`. With a sign the magnitude is one that the model
+        may have, so that products do not overflow.
 
     Raises
     ------
@@ -50,7 +53,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
         numbers = floats(value, unit)
     except ValueError as error:
         raise invalid_argument(name, str(error)) from None
-    if sign:
+    if sign != UNCHECKED:
         field = QuantityField(unit, sign)
         demand(field.holds(numbers), name, field.wanted, numbers)
         magnitude = np.abs(numbers)

@@ -102,6 +102,10 @@ class Material(FrozenDataclass):
         viscosity: ArrayLike = 0.0,
         wave_speed: ArrayLike | None = None,
     ) -> None:
+        """Set the numbers, with rho c^2 as the modulus if a wave speed is given in its place.
+
+        InvalidModel with the mistakes of all arguments.
+        """
         problems: Problems = []
         modulus: Any = youngs_modulus
         if wave_speed is None and youngs_modulus is None:
@@ -116,9 +120,8 @@ class Material(FrozenDataclass):
             )
             frozen.add_problem(problems, "wave_speed", message, wave_speed)
         if problems:
-            modulus = (
-                1.0  # any: the other arguments are still checked, for one error of all
-            )
+            # Any modulus will do: the other arguments are checked too, for one error of all.
+            modulus = 1.0
         self._set(
             name=name,
             youngs_modulus=modulus,
@@ -127,7 +130,8 @@ class Material(FrozenDataclass):
             viscosity=viscosity,
         )
         try:
-            self.__post_init__()  # a dataclass with a constructor of its own does not call it
+            # The checks: a dataclass with a constructor of its own does not call them.
+            self.__post_init__()
         except frozen.InvalidModel as error:
             problems += error.problems
         frozen.raise_if_problems(problems)
@@ -268,7 +272,8 @@ class Segment(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Set the area, and refuse numbers that do not go together.
 
-        A taper is refused if a uniform segment of its smallest or largest area would be.
+        The area is that of a diameter, or sampled if it is a function. A taper is refused if a
+        uniform segment of its smallest or largest area would be.
         """
         area = self._checked_area(problems)
         self._set(area=area)
@@ -286,7 +291,10 @@ class Segment(FrozenDataclass):
         self._check_magnitudes(area)
 
     def _checked_area(self, problems: Problems) -> Any:
-        """Area as given, or pi d^2/4 of the diameter, m^2; a mistake is added to `problems`."""
+        """Area as given, or pi d^2/4 of the diameter, m^2; a mistake is added to `problems`.
+
+        A function of the place becomes `Samples`.
+        """
         area: Any = self.area
         if self.diameter is not None:
             if area is not None:
@@ -304,7 +312,7 @@ class Segment(FrozenDataclass):
             )
             problems.append(("area", message))
         else:
-            length = None
+            length = None  # unknown after a mistake
             if not problems:
                 length = self.length
             field = self.fields["area"]
@@ -312,14 +320,18 @@ class Segment(FrozenDataclass):
         return area
 
     def _check_magnitudes(self, area: Number) -> None:
-        """Refuse a uniform segment whose impedance, transit time or mass is extreme."""
+        """Refuse a uniform segment whose impedance, transit time or mass is extreme.
+
+        InvalidModel for Z = rho A c, T = L/c or Z T outside the range of the model, in any member
+        of a family.
+        """
         L = self.length
         c = self.material.wave_speed
         with np.errstate(all="ignore"):
             Z = self.material.density * area * c
             T = L / c
             are_sound = frozen.in_range(Z) & frozen.in_range(T) & frozen.in_range(Z * T)
-        if are_sound is True:
+        if are_sound is True:  # a single segment; of a family it is an array
             return
         message = (
             "length {0!r} and area {1!r} of this material make an impedance, a transit "
@@ -643,6 +655,11 @@ class Rod(Frozen, kind="rod"):
         strain: ProfileLike = 0.0,
         shaft: Shaft | None = None,
     ) -> None:
+        """Set the segments, and the profiles along the whole rod, which are checked.
+
+        Without `segments` they follow from the shape: one segment, or one for each step of the
+        area. InvalidModel with the mistakes of all arguments.
+        """
         problems: Problems = []
         shape = {
             "length": length,
@@ -801,7 +818,7 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     area = shape["area"]
     problems: Problems = []
     L = Segment.fields["length"].checked(problems, "length", shape["length"])
-    known_length = None
+    known_length = None  # unknown after a mistake
     if not problems:
         known_length = L
     profiles.along_rod(problems, "area", area, Segment.fields["area"], known_length)
@@ -815,6 +832,7 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
         try:
             pieces.append(Segment(**piece))
         except frozen.InvalidModel as error:
+            # The area of this segment is a value of the steps.
             for path, message in error.problems:
                 problems.append((path.replace("area", f"area.values.{i}"), message))
     frozen.raise_if_problems(problems)

@@ -60,10 +60,12 @@ class Drag(FrozenDataclass, kind="drag"):
     )
 
     def _check(self, problems: Problems) -> None:
+        """Check and set a coefficient that is a number; a profile is checked with its rod."""
         value = self.coefficient
         if not is_profile(value):
             field = self.fields["coefficient"]
-            self.__dict__["coefficient"] = field.checked(problems, "coefficient", value)
+            checked = field.checked(problems, "coefficient", value)
+            self._set(coefficient=checked)
 
 
 def along_rod(drag: Drag, length: Number | None) -> Drag:

@@ -146,6 +146,10 @@ class Moved(_Driven, kind="moved"):
         position: "ProfileLike | None" = None,
         duration: float | None = None,
     ) -> None:
+        """Set the velocity as given, or the position with the velocity that follows from it.
+
+        InvalidModel unless exactly one of the two is given, and for a position that jumps.
+        """
         problems: Problems = []
         if value is None and position is None:
             problems.append(("value", "is missing; give a velocity, or a position"))
@@ -168,6 +172,7 @@ class Moved(_Driven, kind="moved"):
         self._set(position=profile, value=velocity)
 
     def _parameters(self) -> dict[str, Any]:
+        """The one that was given: the position, or the velocity."""
         if self.position is not None:
             return {"position": self.position}
         return {"value": self.value}

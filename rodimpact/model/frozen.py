@@ -90,17 +90,22 @@ class InvalidModel(ValueError):
     """
 
     def __init__(self, problems: Problems) -> None:
+        """Keep the problems, each once, and make the text: one in a line.
+
+        Anything else than pairs of path and message is an error of its own.
+        """
         if not _are_problems(problems):
             wanted = (
                 "must be a list of (path, message), such as [('length', 'is missing')]"
             )
             raise InvalidModel([("problems", f"{wanted}, got {shown(problems)}")])
-        self.problems = problems = list(dict.fromkeys(problems))
+        self.problems = list(dict.fromkeys(problems))  # each once, in order
         lines = []
-        for path, message in problems[:MOST_TOLD]:
+        for path, message in self.problems[:MOST_TOLD]:
             lines.append(f"{one_line(path)}: {message}")
-        if len(problems) > MOST_TOLD:
-            lines.append(f"...: and {len(problems) - MOST_TOLD} mistakes more")
+        n_more = len(self.problems) - MOST_TOLD
+        if n_more > 0:
+            lines.append(f"...: and {n_more} mistakes more")
         super().__init__("\n".join(lines))
 
     def __reduce__(self) -> tuple[type[InvalidModel], tuple[Problems]]:
@@ -180,6 +185,7 @@ class QuantityField(NamedTuple):
 
     def holds(self, value: Any) -> Any:
         """Boolean array: True where a value lies in the interval of the sign."""
+        # Such as "(0, inf)": a sign may be an interval itself.
         interval = INTERVALS.get(self.sign, self.sign)
         low, high = interval[1:-1].split(",")
         if interval[0] == "[":
@@ -215,7 +221,7 @@ class QuantityField(NamedTuple):
                 magnitude = abs(value)
             may_be_zero = "positive" not in sign
             if SMALLEST <= magnitude <= LARGEST or (magnitude == 0 and may_be_zero):
-                return value + 0.0
+                return value + 0.0  # no -0.0
         try:
             numbers: Any = floats(value, self.unit)
             if not numbers.size:
@@ -225,7 +231,7 @@ class QuantityField(NamedTuple):
             return math.nan
         if not numbers.ndim:
             numbers = numbers.item()
-        numbers = numbers + 0.0
+        numbers = numbers + 0.0  # no -0.0
         if require(problems, self.holds(numbers), path, self.wanted, numbers):
             is_in_scale = self._is_in_scale(numbers)
             require(problems, is_in_scale, path, OUT_OF_SCALE, numbers)
@@ -373,7 +379,7 @@ def require(
     if condition is True or np.all(condition):
         return True
     condition = np.asarray(condition)
-    index = tuple(np.argwhere(~condition)[0].tolist())
+    index = tuple(np.argwhere(~condition)[0].tolist())  # () of a single object
     if index:
         path = f"{path}[{','.join(map(str, index))}]"
     if values:
@@ -417,7 +423,11 @@ class Frozen:
     """Fields that are no numbers of a family: its members share them."""
 
     def __init_subclass__(cls, **tag: str) -> None:
-        """Set the tag of a class, and take its declared numbers as its `fields`."""
+        """Set the tag of a class, and take its declared numbers as its `fields`.
+
+        The defaults of the numbers stay as attributes of the class. A constructor of its own
+        answers wrong arguments with those that may be meant.
+        """
         if tag:
             cls._tag = tag
         for name, word in tag.items():
@@ -526,7 +536,7 @@ class Frozen:
     @property
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process."""
-        # The outline has shapes in place of arrays, whose numbers follow as bytes.
+        # The outline has shapes in place of arrays; the numbers of these follow as bytes.
         with_shapes = self._mapped(lambda array: list(array.shape))
         outline = json.dumps(with_shapes.to_dict(), sort_keys=True)
         sha = hashlib.sha256(outline.encode())
@@ -643,7 +653,11 @@ class FrozenDataclass(Frozen):
         _explain_constructor(cls)
 
     def __post_init__(self) -> None:
-        """Check all arguments; InvalidModel with all mistakes in it."""
+        """Check all arguments; InvalidModel with all mistakes in it.
+
+        Each declared number becomes what `QuantityField.checked` returns, but profiles, which the
+        class checks itself. Then numbers are checked together: as a family, and by `_check`.
+        """
         problems: Problems = []
         attributes = self.__dict__
         may_vary = False

@@ -89,7 +89,7 @@ class _Compliant(_Law):
         >>> ri.Hertz(stiffness=1e10).stored([0.0, 1e-4]).round(12).tolist()
         [0.0, 0.4]
         """
-        law: Any = self
+        law: Any = self  # of a subclass, which has a stiffness and an exponent
         d, k, p = broadcast_arguments(
             indentation=(indentation, "m", "non-negative"),
             stiffness=(law.stiffness, "", ""),
@@ -121,7 +121,7 @@ class Plastic(_Linear):
     @property
     def hardening_share(self) -> Number:
         """Slope of the force while it yields, over the stiffness."""
-        law: Any = self
+        law: Any = self  # of a subclass, which has both numbers
         share: Number = law.hardening / law.stiffness
         return share
 
@@ -406,9 +406,9 @@ class _Face(NamedTuple):
 
 
 def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> _Face:
-    """Face of a Hertz contact, from the radius and the material of one side.
+    """Face of a Hertz contact, from the radius and the material of one side, "left" or "right".
 
-    Mistakes are added to `problems`.
+    Mistakes are added to `problems`. The compliance is (1 - nu^2)/E, 0 of a rigid face.
     """
     radius_path = f"{side}_radius"
     material_path = f"{side}_material"

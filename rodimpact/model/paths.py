@@ -57,7 +57,8 @@ def numbers_of(system: System) -> dict[str, Number]:
         owner, _, field = entry.rpartition(".")
         if field == MODULUS:
             density = stored_numbers[f"{owner}.density"]
-            numbers[f"{owner}.{SPEED}"] = np.sqrt(value / density)[()]
+            speed = np.sqrt(value / density)
+            numbers[f"{owner}.{SPEED}"] = speed[()]  # a number if it has no dimensions
         elif field == "diameter":
             numbers[f"{owner}.area"] = math.pi * value * value / 4
     return numbers
@@ -101,10 +102,12 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
             speeds.append((table, value))
         elif field == "area" and "diameter" in table:
             diameter = np.sqrt(4 * np.abs(value) / math.pi)
-            table["diameter"] = np.copysign(diameter, value)[()]
+            signed = np.copysign(diameter, value)
+            table["diameter"] = signed[()]  # a number if it has no dimensions
         else:
             table[field] = value
     for table, speed in speeds:
+        # The modulus has the sign of the speed.
         table[MODULUS] = table["density"] * speed * abs(speed)
     return System.from_dict(description)
 

@@ -38,17 +38,20 @@ def velocity_of(problems: Problems, position: Profile) -> Any:
 
 
 def _of_lines(position: Samples) -> Any:
-    """Velocity of straight lines: neighbouring lines of one slope are one step."""
+    """Velocity of straight lines, as `Steps`: neighbouring lines of one slope are one step.
+
+    A number if there is one step alone.
+    """
     step: Any = position.step
     rises = np.diff(position.values)
     is_new = np.append(True, rises[1:] != rises[:-1])
-    first = np.flatnonzero(is_new)
+    first_lines = np.flatnonzero(is_new)  # index of the first line of each step
     values = []
     starts = []
-    for i in first.tolist():
+    for i in first_lines.tolist():
         values.append(float(rises[i]) / step)
         starts.append(i * step)
-    if rises[-1] != 0:
+    if rises[-1] != 0:  # after the last sample the end stays where it is
         values.append(0.0)
         starts.append(len(rises) * step)
     if len(values) == 1:
@@ -57,7 +60,10 @@ def _of_lines(position: Samples) -> Any:
 
 
 def _of_spline(problems: Problems, position: Samples) -> Any:
-    """Velocity of the spline through smooth samples."""
+    """Velocity of the spline through smooth samples, as `Polynomials`; 0 after the last sample.
+
+    A step that differs from member to member, or too few samples, are a problem; then it is 0.
+    """
     from scipy.interpolate import make_interp_spline
 
     samples = np.asarray(position.values)
@@ -72,7 +78,7 @@ def _of_spline(problems: Problems, position: Samples) -> Any:
     step: Any = position.step
     times = step * np.arange(len(samples))
     velocity = make_interp_spline(times, samples, SPLINE_DEGREE).derivative()
-    values = velocity(times[:-1, None] + step * SHARES)
+    values = velocity(times[:-1, None] + step * SHARES)  # [interval, place]
     # Neighbouring polynomials share the value between them: no round-off makes a jump.
     values[:, 0] = velocity(times[:-1])
     values[:, -1] = velocity(times[1:])

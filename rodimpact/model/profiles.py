@@ -303,7 +303,7 @@ def along_rod(
                 "out"
             )
             problems.append((f"{path}.step", message))
-        if field.sign != "any":
+        if field.sign != "any":  # that they are numbers, samples check themselves
             field.checked(problems, f"{path}.values", value.values)
     elif not callable(value):
         profile = field.checked(problems, path, value)
@@ -432,7 +432,11 @@ def scaled(profile: Profile, factor: float) -> Profile:
 
 
 def flipped(profile: Profile, length: Number) -> Profile:
-    """Return the profile along a rod of that length, m, seen from the other end."""
+    """Return the profile along a rod of that length, m, seen from the other end.
+
+    The values come in the opposite order, and places are counted from the other end. A number
+    stays.
+    """
     if isinstance(profile, Samples):
         return profile.replace(values=profile.values[::-1])
     if isinstance(profile, Polynomials):
@@ -620,6 +624,7 @@ def _samples_of(
     except ValueError as error:
         problems.append((path, str(error)))
         return 0.0
+    # Both curves at the middles
     spline = make_interp_spline(places, values, SPLINE_DEGREE)(middles)
     lines = (values[1:] + values[:-1]) / 2
     spline_error = float(np.max(np.abs(spline - exact)))

@@ -81,13 +81,18 @@ class Soil(FrozenDataclass, kind="soil"):
     mobilised: Profile = quantity("", "[-1, 1]", along="length", default=0.0)
 
     def _check(self, problems: Problems) -> None:
+        """Check the word of the law, and set the numbers that are no profiles, checked.
+
+        Profiles are checked with the rod along which they run.
+        """
         law: Any = self.law
         if not isinstance(law, str) or law not in DAMPING_LAWS:
             add_problem(problems, "law", 'must be "smith" or "viscous"', law)
         for name in ("resistance", "mobilised"):
             value = getattr(self, name)
             if not is_profile(value):
-                self.__dict__[name] = self.fields[name].checked(problems, name, value)
+                checked = self.fields[name].checked(problems, name, value)
+                self._set(**{name: checked})
 
 
 def along_rod(soil: Soil, length: Number | None) -> Soil:
@@ -129,8 +134,8 @@ def mobilised_shares(soil: Soil, edges: Any, length: float) -> Floats:
 
 
 def largest_stiffness(soil: Soil, length: float) -> float:
-    """Largest stiffness R_u/q per length along a rod of this length, N/m^2."""
-    largest: Any
+    """Largest stiffness R_u/q per length along a rod of this length, m, in N/m^2."""
+    largest: Any  # resistance per length, N/m
     if isinstance(soil.resistance, PROFILES):
         largest = max(np.max(value) for value in profiles.extremes(soil.resistance))
     else:

@@ -224,7 +224,15 @@ class System(FrozenDataclass):
         member._set(_shape=shape)
         return member
 
-    def to_dict(self) -> dict[str, Any]:  # noqa: D102
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON-ready description from which `from_dict` makes an equal system.
+
+        Returns
+        -------
+        dict
+            ``bodies``, ``contacts``, each with its gap and its law, and ``gravity`` and
+            ``ends``, which are left out where they are 0 and free.
+        """
         contacts = []
         for gap, law in zip(self.gaps, self.contacts, strict=True):
             contact = {"gap": json_ready(gap)}
@@ -360,7 +368,10 @@ class System(FrozenDataclass):
 
 
 def _mirrored_body(body: Body) -> Body:
-    """Body with left and right exchanged."""
+    """Body with left and right exchanged.
+
+    Its velocity changes its sign, its strain does not.
+    """
     if not isinstance(body, Rod):
         return body.replace(velocity=-body.velocity)
     shaft = body.shaft
