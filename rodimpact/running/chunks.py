@@ -75,7 +75,7 @@ def run_jobs(
     largest_job = size
     if in_one_call and not needs_solutions(options, readings):
         largest_job = members_per_call
-    missing = store.missing()
+    missing = store.missing()  # spans of members, from `start` to `stop` - 1
     to_do = 0
     for start, stop in missing:
         to_do += stop - start
@@ -107,9 +107,10 @@ def members_of(system: System, start: int, stop: int) -> System:
     """Members of a family from `start` to `stop - 1` in C order, as a smaller family."""
     if stop - start == math.prod(system.shape):
         return system
-    row_size = math.prod(system.shape[1:])
+    row_size = math.prod(system.shape[1:])  # members with one index of the first axis
     are_whole_rows = start % row_size == 0 and stop % row_size == 0
-    if are_whole_rows:  # they keep small what varies along other axes alone
+    if are_whole_rows:
+        # In a family of whole rows, numbers that vary along other axes alone stay small.
         return system[start // row_size : stop // row_size]
     members = np.arange(start, stop)
     return system[np.unravel_index(members, system.shape)]
@@ -131,6 +132,8 @@ def run_chunk(
 ) -> Columns:
     """Columns of the members of a chunk, by name, with an entry a member in C order.
 
+    Members are run in one call, one by one, or both if the readings need solutions.
+
     Parameters
     ----------
     chunk : Chunk
@@ -148,10 +151,10 @@ def run_chunk(
             columns |= _in_one_call(chunk, should_stop, later)
     finally:
         memory.give_back()
-    wanted = {}
+    with_dtypes = {}
     for name, layout in layout_of(chunk.system, chunk.readings).items():
-        wanted[name] = columns[name].astype(layout.dtype, copy=False)
-    return wanted
+        with_dtypes[name] = columns[name].astype(layout.dtype, copy=False)
+    return with_dtypes
 
 
 def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
@@ -171,6 +174,7 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
 
     for i, index in enumerate(np.ndindex(system.shape)):
         raise_if_stopped()
+        # InvalidModel: the method refuses this member.
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
             run = options._run_checked(options.method, system[index], raise_if_stopped)
             solution = Solution(run, options)

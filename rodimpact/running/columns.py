@@ -226,8 +226,8 @@ def _strain(solution: Solution, readings: RequestedReadings) -> Any:
     latest = solution.t_end * (1 + RUN_END_RTOL)
     inside = times <= latest
     strain = np.full((len(readings.gauges), len(times)), math.nan)
-    for i, place in enumerate(readings.gauges):
-        body, x = place
+    for i, body_and_place in enumerate(readings.gauges):
+        body, x = body_and_place
         gauge = solution.gauge(body, x)
         strain[i, inside] = gauge.strain_at(times[inside])
     return strain

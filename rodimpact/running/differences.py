@@ -76,7 +76,8 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     slopes_below = (below[1:] - below[:-1]) / between
     slopes_above = (above[:-1] - above[1:]) / between
     central_slopes = (above - below) / (2 * steps)
-    amplification = 2 / between  # two values, each with the noise
+    # A slope has the noise of two values, over their distance.
+    amplification = 2 / between
     ones = np.ones_like(steps)
     return Sides(
         below=limit(slopes_below, amplification, noise, ratio=2),
@@ -136,10 +137,11 @@ def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
     count = len(first)
     values = np.full(first.shape, math.nan)
     errors = np.full(first.shape, math.inf)
-    order_below = first
+    order_below = first  # windows of the order below, [step at which they begin]
     noise_below = noise
     for order in range(1, min(MAX_ORDER, count - 1) + 1):
         factor = float(ratio**order)
+        # Of two neighbours in it, the later one has the smaller steps.
         change = (order_below[1:] - order_below[:-1]) / (factor - 1)
         this_order = order_below[1:] + change
         # The window is (factor S(smaller steps) - S(larger steps))/(factor - 1).

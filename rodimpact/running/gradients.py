@@ -43,9 +43,8 @@ FRONTS_RTOL = 2.0**-48
 """Round-off of a run by fronts, relative to the largest velocity, impulse or duration."""
 DURATION_ERROR_RATIO = 10.0  # error of durations over the stated error of forces
 STEPS_PER_STAGE = 6  # steps on each side, halved from one to the next
-MAX_STAGES = (
-    4  # stages, each of which begins at half the smallest step of the one before
-)
+MAX_STAGES = 4
+"""Stages, each of which begins at half the smallest step of the one before."""
 LARGEST_STEP = {
     "fronts": 2.0**-6,
     "characteristics": 2.0**-6,
@@ -144,6 +143,7 @@ class Gradient:
     units: Mapping[str, str]
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
+        """The derivatives as an array, [..., path]; always a new one."""
         columns = [self.values[path] for path in self.wrt]
         if dtype is None:
             dtype = float
@@ -155,6 +155,7 @@ class Gradient:
         return self.values[path]
 
     def __str__(self) -> str:
+        """The value and a line for each derivative; of a family only what it is."""
         if np.ndim(self.value) > 0:
             members = f"of {np.size(self.value)} members, by {', '.join(self.wrt)}"
             return f"derivatives of {self.of} {members}"
@@ -330,6 +331,7 @@ class _Result:
     def __init__(
         self, of: str, options: Options, workers: int | None, report: Report
     ) -> None:
+        """Keep the arguments, and count the collisions solved from 0 on."""
         self.of = of
         self.options = options
         self._workers = workers
@@ -398,7 +400,7 @@ class _Result:
         right_velocity = columns[f"velocity_after.{k + 1}"]
         parting = right_velocity - left_velocity
         with np.errstate(divide="ignore", invalid="ignore"):
-            scale_over_closing = velocity_scale(system) * e / parting
+            scale_over_closing = velocity_scale(system) * e / parting  # V/(parting/e)
         scale_over_closing = np.where(e == 0, 1.0, scale_over_closing)
         return 2 * np.abs(scale_over_closing) + np.abs(e)
 
@@ -430,21 +432,22 @@ class _Number(NamedTuple):
     def neighbours(self, changes: Any) -> "_Neighbours":
         """Systems with the number plus each of the changes, [change, ...].
 
-        Changes that the declaration of the number or the system refuses are not made.
+        Changes that the declaration of the number or the system refuses are not made: the number
+        stays there, and `allowed` is false.
         """
-        field = field_at(self.system, self.entries[0])
+        field = field_at(self.system, self.entries[0])  # the declaration
         changes = np.asarray(changes)
         allowed = np.asarray(field.holds(self.x + changes))
-        in_range = np.where(allowed, changes, 0.0)
+        made = np.where(allowed, changes, 0.0)
         try:
-            return _Neighbours(self._changed(in_range), allowed)
+            return _Neighbours(self._changed(made), allowed)
         except InvalidModel:
             # A number may have to be less than another: each change is tried alone.
             for k in range(len(changes)):
-                if not self._can_change(in_range[k]):
+                if not self._can_change(made[k]):
                     allowed[k] = False
-            in_range = np.where(allowed, changes, 0.0)
-            return _Neighbours(self._changed(in_range), allowed)
+            made = np.where(allowed, changes, 0.0)
+            return _Neighbours(self._changed(made), allowed)
 
     def _can_change(self, change: Any) -> bool:
         """Whether the system with the number plus a change is a valid one."""
@@ -547,7 +550,7 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
     steps = np.zeros((0, *shape))
     below = np.zeros((0, *shape))
     above = np.zeros((0, *shape))
-    chosen = np.isfinite(value.value)
+    chosen = np.isfinite(value.value)  # members that are solved in the next stage
     for stage in range(MAX_STAGES):
         halvings = STEPS_PER_STAGE * stage + np.arange(STEPS_PER_STAGE)
         relative_steps = first_step * 2.0**-halvings
@@ -568,11 +571,12 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
         # The number plus a step is rounded, which changes the result by slope times rounding.
         rise_above = np.abs(above - value.value)
         rise_below = np.abs(below - value.value)
-        slopes = np.fmax(rise_above, rise_below) / steps
+        slopes = np.fmax(rise_above, rise_below) / steps  # of the steeper side
         largest_slope = np.fmax.reduce(slopes, axis=0, initial=0.0)
         rounding = NUMBER_RTOL * np.abs(number.x) * largest_slope
         at_point = sides_of(below, above, steps, noise + rounding)
-        chosen = _unsettled(at_point, value, noise + rounding, steps[-1] / 2)
+        next_step = steps[-1] / 2
+        chosen = _unsettled(at_point, value, noise + rounding, next_step)
         if not chosen.any():
             break
     return at_point
@@ -678,8 +682,11 @@ def _check_arguments(
     for name in ("impulse", "peak_force", "duration"):
         for k in contacts:
             choices.append(f"{name}.{k}")
-    if len(contacts) == 1 and {contacts[0], contacts[0] + 1} <= bodies:
-        choices.append("restitution")
+    if len(contacts) == 1:
+        k = contacts[0]
+        both_last = {k, k + 1} <= bodies  # whether both bodies have a velocity after
+        if both_last:
+            choices.append("restitution")
     if not isinstance(of, str) or of not in choices:
         message = f"must be one of {', '.join(choices)}, got {shown(of)}"
         problems.append(("of", message))
@@ -721,6 +728,7 @@ def _gradient(
         one_sided[path] = (column.below, column.above)
         units[path] = _per(unit, quantity_of_parameter(system, path).unit)
         if np.any(column.kinked):
+            # [()] makes a number of an array without dimensions.
             kinks[path] = Kink(
                 below=np.where(column.kinked, column.below, math.nan)[()],
                 above=np.where(column.kinked, column.above, math.nan)[()],

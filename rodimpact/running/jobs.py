@@ -79,7 +79,11 @@ def _is_importable(function: Callable[..., Any]) -> bool:
 
 @contextlib.contextmanager
 def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
-    """The given executor, or threads of our own, which are told to stop when the context ends."""
+    """The given executor, or threads of our own, which are told to stop when the context ends.
+
+    Where no thread can start, jobs are done by the thread that submits them. The number of workers
+    is by default that of the processors, and `WORKERS_OF_EXECUTOR` for a given executor.
+    """
     if executor is not None:
         if workers is None:
             workers = WORKERS_OF_EXECUTOR
@@ -88,6 +92,7 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
     if workers is None:
         workers = processors()
     stopping = threading.Event()
+    # Each thread takes no more than its share of the memory.
     threads = ThreadPoolExecutor(
         workers, initializer=memory.limit_to_share, initargs=(workers,)
     )
@@ -151,7 +156,10 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
 
 
 def cut(spans: Iterable[Span], size: int) -> Iterator[Span]:
-    """Cut spans at multiples of a size, so that each part lies between two of them."""
+    """Cut spans of members at multiples of a size, so that each part lies between two of them.
+
+    A span goes from `start` to `stop` - 1.
+    """
     for start, stop in spans:
         while start < stop:
             next_multiple = start - start % size + size
@@ -189,7 +197,8 @@ def results_of(
                 job = submit(span.start, span.stop)
                 running[job] = span
             results = []
-            for job in wait(running, HEARTBEAT, FIRST_COMPLETED).done:
+            ended = wait(running, HEARTBEAT, FIRST_COMPLETED).done
+            for job in ended:
                 span = running.pop(job)
                 results.append(JobResult(span.start, span.stop, job.result()))
             yield results

@@ -41,8 +41,9 @@ def check_readings(
     Mistakes are added to the problems. Without gauges, or with mistakes that leave none, the
     readings are empty. `check_also` checks the further columns.
     """
-    is_list = isinstance(gauges, Sequence | np.ndarray)
-    if not is_list or getattr(gauges, "ndim", 1) == 0:
+    is_sequence = isinstance(gauges, Sequence | np.ndarray)
+    has_items = getattr(gauges, "ndim", 1) > 0  # a single number as an array has none
+    if not is_sequence or not has_items:
         message = f"must be [(body, x), ...], got {shown(gauges)}"
         problems.append(("gauges", message))
         return RequestedReadings()
@@ -70,7 +71,7 @@ def _check_gauge(
 ) -> tuple[int, float] | None:
     """Body of a gauge, and its place in m from the left end; None and a problem if it is faulty.
 
-    It must lie in a rod of every member.
+    It must lie in a rod of every member. A place that is no number has a problem, too.
     """
     try:
         body, x = gauge
@@ -101,7 +102,7 @@ def _check_gauge(
 def check_also(problems: Problems, names: Any, until: float | None) -> tuple[str, ...]:
     """Check the argument `also` of `sweep`; return its names, each once, in the order of `ALSO`.
 
-    Mistakes are added to the problems; () if it is no list.
+    Mistakes are added to the problems; () if it is no list. Displacements need `until`.
     """
     choices = ", ".join(f'"{name}"' for name in ALSO)
     if isinstance(names, str | bytes) or not isinstance(names, Sequence):

@@ -157,10 +157,10 @@ def collide(
         contacts = [contact]
     system = System([left, right], [gap], contacts)
     if system.shape:
-        return solve(system).outcome
+        return solve(system).outcome  # which refuses a family
     method = DEFAULT_OPTIONS.method_for(system)
     with Progress(True, "collide", WORK_UNITS[method]) as report:
         run = DEFAULT_OPTIONS._run_checked(method, system, report)
-    if run.totals:
+    if run.totals:  # found by the method itself: no fields are needed
         return outcome_of(run, run.totals)
     return Solution(run, DEFAULT_OPTIONS).outcome

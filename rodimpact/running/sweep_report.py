@@ -98,12 +98,14 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
         where = f"in a grid of {' x '.join(map(str, result.shape))}"
     rows = [["collisions", str(result.restitution.size), where]]
     for name, extreme in (("smallest", np.fmin), ("largest", np.fmax)):
-        e = extreme.reduce(result.restitution, axis=None)  # nan only if all are
+        # Both leave nan out: it is the result only if all are nan.
+        e = extreme.reduce(result.restitution, axis=None)
         if not math.isnan(e):
             index = _first(result.restitution == e)
             where = _where(index, varied)
             label = f"{name} coefficient of restitution e"
-            rows.append([label, f"{clean(e, scale=1.0):.9g}", where])
+            without_round_off = clean(e, scale=1.0)
+            rows.append([label, f"{without_round_off:.9g}", where])
     return align(rows, left=(0, 2))
 
 
@@ -129,8 +131,11 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
         columns |= _of_contact(unilateral_contacts[0], numbers)
     else:
         columns |= _of_bodies(len(system.bodies), numbers)
-    scale = _energy_scale(result, members, numbers)
-    columns["vibration energy"] = list(map(joules, numbers["vibration"], scale))
+    scales = _energy_scale(result, members, numbers)
+    energies = []
+    for vibration, scale in zip(numbers["vibration"], scales, strict=True):
+        energies.append(joules(vibration, scale))
+    columns["vibration energy"] = energies
     for name in columns_of(system, result.readings.also):
         label = quantity_of_column(system, name)
         columns[label.name] = _written(numbers[name], label.unit)
@@ -248,7 +253,8 @@ def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
     for contact in result.contacts:
         episodes = episodes + contact.episodes
     never_met = episodes == 0
-    kinds = np.asarray(2 * result.columns["status"] + never_met)  # a number for each
+    # A number for each pair of a status and whether the bodies have met
+    kinds = np.asarray(2 * result.columns["status"] + never_met)
     sentences = []
     for kind in np.unique(kinds[missing]):
         of_kind = missing & (kinds == kind)

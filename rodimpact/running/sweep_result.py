@@ -222,7 +222,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         return self._requested("largest_stress")
 
     def _requested(self, name: str) -> dict[int, Any]:
-        """Columns of that name by the index of their body or contact, 0 for the whole row.
+        """Columns that have that name, by the index of their body or contact, 0 for the whole row.
 
         InvalidModel unless the name was asked for in `also`.
         """
@@ -300,9 +300,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         return cls(system, Options(**options), NamedItems(columns), readings, strain)
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
-        """Varied numbers and results of the members `start` to `stop` in C order, by name.
+        """Varied numbers and results of the members `start` to `stop` - 1 in C order, by name.
 
-        Each is an array with an entry a member; strains are left out.
+        Each is an array with an entry a member; strains are left out. A status is a word. Indices
+        below 0 count from the end; InvalidModel if they are no whole numbers.
         """
         if not is_integer(start) or not (stop is None or is_integer(stop)):
             message = f"must be whole numbers, got {shown(start)} and {shown(stop)}"
@@ -396,6 +397,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         return dataset(self.system, variables, coordinates)
 
     def __repr__(self) -> str:
+        """Shape of the family, and paths of what varies."""
         varied = "nothing"
         if self.parameters:
             varied = ", ".join(self.parameters)
@@ -404,6 +406,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
 def _cell(value: Any) -> str:
     """A value in a table: every digit, nothing for nan."""
-    if value != value:
+    is_nan = value != value  # only nan differs from itself
+    if is_nan:
         return ""
     return str(value)

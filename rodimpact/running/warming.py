@@ -55,7 +55,11 @@ def warm() -> float:
 
 
 def warm_method(name: str) -> None:
-    """Run each kernel of the method of that name once, compiled."""
+    """Run each kernel of the method of that name once, compiled.
+
+    Two small families have all of them: two rods, and a mass with a spring before a rod. A method
+    that cannot do one of them leaves it out.
+    """
     method = METHODS[name]
     cells = None
     if "cells" in method.takes:
@@ -68,6 +72,7 @@ def warm_method(name: str) -> None:
     ]
     with kernels.forced(True):
         for family in families:
+            # What the system needs, such as compliant contacts, and the method does not have
             lacking = method.lacking(needs(family))
             if not lacking:
                 _run_kernels(family, name, cells)
