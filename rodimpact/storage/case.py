@@ -88,13 +88,11 @@ class Case:
         path: Any = self.path
         if not isinstance(path, str):
             add_problem(problems, "path", "must be the name of a file", path)
-        for name, wanted, is_good in (
-            ("varied", "must be a tuple of Varied", Varied),
-            ("gauges", "must be a tuple of GaugePlace", GaugePlace),
-        ):
+        for name, kind in (("varied", Varied), ("gauges", GaugePlace)):
             entries: Any = getattr(self, name)
             is_list = isinstance(entries, tuple | list)
-            if not is_list or not all(isinstance(each, is_good) for each in entries):
+            if not is_list or not all(isinstance(entry, kind) for entry in entries):
+                wanted = f"must be a tuple of {kind.__name__}"
                 add_problem(problems, name, wanted, entries)
         result: Any = self.result
         if not isinstance(result, SavedResult | None):
@@ -103,7 +101,7 @@ class Case:
 
 
 def _check_options(problems: Problems, options: Any) -> None:
-    """Note what are no arguments of `solve`."""
+    """Add problems of options that are no arguments of `solve`, or have wrong values."""
     if not isinstance(options, Mapping):
         add_problem(problems, "solve", "must be arguments of ri.solve by name", options)
         return
@@ -117,11 +115,12 @@ def _check_options(problems: Problems, options: Any) -> None:
     try:
         Options(**options)
     except InvalidModel as error:
-        problems += [(f"solve.{path}", message) for path, message in error.problems]
+        for path, message in error.problems:
+            problems.append((f"solve.{path}", message))
 
 
 def _check_output(problems: Problems, output: Any) -> None:
-    """Note what are no names of files."""
+    """Add a problem unless the output has names of files by words of `OUTPUTS`."""
     if not isinstance(output, Mapping):
         add_problem(
             problems, "output", "must be names of files by what they hold", output

@@ -51,7 +51,9 @@ SEGMENT_KEYS = (*Segment.fields, "material", "lateral_inertia")
 ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
 ANY_LAW = Spring(1.0)  # which goes between any bodies
 STAND_INS: dict[str, Body] = {"rod": ANY_ROD, "mass": RigidMass(1.0), "wall": Wall()}
+"""Bodies in place of those with mistakes, by kind."""
 Materials = dict[str, Material]
+"""Materials by name."""
 
 
 def case_from(
@@ -83,7 +85,7 @@ def case_from(
     top = Table(reading, "", data)
     check_schema(top)
     library = read_materials(top.table("materials"))
-    row = top.entries(System)
+    row = top.given_numbers(System)
     bodies = [read_body(table, library) for table in top.tables("bodies")]
     contacts = read_contacts(top, bodies, library)
     row["gaps"] = contacts.gaps
@@ -92,21 +94,23 @@ def case_from(
     system = None
     if bodies:
         row["bodies"] = list(map(_body_or_any_rod, bodies))
-        system = top.make(System, SYSTEM_KEYS, **row)
+        system = top.make_or_note(System, SYSTEM_KEYS, **row)
     else:
-        top.note("bodies", "is missing; describe each body in a [[bodies]] table")
+        top.note_mistake(
+            "bodies", "is missing; describe each body in a [[bodies]] table"
+        )
     options = read_solve(top.table("solve"))
     output = read_output(top.table("output"))
     gauges = [read_gauge(table, bodies) for table in top.tables("gauges")]
     result = None
     if top.has("result"):
         saved = top.table("result")
-        result = saved.make(read_result, table=saved.data, bodies=len(bodies))
-    top.close()
+        result = saved.make_or_note(read_result, table=saved.data, bodies=len(bodies))
+    top.note_unknown_keys()
     check_grids(top, system)
     if system is None or reading.mistakes:
         raise InvalidModel(list(reading.mistakes.items()))
-    varied = []
+    varied = []  # in the order of the axes
     for grid in reading.axes:
         if grid.varied is not None:
             varied.append(grid.varied)
@@ -128,35 +132,40 @@ def _material_or_steel(material: Material | None) -> Material:
 
 
 def check_schema(top: Table) -> None:
-    """Note a schema that is missing or wrong; refuse a file of a newer one."""
+    """Note a schema that is missing or wrong; InvalidModel at once for a newer one."""
     schema = top.get("schema")
     if type(schema) is int and schema > CASE_SCHEMA:
-        # its other entries may mean other things
+        # Its other entries may mean other things.
         message = (
             f"is {shown(schema)}; this rodimpact reads {CASE_SCHEMA}, get a newer one"
         )
         raise invalid_argument("schema", message)
     if type(schema) is not int or schema != CASE_SCHEMA:
-        top.note(
+        top.note_mistake(
             "schema",
             f"must be {CASE_SCHEMA}; begin the file with schema = {CASE_SCHEMA}",
         )
 
 
 def read_materials(group: Table) -> Materials:
-    """Materials by name, those of the library too; steel stands in for one with mistakes."""
+    """Materials by name, those of the library too; steel stands in for one with mistakes.
+
+    `group` holds a table for each material of the file, by its key. A damped material has the
+    viscosity that gives it its loss factor.
+    """
     library = dict(materials.TABLE)
     for name in group.data:
         table = group.table(name)
         numbers = read_elasticity(table)
         shown_name = table.get("name", name)
-        built = table.make(Material, name=shown_name, **numbers)
+        built = table.make_or_note(Material, name=shown_name, **numbers)
         material = _material_or_steel(built)
         damping = read_damping(table)
         if damping:
-            damped = table.make(material.damped, DAMPING_KEYS, **damping)
+            # Mistakes bear the keys of the file, which `damped` calls otherwise.
+            damped = table.make_or_note(material.damped, DAMPING_KEYS, **damping)
             material = _material_or_steel(damped)
-        table.close()
+        table.note_unknown_keys()
         library[name] = material
     return library
 
@@ -164,24 +173,27 @@ def read_materials(group: Table) -> Materials:
 def read_elasticity(table: Table) -> dict[str, Any]:
     """Numbers of a material, with its wave speed where that is given for the modulus."""
     if not table.has(SPEED):
-        return table.entries(Material)
+        return table.given_numbers(Material)
     without = []
-    if not table.has(MODULUS):
+    if not table.has(MODULUS):  # if both are given, the material refuses them
         without.append(MODULUS)
-    numbers = table.entries(Material, without)
+    numbers = table.given_numbers(Material, without)
     numbers[SPEED] = table.number(SPEED, WAVE_SPEED)
     return numbers
 
 
 def read_damping(table: Table) -> dict[str, Any]:
-    """Arguments of `Material.damped`; empty if no loss factor is given."""
-    gives_factor = table.gives("loss_factor")
-    gives_frequency = table.gives("loss_frequency")
-    if not (gives_factor or gives_frequency):
+    """Arguments of `Material.damped`; empty if neither loss factor nor its frequency is given.
+
+    If one of them is missing, or a viscosity is given too, that is noted as a mistake.
+    """
+    has_factor = table.has_or_varies("loss_factor")
+    has_frequency = table.has_or_varies("loss_frequency")
+    if not has_factor and not has_frequency:
         return {}
-    if table.gives("viscosity"):
+    if table.has_or_varies("viscosity"):
         message = "give either viscosity or loss_factor and loss_frequency, not both"
-        table.note("viscosity", message)
+        table.note_mistake("viscosity", message)
     return {
         "loss_factor": table.number("loss_factor", DAMPING["loss_factor"]),
         "frequency": table.number("loss_frequency", DAMPING["loss_frequency"]),
@@ -189,7 +201,10 @@ def read_damping(table: Table) -> dict[str, Any]:
 
 
 def read_material(table: Table, library: Materials, key: str = "material") -> Material:
-    """The material that an entry names; steel stands in for an unknown one."""
+    """The material that an entry names; steel stands in for an unknown one.
+
+    Its numbers may vary: in the library, for all bodies of this material, and in this body alone.
+    """
     name = table.word(key, library)
     if name is None:
         return materials.steel
@@ -203,15 +218,19 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
 
 
 def with_grids(table: Table, material: Material) -> Material:
-    """The material with the numbers that vary by their paths in this table."""
+    """The material with arrays for the numbers that vary, by their paths in this table.
+
+    The table has no entries of its own. A wave speed that varies makes a modulus that does.
+    """
     changes = {}
     for key, field in Material.fields.items():
-        if table.gives(key):
+        if table.has_or_varies(key):
             changes[key] = table.number(key, field)
     if changes:
         material = replace_in(table, material, **changes)
-    if table.gives(SPEED):
+    if table.has_or_varies(SPEED):
         speed = np.asarray(table.number(SPEED, FIELDS[SPEED]))
+        # A negative speed makes a negative modulus, which the material refuses.
         modulus = material.density * speed * abs(speed)
         material = replace_in(table, material, youngs_modulus=modulus)
     return material
@@ -219,14 +238,14 @@ def with_grids(table: Table, material: Material) -> Material:
 
 def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
     """The material with other numbers; unchanged, with the mistakes noted, if they allow none."""
-    changed = table.make(material.replace, **numbers)
+    changed = table.make_or_note(material.replace, **numbers)
     if changed is None:
         return material
     return changed  # type: ignore[no-any-return]
 
 
 def read_body(table: Table, library: Materials) -> Body | None:
-    """The body, or a stand-in of its kind; None if the kind is unknown."""
+    """The body, or a stand-in of its kind if it has mistakes; None if the kind is unknown."""
     kind = table.word("kind", BODIES)
     if kind is None:
         return None
@@ -235,32 +254,36 @@ def read_body(table: Table, library: Materials) -> Body | None:
         entries = read_rod_shape(table, library)
         if table.has("shaft"):
             entries["shaft"] = read_shaft(table.table("shaft"))
-    entries |= table.entries(BODIES[kind])
+    entries |= table.given_numbers(BODIES[kind])
     body: Body | None = None
-    if None not in entries.get("segments", ()):
-        body = table.make(BODIES[kind], **entries)
-    table.close()
+    has_faulty_segment = None in entries.get("segments", ())
+    if not has_faulty_segment:
+        body = table.make_or_note(BODIES[kind], **entries)
+    table.note_unknown_keys()
     if body is None:
         return STAND_INS[kind]
     return body
 
 
 def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
-    """Arguments of a rod for its shape; None for a segment with mistakes."""
+    """Arguments of a rod for its shape: its segments, or else those of a single one.
+
+    A segment with mistakes is None. Segments beside keys of a single one are noted as a mistake.
+    """
     if not table.has("segments"):
         return read_segment(table, library)
     has_segment_keys = False
     for key in SEGMENT_KEYS:
-        if table.has(key):  # all are asked for: `close` calls other keys unknown
+        if table.has(key):  # all are asked for: `note_unknown_keys` refuses other keys
             has_segment_keys = True
     if has_segment_keys:
         keys = "length, area, material and polar_moment"
-        table.note("segments", f"give either segments or {keys}, not both")
+        table.note_mistake("segments", f"give either segments or {keys}, not both")
     segments = []
     for piece in table.tables("segments"):
         entries = read_segment(piece, library)
-        segments.append(piece.make(Segment, **entries))
-        piece.close()
+        segments.append(piece.make_or_note(Segment, **entries))
+        piece.note_unknown_keys()
     return {"segments": segments}
 
 
@@ -278,36 +301,39 @@ def read_drag(table: Table) -> Drag | None:
     """The drag along a rod; None if it has mistakes."""
     if isinstance(table.get("coefficient"), dict):
         # A table is a profile along the rod, and per length: in N s/m^2, not N s/m.
-        entries = table.entries(Drag, without=["coefficient"])
+        entries = table.given_numbers(Drag, without=["coefficient"])
         entries["coefficient"] = table.number("coefficient", COEFFICIENT_PER_LENGTH)
     else:
-        entries = table.entries(Drag)
-    drag: Drag | None = table.make(Drag, **entries)
-    table.close()
+        entries = table.given_numbers(Drag)
+    drag: Drag | None = table.make_or_note(Drag, **entries)
+    table.note_unknown_keys()
     return drag
 
 
 def read_soil(table: Table) -> Soil | None:
-    """The soil along a rod; None if it has mistakes."""
+    """The soil along a rod; None if it has mistakes.
+
+    A resistance that is a profile is one per length, a number that of the whole rod.
+    """
     if isinstance(table.get("resistance"), dict):
         # A table is a profile along the rod, and per length: in N/m, not N.
-        entries = table.entries(Soil, without=["resistance"])
+        entries = table.given_numbers(Soil, without=["resistance"])
         entries["resistance"] = table.number("resistance", RESISTANCE_PER_LENGTH)
     else:
-        entries = table.entries(Soil)
+        entries = table.given_numbers(Soil)
     if table.has("law"):
         word = table.word("law", DAMPING_LAWS)
         if word is None:
             return None
         entries["law"] = word
-    soil: Soil | None = table.make(Soil, **entries)
-    table.close()
+    soil: Soil | None = table.make_or_note(Soil, **entries)
+    table.note_unknown_keys()
     return soil
 
 
 def read_segment(table: Table, library: Materials) -> dict[str, Any]:
-    """Arguments of a segment."""
-    entries = table.entries(Segment)
+    """Arguments of `Segment`, the material among them."""
+    entries = table.given_numbers(Segment)
     entries["material"] = read_material(table, library)
     if table.has("lateral_inertia"):
         theory = table.word("lateral_inertia", THEORIES)
@@ -340,7 +366,7 @@ def read_contacts(
     laws = []
     for i, table in enumerate(tables):
         gap = 0.0
-        if table.gives("gap"):
+        if table.has_or_varies("gap"):
             gap = table.number("gap", GAP)
         gaps.append(gap)
         laws.append(read_law(table, bodies[i : i + 2], library))
@@ -348,26 +374,31 @@ def read_contacts(
 
 
 def read_law(table: Table, pair: list[Body | None], library: Materials) -> ContactLaw:
-    """The law of a contact, or a stand-in that goes between any bodies."""
+    """The law of a contact, or a stand-in that goes between any bodies if it has mistakes.
+
+    A Hertz contact may have the radii of its faces in place of its stiffness. `pair` has the left
+    and the right body, None for one with mistakes; it is shorter if the case has too few bodies.
+    """
     name = table.word("law", CONTACT_LAWS, Rigid.law)
     if name is None:
         return ANY_LAW
     rounded = []  # sides whose radius is given
     if name == Hertz.law:
-        rounded = [side for side in SIDES if table.gives(f"{side}_radius")]
-        if table.gives("stiffness") == bool(rounded):  # both, or neither
+        rounded = [side for side in SIDES if table.has_or_varies(f"{side}_radius")]
+        has_radius = len(rounded) > 0
+        if table.has_or_varies("stiffness") == has_radius:  # both, or neither
             message = "give either the stiffness, or left_radius and right_radius"
-            table.note("stiffness", message)
+            table.note_mistake("stiffness", message)
     law: ContactLaw | None
     if rounded:
         faces = read_faces(table, pair, library)
-        law = table.make(Hertz.from_radii, **faces)
-        table.close()
+        law = table.make_or_note(Hertz.from_radii, **faces)
+        table.note_unknown_keys()
     else:
-        law = table.build(CONTACT_LAWS[name])
-    # a body is missing if the case has too few, None if it has a mistake
-    whole_pair = len(pair) == 2 and None not in pair
-    if isinstance(law, Rigid) and law.restitution is not None and not whole_pair:
+        law = table.read_object(CONTACT_LAWS[name])
+    knows_both_bodies = len(pair) == 2 and None not in pair
+    has_restitution = isinstance(law, Rigid) and law.restitution is not None
+    if has_restitution and not knows_both_bodies:
         return ANY_LAW  # whether a restitution belongs there is unknown
     if law is None:
         return ANY_LAW
@@ -377,20 +408,24 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
 def read_faces(
     table: Table, pair: list[Body | None], library: Materials
 ) -> dict[str, Any]:
-    """Radii and materials of a Hertz contact, for `Hertz.from_radii`."""
+    """Radii and materials of a Hertz contact, arguments of `Hertz.from_radii`.
+
+    A radius that is not given is infinite, for a flat face. A material that is not given is that of
+    the rod there, and None, for a rigid face, if there is no rod.
+    """
     faces: dict[str, Any] = {}
     bodies = [*pair, None, None]  # None for a body that is missing
     # The last segment of the left body touches the first one of the right body.
     for side, body, touching in zip(SIDES, bodies, (-1, 0), strict=False):
         radius_key = f"{side}_radius"
         faces[radius_key] = math.inf
-        if table.gives(radius_key):
+        if table.has_or_varies(radius_key):
             faces[radius_key] = table.number(radius_key, FACE_RADIUS)
         material_key = f"{side}_material"
         faces[material_key] = None  # rigid
         if table.has(material_key):
             faces[material_key] = read_material(table, library, material_key)
-        elif body is None:
+        elif body is None:  # steel stands in for what is unknown
             faces[material_key] = materials.steel
         elif isinstance(body, Rod):
             faces[material_key] = body.segments[touching].material
@@ -398,7 +433,10 @@ def read_faces(
 
 
 def read_ends(sides: Table) -> list[End]:
-    """The ends of the row; a free one stands in for one with mistakes."""
+    """The left and the right end of the row; a free one stands in for one with mistakes.
+
+    An end that is not given is free. Kinds of earlier versions have other names.
+    """
     ends: list[End] = []
     for side in SIDES:
         end: End | None = None
@@ -409,59 +447,64 @@ def read_ends(sides: Table) -> list[End]:
             if not is_earlier:
                 kind = table.word("kind", ENDS)
             if kind is not None:
-                end = table.build(ENDS[EARLIER_KINDS.get(kind, kind)])
+                end = table.read_object(ENDS[EARLIER_KINDS.get(kind, kind)])
         if end is None:
             end = FREE
         ends.append(end)
-    sides.close()
+    sides.note_unknown_keys()
     return ends
 
 
 def read_solve(table: Table) -> dict[str, Any]:
-    """Those options that are given."""
+    """Arguments of `solve` that are given, by name; those with units in SI units.
+
+    Mistakes in them are noted.
+    """
     options = {}
     for key in defaults_of(Options):
         if table.has(key):
             options[key] = table.get(key)
-            if key in Options.fields:
+            if key in Options.fields:  # a number, which may have a unit
                 dimension = Options.fields[key].dimension
                 options[key] = table.quantity(key, options[key], dimension)
-    table.make(Options, **options)
-    table.close()
+    table.make_or_note(Options, **options)  # for the mistakes alone
+    table.note_unknown_keys()
     return options
 
 
 def read_output(table: Table) -> dict[str, str]:
-    """Names of files to write."""
+    """Names of files to write, by what they hold: "plot" or "save"."""
     names = {}
     for key in ("plot", "save"):
         if table.has(key):
             name = table.get(key)
             names[key] = name
             if not isinstance(name, str) or not name or "\0" in name:
-                table.note(key, f"must be the name of a file, got {shown(name)}")
-    table.close()
+                table.note_mistake(
+                    key, f"must be the name of a file, got {shown(name)}"
+                )
+    table.note_unknown_keys()
     return names
 
 
 def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
-    """A strain gauge on one of the rods."""
+    """A strain gauge on one of the rods; mistakes are noted."""
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
     body = table.get("body")
     if type(body) is not int or body not in rods:
         numbers = ", ".join(map(str, rods))
         message = f"must be the number of a rod, {numbers}; got {shown(body)}"
-        table.note("body", message)
+        table.note_mistake("body", message)
     fraction = table.get("fraction", math.nan)
     if table.has("fraction"):
         fraction = table.quantity("fraction", fraction, "dimensionless")
     if not 0 <= fraction <= 1:
         message = "give the place over the length of the rod, from 0 to 1"
-        table.note("fraction", message)
+        table.note_mistake("fraction", message)
     name = table.get("name", "")
     if not isinstance(name, str):
-        table.note("name", f"must be text, got {shown(name)}")
-    table.close()
+        table.note_mistake("name", f"must be text, got {shown(name)}")
+    table.note_unknown_keys()
     return GaugePlace(body, fraction, name)
 
 
@@ -484,7 +527,7 @@ def check_grids(top: Table, system: System | None) -> None:
         if path.startswith(tuple(unread_tables)):
             continue  # it may be a number all the same
         near = suggestion(path, reading.numbers)
-        top.note(path, f"is no number that can vary; {near}")
+        top.note_mistake(path, f"is no number that can vary; {near}")
     if system is None or reading.mistakes:
         return  # what stands in for an object with mistakes need not vary
     grids = reading.axes
@@ -495,5 +538,6 @@ def check_grids(top: Table, system: System | None) -> None:
     if not shape:  # nothing varies: every grid changes nothing
         shape = (0,) * len(grids)
     for size, grid in zip(shape, grids, strict=True):
+        # An axis along which nothing varies is not as long as the grid.
         if grid.varied is None or size != grid.varied.values.size:
-            top.note(grid.path, "changes nothing in this row")
+            top.note_mistake(grid.path, "changes nothing in this row")

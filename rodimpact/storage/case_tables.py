@@ -66,6 +66,7 @@ class Table:
     """One table of the file, at its path; "" is the whole file."""
 
     def __init__(self, reading: Reading, path: str, data: dict[str, Any]) -> None:
+        """Keep what is read of the file, and the path and the entries of this table."""
         self.reading = reading
         self.path = path
         self.data = data
@@ -77,7 +78,7 @@ class Table:
             return key
         return f"{self.path}.{key}"
 
-    def note(
+    def note_mistake(
         self, key: str, message: str, word: Any = "", choices: Collection[str] = ()
     ) -> None:
         """Note a mistake at a key, with that of the choices which is nearest to a word.
@@ -105,50 +106,60 @@ class Table:
         self.reading.numbers[path] = None
         return self.reading.grids.get(path)
 
-    def gives(self, key: str) -> bool:
+    def has_or_varies(self, key: str) -> bool:
         """Whether this number is in the file, or a grid or a tie in its place; it can vary."""
         varying = self.grid_or_tie(key)
         return self.has(key) or varying is not None
 
-    def entries(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
-        """Numbers of the fields of a class that are given, and of those that must be.
+    def given_numbers(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
+        """Numbers of the fields of a class that are given, and of those that must be, by key.
 
-        Fields `without` which the object can be made are not among them.
+        A number that must be given and is not is nan, and noted. Fields `without` which the object
+        can be made are not among them.
         """
         numbers = {}
         for key, field in kind.fields.items():
             if key in without:
                 continue
             present = self.has(key)
-            if not field.many:
-                present = self.gives(key)
+            if not field.many:  # of a list, items may vary
+                present = self.has_or_varies(key)
             if present or field.default is REQUIRED:
                 numbers[key] = self.number(key, field)
         return numbers
 
     def number(self, key: str, field: QuantityField) -> Any:
-        """A number, an array where it varies, a profile, or the word that may stand there."""
+        """A number, an array where it varies, a profile, or the word that may stand there.
+
+        It is nan, and a mistake is noted, if it is missing or none of these.
+        """
         if field.many:
-            return self.numbers(key, field.dimension)
+            return self.number_list(key, field.dimension)
+        # A grid or a tie stands in for what the file has.
         value = self.reading.grids.get(self.where(key), self.get(key))
         if field.along and isinstance(value, dict):
             return self.profile(key, field)
         if field.word and isinstance(value, str) and value[:1].isalpha():
+            # A text that begins with a letter is no number with a unit.
             return self.word(key, (field.word,))
-        if "infinite" in field.sign and value in ("inf", math.inf):
+        may_be_infinite = "infinite" in field.sign
+        if may_be_infinite and value in ("inf", math.inf):
             return math.inf
         if value is None:
             choices = ", ".join(units.UNITS.get(field.dimension, ()))
             hint = ""
             if choices:
                 hint = f" or text with one of {choices}"
-            self.note(key, f"is missing; give a number in SI units{hint}")
+            self.note_mistake(key, f"is missing; give a number in SI units{hint}")
             return math.nan
         hint = PROFILES.get(field.along, "")
         return self.quantity(key, value, field.dimension, hint)
 
     def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
-        """Float of a number or a text with unit, array of a grid; nan of anything else."""
+        """Float of a number or a text with unit, array of a grid or a tie; nan of anything else.
+
+        Then the mistake is noted; if the number can vary, `hint` and how to vary it follow.
+        """
         try:
             if isinstance(value, Grid | Tie):
                 return value.array(dimension)
@@ -160,10 +171,10 @@ class Table:
             can_vary = path in self.reading.numbers
             if isinstance(value, list) and can_vary:
                 message += f'{hint} vary={{"{path}": "start:stop:count"}} varies it'
-            self.note(key, message)
+            self.note_mistake(key, message)
             return math.nan
 
-    def numbers(self, key: str, dimension: str, vary: bool = True) -> Any:
+    def number_list(self, key: str, dimension: str, vary: bool = True) -> Any:
         """A list of numbers; with `vary` a grid or a tie may be given in place of an item.
 
         An item with a mistake is nan. Anything but a list is None; all mistakes are noted.
@@ -173,45 +184,50 @@ class Table:
             message = f"must be a list of numbers, got {shown(values)}"
             if values is None:
                 message = "is missing; give a list of numbers"
-            self.note(key, message)
+            self.note_mistake(key, message)
             return None
         numbers = []
         for i, value in enumerate(values):
-            item = f"{key}.{i}"
+            item_key = f"{key}.{i}"
             if vary:
-                varying = self.grid_or_tie(item)
+                varying = self.grid_or_tie(item_key)
                 if varying is not None:
                     value = varying
-            numbers.append(self.quantity(item, value, dimension))
+            numbers.append(self.quantity(item_key, value, dimension))
         return numbers
 
     def profile(self, key: str, field: QuantityField) -> Any:
-        """`Steps` or `Samples`, or `Polynomials` along a rod; 1 if they have mistakes."""
+        """`Steps` or `Samples`, or `Polynomials` along a rod; 1 if they have mistakes.
+
+        The entry ``samples`` or ``polynomials`` tells which it is; without them it is steps.
+        """
         table = self.table(key)
         if table.has("samples"):
-            entries = {"values": table.numbers("samples", field.dimension, vary=False)}
+            entries = {
+                "values": table.number_list("samples", field.dimension, vary=False)
+            }
             if field.along == "time":
-                table.gives("step")  # unlike samples, it can vary
+                table.has_or_varies("step")  # unlike samples, it can vary
                 entries["step"] = table.number("step", SAMPLE_STEP)
             for name in CURVE_KEYS:
                 if table.has(name):
                     entries[name] = table.get(name)
-            profile = table.make(Samples, SAMPLE_KEYS, **entries)
+            profile = table.make_or_note(Samples, SAMPLE_KEYS, **entries)
         elif table.has("polynomials") and field.along == "length":
             entries = {
-                "values": table.numbers("polynomials", field.dimension, vary=False)
+                "values": table.number_list("polynomials", field.dimension, vary=False)
             }
             if table.has("at"):
-                entries["at"] = table.numbers("at", field.along, vary=False)
+                entries["at"] = table.number_list("at", field.along, vary=False)
             if table.has("error"):
                 error = table.get("error")
                 entries["error"] = table.quantity("error", error, field.dimension)
-            profile = table.make(Polynomials, POLYNOMIAL_KEYS, **entries)
+            profile = table.make_or_note(Polynomials, POLYNOMIAL_KEYS, **entries)
         else:
-            values = table.numbers("values", field.dimension)
-            jumps = table.numbers("at", field.along)
-            profile = table.make(Steps, values=values, at=jumps)
-        table.close()
+            values = table.number_list("values", field.dimension)
+            jumps = table.number_list("at", field.along)
+            profile = table.make_or_note(Steps, values=values, at=jumps)
+        table.note_unknown_keys()
         if profile is None:
             return 1.0  # any number: the mistakes are noted
         return profile
@@ -219,14 +235,17 @@ class Table:
     def word(
         self, key: str, choices: Collection[str], default: str | None = None
     ) -> str | None:
-        """One of the choices; None for anything else."""
+        """The word at a key, one of the choices; None, with a mistake noted, for anything else.
+
+        The default stands in for a missing one.
+        """
         value = self.get(key, default)
         if isinstance(value, str) and value in choices:
             return value
         if value is None:
-            self.note(key, f"is missing; use one of {listed(list(choices))}")
+            self.note_mistake(key, f"is missing; use one of {listed(list(choices))}")
         else:
-            self.note(key, f"unknown {key} {shown(value)}", value, choices)
+            self.note_mistake(key, f"unknown {key} {shown(value)}", value, choices)
         return None
 
     def table(self, key: str) -> Table:
@@ -234,34 +253,41 @@ class Table:
         data = self.get(key, {})
         if isinstance(data, dict):
             return Table(self.reading, self.where(key), data)
-        self.note(key, f"must be a table, got {shown(data)}")
+        self.note_mistake(key, f"must be a table, got {shown(data)}")
         # What is missing in it is noted in a reading of its own, which nobody sees.
         apart = Reading(grids={})
         return Table(apart, self.where(key), {})
 
     def tables(self, key: str) -> list[Table]:
-        """All tables of that name, in their order."""
+        """All tables of that name, in their order.
+
+        Anything else is noted as a mistake, and makes no table.
+        """
         items = self.get(key, [])
-        if not isinstance(items, list) or not all(isinstance(x, dict) for x in items):
-            # a header names no index: [[bodies.segments]] for bodies.0.segments
+        is_list = isinstance(items, list)
+        if not is_list or not all(isinstance(item, dict) for item in items):
+            # A header names no index: [[bodies.segments]] for bodies.0.segments
             header = re.sub(r"\.\d+", "", self.where(key))
             message = f"must be tables that each begin [[{header}]]"
-            self.note(key, f"{message}, got {shown(items)}")
+            self.note_mistake(key, f"{message}, got {shown(items)}")
             items = []
         tables = []
         for i, item in enumerate(items):
             tables.append(Table(self.reading, self.where(f"{key}.{i}"), item))
         return tables
 
-    def build(self, kind: Any, **entries: Any) -> Any:
-        """The object that this table describes, with these entries besides its numbers; or None."""
-        numbers = self.entries(kind)
+    def read_object(self, kind: Any, **entries: Any) -> Any:
+        """The object that this table describes, with these entries besides its numbers.
+
+        It is of the class `kind`; None if it has mistakes, which are noted, as unknown keys are.
+        """
+        numbers = self.given_numbers(kind)
         numbers.update(entries)
-        built = self.make(kind, **numbers)
-        self.close()
+        built = self.make_or_note(kind, **numbers)
+        self.note_unknown_keys()
         return built
 
-    def make(
+    def make_or_note(
         self, kind: Any, names: Mapping[str, str] = SAME_NAMES, /, **entries: Any
     ) -> Any:
         """An object of the model; None, with its mistakes noted here, if they allow none.
@@ -274,11 +300,11 @@ class Table:
             for path, message in error.problems:
                 for pattern, name in names.items():
                     path = re.sub(pattern, name, path)
-                self.note(path, message)
+                self.note_mistake(path, message)
             return None
 
-    def close(self) -> None:
+    def note_unknown_keys(self) -> None:
         """Note every entry that nobody asked for."""
         for key in self.data:
             if key not in self.keys:
-                self.note(key, "unknown key", key, self.keys)
+                self.note_mistake(key, "unknown key", key, self.keys)

@@ -63,7 +63,7 @@ def format_case(case: Case | System) -> str:
     for gauge in case.gauges:
         entries = gauge._asdict()
         if not gauge.name:
-            entries["name"] = None
+            entries["name"] = None  # which is left out
         parts.append(toml_table("[[gauges]]", entries))
     if case.solve:
         parts.append(toml_table("[solve]", case.solve))
@@ -77,7 +77,10 @@ def format_case(case: Case | System) -> str:
 
 
 def _system_tables(system: System) -> list[str]:
-    """Tables of a case file that describe a system, the schema first."""
+    """Tables of a case file that describe a system, the schema first.
+
+    Then come materials, bodies with their segments, contacts and ends.
+    """
     described = system.to_dict()
     materials = _name_materials(system, described)
     parts = [
@@ -85,11 +88,12 @@ def _system_tables(system: System) -> list[str]:
     ]
     for key, material in materials.items():
         entries = material.to_dict()
-        entries["name"] = None
+        entries["name"] = None  # which is left out: the key is the name
         if key != material.name:
             entries["name"] = material.name
         parts.append(toml_table(f"[materials.{_key(key)}]", entries))
     for body in described["bodies"]:
+        # Segments have tables of their own.
         parts.append(toml_table("[[bodies]]", body | {"segments": None}))
         for segment in body.get("segments", ()):
             parts.append(toml_table("[[bodies.segments]]", segment))
@@ -183,9 +187,13 @@ def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Mate
 
 
 def _free_key(named: dict[str, Material], material: Material) -> str:
-    """Key of a material among those that are named, which it joins."""
+    """Key of a material among those that are named, which it joins: ``"steel"``, ``"steel 2"``.
+
+    Equal materials have one key.
+    """
     key = material.name
     number = 1
+    # A free key is given to the material; a taken one belongs to an equal one, or to another.
     while named.setdefault(key, material) != material:
         number += 1
         key = f"{material.name} {number}"
@@ -193,7 +201,7 @@ def _free_key(named: dict[str, Material], material: Material) -> str:
 
 
 def _result_tables(result: SavedResult) -> list[str]:
-    """Tables of [result]."""
+    """Tables of [result]: words, then the numbers and their accuracy."""
     words = result._asdict()
     numbers = words.pop("numbers")
     accuracy = words.pop("accuracy")
@@ -222,13 +230,12 @@ def _key(name: str) -> str:
 
 def _toml(value: Any) -> str:
     """A value as TOML; lists of many numbers take several lines."""
-    if hasattr(value, "tolist"):
-        # an array or a number of NumPy
+    if hasattr(value, "tolist"):  # an array or a number of NumPy
         value = value.tolist()
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
-        # a string of JSON is one of TOML, but for DEL
+        # A string of JSON is one of TOML, but for DEL.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, dict):
         entries = [f"{_key(key)} = {_toml(item)}" for key, item in value.items()]
@@ -237,9 +244,8 @@ def _toml(value: Any) -> str:
         items = list(map(_toml, value))
         if len(items) <= MAX_ITEMS_PER_LINE:
             return "[" + ", ".join(items) + "]"
-        starts = range(0, len(items), MAX_ITEMS_PER_LINE)
-        lines = [
-            ", ".join(items[start : start + MAX_ITEMS_PER_LINE]) for start in starts
-        ]
+        lines = []
+        for start in range(0, len(items), MAX_ITEMS_PER_LINE):
+            lines.append(", ".join(items[start : start + MAX_ITEMS_PER_LINE]))
         return "[\n  " + ",\n  ".join(lines) + "\n]"
     return repr(value)

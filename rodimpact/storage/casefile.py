@@ -191,10 +191,8 @@ def parse_case(
         )
     try:
         data = tomllib.loads(text)
-    except (
-        ValueError,
-        RecursionError,
-    ) as error:  # a number of 5000 digits is a plain ValueError
-        reason = str(error).partition("; use sys.")[0]
+    except (ValueError, RecursionError) as error:
+        # A number of 5000 digits is a plain ValueError, with a hint at a setting of Python.
+        reason, _, _ = str(error).partition("; use sys.")
         raise invalid_argument(source, f"is not valid TOML: {reason}") from None
     return case_from(data, source, vary)

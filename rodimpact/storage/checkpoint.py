@@ -82,6 +82,7 @@ class Checkpoint:
         path: PathLike | None,
         sweep: Mapping[str, Any],
     ) -> None:
+        """Make empty columns, and take over the members that the directory has."""
         self.size = size
         self.columns: Arrays = {}
         for name, (dtype, shape) in columns.items():
@@ -89,8 +90,10 @@ class Checkpoint:
         self.path: Path | None = None
         if path is not None:
             self.path = Path(file_name(path))
+        # As it comes back from a file: JSON has lists in place of tuples.
         self._sweep = json.loads(json.dumps(sweep))
-        self._began = self._saved = time.monotonic()
+        self._began = time.monotonic()  # s
+        self._saved = self._began  # time of the last file, s
         self.done = np.zeros(size, dtype=bool)
         self._unsaved = np.zeros(size, dtype=bool)  # members that are not on the disk
         for file in self._files():
@@ -110,7 +113,10 @@ class Checkpoint:
         self.done[start:stop] = True
 
     def _files(self) -> list[Path]:
-        """Files of the directory, which is made if there is none."""
+        """Files of members in the directory, which is made if there is none.
+
+        OSError if no file can be written there, FileFormatError for foreign files.
+        """
         if self.path is None:
             return []
         try:
@@ -120,11 +126,12 @@ class Checkpoint:
                 f"cannot make the directory {shown_path(self.path)}: {error.strerror}"
             )
             raise type(error)(message) from None
-        # fail before anything is computed
+        # Raises before anything is computed
         check_target(self.path / FILE_NAME.format(0), force=True)
         files = []
         for file in sorted(self.path.iterdir()):
-            if file.name.startswith(PASSING):
+            is_left_over = file.name.startswith(PASSING)  # not whole, or put aside
+            if is_left_over:
                 continue
             files.append(file)
             if not file.match(FILE_NAME.format("*")):
@@ -135,9 +142,17 @@ class Checkpoint:
         return files
 
     def _read(self, file: Path) -> _Chunk | None:
-        """Members in a file; None if it is damaged."""
+        """Members in a file; None, with a warning, if it is damaged: then it is put aside.
+
+        FileFormatError if they are of another sweep.
+        """
+
+        def as_it_is(document: dict[str, Any], columns: Arrays) -> Any:
+            """Document and arrays of a file, unchanged."""
+            return document, columns
+
         try:
-            document, columns = read_npz(file, {KIND: lambda *content: content})
+            document, columns = read_npz(file, {KIND: as_it_is})
         except FileFormatError as error:
             message = f"{error}; it is put aside, and its members are run again"
             warnings.warn(message, DamagedChunks, stacklevel=4)
@@ -205,7 +220,8 @@ class _Chunk(NamedTuple):
 
 
 def spans(members: Any) -> list[Span]:
-    """Runs of members that are true."""
+    """Runs of members that are true, from an array of truth values [member]."""
+    changes = np.diff(np.concatenate(([0], members, [0])))
     # By turns the first member of a run and the one after its last
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], members, [0]))))
+    edges = np.flatnonzero(changes)
     return [Span(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]

@@ -46,7 +46,11 @@ class _Describer:
         self.places: dict[int, tuple[Any, dict[str, Any]]] = {}
 
     def describe(self, value: Any) -> Any:
-        """Description of a number, a text, a list, a mapping, an array or an object."""
+        """Description of a number, a text, a list, a mapping, an array or an object.
+
+        Numbers that JSON does not have are words, tuples are lists, mappings and objects have their
+        class.
+        """
         if isinstance(value, np.ndarray):
             return self.place_of(value)
         if isinstance(value, list | tuple):
@@ -54,7 +58,7 @@ class _Describer:
         if isinstance(value, float) and not math.isfinite(value):
             return str(float(value))
         if isinstance(value, str) and value in NOT_IN_JSON:
-            # a name that reads as a number
+            # A name that would be read as a number
             return {"class": "str", "text": value}
         if isinstance(value, Mapping):
             return {"class": "dict", "items": self.describe(list(value.items()))}
@@ -63,18 +67,21 @@ class _Describer:
         return value
 
     def describe_object(self, value: Frozen) -> dict[str, Any]:
-        """Description of an object of the model."""
+        """Description of an object of the model: its class, and the parameters that make it."""
         if isinstance(value, System):
-            value.check_file()
+            value.check_file()  # raises for a law that is a function
         described: dict[str, Any] = {"class": type(value).__name__}
         for name, entry in value._parameters().items():
             described[name] = self.describe(entry)
         return described
 
     def place_of(self, array: Any) -> dict[str, Any]:
-        """Place of an array in the column of its type; an array has one place in all."""
+        """Place of an array in the column of its type; an array has one place in all.
+
+        A new array is added to its column.
+        """
         if id(array) not in self.places:
-            column = array.dtype.str[1:]
+            column = array.dtype.str[1:]  # such as "f8", without the order of bytes
             position = {
                 "array": column,
                 "start": self.sizes[column],
@@ -97,7 +104,10 @@ def describe(content: Any) -> tuple[dict[str, Any], Arrays]:
 
 
 def restore(document: Mapping[str, Any], arrays: Arrays) -> Any:
-    """The object that `describe` described; an error of any kind for other documents."""
+    """The object that `describe` described; an error of any kind for other documents.
+
+    Its parts are made by the constructors of their classes, which check them again.
+    """
 
     @cache
     def array_at(column: str, start: int, *shape: int) -> Any:
@@ -105,6 +115,7 @@ def restore(document: Mapping[str, Any], arrays: Arrays) -> Any:
         return arrays[column][start : start + math.prod(shape)].reshape(shape)
 
     def restored(value: Any) -> Any:
+        """The value that `_Describer.describe` described."""
         if isinstance(value, list):
             return list(map(restored, value))
         if isinstance(value, str):
@@ -118,7 +129,10 @@ def restore(document: Mapping[str, Any], arrays: Arrays) -> Any:
             return value["text"]
         if name == "dict":
             return dict(restored(value["items"]))
-        parameters = {k: restored(entry) for k, entry in value.items() if k != "class"}
+        parameters = {}
+        for parameter, entry in value.items():
+            if parameter != "class":
+                parameters[parameter] = restored(entry)
         return CLASSES[name](**parameters)
 
     return restored(document["content"])

@@ -49,15 +49,20 @@ class Grid:
     """
 
     def __init__(self, path: str, text: Any, shape: list[int]) -> None:
+        """Keep the path, the text and the shape of the array of values.
+
+        The shape is -1 along the axis of this grid, and 1 along the others.
+        """
         self.path = path
         self.text = text
         self.varied: Varied | None = None
-        self._shape = (
-            shape  # shape of the array: -1 along the axis of this grid, else 1
-        )
+        self._shape = shape
 
     def array(self, dimension: str) -> Number:
-        """Values of the number along the axis of this grid; ValueError if it is no grid."""
+        """Values of the number along the axis of this grid, in the SI unit of the dimension.
+
+        They are kept in `varied`. ValueError if the text is no grid.
+        """
         values = grid_values(self.text, dimension)
         self.varied = Varied(self.path, values, units.si_unit(dimension))
         return values.reshape(self._shape)
@@ -90,7 +95,10 @@ class Tie:
         self._text = text
 
     def array(self, dimension: str) -> Number:  # noqa: ARG002
-        """Values of the number along the axis of its source; ValueError without a factor."""
+        """Values of the number along the axis of its source: those of the source times factors.
+
+        ValueError for a factor that cannot be read, or a divisor of 0.
+        """
         parts = _split_at(self._text, self.source.path)
         assert parts is not None
         values = self.source.amounts().values
@@ -115,7 +123,10 @@ class TieParts(NamedTuple):
 
 
 def _split_at(text: str, name: str) -> TieParts | None:
-    """Parts of a text around the name of another number; None if it is no product with it."""
+    """Parts of a text around the name of another number; None if it is no product with it.
+
+    The text is "factor*name", "name*operand", "name/operand" or both; one of them may be missing.
+    """
     pattern = (
         rf"\s*(?:(?P<factor>[^*]+)\*)?\s*{re.escape(name)}"
         r"\s*(?:(?P<operator>[*/])(?P<operand>.+))?"
@@ -149,9 +160,9 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
 
 
 def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
-    """Return grids and ties by their paths; InvalidModel for anything else.
+    """Return grids and ties by their paths, from their texts; InvalidModel for anything else.
 
-    The k-th grid runs along axis k; a tie runs along the axis of its source.
+    The k-th grid runs along axis k; a tie runs along the axis of its source, which must be a grid.
     """
     texts: Any = vary
     if vary is None:
@@ -160,6 +171,7 @@ def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
     if not is_mapping or not all(isinstance(path, str) for path in texts):
         message = "must name numbers by their paths, each with a grid"
         raise invalid_argument("vary", f"{message}, got {shown(texts)}")
+    # Path of the number to which each is tied; "" of a grid, which has an axis
     sources = {path: _source_of(path, texts[path], texts) for path in texts}
     axes = [path for path, source in sources.items() if source == ""]
     if len(axes) > MAX_AXES:

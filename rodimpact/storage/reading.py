@@ -59,6 +59,7 @@ class FileFormatError(ValueError):
     """
 
     def __init__(self, message: str, path: str = "") -> None:
+        """Keep the message, and put the path of the file before it in the text of the error."""
         text("message", message, "is empty")
         text("path", path, "run.toml")
         self.problems = [(path, message)]
@@ -72,14 +73,14 @@ def open_regular(path: PathLike) -> BinaryIO:
     """Open a file to be read; OSError where there is none, or a pipe or a device."""
     path = file_name(path)
     # A directory is left to `open`, whose error says what it is.
-    if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
+    is_usual = os.path.isfile(path) or os.path.isdir(path)
+    if os.path.exists(path) and not is_usual:
         raise OSError(errno.EINVAL, "it is not a regular file", path)
     try:
         return open(path, "rb")
     except OSError as error:
-        unquoted = shown_path(path)[
-            1:-1
-        ]  # the message of OSError has quotes of its own
+        # The message of OSError has quotes of its own.
+        unquoted = shown_path(path)[1:-1]
         raise type(error)(error.errno, error.strerror, unquoted) from None
 
 
@@ -108,7 +109,7 @@ def read_npz(
     """
     with open_regular(path) as file:
         try:
-            if file.read(2) != b"PK":
+            if file.read(2) != b"PK":  # every ZIP begins with it
                 raise FileFormatError(
                     "is not an NPZ file, so rodimpact did not save it"
                 )
@@ -131,7 +132,10 @@ def read_npz(
 
 
 def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str, Any]:
-    """What the file says of itself; all of it but arrays."""
+    """What the file says of itself; all of it but arrays.
+
+    FileFormatError if it is foreign, of another schema, or of a kind that nobody reads.
+    """
     foreign = FileFormatError("is an NPZ file, but not one that rodimpact saved")
     if "document.npy" not in archive.namelist():
         raise foreign
@@ -159,15 +163,20 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
 
 
 def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
-    """The arrays that the document names, each as it was written."""
-    sizes = {}
+    """The arrays that the document names, each as it was written.
+
+    FileFormatError if an array is missing, is not named, or differs from its entry: type, shape
+    and checksum.
+    """
+    sizes = {}  # bytes
     expected_names = {"document.npy"}
     for name, entry in entries.items():
         sizes[name] = np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
         expected_names.add(f"{name}.npy")
     memory.check_file(archive.filename, sum(sizes.values()), ADVICE)
     mismatch = "is damaged: {} is not what the document says"
-    for name in expected_names.symmetric_difference(archive.namelist()):
+    unmatched = expected_names.symmetric_difference(archive.namelist())
+    for name in unmatched:  # one of them is named
         raise FileFormatError(mismatch.format(name))
     arrays = {}
     for name, entry in entries.items():
@@ -178,7 +187,10 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
 
 
 def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
-    """An array of at most so many bytes, or ValueError."""
+    """An array of at most so many bytes, or ValueError.
+
+    The header is read before the numbers, to be sure that they are no more than it says.
+    """
     packed = archive.getinfo(f"{name}.npy")
     if packed.compress_type not in COMPRESSIONS:
         raise ValueError(f"{name} is packed in a way that NPZ files are not")

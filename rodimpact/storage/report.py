@@ -176,7 +176,10 @@ def _tables(outcome: Any) -> list[str]:
 
 
 def _bodies_table(outcome: Any) -> str:
-    """Masses, velocities and vibration of the bodies."""
+    """Masses, velocities and vibration of the bodies.
+
+    Velocities have digits enough to keep six of their differences, 15 at most.
+    """
     before = outcome.velocities_before
     after = outcome.velocities_after
     velocities = [*before, *after]
@@ -188,7 +191,7 @@ def _bodies_table(outcome: Any) -> str:
         digits += math.floor(math.log10(largest / spread))
     digits = min(digits, 15)
     then = _then(outcome)
-    vibration_scale = _vibration_scale(outcome)
+    vibration_scale = _vibration_scale(outcome)  # J: less than its last digits is 0
     head = f"body|mass|velocity before|velocity {then}|vibration energy {then}"
     rows = [head.split("|")]
     for i, name in enumerate(body_names(outcome.bodies)):
@@ -221,7 +224,7 @@ def _contacts_table(outcome: Any) -> str:
 
 
 def _energy_table(outcome: Any) -> str:
-    """Energies before and after, and the works and losses between."""
+    """Energies before and after, and the works and losses between; those of 0 are left out."""
     vibration = ENERGY_LABELS["inner"]
     pairs: dict[str, tuple[float, float]] = {
         ENERGY_LABELS["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
@@ -233,7 +236,8 @@ def _energy_table(outcome: Any) -> str:
     }
     total_before = sum(before for before, _ in pairs.values())
     total_after = sum(after for _, after in pairs.values())
-    if not any(pairs[ENERGY_LABELS["contact"]]):
+    has_contact_energy = any(pairs[ENERGY_LABELS["contact"]])
+    if not has_contact_energy:
         del pairs[ENERGY_LABELS["contact"]]
     pairs["total"] = (total_before, total_after)
     total_scale = max(total_before, total_after)
@@ -258,7 +262,7 @@ def _energy_table(outcome: Any) -> str:
 
 
 def _balances_table(outcome: Any) -> str:
-    """Restitution, and the relative errors of the balances."""
+    """Restitution, "-" if undefined, and the relative errors of the balances."""
     restitution = "-"
     if not outcome.why_no_restitution():
         restitution = f"{clean(outcome.restitution, scale=1.0):.9g}"
@@ -271,7 +275,7 @@ def _balances_table(outcome: Any) -> str:
 
 
 def _error_text(value: float) -> str:
-    """A relative error for a table."""
+    """A relative error for a table: its size to two digits."""
     if abs(value) < 1e-15:
         return "below 1e-15"
     return f"{abs(value):.2g}"
@@ -323,7 +327,7 @@ def _vibration_scale(outcome: Any) -> Any:
 
 
 def _outcome_entries(outcome: Any) -> dict[str, Any]:
-    """Entries of an outcome for JSON."""
+    """Entries of an outcome for JSON, by name; bodies and contacts are lists of their entries."""
     bodies = []
     for i, kind in enumerate(outcome.bodies):
         body = {
@@ -341,7 +345,7 @@ def _outcome_entries(outcome: Any) -> dict[str, Any]:
         contact: dict[str, Any] = {"left": k, "right": k + 1, "bonded": joined}
         contact.update(tally._asdict())
         if joined:
-            # A joined pair has an impulse only.
+            # A joined pair has an impulse, the first field, only.
             for name in tally._fields[1:]:
                 contact[name] = None
         contacts.append(contact)
@@ -354,7 +358,7 @@ def _outcome_entries(outcome: Any) -> dict[str, Any]:
         entries["restitution"] = outcome.restitution
         entries["restitution_undefined"] = None
     for field in fields(outcome):
-        if field.type is float:
+        if field.type is float:  # energies and residuals of the whole row
             entries[field.name] = getattr(outcome, field.name)
     entries["final"] = outcome.final
     entries["status"] = outcome.status

@@ -146,7 +146,10 @@ def _check_keys(
     allowed: Collection[str],
     required: Collection[str],
 ) -> None:
-    """Note keys of a table that are unknown, and those that are missing."""
+    """Add problems of keys of a table that are unknown, and of those that are missing.
+
+    `path` is put before the keys.
+    """
     for key in table:
         if key not in allowed:
             problems.append((path + key, f"unknown key; {nearest(key, allowed)}"))
@@ -162,7 +165,11 @@ def _read_numbers(
     allowed: Collection[str],
     required: Collection[str] = (),
 ) -> dict[str, float]:
-    """Numbers of the table of this name in [result]; they may be infinite or nan."""
+    """Numbers of the table of this name in [result]; they may be infinite or nan.
+
+    Mistakes are added to `problems`: keys that are not allowed or missing, and values that are no
+    numbers. {} if there is no such table.
+    """
     group = table.get(name)
     if not isinstance(group, dict):
         if name in table:

@@ -66,7 +66,10 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
 
 
 def clean(value: float, scale: float) -> float:
-    """A value for a table: 0 if it is only round-off beside `scale`; nothing is beside infinity."""
+    """A value for a table: 0 if it is only round-off beside `scale`, else the value itself.
+
+    Beside an infinite scale nothing is round-off.
+    """
     if abs(value) <= ZERO_IN_TABLE_RTOL * scale < math.inf:
         return 0.0
     return value
@@ -106,7 +109,7 @@ def heading(column: str, unit: str) -> str:
     ('incident [V]', 'strain [1]')
     """
     if column != "time":
-        fault = misnamed(column)
+        fault = misnamed(column)  # a sentence, or ""
         if fault:
             raise invalid_argument("name", fault)
     if re.search(r'[]["(),;]', unit):
@@ -136,6 +139,7 @@ def _lines_of_table(
     """Lines of a table as CSV, heads first."""
     yield ",".join(heads)
     for columns in blocks:
+        # `repr` writes every digit of a float.
         cells = [map(repr, column.tolist()) for column in columns]
         for row in zip(*cells, strict=True):
             yield ",".join(row)

@@ -70,7 +70,7 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
     """
     path = file_name(path)
     check_flag("force", force)
-    mode = 0
+    mode = 0  # of the file that is there; 0 if there is none
     refused = f"cannot write {shown_path(path)}: "
     try:
         target = Path(os.path.realpath(path))
@@ -199,6 +199,7 @@ def write_npz(
         descriptions[name] = described(np.asanyarray(array))
     content["arrays"] = descriptions
     text = json.dumps(content, allow_nan=False)
+    # NumPy keeps a text with four bytes a character.
     if 4 * len(text) > MAX_DOCUMENT_BYTES:
         message = f"cannot write {os.fspath(path)!r}: the row has too many numbers for one file"
         raise OSError(message)
@@ -208,6 +209,6 @@ def write_npz(
 
 def described(array: Any) -> dict[str, Any]:
     """Type, shape and checksum of an array; JSON-ready."""
-    numbers = np.ascontiguousarray(array).ravel().view(np.uint8).data
-    checksum = hashlib.blake2b(numbers, digest_size=8).hexdigest()
+    as_bytes = np.ascontiguousarray(array).ravel().view(np.uint8).data
+    checksum = hashlib.blake2b(as_bytes, digest_size=8).hexdigest()
     return {"type": array.dtype.str, "shape": list(array.shape), "checksum": checksum}
