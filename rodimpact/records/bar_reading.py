@@ -31,7 +31,10 @@ FIRST_PULSE_RATIO = 0.4
 def instrumented_bars(
     input_gauges: Any, output_gauges: Any, bars: Any, compression: Any
 ) -> InstrumentedBars:
-    """Both bars with the records of their gauges."""
+    """Both bars with the records of their gauges.
+
+    The arguments are those of `reduce`, with `bars` one rod or two; InvalidModel names a wrong one.
+    """
     one_of("compression", compression, SIGN_OF_COMPRESSION)
     rods = rods_of(bars)
     return InstrumentedBars(

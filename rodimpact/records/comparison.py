@@ -178,6 +178,7 @@ def _best_shift(comparison: _Comparison, low: float, high: float, step: float) -
             bounds=(max(shift - step, low), min(shift + step, high)),
         )
         refined.append(float(solution.x))
+    # Of two results of `with_shift` the one of the smaller misfit comes first.
     return min([*refined, *on_grid], key=comparison.with_shift)
 
 
@@ -196,7 +197,7 @@ def _best_shifts_on_grid(
     # With the shift high - j step the model is m[j : j + n], and power[j] sums its squares.
     y = comparison.record.at(times[0] + step * np.arange(n))
     m = comparison.model.at(times[0] - high + step * np.arange(n + n_shifts - 1))
-    size = 1 << (len(m) - 1).bit_length()
+    size = 1 << (len(m) - 1).bit_length()  # a power of two, no less than len(m)
     spectrum = np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size))
     product = np.fft.irfft(spectrum, size)[:n_shifts]
     sums = np.concatenate(([0.0], np.cumsum(m * m)))  # sums[i] is that of m[:i]
@@ -207,11 +208,12 @@ def _best_shifts_on_grid(
     misfit = c * c * power - 2 * c * product
     # A local minimum is no larger than both neighbours; beyond the ends there is inf.
     padded = np.concatenate(([np.inf], misfit, [np.inf]))
-    is_least = (misfit <= padded[:-2]) & (misfit <= padded[2:])
-    least = np.flatnonzero(is_least)
-    order = np.argsort(misfit[least], kind="stable")
+    is_minimum = (misfit <= padded[:-2]) & (misfit <= padded[2:])
+    minima = np.flatnonzero(is_minimum)
+    order = np.argsort(misfit[minima], kind="stable")
+    best_first = minima[order]
     shifts = []
-    for j in least[order[:REFINED_SHIFTS]]:
+    for j in best_first[:REFINED_SHIFTS]:
         shift = min(max(high - j * step, low), high)
         shifts.append(float(shift))
     return shifts

@@ -81,7 +81,10 @@ class Faces(NamedTuple):
 
 
 def curve_of(faces: Faces, specimen: Specimen, times: Floats) -> Curve:
-    """The curve with the strain rate (v1 - v2)/L0."""
+    """The curve with the strain rate (v1 - v2)/L0.
+
+    The strain is its integral from the first time on.
+    """
     rate = (faces.input_velocity - faces.output_velocity) / specimen.length
     return Curve(
         times=times,

@@ -405,7 +405,11 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _speed_of_echo(bar: InstrumentedBar) -> float | None:
-    """Speed of the first pulse on its way to the far end and back, m/s; None if it is not seen."""
+    """Speed of the first pulse on its way to the far end and back, m/s; None if it is not seen.
+
+    The pulse, propagated there and back with its sign turned, is shifted against the record. It is
+    not seen if the record is too short, or what comes back does not fit it.
+    """
     path = 2 * (float(bar.rod.length) - float(bar.distances[0]))
     travel = path / bar.speed
     slack = ECHO_SEARCH_RTOL * travel

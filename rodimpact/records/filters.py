@@ -61,6 +61,7 @@ def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats
     analog = signal.butter(order, 2 * math.pi * frequency, analog=True)
     # "foh", a first-order hold, takes straight lines between samples.
     top, bottom, _ = signal.cont2discrete(analog, dt, method="foh")
+    # The filter begins at rest, at 0: it takes the values from the first one on.
     change = signal.lfilter(np.ravel(top), bottom, values - values[0])
     result: Floats = values[0] + change
     return result

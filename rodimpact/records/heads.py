@@ -99,7 +99,10 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
 
 
 def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
-    """FileFormatError if the last line above the numbers has heads for other columns."""
+    """FileFormatError if the last line above the numbers has heads for other columns.
+
+    These may be numbers or words, two or more with a delimiter between them.
+    """
     cells = []
     if texts:
         cells = form.cells(texts[-1])
@@ -154,6 +157,7 @@ def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
 
     The recorder catman writes two dozen lines about each channel: its name, its unit, and so on.
     """
+    # Lines at the end are left out, one more each time.
     for count in range(len(rows) - 1, 1, -1):
         with_units = _with_units_below(rows[:count])
         if with_units is not None and _has_times(with_units):
@@ -162,7 +166,10 @@ def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
 
 
 def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
-    """Heads whose units are in a line of their own; None if the last line is no such line."""
+    """Heads whose units are in a line of their own; None if the last line is no such line.
+
+    All cells of that line must be known units; the line above it has the names.
+    """
     if len(rows) < 2:
         return None
     below = [spelt(cell.strip("[]() ")) for cell in rows[-1]]

@@ -65,7 +65,11 @@ def as_written(_: int, line: str) -> str:
 
 
 def find_layout(lines: list[str]) -> Layout:
-    """Layout of a file with these first lines."""
+    """Layout of a file with these first lines.
+
+    The instrument is known by its first line or by its entries. If none is known, all lines are
+    taken as they are.
+    """
     lines = lines[:MAX_ENTRY_LINES]
     mark = "\t"  # what parts two cells
     if "," in lines[0]:
@@ -223,7 +227,11 @@ def _keysight_layout(first_line: str, entries: Entries) -> Layout:
 def _labview_layout(
     head_index: int, names: list[str], entries: Entries, mark: str
 ) -> Layout:
-    """Layout of a file whose table stands below the line of names; `mark` ends each cell."""
+    """Layout of a file whose table stands below the line of names; `mark` ends each cell.
+
+    If the file has no times, the time is put before each row. FileFormatError if it has a column of
+    times for each channel.
+    """
     columns = first_value(entries, "x_columns", "One").casefold()
     if columns not in ("one", "no"):
         raise FileFormatError(
@@ -243,7 +251,10 @@ def _labview_layout(
 
 
 def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
-    """Function that puts the time before each line of a table without times."""
+    """Function that puts the time before each line of a table without times.
+
+    The times follow from the entries X0 and Delta_X; FileFormatError if they are missing.
+    """
     try:
         start = float(first_value(entries, "x0", "").replace(",", "."))
         step = float(first_value(entries, "delta_x", "").replace(",", "."))

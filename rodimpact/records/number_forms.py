@@ -174,7 +174,11 @@ def _first_row(lines: list[str], start: int, form: NumberForm) -> int:
 def _chosen(
     matching: list[NumberForm], lines: list[str], start: int, survey: Survey
 ) -> NumberForm:
-    """One of the forms that match the first rows; FileFormatError if they leave it open."""
+    """One of the forms that match the first rows; FileFormatError if they leave it open.
+
+    A form that finds several numbers goes before one that finds a single one. If whole numbers fit
+    both decimal signs, it is a comma if one stands in the table, else a point.
+    """
     line = lines[start]
     # A line of one number is that number only if no form finds more.
     several = [form for form in matching if form.count_numbers(line) > 1]
@@ -206,7 +210,10 @@ def _chosen(
 
 
 def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
-    """What keeps a line in the middle of the file from being numbers, and the remedy."""
+    """What keeps a line in the middle of the file from being numbers, and the remedy.
+
+    The line is read in the form that finds most numbers in it.
+    """
     filled = [i for i, line in enumerate(lines) if line.strip()]
     if not filled:
         return "; export it as text, with one row for each sample"

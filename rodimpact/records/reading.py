@@ -279,7 +279,7 @@ def _time_column(table: ColumnTable, time: str | None) -> int:
     """
     candidates = _named_times(table)
     expected = "time"
-    has_heads = table.names[0] != "1"
+    has_heads = table.names[0] != "1"  # without heads columns are called 1, 2 and so on
     if not has_heads:
         candidates = [_first_increasing(table)]
     if time is not None:

@@ -123,16 +123,17 @@ class Reduction(Curve):
     @property
     def true_strain(self) -> Floats:
         """-ln(1 - strain), shape (n,); ValueError unless the specimen is incompressible."""
-        self._keeps_volume()
+        self._require_constant_volume()
         return -np.log1p(-self.strain)
 
     @property
     def true_stress(self) -> Floats:
         """Stress (1 - strain), Pa, shape (n,); ValueError unless the specimen is incompressible."""
-        self._keeps_volume()
+        self._require_constant_volume()
         return self.stress * (1 - self.strain)
 
-    def _keeps_volume(self) -> None:
+    def _require_constant_volume(self) -> None:
+        """Raise InvalidModel unless the specimen is incompressible."""
         if not self.specimen.incompressible:
             message = "true stress and strain need a constant volume"
             raise invalid_argument(

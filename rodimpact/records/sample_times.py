@@ -109,7 +109,7 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
     # If the times are rounded, the longest step exceeds the shortest one by the last digit.
     shortest = float(steps.min())
     last_digit = float(steps.max()) - shortest
-    has_repeats = shortest == 0  # more samples than digits
+    has_repeats = shortest == 0  # neighbouring times were rounded to one
     if shortest < 0 or last_digit <= EQUAL_STEP_RTOL * shortest:
         return False  # times that do not increase, or equal steps
     usual = np.median(steps)

@@ -249,7 +249,10 @@ class Signal(Frozen):
         return self - float(self.values[self._within(start, end)].mean())
 
     def _within(self, start: float, end: float) -> Any:
-        """Which samples lie between these times."""
+        """Which samples lie between these times.
+
+        InvalidModel if there are fewer than two.
+        """
         low = scalar("start", start, "s")
         high = scalar("end", end, "s")
         inside = (self.times >= low) & (self.times <= high)
@@ -638,7 +641,10 @@ def _number_of_steps(name: str, duration: Any, step: float) -> int:
 
 
 def bounds_of(name: str, bounds: Any, unit: str) -> Range | None:
-    """Lower and upper bound; a single number is both, None is free."""
+    """Lower and upper bound; a single number is both, None is free.
+
+    InvalidModel for anything else than one number, or two that do not fall.
+    """
     if bounds is None:
         return None
     ends = array(name, bounds, unit, "any")

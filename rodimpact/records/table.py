@@ -156,7 +156,11 @@ class Table:
         return numbers
 
     def _checked(self, line: int, row: str) -> list[float]:
-        """Numbers of a row, NaN for a blank cell; FileFormatError for a cell that is no number."""
+        """Numbers of a row, NaN for a blank cell; FileFormatError for a cell that is no number.
+
+        Missing cells at the end are blank; more cells than columns are an error, too. `_has_blanks`
+        keeps that a cell is blank.
+        """
         cells = self._form.cells(row)
         if len(cells) > self._count:
             raise FileFormatError(

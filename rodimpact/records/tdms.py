@@ -88,7 +88,10 @@ def _names_of(channels: list[Any]) -> list[str]:
 
 
 def _common_clock(names: list[str], channels: list[Any]) -> _Clock | None:
-    """The clock of all channels, None without one; FileFormatError if there are several."""
+    """The clock of all channels, None without one; FileFormatError if there are several.
+
+    The properties of a channel tell its time step and its start; a step of 0 is none.
+    """
     clocks = []
     for channel in channels:
         step = float(channel.properties.get("wf_increment", 0.0))

@@ -63,7 +63,10 @@ class TextFile:
                 yield line.replace(MINUS, "-")
 
     def _surveyed(self, encoding: str) -> Survey:
-        """Read the whole text once."""
+        """Read the whole text once.
+
+        FileFormatError if it has the character NUL, UnicodeDecodeError if it has another encoding.
+        """
         head = ""
         characters = 0
         line_ends = 0

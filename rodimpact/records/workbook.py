@@ -70,6 +70,7 @@ def _ending(file: BinaryIO) -> str:
 
 def _rows_of_xlsx(openpyxl: Any, file: BinaryIO) -> Iterator[str]:
     """Rows of the first sheet of a new workbook, with tabs between cells."""
+    # `data_only` gives the values of formulas.
     book = openpyxl.load_workbook(file, read_only=True, data_only=True)
     with closing(book):
         for row in book.worksheets[0].iter_rows(values_only=True):
