@@ -354,7 +354,11 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
-    """Totals of a finished run from its fields: the ledger at its beginning and its end."""
+    """Totals of a finished run from its fields: the ledger at its beginning and its end.
+
+    Velocities that the method itself has found, `run.motion`, take the place of those of the
+    fields. The residuals of momentum and energy are relative to their scales.
+    """
     clock = run.clock
     first_and_last = np.array([0, run.end])
     ticks = np.unique(fields.nearest_energy_ticks(first_and_last))

@@ -184,7 +184,10 @@ class Fields(Protocol):
     # Where and when -----------------------------------------------------------------
 
     def to_ticks(self, t: ArrayLike) -> Ints:
-        """Nearest ticks of times in s, the last tick at most; ValueError outside the solution."""
+        """Nearest ticks of times in s, the last tick at most; ValueError outside the solution.
+
+        A time may lie beyond the end by a tick, since times are rounded.
+        """
         t = array("t", t, "s")
         end = self.end * self.clock.tick
         latest = end * (1 + END_RTOL) + self.clock.tick  # times are rounded
@@ -314,7 +317,11 @@ class Fields(Protocol):
         return velocity
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Displacement from the place at t = 0, m; arguments as for the velocity."""
+        """Displacement from the place at t = 0, m; arguments as for the velocity.
+
+        It is the one in the clock's frame, plus that of the frame, which falls with gravity:
+        g t^2/2. A wall has that of its own velocity alone.
+        """
         clock = self.clock
         ticks = self.to_ticks(t)
         points = array("x", x, "m")

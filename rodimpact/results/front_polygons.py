@@ -94,7 +94,11 @@ def initial_elongation(piece: Any) -> Any:
 
 
 def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
-    """Rectangles of a segment that have a part between the ticks `start` and `stop`."""
+    """Rectangles of a segment that have a part between the ticks `start` and `stop`.
+
+    These are the bounds of p and of q, and for each range of p the first range of q with such a
+    part, and the one after the last.
+    """
     T = piece["ticks"]
     p = edges_of(piece["rightward"], start - T, stop)
     q = edges_of(piece["leftward"], start - T, stop)

@@ -280,9 +280,10 @@ class GridFields(Fields):
         Its unit is the tick. Between states the strain is a straight line.
         """
         states = self.state_ticks
-        strain = self._strain_tables.strain[body]
+        table = self._strain_tables.strain[body]
+        strains = self._interpolated(body, x[:, None], states, table)  # [point, state]
         integrals = []
-        for at_point in self._interpolated(body, x[:, None], states, strain):
+        for at_point in strains:
             lines = Pieces.through(states, at_point)
             integrals.append(lines.integral(0, ticks))
         return np.array(integrals)
@@ -441,7 +442,10 @@ class GridFields(Fields):
                 yield StressPeak(stress, end.x, t)
 
     def _loaded_ends(self, body: int) -> tuple[LoadedEnd, LoadedEnd]:
-        """The left and the right end of a rod, with the force of a contact or at the row's end."""
+        """The left and the right end of a rod, with the force of a contact or at the row's end.
+
+        The forces are means over each time step, N; None at a free end.
+        """
         contacts = self.signals.contacts
         left_action, right_action = self.signals.boundary_actions
         left_push = _push_of(left_action)

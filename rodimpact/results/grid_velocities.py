@@ -16,7 +16,11 @@ from ..methods.signals import Floats, Ints
 
 
 def node_velocities(motion: GridMotion) -> Floats:
-    """Velocities of all nodes in the frame, m/s [state, node]; means in damped rods."""
+    """Velocities of all nodes in the frame, m/s [state, node]; means in damped rods.
+
+    A node beside a cell with viscosity has the mean over two steps about each state; the others
+    have their velocities as they are.
+    """
     velocity = motion.velocity
     viscosity = motion.cells.viscous  # [cell]; cell n lies left of node n
     is_damped = viscosity[:-1] + viscosity[1:] > 0  # whether a cell beside a node is

@@ -219,6 +219,7 @@ class Outcome(OnlyContact[float]):
         """
         e = self.restitution
         first_on_right = self.unilateral[0] + 1  # body on the right of the contact
+        # All other contacts are joined: each side moves as one body.
         left_mass = sum(self.masses[:first_on_right])
         right_mass = sum(self.masses[first_on_right:])
         return collide(

@@ -14,7 +14,7 @@ import numpy as np
 from ..hints import explain_arguments, explain_missing
 from ..methods.signals import Floats, Ints
 from ..model import Segment
-from ..model.arguments import demand, scalar
+from ..model.arguments import UNCHECKED, demand, scalar
 from ..model.frozen import invalid_argument
 from .front_polygons import count_of_regions, polygons_of, wave_of
 from .segment_waves import SegmentWaves
@@ -118,7 +118,7 @@ def regions_of(
     if stop is None:
         stop = solution.t_end
     first_tick, last_tick = _interval(fields, start, stop)
-    limit = scalar("limit", limit, unit="", sign="")
+    limit = scalar("limit", limit, unit="", sign=UNCHECKED)
     demand(limit >= 1, "limit", "must be 1 or more, got {0:g}", limit)
     rods = _rods(fields)
     if count_of_regions(rods, first_tick, last_tick, limit) > limit:
@@ -175,8 +175,8 @@ def _constant_fields(solution: Solution) -> WaveFields:
 
 def _interval(fields: WaveFields, start: float, stop: float) -> Interval:
     """The ticks between two times, s; InvalidModel unless the second one is later."""
-    start_time = scalar("start", start, "s", sign="")
-    stop_time = scalar("stop", stop, "s", sign="")
+    start_time = scalar("start", start, "s", sign=UNCHECKED)
+    stop_time = scalar("stop", stop, "s", sign=UNCHECKED)
     first_tick = int(fields.to_ticks(start_time))
     last_tick = int(fields.to_ticks(stop_time))
     message = f"must be later than start = {start!r} s, got {stop!r}"

@@ -15,7 +15,15 @@ from ..methods.registry import Options
 from ..methods.run import Run, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Polynomials, Rod, Samples, Soil, Steps, System
-from ..model.arguments import Array, array, demand, integer, of_kind, scalar
+from ..model.arguments import (
+    UNCHECKED,
+    Array,
+    array,
+    demand,
+    integer,
+    of_kind,
+    scalar,
+)
 from ..model.frozen import invalid_argument
 from ..model.numbering import body_names
 from ..storage.case_writing import write_case
@@ -38,7 +46,7 @@ from .wave_fields import WaveFields
 _ALLOW_UNDERFLOW = np.errstate(under="ignore")
 """Squares of round-off and of very slow motion may vanish, and strains ahead of waves."""
 
-IN_TIME = (Steps, Samples, Polynomials)
+PROFILES_IN_TIME = (Steps, Samples, Polynomials)
 """What the value of an end is where it varies in time."""
 FIELDS_OF_ALL_BODIES = ("velocity", "displacement", "position")
 FIELDS_OF_RODS = ("strain", "stress", "axial_force")
@@ -315,7 +323,10 @@ class Solution(Shown):
         return self.fields.displacement(self._index(body), x, t)
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
+        """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`.
+
+        It is the place of the left end at t = 0 without strain, plus x, plus the displacement.
+        """
         left_end = self.fields.positions[self._index(body)]
         distance: float | Floats = 0.0
         if isinstance(self.system.bodies[body], Rod):
@@ -345,7 +356,8 @@ class Solution(Shown):
             If no soil holds the body along its shaft, or the time lies outside the solution.
         """
         index = self._index(body)
-        tick = int(self.fields.to_ticks(scalar("t", t, "s", sign="")))
+        time = scalar("t", t, "s", sign=UNCHECKED)
+        tick = int(self.fields.to_ticks(time))  # raises for times outside the solution
         shaft = getattr(self.system.bodies[index], "shaft", None)
         demand(
             isinstance(shaft, Soil), "body", f"has no soil along its shaft, got {index}"
@@ -363,8 +375,12 @@ class Solution(Shown):
 
     @_ALLOW_UNDERFLOW
     def gauge(self, body: int, x: float) -> Gauge:
-        """Record of a strain gauge at x, m from the left end of a body."""
-        x = scalar("x", x, "m", sign="")
+        """Record of a strain gauge at x, m from the left end of a body.
+
+        It has an entry at each of the times between which straight lines follow both waves. The
+        strains of the waves count from the velocity at t = 0.
+        """
+        x = scalar("x", x, "m", sign=UNCHECKED)
         # With A = v - c eps, the wave running right, and B = v + c eps, the one running left:
         # eps = (B - A)/(2 c) and v = (A + B)/2, in the clock's frame.
         waves = self.fields.point_history(self._index(body), x)
@@ -565,11 +581,11 @@ class Solution(Shown):
         ValueError
             If an end is driven by a function of time; the new system would begin within it.
         """
-        time = scalar("t", t, "s", sign="")
-        tick = int(self.fields.to_ticks(time))
+        time = scalar("t", t, "s", sign=UNCHECKED)
+        tick = int(self.fields.to_ticks(time))  # raises for times outside the solution
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             value = getattr(end, "value", None)  # a free end has none
-            if isinstance(value, IN_TIME):
+            if isinstance(value, PROFILES_IN_TIME):
                 message = "is driven by a function of time; drive it anew"
                 raise invalid_argument(f"ends.{side}", message)
         # The accuracy is relative to the scale of velocities.

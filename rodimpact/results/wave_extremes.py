@@ -101,7 +101,10 @@ class Zeros(NamedTuple):
 
 
 def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
-    """Highest and lowest d of the waves of a segment from t = 0 to the tick `end`."""
+    """Highest and lowest d of the waves of a segment from t = 0 to the tick `end`.
+
+    The lowest one is found as the highest of -d, from -A and -B.
+    """
     T = waves.transit
     A = _between(waves.rightward, -T, end)
     B = _between(waves.leftward, -T, end)
@@ -175,7 +178,10 @@ def _sides(domain: Domain) -> list[Side]:
 
 
 def _largest_on_side(side: Side) -> Meeting | None:
-    """The first meeting with the largest d on a side; None if all pieces are slivers."""
+    """The first meeting with the largest d on a side; None if all pieces are slivers.
+
+    d is read at the edges of its pieces, and at turning points.
+    """
     signal = side.difference
     is_long = _exceeds_sliver(signal)
     edges = _edges(signal, is_long)

@@ -247,7 +247,10 @@ class WaveFields(Fields):
         return RodEnergy(kinetic, strain)
 
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """The largest of the peaks of all segments: E/(2 c) times the extremes of B - A."""
+        """The largest of the peaks of all segments: E/(2 c) times the extremes of B - A.
+
+        Each peak has its stress, place and time; tension and compression are found apart.
+        """
         tensions = []
         compressions = []
         segments = self.rods[body].segments
@@ -341,7 +344,8 @@ def _constant_runs(
     # for the ticks up to the first one of the next value.
     first_held = np.sort(ticks.searchsorted(fronts.T), axis=0).T
     repeats = np.diff(first_held, prepend=0, append=len(ticks))
-    # The first value holds before all fronts, so there is one value more than fronts.
+    # The first value holds before all fronts, so there is one value more than fronts. It is found
+    # at a tick long before them.
     starts = np.sort(np.append(fronts, offsets + BEFORE_ALL_FRONTS, axis=1))
     p = starts - offsets
     q = starts + offsets - T
