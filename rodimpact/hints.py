@@ -174,7 +174,10 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
     """
 
     def decorated(kind: C) -> C:
+        """The same class, which answers wrong attributes and arguments from now on."""
+
         def __getattr__(self: Any, name: str) -> Any:  # noqa: N807
+            # Python calls this for attributes alone that it does not find.
             if hasattr(type(self), name):  # a property failed: its own error is raised
                 return object.__getattribute__(self, name)
             raise MissingAttribute(self, name)
@@ -201,6 +204,7 @@ class MissingAttribute(AttributeError):
         super().__init__(owner, name, name=name)
 
     def __str__(self) -> str:
+        """The message of Python, with the attribute that may be meant."""
         owner, name = self.args
         message = f"{type(owner).__name__!r} object has no attribute {name!r}"
         if name[0] == "_":  # Python itself asks for such names
@@ -209,7 +213,11 @@ class MissingAttribute(AttributeError):
 
 
 def _attribute_hint(owner: Any, name: str) -> str:
-    """Hint at the attribute of an object, or of one of its parts, that is meant."""
+    """Hint at the attribute of an object, or of one of its parts, that is meant.
+
+    The name itself in a part comes first, then synonyms, then names that are spelt alike: those of
+    the object before those of its parts. If there are none, attributes of the object are listed.
+    """
     own_names = _public_names(owner)
     paths: dict[str, str] = {}  # of attributes of the parts, the uppermost first
     for path, part in _parts(owner):
@@ -232,7 +240,7 @@ def _attribute_hint(owner: Any, name: str) -> str:
 
 
 def _public_names(owner: Any) -> list[str]:
-    """Attributes of an object that are its own subject."""
+    """Public attributes of an object, without those that every tuple has."""
     names = []
     for name in dir(owner):
         if name[0] != "_" and not hasattr(tuple, name):
@@ -241,7 +249,11 @@ def _public_names(owner: Any) -> list[str]:
 
 
 def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
-    """Parts of an object by their paths: first its own ones, then theirs."""
+    """Parts of an object with their paths: first its own ones, then theirs.
+
+    They are the attributes that `explain_missing` was given for its class; of a tuple of parts the
+    first one. Parts go down to `MOST_LEVELS`.
+    """
     parts = []
     for attribute in getattr(owner, "_deeper", ()):
         path = attribute
@@ -249,7 +261,8 @@ def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
             part = getattr(owner, attribute)
         except Exception:  # a hint must not hide the mistake
             continue
-        if isinstance(part, tuple) and not hasattr(part, "_fields"):
+        is_plain_tuple = isinstance(part, tuple) and not hasattr(part, "_fields")
+        if is_plain_tuple:
             if not part:
                 continue
             path = f"{attribute}[0]"
@@ -328,7 +341,10 @@ def _refusal(
     keywords: dict[str, Any],
     otherwise: str,
 ) -> str:
-    """What is wrong with the arguments of a call; `otherwise` if nothing is found."""
+    """What is wrong with the arguments of a call; `otherwise` if nothing is found.
+
+    A keyword that is unknown, too many arguments by position, or missing ones.
+    """
     parameters = dict(signature.parameters)
     if "self" in parameters:
         del parameters["self"]

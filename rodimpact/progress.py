@@ -72,6 +72,7 @@ class Progress:
     """
 
     def __init__(self, progress: bool | ProgressFunction, name: str, unit: str) -> None:
+        """Keep the arguments; nothing is shown before the call begins."""
         self._progress = progress
         self._name = name
         self._unit = unit
@@ -83,6 +84,10 @@ class Progress:
         self._done_before: int | None = None
 
     def __enter__(self) -> Report:
+        """Begin the call; return the function to which it reports how far it is.
+
+        That is the user's function, the bar of the outermost call, or one that does nothing.
+        """
         global _outermost
         self._is_outermost = False
         if in_main_thread():
@@ -90,6 +95,7 @@ class Progress:
                 _outermost = self
                 self._is_outermost = True
             elif _outermost._name == self._name:
+                # A call inside another of the same name goes on with the bar of that one.
                 return _outermost._report
         if callable(self._progress):
             return self._report
@@ -104,6 +110,7 @@ class Progress:
         error: BaseException | None,
         where: TracebackType | None,
     ) -> None:
+        """End the call; the outermost one erases its bar, full unless an error ends the call."""
         global _outermost
         if not self._is_outermost:
             return
@@ -129,7 +136,7 @@ class Progress:
             if is_watched():
                 self._open(total)
             else:
-                self._began = math.inf
+                self._began = math.inf  # nobody is asked again
         if self._bar is not None:
             self._update(done, total)
 

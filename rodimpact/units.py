@@ -279,13 +279,16 @@ def _exact_value(text: Any, units: UnitFactors) -> float:
         value = math.inf
     if not math.isfinite(value):
         raise ValueError("it is not a finite number")
-    if exact and not value:
+    if exact != 0 and value == 0:
         raise ValueError("it is too small for a floating-point number")
     return value
 
 
 def _fraction(text: str, units: UnitFactors) -> Fraction:
-    """Exact value of a text with one of these units; ValueError gives the reason."""
+    """Exact value of a text with one of these units, in the SI unit; ValueError gives the reason.
+
+    A bare number is in the SI unit already.
+    """
     if len(text) > MOST_CHARACTERS:
         raise ValueError(f"it is longer than {MOST_CHARACTERS} characters")
     quantity = _QUANTITY.fullmatch(text.strip())
@@ -421,6 +424,7 @@ def dimension_of(unit: str) -> str:
 
 def si_unit(dimension: str) -> str:
     """SI unit of a dimension; "" for pure numbers."""
+    # A compound unit that `UNITS` does not have is its own dimension.
     units: UnitFactors = UNITS.get(dimension, {dimension: "1"})
     for unit, factor in units.items():
         if factor == "1":
@@ -429,7 +433,7 @@ def si_unit(dimension: str) -> str:
 
 
 def _spelt(unit: str) -> str:
-    """A unit in the spelling of `UNITS`."""
+    """A unit in the spelling of `UNITS`, which has no Greek letters, superscripts or dots."""
     spelt = " ".join(unit.translate(_SPELLINGS).split())
     return _ALIASES.get(spelt, spelt)
 
@@ -548,13 +552,14 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
     if math.isfinite(value) and _TAKES_PREFIX.match(unit):
         # The prefix is chosen after rounding: 999.9999999 N is 1 kN, not 1000 N.
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        power = int(exponent) // 3 * 3
-        shift = int(exponent) % 3
+        power = int(exponent) // 3 * 3  # that of the prefix
+        shift = int(exponent) % 3  # places by which the decimal sign moves
         if power == _LARGEST_PREFIX + 3:
             # 1000 GPa and more stand beside other numbers in GPa.
             power = _LARGEST_PREFIX
             shift += 3
         if power in _PREFIXES:
+            # Without zeros at its end, and without the sign of -0
             decimal = Decimal(mantissa).scaleb(shift).normalize() + 0
             return f"{decimal:f} {_PREFIXES[power]}{unit}"
     return f"{value + 0.0:.{digits}g} {unit}".rstrip()
@@ -573,7 +578,7 @@ def format_power(exponent: int) -> str:
 
 
 def format_factor(number: float) -> str:
-    """Write a factor 1, 2 or 5 times a power of ten, or any other."""
+    """Write a factor as it is, or to three digits times a power of ten, without a lead of 1."""
     if 1e-3 <= number < 1e5:
         return f"{number:g}"
     exponent = math.floor(math.log10(number) + ROUNDING_GUARD)

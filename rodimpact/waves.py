@@ -566,7 +566,10 @@ def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -
 def _equation_of_wave(
     x: float, wavenumber: WavenumberFunction, number: float, nu: float
 ) -> Any:
-    """Left-hand side of the equation of one wave at the speed x."""
+    """Left-hand side of the equation of one wave at the speed x, for `brentq`.
+
+    `number` describes the wave, and with x gives its wave number G.
+    """
     return _equation(wavenumber(number, x), x, nu)
 
 
@@ -612,7 +615,10 @@ def _bessel(x: Any, square: Any) -> _Bessel:
 
 @lru_cache(maxsize=64)
 def _slowness_curve(poisson_ratio: float) -> Any:
-    """Curve of c0/c - 1 over f a/c0, up to the cut-off: a function of arrays."""
+    """Curve of c0/c - 1 over f a/c0, up to the cut-off: a function of arrays.
+
+    It is a cubic spline through exact values of a bar of unit wave speed and radius.
+    """
     frequencies = np.linspace(0.0, CUT_OFF, SLOWNESS_KNOTS)
     unit_bar = Bar(1.0, poisson_ratio, 1.0)
     speed_ratios = unit_bar._speed_ratio(frequencies)
