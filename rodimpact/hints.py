@@ -31,6 +31,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "L": ("length",),
     "P": ("impulse",),
     "T": ("transit_time",),
+    "Ru": ("resistance",),
     "Z": ("impedance",),
     "c": ("damping", "wave_speed"),
     "c0": ("wave_speed",),
@@ -71,6 +72,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "rods": ("bodies",),
     "sound_speed": ("wave_speed",),
     "speed": ("velocity", "wave_speed"),
+    "stiffness": ("loading",),
     "t_end": ("until",),
     "threads": ("workers", "executor"),
     "time": ("times", "until", "t"),
@@ -78,6 +80,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "tolerance": ("rtol",),
     # words for functions and classes
     "ball": ("RigidMass",),
+    "bounce": ("stack_drop",),
     "bar": ("Rod",),
     "beam": ("Rod",),
     "collision": ("collide", "System"),
@@ -104,6 +107,10 @@ ELSEWHERE = {
     "contact_time": "it is opening - start of contacts[k].episodes; duration is the "
     "time with force",
     "plot": "functions of rodimpact.plot draw it, such as plot.overview",
+    "run": "rodimpact.solve(system) solves it",
+    "simulate": "rodimpact.solve(system) solves it",
+    "solve": "rodimpact.solve(system) solves it",
+    "sweep": "rodimpact.sweep(system) solves a family",
 }
 """What is said of attributes that an object has nowhere."""
 

@@ -396,9 +396,9 @@ def stack_drop(
     n_restitutions = e.shape[-1]
     if n_balls != n_restitutions or n_balls == 0:
         raise ValueError(
-            f"masses has {n_balls} balls and restitutions {n_restitutions}: give at "
-            "least one ball, and for each ball its restitution with the ball below it, "
-            "first that of the bottom ball with the floor"
+            f"masses has {n_balls} balls and restitutions {n_restitutions}: give one "
+            "restitution for each ball, at least one: first that of the bottom ball "
+            "with the floor, then that of each ball with the ball below it"
         )
     drop_speed = np.sqrt(2 * g * h)
     shape = np.broadcast_shapes(M.shape[:-1], e.shape[:-1], drop_speed.shape)

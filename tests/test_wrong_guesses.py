@@ -35,6 +35,10 @@ NAMES = [
     ("solution.e", "perhaps 'outcome.restitution' is meant"),
     ("solution.force(1e-4)", "perhaps 'contacts[0].force' is meant"),
     ("solution.gravity", "perhaps 'system.gravity' is meant"),
+    ("system.solve()", "rodimpact.solve(system) solves it"),
+    ("ri.rigid.bounce", "perhaps 'stack_drop' is meant"),
+    ("ri.solve(solution)", "got a Solution: give its System, the attribute system"),
+    ("ri.rigid.stack_drop([1, 2], [0.9], 1)", "give one restitution for each ball"),
     ("solution.plot()", "functions of rodimpact.plot draw it"),
     ("solution.outcome.contact_time", "opening - start of contacts[k].episodes"),
     ("solution.outcome.energy_lost", "perhaps 'dissipated' is meant"),
@@ -70,6 +74,8 @@ KEYWORDS = [
     ("ri.Material('x', E=2e11, rho=7800)", "perhaps 'youngs_modulus' is meant"),
     ("ri.Material(youngs_modulus=2e11, density=7800)", "needs name; it takes name"),
     ("ri.Hertz(k=1e10)", "perhaps 'stiffness' is meant"),
+    ("ri.Cushion(stiffness=1e8, restitution=0.8)", "perhaps 'loading' is meant"),
+    ("ri.Soil(Ru=1e5)", "perhaps 'resistance' is meant"),
     ("ri.SpringDashpot(1e6, c=1)", "perhaps 'damping' is meant"),
     ("ri.RigidMass(m=1)", "perhaps 'mass' is meant"),
     ("ri.System([rod, rod], gap=1e-3)", "perhaps 'gaps' is meant"),
@@ -115,6 +121,9 @@ COMMANDS = [
     ("runn case.toml", "perhaps run is meant"),
     ("run", "arguments are required: CASE.toml"),
     ("run case.tml", "case.tml: cannot be read"),
+    ("run cases.toml", "perhaps 'case.toml' is meant"),
+    ("run record.csv", "a case file is TOML (a record is read by"),
+    ("help soil", "there is no text on 'soil'; `rodimpact help` lists all texts"),
     ("run case.toml --plt x.png", "perhaps '--plot' is meant"),
     ("run case.toml more.toml", "rodimpact run --help shows what it takes"),
     ("run case.toml --plot x.bmp", "must end in one of .png, .svg, .pdf"),
@@ -136,6 +145,14 @@ COMMANDS = [
     ("materials steel", "rodimpact materials --help shows what it takes"),
     ("doctor --warmup", "perhaps '--warm' is meant"),
     ("--verison", "perhaps '--version' is meant"),
+]
+TABLE_OF_MATERIAL = "{density = 7850, youngs_modulus = 2e11}"
+CASES = [
+    ('"steel"', TABLE_OF_MATERIAL, "call the table [materials.NAME], and write NAME"),
+    ("area =", "E = 2e11\narea =", "belongs to a table of the material"),
+    ("area =", "density = 1\narea =", "belongs to a table of the material"),
+    ("[[bodies]]", "[shaft]\n[[bodies]]", "as the table [bodies.shaft]"),
+    ("[[bodies]]", "[[contacts]]\n[[contacts]]\n[[bodies]]", "1 in all, got 2"),
 ]
 
 
@@ -166,12 +183,22 @@ def test_a_wrong_guess_in_python_is_answered_by_a_remedy(guess, remedy, known):
     assert remedy in str(caught.value)
 
 
+@pytest.mark.parametrize(("right", "wrong", "remedy"), CASES)
+def test_a_wrong_entry_of_a_case_is_answered_by_a_remedy(right, wrong, remedy):
+    assert right in UNEQUAL_RODS
+    text = UNEQUAL_RODS.replace(right, wrong, 1)
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.parse_case(text, "case.toml")
+    assert remedy in str(caught.value)
+
+
 @pytest.mark.parametrize(("guess", "remedy"), COMMANDS)
 def test_a_wrong_command_is_answered_by_a_remedy(
     guess, remedy, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(UNEQUAL_RODS)
+    (tmp_path / "record.csv").write_text("t,force\n0,1\n1,2\n")
     assert main(shlex.split(guess)) == 2
     out, err = capsys.readouterr()
     assert out == ""

@@ -14,9 +14,17 @@ docs/input.md         Every table and key of a case file (a page of the manual).
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The topic."""
-    parser.add_argument(
-        "topic", nargs="?", choices=("units",), help="units: every known unit"
-    )
+    parser.add_argument("topic", nargs="?", type=_topic, help="units: every known unit")
+
+
+def _topic(word: str) -> str:
+    """The topic of that name; a mistake in the call for any other word."""
+    if word != "units":
+        raise argparse.ArgumentTypeError(
+            f"there is no text on {word!r}; `rodimpact help` lists all texts, and "
+            "`rodimpact COMMAND --help` explains a command"
+        )
+    return word
 
 
 def run(args: argparse.Namespace) -> CommandResult:

@@ -112,7 +112,14 @@ def of_kind(name: str, value: Any, kind: type, example: str) -> None:
     if kind.__name__[0] in "AEIOU":
         article = "an"
     wanted = f"must be {article} {kind.__name__}, such as {example}"
-    raise invalid_argument(name, f"{wanted}, got {shown(value)}")
+    part = kind.__name__.lower()  # a case and a solution have the attribute `system`
+    if isinstance(getattr(value, part, None), kind):
+        found = (
+            f"a {type(value).__name__}: give its {kind.__name__}, the attribute {part}"
+        )
+    else:
+        found = shown(value)
+    raise invalid_argument(name, f"{wanted}, got {found}")
 
 
 def one_of(name: str, value: Any, choices: Collection[str]) -> None:

@@ -444,7 +444,10 @@ def _one_per_pair(
             "must be a list with one entry for each neighbouring pair, "
             f"{n_pairs} in all"
         )
-        add_problem(problems, name, message, items)
+        if is_list:
+            problems.append((name, f"{message}, got {len(items)}"))
+        else:
+            add_problem(problems, name, message, items)
     if is_list:
         return items
     return ()

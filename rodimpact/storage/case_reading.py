@@ -205,6 +205,13 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
 
     Its numbers may vary: in the library, for all bodies of this material, and in this body alone.
     """
+    if isinstance(table.get(key), dict):
+        message = (
+            "must be the name of a material, got a table; "
+            "call the table [materials.NAME], and write NAME here"
+        )
+        table.note_mistake(key, message)
+        return materials.steel
     name = table.word(key, library)
     if name is None:
         return materials.steel

@@ -34,6 +34,18 @@ POLYNOMIAL_KEYS = {
 """Keys of a profile of polynomials, where the model has other names."""
 SAME_NAMES: Mapping[str, str] = {}
 """Names of a table whose keys are those of the model."""
+MATERIAL_PLACE = "a table of the material, [materials.NAME]"
+PLACE_OF_KEY = {
+    "E": f"{MATERIAL_PLACE}, as youngs_modulus",
+    "density": MATERIAL_PLACE,
+    "poisson_ratio": MATERIAL_PLACE,
+    "rho": f"{MATERIAL_PLACE}, as density",
+    "shaft": "a rod, below its [[bodies]], as the table [bodies.shaft]",
+    "soil": "a rod, below its [[bodies]], as the table [bodies.shaft]",
+    "viscosity": MATERIAL_PLACE,
+    "youngs_modulus": MATERIAL_PLACE,
+}
+"""Where a key belongs that stands in a table without such a key."""
 CURVE_KEYS = ("smooth", "error")
 """Keys of a profile of samples that say how the curve runs between them."""
 
@@ -306,5 +318,10 @@ class Table:
     def note_unknown_keys(self) -> None:
         """Note every entry that nobody asked for."""
         for key in self.data:
-            if key not in self.keys:
+            if key in self.keys:
+                continue
+            if key in PLACE_OF_KEY:
+                message = f"unknown key here; it belongs to {PLACE_OF_KEY[key]}"
+                self.note_mistake(key, message)
+            else:
                 self.note_mistake(key, "unknown key", key, self.keys)

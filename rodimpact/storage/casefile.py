@@ -62,9 +62,12 @@ may then be absent, and the case becomes a family with one axis a grid. Numbers 
 another one follow it along its axis.
 """
 
+import difflib
 import os
 import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
 
 from ..hints import explain_arguments
 from ..model.frozen import invalid_argument
@@ -118,7 +121,10 @@ def read_case(
         with open_regular(name) as file:
             raw = file.read(MAX_CASE_BYTES + 1)
     except OSError as error:
-        raise invalid_argument(name, f"cannot be read: {error.strerror}") from None
+        message = f"cannot be read: {error.strerror}"
+        if isinstance(error, FileNotFoundError):
+            message += _similar_file(name)
+        raise invalid_argument(name, message) from None
     if len(raw) > MAX_CASE_BYTES:
         raise invalid_argument(
             name, f"has more than {MAX_CASE_BYTES} bytes; is it a case file?"
@@ -131,6 +137,18 @@ def read_case(
             name, f"is not text in UTF-8 (at line {line}); save it as UTF-8"
         ) from None
     return parse_case(text, name, vary)
+
+
+def _similar_file(name: str) -> str:
+    """Hint at the file of the same folder whose name is spelt like one that is missing."""
+    path = Path(name)
+    files = []
+    with suppress(OSError):  # there is no such folder, or it may not be read
+        files = [file.name for file in path.parent.iterdir()]
+    alike = difflib.get_close_matches(path.name, files, n=1)
+    if not alike:
+        return ""
+    return f"; perhaps {str(path.with_name(alike[0]))!r} is meant"
 
 
 @explain_arguments
@@ -194,5 +212,8 @@ def parse_case(
     except (ValueError, RecursionError) as error:
         # A number of 5000 digits is a plain ValueError, with a hint at a setting of Python.
         reason, _, _ = str(error).partition("; use sys.")
-        raise invalid_argument(source, f"is not valid TOML: {reason}") from None
+        message = f"is not valid TOML: {reason}"
+        if not source.endswith(".toml"):
+            message += "; a case file is TOML (a record is read by `rodimpact compare`)"
+        raise invalid_argument(source, message) from None
     return case_from(data, source, vary)

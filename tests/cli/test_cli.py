@@ -98,7 +98,7 @@ def test_help_lists_exit_statuses_and_commands_with_their_own_help(output_of):
         (["zzz"], "choose one of box, run"),
         (["run"], "the following arguments are required: CASE.toml"),
         (["verify", "--js"], "unknown option --js; perhaps '--json' is meant"),
-        (["help", "cases"], "invalid choice: 'cases'"),
+        (["help", "cases"], "there is no text on 'cases'"),
         (["run", "missing.toml"], "missing.toml: cannot be read"),
         (["run", "."], ".: cannot be read"),
         ([*SAMPLE, "-e", "1.5"], "-e: must lie in [-1, 1], got 1.5"),
