@@ -33,7 +33,11 @@ Needs = list[tuple[str, str]]
 
 
 def needs(system: model.System) -> Needs:
-    """List all physics of a system that not every method has: path and name of each."""
+    """List all physics of a system that not every method has: path and name of each.
+
+    These are gravity, a row without a rod, rigid masses, what rods need, the laws of contacts that
+    are neither rigid nor bonded, and drives that are no steps.
+    """
     physics: Needs = []
     if not vanishes(system.gravity):
         physics.append(("gravity", GRAVITY))

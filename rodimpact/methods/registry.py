@@ -137,7 +137,10 @@ class Options(FrozenDataclass):
     snapshots: int | ArrayLike | None = None
 
     def _check(self, problems: Problems) -> None:
-        """Check all options, and note what is wrong; counts and times are set as plain numbers."""
+        """Check all options, and note what is wrong; counts and times are set as plain numbers.
+
+        `rtol` must be 1 or less, and excludes `dt` and `cells`. An unknown method is refused.
+        """
         self._set(max_events=count(problems, "max_events", self.max_events))
         if self.cells is not None:
             self._set(cells=count(problems, "cells", self.cells))

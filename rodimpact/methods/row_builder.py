@@ -23,7 +23,12 @@ DRIVEN = ["moved", "pushed", "incoming"]
 
 
 def build_row(system: Any) -> Row:
-    """Make the `Row` of a system, walking through it from left to right."""
+    """Make the `Row` of a system, walking through it from left to right.
+
+    Each block of rigid bodies becomes a mass or a wall, each rod its segments; links are those of
+    contacts, of segments of a rod, and of the ends. Bodies bonded to a wall get the number of the
+    wall in `mass_of`.
+    """
     bodies = system.bodies
     nothing = ("none", 0.0)
     # Lists are empty at first; segments are counted from 1, and no mass is left of node 0.
@@ -114,7 +119,10 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
 
 
 def add_rod(row: Row, path: str, rod: Any) -> None:
-    """Add a rod, whose path is `path`, to a row: its segments, bonded to each other."""
+    """Add a rod, whose path is `path`, to a row: its segments, bonded to each other.
+
+    Each segment gets its path: that of the rod if it is the only one.
+    """
     row.mass_of.append(-1)  # it is no rigid mass
     count = len(rod.segments)
     # Segments are counted from 1.
@@ -132,7 +140,11 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
 
 
 def add_end(row: Row, side: int, end: Any) -> None:
-    """Add the link at the left (side 0) or right (1) end of a row, and what acts there."""
+    """Add the link at the left (side 0) or right (1) end of a row, and what acts there.
+
+    The link of a free or pushed end is a push, that of another end a bond. Ends without a value
+    have 0.
+    """
     kind = BOUNDARIES[end.kind]
     value = 0.0
     if end.kind in DRIVEN:

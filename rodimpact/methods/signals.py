@@ -53,7 +53,7 @@ class Pieces:
     def __init__(
         self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None
     ) -> None:
-        """Keep the arguments as arrays; a value for each piece becomes a column."""
+        """Keep the arguments as arrays; values of constant pieces become a column, [n, 1]."""
         self.ticks: Ints = np.asarray(ticks, dtype=np.int64)
         columns: Floats = np.asarray(coefficients, dtype=np.float64)
         if columns.ndim == 1:

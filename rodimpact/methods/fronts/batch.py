@@ -79,7 +79,10 @@ class FrontBatch(Batch[State]):
     def __init__(
         self, layout: FamilyLayout, request: RunRequest, *, is_compiled: bool
     ) -> None:
-        """Make the records, which no member has used yet."""
+        """Make the records of the layout, with the request in that of the run, for no members yet.
+
+        They are lists of objects, or arrays if the members are to run in machine code.
+        """
         state = make_state(layout, INITIAL_LOG_ROWS, [])
         request.store(state.runs[0])
         super().__init__(run_members, state, RECORD_TYPES, is_compiled=False)
@@ -120,7 +123,7 @@ class FrontBatch(Batch[State]):
             self.lengthen("log")
 
     def _ask_for_log(self) -> None:
-        """Raise TooLong if a longer log takes too much memory."""
+        """Raise TooLong if the next, longer log takes too much memory, with its signals."""
         rows = len(self.state.log)
         # Numbers of 8 bytes
         if self.is_compiled:

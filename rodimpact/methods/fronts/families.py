@@ -56,9 +56,11 @@ def solve_family(
     later_members: int = 0,
     also: Sequence[str] = (),
 ) -> Columns:
-    """Columns of every member, and those of `READ` that are named in `also`.
+    """Columns of every member, as `family.family_columns` makes them, and those named in `also`.
 
-    The other arguments are those of `driver.solve_many`.
+    Energy lost in contacts, which is 0, is always among them; stress and displacement need the
+    waves of each member, and are found only if they are named. A refused member has nan. The other
+    arguments are those of `driver.solve_many`.
     """
     layout = lay_out_family(row)
     group_segments = segments_of_groups(row.system, row.spans)

@@ -83,7 +83,11 @@ class FamilyLayout(NamedTuple):
 
 
 def lay_out_family(row: Any) -> FamilyLayout:
-    """The layout of a row of which the method lacks no physics."""
+    """The layout of a row of which the method lacks no physics.
+
+    It counts the pieces, durations and fronts that a member has at most at t = 0: each segment, and
+    each jump of a profile or a drive, adds to them.
+    """
     values = values_of(row)
     profiles = append_profiles(row, values)
     initial_pieces = len(row.segments)
@@ -114,7 +118,10 @@ def lay_out_family(row: Any) -> FamilyLayout:
 
 
 def values_of(row: Any) -> list[Any]:
-    """The values of a row in the order of `initial_state`, up to the gaps."""
+    """The values of a row in the order of `initial_state`, up to the gaps.
+
+    These are wave speeds, impedances and lengths of the segments, frame, velocity scale and gaps.
+    """
     values: list[Any] = []
     for segment in row.segments:
         values.append(segment.wave_speed)
@@ -206,7 +213,9 @@ def closed_status_of(row: Any) -> list[int]:
 
 
 def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
-    """Records for runs of a layout.
+    """Records for runs of a layout: all that its members share is set, the rest is 0.
+
+    `settles_after_proof` of the run is set if there is a bond or an endless bar.
 
     Parameters
     ----------

@@ -87,7 +87,9 @@ def line_inward(n: int, side: int) -> int:
 def choose_clock(state: State, values: Values) -> None:
     """Set the frame, the clock and the tolerances of a member, and the transits of its segments.
 
-    `Run.stop_reason` becomes NONE, or says why there is no clock.
+    The clock counts transit times, times to jumps of the initial state, and times at which drives
+    jump. If all equal those of the previous member, its ticks are kept. `Run.stop_reason` becomes
+    NONE, or says why there is no clock.
     """
     run = state.runs[0]
     durations = state.durations
@@ -192,7 +194,11 @@ def split_at_jumps(state: State, values: Values) -> int:
 
 
 def default_horizon(state: State, values: Values) -> float:
-    """Time that the clock of a run without a given end must be able to count, s."""
+    """Time that the clock of a run without a given end must be able to count, s.
+
+    It follows by `tick_rule.default_horizon` from the longest transit, the time to cross the row,
+    and the time to cross all gaps.
+    """
     run = state.runs[0]
     n = len(state.nodes) - 1
     crossing_time = 0.0  # time to cross the whole row

@@ -135,7 +135,10 @@ def find_max_wave(state: State) -> None:
 
 
 def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
-    """Set the results, [node], of the member that has run, in SI units."""
+    """Set the results, [node], of the member that has run, in SI units.
+
+    Those of segment k are at node k, those of the run at node 0.
+    """
     run = state.runs[0]
     tick_duration = run.tick_duration
     time = run.now * tick_duration

@@ -46,7 +46,10 @@ class FrontRun:
     """
 
     def __init__(self, batch: FrontBatch) -> None:
-        """Take the records of a batch whose only member has run."""
+        """Take the records of a batch whose only member has run; make its clock.
+
+        Raise InvalidModel if it had none. A proof is dropped where an end is driven.
+        """
         self.batch = batch
         self.layout = batch.layout
         self.run = batch.progress
@@ -99,7 +102,10 @@ class FrontRun:
         )
 
     def _why_no_clock(self) -> tuple[str, str]:
-        """Path and sentence for a collision that has no clock, or whose energies overflow."""
+        """Path and sentence for a collision that has no clock, or whose energies overflow.
+
+        The reason is velocities (OVERFLOW), a long run (LONG), or else a short transit.
+        """
         run = self.run
         row = self.layout.row
         if run.stop_reason == Stop.OVERFLOW:

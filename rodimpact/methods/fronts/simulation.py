@@ -50,7 +50,10 @@ class Simulation(State):
             self._grow_log()
 
     def _run(self, max_events: int, tolerance: Amplitude) -> Stop:
-        """Run to the end that is set, with longer logs as often as they are full."""
+        """Run to the end that is set, with longer logs as often as they are full.
+
+        The totals of the nodes are brought up to the end. Return why it stopped.
+        """
         run = self.run
         run.max_events = max_events
         run.velocity_tolerance = tolerance

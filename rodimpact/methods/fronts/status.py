@@ -70,7 +70,11 @@ def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
 
 
 def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
-    """Sentence on contacts whose force decays below the tolerance; empty without any."""
+    """Sentence on contacts whose force decays below the tolerance; empty without any.
+
+    It names them, and says how much longer their forces may last: for ever if no end was given and
+    one still grazes.
+    """
     faint: list[int] = []
     longest = 0
     lasts_for_ever = False

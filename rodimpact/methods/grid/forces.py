@@ -39,7 +39,9 @@ def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
 def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     """Force and velocity of what acts on the left (0) or right (1) end, in the laboratory.
 
-    None at a free end, and in a run without steps.
+    Both are means over the steps. The force is that of the contact of a wall, of the bond of a held
+    or moved end, of an endless bar, Z (wave - v) inward, or the one that is given. None at a free
+    end, and in a run without steps.
     """
     row = run.row
     if side == 0:

@@ -205,7 +205,11 @@ class Mesh:
     """
 
     def __init__(self, row: Row, counts: list[int]) -> None:
-        """Lay out a row on a grid with so many cells in each segment."""
+        """Lay out a row on a grid with `counts` cells in its segments, and set all attributes.
+
+        Pieces end at contacts and joints, groups at contacts only. Nodes of rigid masses, of the
+        ends, and beside cells whose forces are recorded are watched.
+        """
         self.row = row
         self.counts = counts
         self.first = [-1]

@@ -28,7 +28,8 @@ class GroupState(NamedTuple):
 def finality_time(run: GridRun) -> float:
     """Time after which the proof that no contact closes again can succeed, s.
 
-    It is 0 if the proof succeeds now, and inf if the mean motions do not open the gaps.
+    It is 0 if the proof succeeds now, and inf if the mean motions do not open the gaps, while a
+    contact presses, and where a drive acts. The longest time of all contacts counts.
     """
     if abilities.has_external_drive(run.row.system):
         return math.inf

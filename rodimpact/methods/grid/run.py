@@ -87,7 +87,11 @@ class GridRun:
         snapshots: int | tuple[float, ...] | None = None,
         expected_steps: int | None = None,
     ) -> None:
-        """Make the grid in its state at t = 0; raise TooLong if memory is short."""
+        """Make the grid in its state at t = 0, which is kept; raise TooLong if memory is short.
+
+        How many states are kept at most follows from `snapshots`, or from the memory that they may
+        take; states of damped rods are kept in threes if there may be enough.
+        """
         self.mesh = mesh
         self.step = step
         self.row = mesh.row
@@ -199,7 +203,10 @@ class GridRun:
         return end // self._stride + 2
 
     def _empty_history(self, steps: int, states: int) -> StepHistory:
-        """Memory for the records of the kernel over some steps, with some states; not set yet."""
+        """Arrays for the records of the kernel over some steps, with some states; not set yet.
+
+        Radial strains have no columns where cells have none.
+        """
         grid = self.grid
         n = len(self.mesh.mass)
         radial_shape = states, (n + 1) * self.mesh.has_radial_strain

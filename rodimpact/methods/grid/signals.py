@@ -39,7 +39,11 @@ STEP_RTOL = 1e-9
 
 
 def make_run(run: GridRun, until: float | None) -> Run:
-    """Make the `Run` that all methods return of a finished run on a grid to `until`, s."""
+    """Make the `Run` that all methods return of a finished run on a grid to `until`, s.
+
+    It has the times of the proof and of the last contact, totals of contacts, the status in
+    sentences, the coarser runs for errors of fields, and a function that makes the signals.
+    """
     outside = outside_of(run, 0), outside_of(run, 1)
     forces = contact_forces(run, outside[0])
     intervals = []
@@ -108,7 +112,11 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
 
 
 def _overshoot_sentence(run: GridRun) -> str:
-    """Warning of a peak force that depends on the mesh; empty if it does not."""
+    """Warning of a peak force that depends on the mesh; empty if it does not.
+
+    It does where flat ends of damped rods or of rods with lateral inertia meet, and where waves
+    overshoot by more than is told.
+    """
     reason = ""
     if run.peak_error == math.inf:
         reason = "flat ends meet, and a finer mesh finds a larger force"

@@ -99,7 +99,11 @@ def _jumps_between_bodies(row: Row) -> bool:
 
 
 def _jumps_at_ends(row: Row) -> bool:
-    """Whether what is outside an end moves or presses differently at t = 0 from the body there."""
+    """Whether what is outside an end moves or presses differently at t = 0 from the body there.
+
+    A free end has no force, a fixed one no velocity, a moved or pushed one what is given; a wave
+    that comes in must begin with 0.
+    """
     bodies = row.system.bodies
     faces = _face(bodies[0], 0), _face(bodies[-1], -1)
     for face, end in zip(faces, row.system.ends, strict=True):

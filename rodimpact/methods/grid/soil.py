@@ -89,7 +89,11 @@ def _drag_of_rod(mesh: Mesh, shaft: int, body: int) -> Array:
 
 
 def _records_at(mesh: Mesh, body: int, shaft: int, places: Array) -> Array:
-    """Blank records of these nodes of a rod, counted from its left end, [node]."""
+    """Records of `places`, nodes of a rod counted from its left end, [node].
+
+    They have the node in the mesh, the number `shaft`, and which end of the rod the node is; all
+    else is 0.
+    """
     is_first_node = np.where(places == 0, 1, 0)
     is_last_node = np.where(places == _nodes_in_rod(mesh, body)[-1], 1, 0)
     first, _ = mesh.row.spans[body]  # first segment of the rod
@@ -110,7 +114,7 @@ def _nodes_in_rod(mesh: Mesh, body: int) -> Array:
 
 
 def _edges_in_rod(mesh: Mesh, body: int) -> Array:
-    """Edges of the half cells of a rod, m from its left end."""
+    """Edges of the half cells of a rod, m from its left end; each once, also between segments."""
     edges = [np.zeros(1)]
     left = 0.0
     start, stop = mesh.row.spans[body]

@@ -96,7 +96,11 @@ class Members:
     """
 
     def __init__(self, row: Row, request: RunRequest) -> None:
-        """Lay out the records of all members, and put the first member on a `Batch`."""
+        """Lay out the records of all members, and put the first member on a `Batch`.
+
+        The clock is chosen, and the pieces at t = 0 are made. The batch gets empty logs and a
+        matrix for the largest node.
+        """
         self.row = row
         self.request = request
         self.clock, jumps = family_clock(row, request.until)
@@ -257,7 +261,10 @@ class Members:
         return stop
 
     def _remedy(self) -> str:
-        """Advice, for an error, against too many pieces."""
+        """Advice, for an error, against too many pieces.
+
+        Where transit times are very unequal, it names the shortest segment.
+        """
         transits = [float(np.max(transit)) for transit in self.clock.transits]
         shortest = min(transits, default=0.0)
         longest = max(transits, default=0.0)

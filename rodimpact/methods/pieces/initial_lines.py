@@ -117,7 +117,10 @@ class InitialLines:
         jumps: dict[tuple[int, float], int],
         request: RunRequest,
     ) -> None:
-        """Make the pieces; `jumps` are those of `family_clock`, in ticks."""
+        """Make the pieces of all lines: two for each segment, then those from outside.
+
+        `jumps` are those of `family_clock`, in ticks.
+        """
         self._row = row
         self._clock = clock
         self._jumps = jumps  # ticks, by segment and share of its length

@@ -266,7 +266,11 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
 
 
 def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]:
-    """Links of all nodes, node by node, as they are at t = 0; `time` is the shortest transit, s."""
+    """Links of all nodes, node by node, as they are at t = 0; `time` is the shortest transit, s.
+
+    Each has its law, status and mobilities; impacts have a scale of resting forces, laws of the
+    user the steps of their difference quotients.
+    """
     links = blank(len(row.links), LINK)
     for node in nodes:
         for q in range(node.link_count):

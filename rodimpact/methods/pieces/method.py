@@ -187,7 +187,9 @@ def tolerance_of(rtol: float | None) -> float:
 def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run:
     """The `Run` of a single collision, a family of one that has run.
 
-    `accuracy` are the stated errors by measure, `goal` is the relative error that was aimed at.
+    It has the times of the proof and of the last contact, the status in sentences, totals of
+    contacts, motion before and after, and a function that makes the signals. `accuracy` are the
+    stated errors by measure, `goal` is the relative error that was aimed at.
     """
     row = members.row
     until = members.request.until
@@ -370,7 +372,10 @@ def vibration_of(family: Members) -> list[Any]:
 
 
 def _columns_of(family: Members, refused: Any) -> Columns:
-    """Columns of a family whose members have run; nan where a member is `refused`, [member]."""
+    """Columns of a family whose members have run, as `family.family_columns` makes them.
+
+    Numbers are nan, and the proof does not count, where a member is `refused`, [member].
+    """
     row = family.row
     run = family.runs[:, 0]
     zero_or_nan = np.where(refused, math.nan, 0.0)
