@@ -402,7 +402,7 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
         F = first * math.expm1(q * math.log1p(h)) / (q * h)
     if abs(q * h) > SERIES_RANGE:
         return F, (last - F) / w
-    # Terms of the series over p/x0 times the force: the last two are those with h^2 and h^3.
+    # 1/2 + (p - 1) h/3 + (p - 1)(p - 2) h^2/8 + (p - 1)(p - 2)(p - 3) h^3/30
     third = (p - 1) * h
     fourth = third * (p - 2) * h
     series = 1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30

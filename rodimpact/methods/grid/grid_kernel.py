@@ -334,6 +334,7 @@ def find_implicit_forces(
     before = force[0]  # tension on the left of node i
     for i in range(len(v) - 1):
         old_velocity[i] = v[i]
+        # Tension on its right: elastic, and viscous by the velocities before the step
         after = force[i + 1] + viscous[i + 1] * (v[i + 1] - v[i])
         x[i] = after - before
         before = after
@@ -474,5 +475,6 @@ def dissipate(v: Any, old_velocity: Any, viscous: Any, lost: Any) -> None:
     It is eta A/dx times the square of the mean rate of elongation.
     """
     for i in range(1, len(v)):
+        # Mean of the rates behind and before the step
         rate = (v[i] - v[i - 1] + (old_velocity[i] - old_velocity[i - 1])) / 2
         lost[i] += viscous[i] * rate * rate

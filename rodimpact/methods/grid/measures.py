@@ -230,6 +230,6 @@ def _passing_time(gap: Floats, k: int, level: float) -> float:
     Gaps are straight lines between step ends. It is k - 1 if the gap was never so small.
     """
     for i in range(k - 1, -1, -1):
-        if gap[i] <= level:
+        if gap[i] <= level:  # it passes the level in step i
             return i + float((level - gap[i]) / (gap[i + 1] - gap[i]))
     return k - 1.0
