@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..progress import is_function
 from . import frozen
-from .arguments import array, broadcast_arguments, demand, scalar
+from .arguments import UNCHECKED, array, broadcast_arguments, demand, scalar
 from .bodies import Material
 from .frozen import (
     FrozenDataclass,
@@ -92,8 +92,8 @@ class _Compliant(_Law):
         law: Any = self  # of a subclass, which has a stiffness and an exponent
         d, k, p = broadcast_arguments(
             indentation=(indentation, "m", "non-negative"),
-            stiffness=(law.stiffness, "", ""),
-            exponent=(law.exponent, "", ""),
+            stiffness=(law.stiffness, "", UNCHECKED),
+            exponent=(law.exponent, "", UNCHECKED),
         )
         with np.errstate(over="ignore", invalid="ignore"):
             energy: Any = k * d ** (p + 1) / (p + 1)

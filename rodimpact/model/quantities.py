@@ -112,9 +112,10 @@ def _strip_units(value: Any, unit: str) -> Any:
     if hasattr(value, "units") or hasattr(value, "unit"):
         return _strip_units(_magnitude(value, unit), unit)
     array = np.asarray(value)
-    if array.dtype.kind == "O" and array.ndim:
+    if array.dtype.kind == "O" and array.ndim:  # an array of objects
         return _strip_units(array.tolist(), unit)
-    if array.dtype.kind not in "fiu":
+    is_numeric = array.dtype.kind in "fiu"  # floats, signed and unsigned integers
+    if not is_numeric:
         raise TypeError
     return array
 

@@ -302,7 +302,8 @@ class Signal(Frozen):
             raise invalid_argument(
                 "frequency", f"must be below half of the sampling rate, {rate}, got {f}"
             )
-        return self.replace(values=filters.LOW_PASS[kind](self.values, self.dt, f))
+        filtered = filters.LOW_PASS[kind](self.values, self.dt, f)
+        return self.replace(values=filtered)
 
     def propagated(
         self, distance: float, bar: Any, *, radius: float | None = None

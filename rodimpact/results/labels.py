@@ -161,7 +161,8 @@ def dataset(
     member = system
     if system.shape:
         case_name = "case_of_first_member"
-        member = system[(0,) * len(system.shape)]
+        first_index = (0,) * len(system.shape)
+        member = system[first_index]
     with contextlib.suppress(InvalidModel):  # a law that is a function
         attributes[case_name] = format_case(member)
     labelled_variables = _labelled(system, variables)

@@ -416,6 +416,7 @@ def _colleague_matrices(series: Floats) -> Floats:
         matrices[:, 0, 1] = 1.0
     else:
         share_of_last = 1.0  # y T_0 = T_1 has no half
-    last = series[:, :degree] / series[:, degree, None]  # -T_n
-    matrices[:, degree - 1, :] -= share_of_last * last
+    # Where a series is 0, -T_n is the sum of these times T_0, ..., T_(n - 1).
+    minus_last = series[:, :degree] / series[:, degree, None]
+    matrices[:, degree - 1, :] -= share_of_last * minus_last
     return matrices

@@ -377,7 +377,7 @@ class _Result:
         if kind == "velocity_after":
             return velocity_scale(system)
         if kind == "restitution":
-            (k,) = unilateral(system)
+            (k,) = unilateral(system)  # the only contact that can open
             return self._size_of_restitution(system, columns, k)
         sizes = []
         for k in unilateral(system):

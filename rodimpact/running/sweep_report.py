@@ -152,7 +152,8 @@ def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextCo
     if not shape:  # a single collision is a table of one line
         shape = (1,)
     columns: TextColumns = {}
-    indices = np.unravel_index(members, shape)
+    indices = np.unravel_index(members, shape)  # of the members along each axis
+    # Nothing varies in a single collision, which has one axis here.
     for axis, index in zip(varied, indices, strict=False):
         path, values, unit = axis
         columns[path] = _written(values[index], unit)
