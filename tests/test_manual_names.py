@@ -52,20 +52,20 @@ def spans(text):
 
 def attribute_exists(path):
     """Whether a dotted path of the package leads to something."""
-    thing = rodimpact
+    public = rodimpact
     for name in path.split("."):
-        fields = getattr(thing, "__annotations__", {})
+        fields = getattr(public, "__annotations__", {})
         if name in fields:
             return True
-        if not hasattr(thing, name):
-            return is_set_by_constructor(thing, name)
-        thing = getattr(thing, name)
+        if not hasattr(public, name):
+            return is_set_by_constructor(public, name)
+        public = getattr(public, name)
     return True
 
 
-def is_set_by_constructor(thing, name):
+def is_set_by_constructor(public, name):
     """Whether the docstring of a class lists an attribute of this name."""
-    docstring = getattr(thing, "__doc__", None) or ""
+    docstring = getattr(public, "__doc__", None) or ""
     return (
         re.search(rf"^    [\w, ]*\b{name}\b[\w, ]*( :|$)", docstring, re.M) is not None
     )

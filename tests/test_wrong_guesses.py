@@ -210,16 +210,16 @@ def public_things():
     """Public functions and classes but errors and warnings, by name."""
     things = {}
     for name in ri.__all__:
-        thing = getattr(ri, name)
-        if inspect.ismodule(thing):
-            for below in thing.__all__:
-                things[f"{name}.{below}"] = getattr(thing, below)
+        public = getattr(ri, name)
+        if inspect.ismodule(public):
+            for below in public.__all__:
+                things[f"{name}.{below}"] = getattr(public, below)
         else:
-            things[name] = thing
-    for name, thing in things.items():
-        is_error = inspect.isclass(thing) and issubclass(thing, Exception)
-        if callable(thing) and not is_error and not name.startswith("units."):
-            yield name, thing
+            things[name] = public
+    for name, public in things.items():
+        is_error = inspect.isclass(public) and issubclass(public, Exception)
+        if callable(public) and not is_error and not name.startswith("units."):
+            yield name, public
 
 
 def test_every_public_function_explains_a_wrong_argument():

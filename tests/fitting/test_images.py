@@ -89,9 +89,9 @@ def test_a_fit_of_three_passages_finds_the_striker():
     misfits = {}
     for passages in ("first", "all"):
         measured = ri.Measured(record, passages=passages, **known)
-        found = ri.fit(true_row, measured, vary, UNTIL, starts=1)
-        misfits[passages] = found.misfits[0]
-    assert found.values["bodies.0.velocity"] == pytest.approx(10.0, rel=1e-6)
+        best = ri.fit(true_row, measured, vary, UNTIL, starts=1)
+        misfits[passages] = best.misfits[0]
+    assert best.values["bodies.0.velocity"] == pytest.approx(10.0, rel=1e-6)
     assert misfits["all"] < 1e-6
     assert misfits["first"] > 0.1
 

@@ -638,17 +638,17 @@ class Call(NamedTuple):
 def public_names() -> Iterator[tuple[str, Any]]:
     """Public names of the package and of its public modules, each with what it stands for."""
     for name in ri.__all__:
-        thing = getattr(ri, name)
-        if not inspect.ismodule(thing):
-            yield name, thing
+        public = getattr(ri, name)
+        if not inspect.ismodule(public):
+            yield name, public
             continue
-        for part in thing.__all__:
-            yield f"{name}.{part}", getattr(thing, part)
+        for part in public.__all__:
+            yield f"{name}.{part}", getattr(public, part)
 
 
 def public_classes() -> dict[str, type]:
     """Public classes by name."""
-    return {name: thing for name, thing in public_names() if inspect.isclass(thing)}
+    return {name: public for name, public in public_names() if inspect.isclass(public)}
 
 
 def methods_of(kind: type) -> list[str]:
@@ -690,12 +690,12 @@ def parameters_of(name: str, function: Callable[..., Any]) -> tuple[str, ...]:
 
 def functions() -> Iterator[Call]:
     """Every public function and constructor that takes arguments."""
-    for name, thing in public_names():
-        if not callable(thing) or name in RETURNED or name in LEFT_OUT:
+    for name, public in public_names():
+        if not callable(public) or name in RETURNED or name in LEFT_OUT:
             continue
-        parameters = parameters_of(name, thing)
+        parameters = parameters_of(name, public)
         if parameters:
-            yield Call(name, parameters, lambda thing=thing: thing)
+            yield Call(name, parameters, lambda public=public: public)
 
 
 def methods() -> Iterator[Call]:

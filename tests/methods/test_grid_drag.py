@@ -151,10 +151,10 @@ def test_a_continued_run_is_one_that_did_not_stop():
     system = ri.System([standing_wave(ri.Drag(2.0), mean_velocity=0.5)])
 
     through = ri.solve(system, until=1.5, cells=400)
-    rest = ri.solve(through.system_at(0.5), until=1.0, cells=400)
+    second_part = ri.solve(through.system_at(0.5), until=1.0, cells=400)
 
     t = np.linspace(0.0, 1.0, 11)
-    assert rest.velocity(0, PLACES[:, None], t) == pytest.approx(
+    assert second_part.velocity(0, PLACES[:, None], t) == pytest.approx(
         through.velocity(0, PLACES[:, None], t + 0.5), abs=2e-3
     )
 
@@ -194,7 +194,7 @@ def test_a_drag_coefficient_is_found_from_a_record():
     record = ri.solve(ri.System([rod]), until=1.0, cells=60).gauge(0, 0.5)
     guess = ri.System([rod.replace(shaft=ri.Drag(1.0))])
 
-    found = ri.fit(
+    fitted = ri.fit(
         guess,
         ri.Measured(record.signal(0.01), gauge=(0, 0.5)),
         {"bodies.0.shaft.coefficient": (0.5, 5.0)},
@@ -202,7 +202,7 @@ def test_a_drag_coefficient_is_found_from_a_record():
         cells=60,
     )
 
-    assert found.values["bodies.0.shaft.coefficient"] == pytest.approx(2.0, rel=1e-3)
+    assert fitted.values["bodies.0.shaft.coefficient"] == pytest.approx(2.0, rel=1e-3)
 
 
 @pytest.mark.parametrize(

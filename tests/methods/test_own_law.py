@@ -89,7 +89,7 @@ def test_only_characteristics_have_it(method):
 
 
 @pytest.fixture
-def own():
+def own_laws():
     """Two functions that numba has compiled, by their numbers."""
     if kernels.why_not():
         pytest.skip("there is no compiler")
@@ -100,18 +100,18 @@ def own():
     )
 
 
-def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
+def test_compiled_and_plain_kernels_call_the_function_of_a_link(own_laws):
     links = np.zeros(2, LINK)
     links["law"], links["function"] = Law.OWN, [3, 5]
     links["mobility"] = 1e-3
     links["overlap_step"] = 1e-9
     links["rate_step"] = 1e-6
     fast, plain = (
-        make(contact_laws.force, own)
+        make(contact_laws.force, own_laws)
         for make in (compiling.compiled, compiling.interpreted)
     )
     for link, object_, (_, function) in zip(
-        links, record_lists.as_objects(links), own, strict=True
+        links, record_lists.as_objects(links), own_laws, strict=True
     ):
         for d, closing in ((1e-5, 1.0), (2e-4, -0.3)):
             F, *slopes = fast(link, d, closing)
@@ -120,10 +120,10 @@ def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
 
 
 @pytest.mark.exhaustive
-def test_what_numba_has_compiled_runs_compiled(own):
+def test_what_numba_has_compiled_runs_compiled(own_laws):
     mass = ri.RigidMass(0.1, velocity=1.0)
-    given = [ri.Law(function) for _, function in own]
-    row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=given)
+    laws = [ri.Law(function) for _, function in own_laws]
+    row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=laws)
     plain = ri.solve(row, 1e-3).outcome
     with kernels.forced(True):
         assert ri.solve(row, 1e-3).outcome.velocities_after == plain.velocities_after

@@ -139,33 +139,33 @@ def test_stations_are_named(across):
     assert names <= set(texts_of(picture.ax.texts))
 
 
-def assert_moves_with_its_rod(place, time, solution, start):
+def assert_moves_with_its_rod(x_drawn, time, solution, start):
     """The station moves from its start by ten times the displacement of its place."""
     times = np.clip(time / 1e6, 0, 4e-4)
     expected = start + 10.0 * solution.displacement(1, 0.5, times)
-    assert place == pytest.approx(expected, abs=1e-12)
+    assert x_drawn == pytest.approx(expected, abs=1e-12)
     assert time[0] == pytest.approx(0.0)
     assert time[-1] == pytest.approx(400.0)
 
 
 def test_stations_move_with_their_rod():
-    place, time = stations(BY_FRONTS, across=False).gauges[0].get_data()
+    x_drawn, time = stations(BY_FRONTS, across=False).gauges[0].get_data()
 
-    assert_moves_with_its_rod(place, time, BY_FRONTS, start=0.8)
+    assert_moves_with_its_rod(x_drawn, time, BY_FRONTS, start=0.8)
 
 
 def test_stations_move_with_their_rod_where_time_runs_across():
-    time, place = stations(BY_FRONTS, across=True).gauges[0].get_data()
+    time, x_drawn = stations(BY_FRONTS, across=True).gauges[0].get_data()
 
-    assert_moves_with_its_rod(place, time, BY_FRONTS, start=0.8)
+    assert_moves_with_its_rod(x_drawn, time, BY_FRONTS, start=0.8)
 
 
 def test_stations_beyond_a_spring_begin_behind_it():
-    place, time = stations(BY_CHARACTERISTICS, across=False).gauges[0].get_data()
+    x_drawn, time = stations(BY_CHARACTERISTICS, across=False).gauges[0].get_data()
 
-    spring = place[0] - 0.8
+    spring = x_drawn[0] - 0.8
     assert 0 < spring < 0.1
-    assert_moves_with_its_rod(place, time, BY_CHARACTERISTICS, start=place[0])
+    assert_moves_with_its_rod(x_drawn, time, BY_CHARACTERISTICS, start=x_drawn[0])
 
 
 def reduced_record():

@@ -98,11 +98,13 @@ def test_gauges_with_a_gain_and_opposite_sides_are_cut_too(shot):
         opposite=0.9 * transmitted.signal / 5,
         gain=5.0,
     )
-    found = [
+    reductions = [
         ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
         for pulses in (plain, ri.CutPulses(incident, reflected, other))
     ]
-    assert found[1].stress == pytest.approx(found[0].stress, rel=1e-9, abs=1.0)
+    assert reductions[1].stress == pytest.approx(
+        reductions[0].stress, rel=1e-9, abs=1.0
+    )
 
 
 def test_mistakes_of_cut_pulses_are_named(shot):
@@ -166,6 +168,6 @@ def test_the_samples_at_rest_are_counted(count):
     with pytest.raises(ri.InvalidModel) as caught:
         ri.reduce(*gauges, BAR, SPECIMEN)
     (message,) = dict(caught.value.problems).values()
-    told = int(message.split("has ")[1].split(" ")[0])
-    assert count - 8 <= told < count
+    samples_named = int(message.split("has ")[1].split(" ")[0])
+    assert count - 8 <= samples_named < count
     assert "16 are needed, 16 us" in message

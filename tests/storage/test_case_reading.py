@@ -783,16 +783,16 @@ def test_a_case_is_frozen():
     ],
 )
 def test_each_mistake_alone(text, path, said):
-    found = problems(text)
-    assert list(found) == [path]
-    assert said in found[path]
+    messages = problems(text)
+    assert list(messages) == [path]
+    assert said in messages[path]
     profiles = (
         "bodies.0.area",
         "bodies.0.velocity",
         "bodies.0.strain",
         "ends.left.value",
     )
-    assert "{values" not in found[path] or path in profiles
+    assert "{values" not in messages[path] or path in profiles
 
 
 def test_what_a_rod_must_have():
@@ -804,7 +804,7 @@ def test_what_a_rod_must_have():
 
 
 def test_all_mistakes_at_once_each_with_its_path():
-    found = problems("""
+    messages = problems("""
         schema = 1
         foo = 1
         gravity = "down"
@@ -825,7 +825,7 @@ def test_all_mistakes_at_once_each_with_its_path():
         solve = {until = "never", method = "magic", max_events = -1, dt = 0, rtol = 0}
         output = {plot = 1}
     """)
-    assert set(found) == {
+    assert set(messages) == {
         "foo",
         "gravity",
         "materials.rubber.youngs_modulus",
@@ -859,4 +859,6 @@ def test_all_mistakes_at_once_each_with_its_path():
         "solve.rtol",
         "output.plot",
     }
-    assert not any("None" in message or "nan" in message for message in found.values())
+    assert not any(
+        "None" in message or "nan" in message for message in messages.values()
+    )

@@ -95,10 +95,12 @@ def test_keys_1200_deep_are_told_shortly(text):
 def test_integers_without_end_are_refused(key, number):
     if number < 10**31 and key in ("until", "dt", "rtol"):
         number = -number
-    found = problems(HEAD + A_ROD + f"[solve]\n{key} = {number}")
-    assert list(found) == [f"solve.{key}"]
-    assert "got " in found[f"solve.{key}"] or "cannot read " in found[f"solve.{key}"]
-    assert len(found[f"solve.{key}"]) < 250
+    messages = problems(HEAD + A_ROD + f"[solve]\n{key} = {number}")
+    assert list(messages) == [f"solve.{key}"]
+    assert (
+        "got " in messages[f"solve.{key}"] or "cannot read " in messages[f"solve.{key}"]
+    )
+    assert len(messages[f"solve.{key}"]) < 250
 
 
 def test_keys_and_values_are_told_in_one_line_without_control_characters():
@@ -123,6 +125,6 @@ def test_keys_and_values_are_told_in_one_line_without_control_characters():
 
 
 def test_a_gauge_without_a_place_is_told_so():
-    found = problems(HEAD + A_ROD + "[[gauges]]\nbody = 0\nx = 0.1")
-    assert found["gauges.0.fraction"].startswith("give the place")
-    assert found["gauges.0.x"] == "unknown key; use one of body, fraction, name"
+    messages = problems(HEAD + A_ROD + "[[gauges]]\nbody = 0\nx = 0.1")
+    assert messages["gauges.0.fraction"].startswith("give the place")
+    assert messages["gauges.0.x"] == "unknown key; use one of body, fraction, name"

@@ -449,10 +449,12 @@ UNTIL = RICH + "[solve]\nuntil = 1\n"
     ],
 )
 def test_mistakes_of_grids(text, path, grid, where, said):
-    found = problems(text, {path: grid})
-    assert list(found) == [where]
-    assert said in found[where]
-    assert path != "x" or "..." not in found[where]  # a long choice names every object
+    messages = problems(text, {path: grid})
+    assert list(messages) == [where]
+    assert said in messages[where]
+    assert (
+        path != "x" or "..." not in messages[where]
+    )  # a long choice names every object
 
 
 @pytest.mark.parametrize("given", ["area = 1e-4", "diameter = 0.01"])
@@ -594,7 +596,7 @@ def test_more_numbers_than_numpy_has_axes_for_are_refused():
 
 
 def test_all_mistakes_at_once_with_those_of_the_grids():
-    found = problems(
+    messages = problems(
         HEAD
         + "[materials]\nx = 3\n"
         + A_ROD.replace("0.4", "-1")
@@ -610,7 +612,7 @@ def test_all_mistakes_at_once_with_those_of_the_grids():
         },
     )
     # of a body of unknown kind, and of a material that is no table, nothing is said twice
-    assert set(found) == {
+    assert set(messages) == {
         "materials.x",
         "bodies.0.length",
         "bodies.0.area",

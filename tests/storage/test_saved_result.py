@@ -48,8 +48,8 @@ def test_files_of_earlier_versions_lack_later_energies(tmp_path):
 
 
 def test_a_record_holds_all_that_an_outcome_finds():
-    found = set(ri.Outcome.__dataclass_fields__) - FOLLOW - CHECKS
-    found = {name for name in found if not name.endswith("_before")}
+    names = set(ri.Outcome.__dataclass_fields__) - FOLLOW - CHECKS
+    names = {name for name in names if not name.endswith("_before")}
     held = {
         *OUTCOME_ENERGIES,
         "velocities_after",
@@ -58,5 +58,5 @@ def test_a_record_holds_all_that_an_outcome_finds():
         "final",
         "status",
     }
-    assert found == held
+    assert names == held
     assert [*BY_CONTACT] == [*ContactTally._fields]
