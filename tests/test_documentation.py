@@ -15,6 +15,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from matplotlib.text import Text
 
 import rodimpact
@@ -26,6 +27,8 @@ PARTS = [
     for part in pkgutil.iter_modules(rodimpact.__path__)
     if part.name[0] != "_"
 ]
+LONG = {"design", "explorer", "fitting", "piles", "plot", "records", "results"}
+QUICK = [part for part in PARTS if part not in LONG]
 
 
 def examples_in(module):
@@ -34,7 +37,7 @@ def examples_in(module):
         examples_in(importlib.import_module(f"{module.__name__}.{part.name}"))
 
 
-@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("part", few_of(PARTS, QUICK))
 def test_examples_in_docstrings(part):
     examples_in(importlib.import_module(f"rodimpact.{part}"))
 
@@ -111,17 +114,17 @@ def public_names():
     """Names of the manual's list, with what they stand for."""
     listed = (ROOT / "docs" / "api.md").read_text("utf-8")
     for name in re.findall(r"^   (\w+[.\w]*)$", listed, re.M):
-        thing = rodimpact
+        public = rodimpact
         for part in name.split("."):
-            thing = getattr(thing, part)
-        yield name, thing
+            public = getattr(public, part)
+        yield name, public
 
 
 def test_every_public_name_has_an_example():
     without = [
         name
-        for name, thing in public_names()
-        if ">>>" not in (inspect.getdoc(thing) or "")
+        for name, public in public_names()
+        if ">>>" not in (inspect.getdoc(public) or "")
     ]
     assert without == []
 
@@ -234,10 +237,10 @@ def test_case_files_of_the_manual_are_read(block):
 
 def public_calls():
     """Public functions, classes and methods, by name."""
-    for name, thing in public_names():
-        yield name, thing
-        if inspect.isclass(thing):
-            for method_name, method in vars(thing).items():
+    for name, public in public_names():
+        yield name, public
+        if inspect.isclass(public):
+            for method_name, method in vars(public).items():
                 if method_name[0] != "_" and inspect.isfunction(method):
                     yield f"{name}.{method_name}", method
 

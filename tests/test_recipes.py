@@ -320,7 +320,12 @@ def run_in(folder, *arguments):
     done = subprocess.run(
         [sys.executable, *arguments],
         cwd=folder,
-        env={"PYTHONPATH": str(folder), "PATH": "", "HOME": str(folder)},
+        env={
+            "PYTHONPATH": str(folder),
+            "PATH": "",
+            "HOME": str(folder),
+            "NUMBA_DISABLE_JIT": "1",  # a copy would compile all again
+        },
         capture_output=True,
         text=True,
     )

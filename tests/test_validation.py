@@ -14,6 +14,7 @@ LONG = (
     "damping",
     "design",
     "formulas",
+    "gradients",
     "grid_against_fronts",
     "hertz_ends",
     "joints",
@@ -22,6 +23,7 @@ LONG = (
     "mindlin_herrmann",
     "rational_proof",
     "rods_as_rigid_bodies",
+    "saint_venant",
     "specimen",
 )
 

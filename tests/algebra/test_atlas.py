@@ -68,8 +68,8 @@ def points_in(plane, count):
     ("name", "count"),
     [
         ("pair", 12),
-        pytest.param("pair", 400, marks=pytest.mark.exhaustive),
-        pytest.param("stepped", 400, marks=pytest.mark.exhaustive),
+        pytest.param("pair", 100, marks=pytest.mark.exhaustive),
+        pytest.param("stepped", 100, marks=pytest.mark.exhaustive),
     ],
 )
 def test_points_lie_in_the_cell_whose_formula_is_right(name, count, request):

@@ -309,8 +309,8 @@ def check_formula_at_its_system(form, collision):
     [
         (2, 8),
         (3, 2),
-        pytest.param(2, 40, marks=pytest.mark.exhaustive),
-        pytest.param(3, 8, marks=pytest.mark.exhaustive),
+        pytest.param(2, 16, marks=pytest.mark.exhaustive),
+        pytest.param(3, 4, marks=pytest.mark.exhaustive),
     ],
 )
 def test_random_rows_agree_with_runs_on_fractions(bodies, rows):

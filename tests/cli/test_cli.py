@@ -1,7 +1,5 @@
 """The command line: printed texts, files and exit statuses."""
 
-import contextlib
-import io
 import json
 import math
 import os
@@ -19,7 +17,7 @@ from cli.processes import ENVIRONMENT, ROOT, python, started
 
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main, verify
-from rodimpact.cli.box import box_page
+from rodimpact.cli.box import RATIOS, VIEWS, Replay, box_page, draw
 from rodimpact.cli.verify import Check, checks
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.solved import scene_of
@@ -164,8 +162,11 @@ sys.exit(main(["run", sys.argv[1]]))
     "command",
     [
         ["materials"],
-        ["--help"],
-        ["sweep", "case.toml", "--vary", "bodies.0.length=1:2:300", "--csv"],
+        pytest.param(["--help"], marks=pytest.mark.exhaustive),
+        pytest.param(
+            ["sweep", "case.toml", "--vary", "bodies.0.length=1:2:300", "--csv"],
+            marks=pytest.mark.exhaustive,
+        ),
     ],
 )
 @pytest.mark.usefixtures("case")
@@ -222,7 +223,11 @@ sys.exit(main(["run", sys.argv[1], "--save", "a.toml"]))
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
 @pytest.mark.parametrize(
-    ("argv", "status"), [(["run", "missing.toml"], 2), (["materials"], 0)]
+    ("argv", "status"),
+    [
+        (["run", "missing.toml"], 2),
+        pytest.param(["materials"], 0, marks=pytest.mark.exhaustive),
+    ],
 )
 def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(
     output_of, argv, status
@@ -751,14 +756,28 @@ def test_doctor_says_why_it_compiles_nothing(monkeypatch, output_of):
 # box
 
 
-@pytest.fixture(scope="module")
-def box(tmp_path_factory):
-    """What `box` prints, and the directory it fills."""
-    directory = tmp_path_factory.mktemp("box")
-    (directory / "restitution.png").write_text("of an earlier run")
-    with contextlib.redirect_stdout(io.StringIO()) as out:
-        assert main(["box", "-o", str(directory), "--force"]) == 0
-    return out.getvalue(), directory
+@pytest.fixture
+def no_figures(monkeypatch):
+    monkeypatch.setattr("rodimpact.cli.box.draw", lambda *_: [])
+
+
+@pytest.fixture
+def box_text(no_figures, tmp_path, output_of):
+    """What `box` prints."""
+    return output_of("box", "-o", str(tmp_path))
+
+
+def test_box_draws_each_collision_and_the_law(tmp_path):
+    rods = [ri.Rod(1.0, area=1e-4, material=ri.materials.steel) for _ in range(2)]
+    solution = ri.solve(ri.System([rods[0].replace(velocity=1.0), rods[1]]))
+    replay = Replay("Identical rods", ("left rod", "right rod"), solution)
+    paths = [tmp_path / f"{name}.png" for name in (*VIEWS, "restitution")]
+    paths[0].write_text("of an earlier run")
+
+    draw([replay], RATIOS, paths, force=True)
+
+    for path in paths:
+        assert path.read_bytes().startswith(b"\x89PNG")
 
 
 def story(text, title):
@@ -771,9 +790,8 @@ def story(text, title):
     return lines
 
 
-def test_box_tells_the_stages_of_identical_rods(box):
-    text, _ = box
-    lines = story(text, "Identical rods")
+def test_box_tells_the_stages_of_identical_rods(box_text):
+    lines = story(box_text, "Identical rods")
     turn = "the wave turns back at the free end of the"
     first_turn = lines.index(f"198.116 us {turn} left rod")
     assert lines[first_turn - 2 : first_turn] == [
@@ -792,11 +810,12 @@ def test_box_tells_the_stages_of_identical_rods(box):
     ]
 
 
-def test_box_puts_theory_beside_its_results(box):
-    text, _ = box
-    lines = story(text, "Rods of different length, l1/l2 = 0.4")
+def test_box_puts_theory_beside_its_results(box_text):
+    lines = story(box_text, "Rods of different length, l1/l2 = 0.4")
 
-    assert "coefficient of restitution e 1 1" in story(text, "A rod on a rigid wall")
+    assert "coefficient of restitution e 1 1" in story(
+        box_text, "A rod on a rigid wall"
+    )
     for line in (
         "coefficient of restitution e 0.4 0.4",
         "force duration 158.493 us 158.493 us",
@@ -807,10 +826,9 @@ def test_box_puts_theory_beside_its_results(box):
         assert line in lines
 
 
-def test_box_says_when_rods_part_in_the_textbook(box):
-    text, _ = box
-    unequal = " ".join(story(text, "Rods of different length, l1/l2 = 0.4"))
-    equal = " ".join(story(text, "Identical rods"))
+def test_box_says_when_rods_part_in_the_textbook(box_text):
+    unequal = " ".join(story(box_text, "Rods of different length, l1/l2 = 0.4"))
+    equal = " ".join(story(box_text, "Identical rods"))
 
     sentence = "The force ends after 158.493 us. In the textbook the rods part then."
     assert sentence in unequal
@@ -832,11 +850,6 @@ def test_box_draws_another_format_material_and_look_and_a_dowel(tmp_path, output
     assert "#14161a" in (tmp_path / "dowel-stages.svg").read_text(encoding="utf-8")
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert sorted(re.findall(r'<img src="([^"]+)"', page)) == figures
-
-
-@pytest.fixture
-def no_figures(monkeypatch):
-    monkeypatch.setattr("rodimpact.cli.box.draw", lambda *_: [])
 
 
 def test_box_defaults_to_a_directory_of_its_own(no_figures, tmp_path, monkeypatch):

@@ -73,7 +73,7 @@ def said_by(capsys, text, command, *options, name="case.toml"):
         (HIT + "[solve]\nuntil = 1e-9", ["run", "--json"], "Leave out solve.until"),
         (
             UNEQUAL + CAPPED,
-            ["animate", "-o", "film.gif"],
+            ["animate", "-o", "film.gif", "--frames", "2"],
             "Raise solve.max_events",
         ),
         (

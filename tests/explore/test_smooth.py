@@ -119,9 +119,9 @@ def solve(case):
 
 
 @needs_node
-@pytest.mark.parametrize("block", few_of(range(3), {0}))
+@pytest.mark.parametrize("block", few_of(range(6), {0}))
 def test_random_rows_within_the_stated_error(block):
-    cases = [random_row(seed) for seed in range(10 * block, 10 * block + 10)]
+    cases = [random_row(seed) for seed in range(3 * block, 3 * block + 3)]
     for case, scene in zip(cases, solved_by_the_page(cases), strict=True):
         solution = solve(case)
         check_velocities(scene["outcome"], solution)
@@ -219,7 +219,7 @@ PICTURES = {
 
 
 @needs_node
-@pytest.mark.parametrize("name", PICTURES)
+@pytest.mark.parametrize("name", few_of(PICTURES, {"ends", "blow"}))
 def test_the_picture_is_that_of_the_solution(name):
     options = {}
     if name == "ends":

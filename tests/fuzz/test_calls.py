@@ -3,7 +3,6 @@
 The names and their parameters are taken from the package, so that no later name escapes.
 """
 
-import itertools
 import re
 import webbrowser
 
@@ -97,14 +96,24 @@ def test_some_spoilt_arguments():
         check_spoilt(call, one_of(rng, call.parameters), one_of(rng, [*BAD_VALUES]))
 
 
+def labels_for(call, place):
+    """Bad values for the parameter at this place; figures try a third of what may be right."""
+    labels = [*BAD_VALUES]
+    if not call.name.startswith(FIGURES):
+        return labels
+    drawn = [label for label in labels if label not in NEVER_RIGHT]
+    return [*NEVER_RIGHT, *drawn[place % 3 :: 3]]
+
+
 @pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
 @pytest.mark.parametrize("name", NAMES)
 def test_each_argument_is_spoilt(name):
     for call in CALLS:
         if call.name == name:
-            for parameter, label in itertools.product(call.parameters, BAD_VALUES):
-                check_spoilt(call, parameter, label)
+            for place, parameter in enumerate(call.parameters):
+                for label in labels_for(call, place):
+                    check_spoilt(call, parameter, label)
 
 
 @pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")

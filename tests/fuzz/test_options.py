@@ -143,8 +143,11 @@ def test_command_lines_are_done_or_refused(capsys, monkeypatch, tmp_path, seed):
     assert EXAMPLES / 4 < refused < EXAMPLES
 
 
+SHORT_FORMULAS = [text for text in CASES if "Two stepped rods" not in text]
+
+
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("text", CASES)
+@pytest.mark.parametrize("text", SHORT_FORMULAS)
 def test_formulas_of_all_symbols_are_found_or_refused(
     capsys, monkeypatch, tmp_path, text
 ):

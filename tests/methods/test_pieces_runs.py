@@ -80,7 +80,7 @@ def test_members_are_the_same_in_any_chunks(monkeypatch, swept):
 
 
 @needs_compiler
-@pytest.mark.parametrize("index", [(0, 0), (1, 2)])
+@pytest.mark.parametrize("index", few_of([(0, 0), (1, 2)], [(1, 2)]))
 def test_members_are_single_solves(swept, index):
     with kernels.forced(False):
         outcome = ri.solve(family()[index]).outcome
@@ -94,7 +94,7 @@ def test_members_are_single_solves(swept, index):
 
 @needs_compiler
 def test_plain_python_runs_the_same_bits():
-    for seed in range(6):
+    for seed in range(2):
         system = random_network(seed, bodies=4, driven=seed % 2 == 1)
         with kernels.forced(False):
             plain = numbers_of(ri.solve(system, 2.0, METHOD))
@@ -106,7 +106,7 @@ def test_plain_python_runs_the_same_bits():
 # Beside another method ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", few_of(range(60), range(10)))
+@pytest.mark.parametrize("seed", few_of(range(30), range(6)))
 def test_random_rows_are_those_of_finite_differences(seed):
     """Two methods that share the row and nothing else, on all bodies, laws and ends."""
     system = random_network(seed, bodies=4, driven=seed % 2 == 1)

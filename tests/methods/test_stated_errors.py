@@ -84,7 +84,7 @@ def test_an_error_that_was_not_seen_is_stated(case):
 ROWS = [
     (kind, seed, rtol)
     for kind in (*KINDS, "network", "driven network")
-    for seed in range(12)
+    for seed in (1, 5, 9)
     for rtol in (1e-6, 1e-8, 1e-10)
 ]
 USUAL = {(kind, 9, 1e-8) for kind in (*KINDS, "network", "driven network")}

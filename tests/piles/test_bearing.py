@@ -38,7 +38,7 @@ def test_blow_counts_are_those_of_a_lumped_model_of_the_field(law):
 
 @needs_compiler
 @pytest.mark.parametrize("law", few_of(["smith", "viscous"], ["smith"]))
-@pytest.mark.parametrize("resistance", few_of(RESISTANCES, [800e3]))
+@pytest.mark.parametrize("resistance", few_of(RESISTANCES[::2], [800e3]))
 def test_a_point_is_the_blow_on_a_chain_of_lumped_masses(law, resistance):
     system = pipe_pile(law)
     elastic = system.replace(contacts=[ri.Spring(CUSHION), system.contacts[1]])
@@ -69,7 +69,7 @@ def test_a_point_is_the_blow_on_a_chain_of_lumped_masses(law, resistance):
 
 
 @needs_compiler
-@pytest.mark.parametrize("seed", few_of(range(30), range(3)))
+@pytest.mark.parametrize("seed", few_of(range(8), [1]))
 def test_stated_errors_bound_those_against_a_fine_mesh(seed):
     rng = np.random.default_rng(seed)
     system = pipe_pile(str(rng.choice(["smith", "viscous"])), HELMET)

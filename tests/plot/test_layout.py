@@ -38,7 +38,7 @@ OPTIONS = {
     "masses": {"until": 3e-4},
     "driven": {"until": 2e-4, "method": "characteristics"},
 }
-USUAL = {"drifting", "gap", "masses", "driven"}
+USUAL = {"drifting", "masses"}
 
 
 @pytest.fixture(scope="module", params=few_of(SYSTEMS, USUAL))

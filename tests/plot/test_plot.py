@@ -82,7 +82,7 @@ ENDS = {  # ends of runs that have no end of their own, s
     "moving wall": 1e-3,
     "at rest": 1e-3,
 }
-TELLING = {"unequal", "impedances", "bonded", "drifting", "moving wall", "bouncing"}
+TELLING = {"bonded", "drifting", "moving wall"}
 every_row = pytest.mark.parametrize("name", SYSTEMS)
 some_rows = pytest.mark.parametrize("name", few_of(SYSTEMS, TELLING))
 
@@ -145,9 +145,7 @@ def test_rods_never_overlap_and_gaps_are_drawn_to_the_same_scale(solved, name):
         assert left_end - right_end == pytest.approx(gap, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    "name", few_of(SYSTEMS, {"unequal", "drifting", "moving wall"})
-)
+@pytest.mark.parametrize("name", few_of(SYSTEMS, {"drifting"}))
 @pytest.mark.parametrize("field", ["velocity", "stress", "strain"])
 def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(
     solved, name, field
@@ -644,7 +642,10 @@ def test_a_solution_without_duration_has_no_history(body):
 # Page, files, manners
 
 
-@pytest.mark.parametrize("name", few_of(SYSTEMS, {"bonded", "single"}))
+RENDERED = ["bonded", "bouncing", "single", "stepped", "at rest"]
+
+
+@pytest.mark.parametrize("name", few_of(RENDERED, ["bonded"]))
 def test_overview_of_any_row_renders(solved, name):
     figure = plot.overview(solved[name])
     snapshots = plot.snapshots(solved[name])
@@ -692,7 +693,7 @@ def boxes_of_words(figure):
     return boxes
 
 
-@pytest.mark.parametrize("width", few_of([85, 120, 170, 300], {85, 300}))
+@pytest.mark.parametrize("width", few_of([85, 120, 170, 300], {85}))
 def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
     with plot.look(width=width):
         figure = plot.overview(solved["unequal"])
@@ -893,9 +894,9 @@ def test_drawing_needs_no_pyplot_and_the_package_no_matplotlib():
 import sys
 import rodimpact as ri
 rod = ri.Rod([0.4, 0.5], area=1e-4, material=ri.materials.steel, velocity=1.0)
-other = ri.Rod([[0.5], [1.0]], area=1e-4, material=ri.materials.steel)
+other = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
 family = ri.System([rod, other])
-solution = ri.solve(family[0, 0])
+solution = ri.solve(family[0])
 result = ri.sweep(family)
 assert "matplotlib" not in sys.modules
 ri.plot.animation(solution, frames=2).frame(1)

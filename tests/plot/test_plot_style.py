@@ -134,7 +134,7 @@ def test_a_look_is_that_of_one_thread():
     assert colours == [LOOKS["light"]]
 
 
-SIZED = {"spacetime", "cells", "snapshots", "energy"}
+SIZED = {"spacetime", "energy"}
 
 
 @pytest.mark.parametrize("name", few_of(PICTURES, SIZED))

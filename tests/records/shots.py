@@ -102,12 +102,12 @@ def calibration_shot():
     """A striker hits a bar that touches another one; the ends of the striker are round."""
     bodies = [rod(0.3, velocity=12.0), rod(1.5), rod(1.5)]
     row = ri.System(bodies, contacts=[ri.Hertz(6e10), ri.Rigid()])
-    return CalibrationShot(solved(row, until=1.4e-3, cells=1500))
+    return CalibrationShot(solved(row, until=1.4e-3, cells=900))
 
 
 @keep_last
 def pressure_bar_shot(
-    duration=150e-6, rise=30e-6, length=1.5, until=7e-4, material=POLYMER, cells=1500
+    duration=150e-6, rise=30e-6, length=1.5, until=7e-4, material=POLYMER, cells=900
 ):
     """A trapezoidal pulse runs through the input bar to the specimen."""
     times = np.arange(0, duration + 2 * rise, 1e-6)
@@ -126,7 +126,7 @@ STRIKER = ri.Rod(0.4, diameter=DIAMETER, material=STEEL, velocity=12.0)
 
 
 @keep_last
-def direct_impact(until=7e-4, cells=1500):
+def direct_impact(until=7e-4, cells=900):
     """A striker hits a soft specimen with mass, which lies on the output bar."""
     row = ri.System(
         [rod(0.4, velocity=12.0), specimen_rod(SOFT), rod(1.5)],
@@ -164,7 +164,7 @@ class LawShot(NamedTuple):
 
 
 @keep_last
-def direct_impact_on_law(is_rigid=False, until=7e-4, cells=1500):
+def direct_impact_on_law(is_rigid=False, until=7e-4, cells=900):
     """A rod or a rigid mass hits a specimen that yields and hardens."""
     striker = rod(0.4, velocity=12.0)
     if is_rigid:
@@ -212,7 +212,7 @@ def slow_direct_impact(until=7e-4):
     law = ri.Yielding(stiffness=2.1e7, yield_force=1.7e3, hardening=1e6)
     bodies = [rod(0.4, THIN_DIAMETER, velocity=3.0), rod(1.5, THIN_DIAMETER)]
     row = ri.System(bodies, contacts=[law])
-    return LawShot(solved(row, until, cells=1500), SLOW_SPECIMEN)
+    return LawShot(solved(row, until, cells=900), SLOW_SPECIMEN)
 
 
 @keep_last
@@ -224,4 +224,4 @@ def slow_direct_impact_with_mass(until=7e-4):
         rod(1.5, THIN_DIAMETER),
     ]
     row = ri.System(bodies, contacts=[ri.Rigid(), ri.Rigid()])
-    return Shot(solved(row, until, cells=1500), SLOW_SPECIMEN)
+    return Shot(solved(row, until, cells=900), SLOW_SPECIMEN)

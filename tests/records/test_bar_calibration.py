@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from records import shots
 
 import rodimpact as ri
@@ -43,20 +44,20 @@ def pair(bar, noise=0.0, seed=0, distance=2.0, factor=1.0):
     return first.window(0.0, 3e-4), second.window(3e-4, 8.5e-4)
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.25, 0.29, 0.34])
+@pytest.mark.parametrize("poisson_ratio", few_of([0.25, 0.29, 0.34], [0.29]))
 def test_speed_and_poisson_ratio_are_found_within_their_errors(poisson_ratio):
     """Noise of 0.1 %: within 0.5 m/s and 0.001, and within the stated errors."""
     true_bar = ri.waves.Bar(SPEED, poisson_ratio, RADIUS)
     for seed in range(2):
-        found = ri.calibrate_bar(*pair(true_bar, 1e-3, seed), 2.0, guess())
-        assert found.wave_speed == pytest.approx(SPEED, abs=0.5)
-        assert found.poisson_ratio == pytest.approx(poisson_ratio, abs=1e-3)
-        assert abs(found.wave_speed - SPEED) < 3 * found.wave_speed_error
-        error = abs(found.poisson_ratio - poisson_ratio)
-        assert error < 3 * found.poisson_ratio_error
-        assert found.wave_speed_error < 0.2
-        assert found.poisson_ratio_error < 5e-4
-        assert abs(found.gain - 1.0) < 4 * found.gain_error
+        calibration = ri.calibrate_bar(*pair(true_bar, 1e-3, seed), 2.0, guess())
+        assert calibration.wave_speed == pytest.approx(SPEED, abs=0.5)
+        assert calibration.poisson_ratio == pytest.approx(poisson_ratio, abs=1e-3)
+        assert abs(calibration.wave_speed - SPEED) < 3 * calibration.wave_speed_error
+        error = abs(calibration.poisson_ratio - poisson_ratio)
+        assert error < 3 * calibration.poisson_ratio_error
+        assert calibration.wave_speed_error < 0.2
+        assert calibration.poisson_ratio_error < 5e-4
+        assert abs(calibration.gain - 1.0) < 4 * calibration.gain_error
 
 
 @pytest.mark.exhaustive
@@ -65,11 +66,11 @@ def test_stated_errors_are_the_scatter():
     true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
     ratios = []
     for seed in range(12):
-        found = ri.calibrate_bar(*pair(true_bar, 2e-2, seed), 2.0, BAR)
+        calibration = ri.calibrate_bar(*pair(true_bar, 2e-2, seed), 2.0, BAR)
         ratios.append(
             [
-                (found.wave_speed - SPEED) / found.wave_speed_error,
-                (found.poisson_ratio - 0.29) / found.poisson_ratio_error,
+                (calibration.wave_speed - SPEED) / calibration.wave_speed_error,
+                (calibration.poisson_ratio - 0.29) / calibration.poisson_ratio_error,
             ]
         )
     scatter = np.sqrt(np.mean(np.square(ratios), axis=0))
@@ -80,12 +81,14 @@ def test_stated_errors_are_the_scatter():
 def test_an_echo_from_a_free_end_is_as_good_as_a_second_gauge():
     true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
     first, echo = pair(true_bar, 1e-3, factor=-1.0)
-    found = ri.calibrate_bar(first, echo, 2.0, guess())
-    assert found.wave_speed == pytest.approx(SPEED, abs=0.5)
-    assert found.gain == pytest.approx(-1.0, abs=1e-3)
-    assert found.bar.segments[0].material.wave_speed == found.wave_speed
-    assert found.bar.segments[0].material.poisson_ratio == found.poisson_ratio
-    assert "Doubtful" not in str(found)
+    calibration = ri.calibrate_bar(first, echo, 2.0, guess())
+    assert calibration.wave_speed == pytest.approx(SPEED, abs=0.5)
+    assert calibration.gain == pytest.approx(-1.0, abs=1e-3)
+    assert calibration.bar.segments[0].material.wave_speed == calibration.wave_speed
+    assert (
+        calibration.bar.segments[0].material.poisson_ratio == calibration.poisson_ratio
+    )
+    assert "Doubtful" not in str(calibration)
 
 
 def test_records_of_two_different_pulses_are_doubtful():
@@ -93,9 +96,9 @@ def test_records_of_two_different_pulses_are_doubtful():
     first, second = pair(true_bar)
     other = second.replace(values=second.values + second.shifted(4e-5).values)
     other = other.replace(values=np.where(second.times < 5.5e-4, second.values, 0.0))
-    found = ri.calibrate_bar(first, other, 2.0, guess())
-    assert found.misfit > 0.05
-    assert "Doubtful" in str(found)
+    calibration = ri.calibrate_bar(first, other, 2.0, guess())
+    assert calibration.misfit > 0.05
+    assert "Doubtful" in str(calibration)
 
 
 def test_mistakes_are_named():
@@ -110,9 +113,9 @@ def test_mistakes_are_named():
         ({"bar": square}, "diameter"),
         ({"first": [0.0, 1.0]}, "first: must be"),
     ):
-        given = {"first": first, "second": second, "distance": 2.0, "bar": BAR}
+        arguments = {"first": first, "second": second, "distance": 2.0, "bar": BAR}
         with pytest.raises(ri.InvalidModel, match=says):
-            ri.calibrate_bar(**given | change)
+            ri.calibrate_bar(**arguments | change)
 
 
 def test_bars_that_reflect_as_they_should_raise_no_doubt():
@@ -130,6 +133,8 @@ def test_a_joint_that_reflects_too_much_is_told():
     run = ri.solve(ri.System([striker, bar, thin]), until=1.5e-3)
     gauges = [ri.BarGauge(run.gauge(body, 0.75).signal(1e-6), 0.75) for body in (1, 2)]
     with pytest.warns(ri.DoubtfulCalibration, match="clean and align the faces"):
-        found = ri.calibrate(*gauges, bar)
-    assert "reflects -11.1 % of the incident strain, 1.2 % of its energy" in str(found)
+        calibration = ri.calibrate(*gauges, bar)
+    assert "reflects -11.1 % of the incident strain, 1.2 % of its energy" in str(
+        calibration
+    )
     assert ri.calibrate(*gauges, (bar, thin)).doubts == ()

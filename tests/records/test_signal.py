@@ -291,9 +291,9 @@ def test_bridges(kind, nu, factor):
     ],
 )
 def test_wrong_bridges(changes, said):
-    given = {"kind": "quarter", "gauge_factor": 2.0, "excitation": 10.0} | changes
+    arguments = {"kind": "quarter", "gauge_factor": 2.0, "excitation": 10.0} | changes
     with pytest.raises(ri.InvalidModel, match=said):
-        ri.Bridge(given.pop("kind"), **given)
+        ri.Bridge(arguments.pop("kind"), **arguments)
 
 
 PULSE, LINE = trapezoid(), ri.Signal([0.0, 2.0, 2.0], [0.0, 1.0, 4.0])

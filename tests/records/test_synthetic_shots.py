@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from records.shots import (
     POLYMER,
     PULSE_STRAIN,
@@ -28,8 +29,9 @@ NOISE = 0.002
 """Standard deviation of the noise of a gauge over the strain of its pulse."""
 MIN_STRAIN = 0.01
 MAX_ERROR = 0.01
-RECORDS = 100
+RECORDS = 25
 ARRANGEMENTS = ["two gauges", "one gauge", "three pulses", "direct impact"]
+USUAL = ["one gauge", "direct impact"]
 
 
 class Reduced(NamedTuple):
@@ -127,7 +129,7 @@ def reduce_cut_pulses(first, last):
     return ri.reduce(pulses=pulses, bars=THIN_BAR, specimen=THIN_SPECIMEN)
 
 
-@pytest.mark.parametrize("arrangement", ARRANGEMENTS)
+@pytest.mark.parametrize("arrangement", few_of(ARRANGEMENTS, USUAL))
 def test_stress_and_strain_are_within_1_percent_from_1_percent_of_strain_on(
     arrangement,
 ):
@@ -141,7 +143,7 @@ def test_stress_and_strain_are_within_1_percent_from_1_percent_of_strain_on(
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("arrangement", ARRANGEMENTS)
-def test_bands_cover_the_truth_in_95_of_100_records(arrangement):
+def test_bands_cover_95_percent_of_the_truth(arrangement):
     """With noise: no doubt, the mean of the records and most records within 1 %."""
     at_strains = []
     of_strain = []

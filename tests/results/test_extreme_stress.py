@@ -12,7 +12,7 @@ from systems import horizon, random_system
 import rodimpact as ri
 
 METHODS = ("fronts", "characteristics", "finite-difference")
-SEEDS = few_of(range(100), range(10))
+SEEDS = few_of(range(40), range(6))
 
 
 # Closed forms -------------------------------------------------------------------------

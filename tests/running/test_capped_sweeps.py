@@ -11,6 +11,7 @@ import rodimpact as ri
 
 STEEL = ri.materials.steel
 MOST_CAPS = 400
+SHORT_ROW = 5  # seed of a row with few events
 
 
 def with_masses(seed):
@@ -77,26 +78,26 @@ def caps_of(family, **options):
     return range(1, most + 2)
 
 
-@pytest.mark.parametrize("seed", few_of(range(30), range(1)))
+@pytest.mark.parametrize("seed", few_of(range(8), range(1)))
 @pytest.mark.parametrize("until", [None, 1e-3])
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_caps(method, until, seed):
-    """All caps, or by characteristics and in the usual run some ten of them."""
+    """All caps of one short row by fronts; otherwise some of them, the last two always."""
     system = random_system(seed, bodies=3, unit=0.1, vibrating=False)
     if method == "characteristics":
         system = with_masses(seed)
     family = family_of(system)
     options = {"method": method, "until": until}
     caps = caps_of(family, **options)
-    if seed < 2 or method == "characteristics":
-        few = 4 if seed < 2 else 12
+    if (method, seed) != ("fronts", SHORT_ROW):
+        few = 4 if seed < 2 else 8
         spread = np.geomspace(1, len(caps), few).astype(int)
         caps = {*spread.tolist(), len(caps) - 2 or 1, len(caps) - 1}
     for cap in caps:
         assert_the_same_is_said(family, cap, **options)
 
 
-@pytest.mark.parametrize("seed", few_of(range(30), range(1)))
+@pytest.mark.parametrize("seed", few_of(range(8), range(1)))
 @pytest.mark.parametrize("until", [None, 1e-3])
 def test_members_of_a_capped_sweep_on_a_grid_end_as_alone(until, seed):
     family = family_of(with_masses(seed))

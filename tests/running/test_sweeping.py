@@ -123,8 +123,8 @@ def random_family(seed, driven):
             fields[name] = value * rng.uniform(-1, 1, 6)
         elif name in fields:
             factors = rng.uniform(0.3, 1, 6)
-            first, *others = value["values"]
-            value["values"] = [first * factors, *others]
+            first, *later_values = value["values"]
+            value["values"] = [first * factors, *later_values]
             value["at"] = [place * factors for place in value["at"]]
 
     for end in described.get("ends", {}).values():
@@ -198,7 +198,7 @@ def family_of_network(seed):
     return ri.System(bodies, gaps, system.contacts, gravity=system.gravity, ends=ends)
 
 
-@pytest.mark.parametrize("seed", few_of(range(0, 300, 15), range(75, 300, 75)))
+@pytest.mark.parametrize("seed", few_of(range(0, 300, 25), range(75, 300, 75)))
 def test_members_of_random_rows_of_characteristics_equal_one_at_a_time(seed):
     system = family_of_network(seed)
     options = {"method": "characteristics", "until": 1.5, "rtol": 1e-2}
@@ -321,7 +321,7 @@ def chain():
     return ri.System([striker, *struck], gaps=[1e-4] * 9)
 
 
-@pytest.mark.parametrize("seed", few_of(range(20), range(8)))
+@pytest.mark.parametrize("seed", few_of(range(20), [1, 2, 4]))
 @pytest.mark.parametrize("until", [None, 0.0, 1.4e-4, 1.86e-3])
 def test_members_of_random_rows_equal_one_at_a_time(seed, until):
     system = random_family(seed, driven=until is not None)
@@ -560,6 +560,7 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
             assert result.strain.tobytes() == serial_readings.strain.tobytes()
 
 
+@pytest.mark.exhaustive
 def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
     distributed = pytest.importorskip("distributed")
     system = small_map()

@@ -150,12 +150,12 @@ ri.sweep(family(MANY), checkpoint={str(path)!r}, progress=progress)
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-@pytest.mark.parametrize("seed", exhaustive.few_of(range(4), [0]))
+@pytest.mark.parametrize("seed", exhaustive.few_of(range(2), [0]))
 def test_a_killed_process_goes_on_to_the_same_bytes(tmp_path, seed):
     """Killed a few times at random, then left alone."""
     rng, kept = np.random.default_rng(seed), tmp_path / "run"
     done, marks = 0, []
-    while done < 90 and len(marks) < 3:
+    while done < 90 and len(marks) < 2:
         with child(kept, "print(done, flush=True); time.sleep(0.01)") as process:
             process.stdin.write("\n")
             process.stdin.flush()

@@ -39,15 +39,18 @@ def swollen(path):
     put(path, document, arrays | {"f8": np.zeros(1 << 22)})
 
 
+MEGABYTES = 257  # of a document: more than is read
+
+
 def long_document(path):
     with (
         zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
         archive.open("document.npy", "w", force_zip64=True) as file,
     ):
         np.lib.format.write_array_header_1_0(
-            file, {"descr": f"<U{1 << 27}", "fortran_order": False, "shape": ()}
+            file, {"descr": f"<U{MEGABYTES << 18}", "fortran_order": False, "shape": ()}
         )
-        for _ in range(1 << 9):
+        for _ in range(MEGABYTES):
             file.write(bytes(1 << 20))
 
 
