@@ -58,16 +58,12 @@ def test_it_says_what_the_function_says(capsys):
     printed = json.loads(capsys.readouterr().out)
     case = ri.read_case("bars.toml")
     bridge = ri.Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
-    gauges = [
-        ri.BarGauge(bridge.strain(signal), 0.381)
-        for signal in ri.read_signals(RECORD).values()
-    ]
-    result = ri.reduce(
-        *gauges,
-        case.system.bodies,
-        ri.Specimen(3.204e-3, diameter=6.34e-3, incompressible=True),
-        compression="positive",
-    )
+    gauges = []
+    for volts in ri.read_signals(RECORD).values():
+        gauges.append(ri.BarGauge(bridge.strain(volts), 0.381))
+    specimen = ri.Specimen(3.204e-3, diameter=6.34e-3, incompressible=True)
+    bars = case.system.bodies
+    result = ri.reduce(*gauges, bars, specimen, compression="positive")
     assert np.array_equal(printed["true_stress"], result.true_stress)
     assert np.array_equal(printed["time"], result.times)
     assert reduced(*ALL) == 0
@@ -298,30 +294,21 @@ hardening = 1e7
 """
     )
     case = ri.read_case("plan.toml")
-    striker = ri.Rod(
-        0.1,
-        diameter=9.47e-3,
-        material=case.system.bodies[0].segments[0].material,
-        velocity=15.0,
-    )
-    row = ri.System(
-        [striker, *case.system.bodies], contacts=[ri.Rigid(), *case.system.contacts]
-    )
-    run = ri.solve(row, until=4e-4)
-    taken = {
-        name: run.gauge(body, 0.381).signal(2e-7).extended(before=3e-5)
-        for name, body in (("incident", 1), ("transmitted", 2))
-    }
-    times = taken["incident"].times
-    ri.write_signals(
-        "plan.csv",
-        {
-            name: signal.resampled(times=times[times <= 4e-4])
-            for name, signal in taken.items()
-        },
-    )
-    assert main(["reduce", "plan.toml", "plan.csv", *GAUGES, *SPECIMEN, "--json"]) == 0
+    bars = case.system.bodies
+    metal = bars[0].segments[0].material
+    striker = ri.Rod(0.1, diameter=9.47e-3, material=metal, velocity=15.0)
+    contacts = [ri.Rigid(), *case.system.contacts]
+    run = ri.solve(ri.System([striker, *bars], contacts=contacts), until=4e-4)
+    records = {}
+    for name, body in (("incident", 1), ("transmitted", 2)):
+        signal = run.gauge(body, 0.381).signal(2e-7).extended(before=3e-5)
+        times = signal.times[signal.times <= 4e-4]
+        records[name] = signal.resampled(times=times)
+    ri.write_signals("plan.csv", records)
+
+    status = main(["reduce", "plan.toml", "plan.csv", *GAUGES, *SPECIMEN, "--json"])
+
     printed = json.loads(capsys.readouterr().out)
-    assert max(printed["output_force"]) == pytest.approx(
-        float(np.max(run.contacts[1].force(np.asarray(printed["time"])))), rel=0.01
-    )
+    force = run.contacts[1].force(np.array(printed["time"]))
+    assert status == 0
+    assert max(printed["output_force"]) == pytest.approx(force.max(), rel=0.01)

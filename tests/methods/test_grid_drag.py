@@ -98,22 +98,20 @@ def random_row(seed):
         coefficient = float(10 ** rng.uniform(-2, 2))
         if rng.random() < 0.5:
             values = [coefficient, float(rng.choice([0.0, 1.0]))]
-            coefficient = ri.Steps(values, [length * float(rng.uniform(0.1, 0.9))])
-        rods.append(
-            ri.Rod(
-                length,
-                area=float(rng.uniform(0.5, 2)),
-                material=SOFT.replace(viscosity=float(rng.choice([0.0, 0.05]))),
-                velocity=float(rng.uniform(-1, 1)),
-                shaft=ri.Drag(coefficient),
-            )
+            step = length * float(rng.uniform(0.1, 0.9))
+            coefficient = ri.Steps(values, [step])
+        rod = ri.Rod(
+            length,
+            area=float(rng.uniform(0.5, 2)),
+            material=SOFT.replace(viscosity=float(rng.choice([0.0, 0.05]))),
+            velocity=float(rng.uniform(-1, 1)),
+            shaft=ri.Drag(coefficient),
         )
-    law = [ri.Bonded(), ri.Rigid(), ri.Spring(5.0)][rng.integers(3)]
-    return ri.System(
-        [*rods, ri.RigidMass(1.0)],
-        contacts=[law, ri.Spring(3.0)],
-        gravity=float(rng.choice([0.0, 0.3])),
-    )
+        rods.append(rod)
+    laws = [ri.Bonded(), ri.Rigid(), ri.Spring(5.0)]
+    contacts = [laws[rng.integers(3)], ri.Spring(3.0)]
+    gravity = float(rng.choice([0.0, 0.3]))
+    return ri.System([*rods, ri.RigidMass(1.0)], contacts=contacts, gravity=gravity)
 
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(6)))
@@ -128,35 +126,36 @@ def test_balances_of_random_rows_close_and_drag_gives_nothing(seed):
 
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
 def test_drag_is_the_same_in_machine_code(seed):
-    results = []
-    for is_compiled in (False, True):
-        with kernels.forced(is_compiled):
-            solution = ri.solve(random_row(seed), until=1.0, cells=16)
-            results.append(solution.outcome.to_dict())
+    row = random_row(seed)
 
-    assert results[0] == results[1]
+    with kernels.forced(False):
+        plain = ri.solve(row, until=1.0, cells=16).outcome
+    with kernels.forced(True):
+        compiled = ri.solve(row, until=1.0, cells=16).outcome
+
+    assert plain.to_dict() == compiled.to_dict()
 
 
 def test_a_mirrored_row_moves_alike():
     row = random_row(1)
+
+    outcome = ri.solve(row, until=1.0, cells=20).outcome
     mirrored = ri.solve(row.mirrored(), until=1.0, cells=20).outcome
 
-    there = ri.solve(row, until=1.0, cells=20).outcome
-    assert mirrored.velocities_after[::-1] == pytest.approx(
-        [-v for v in there.velocities_after], abs=1e-9
-    )
+    expected = [-velocity for velocity in outcome.velocities_after]
+    assert mirrored.velocities_after[::-1] == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_continued_run_is_one_that_did_not_stop():
     system = ri.System([standing_wave(ri.Drag(2.0), mean_velocity=0.5)])
 
-    through = ri.solve(system, until=1.5, cells=400)
-    second_part = ri.solve(through.system_at(0.5), until=1.0, cells=400)
+    whole = ri.solve(system, until=1.5, cells=400)
+    second_part = ri.solve(whole.system_at(0.5), until=1.0, cells=400)
 
+    x = PLACES[:, None]
     t = np.linspace(0.0, 1.0, 11)
-    assert second_part.velocity(0, PLACES[:, None], t) == pytest.approx(
-        through.velocity(0, PLACES[:, None], t + 0.5), abs=2e-3
-    )
+    expected = whole.velocity(0, x, t + 0.5)
+    assert second_part.velocity(0, x, t) == pytest.approx(expected, abs=2e-3)
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
@@ -167,9 +166,9 @@ def test_other_methods_say_that_they_have_no_drag(method):
         ri.solve(system, until=0.01, method=method)
 
     messages = dict(caught.value.problems)
-    assert messages["bodies.0.shaft"] == (
-        f'method "{method}" has no drag along a shaft; method "finite-difference" has'
-    )
+    lacks = f'method "{method}" has no drag along a shaft'
+    remedy = 'method "finite-difference" has'
+    assert messages["bodies.0.shaft"] == f"{lacks}; {remedy}"
 
 
 def test_a_run_in_drag_needs_an_end():
@@ -192,17 +191,14 @@ def test_a_family_and_its_members():
 def test_a_drag_coefficient_is_found_from_a_record():
     rod = standing_wave(ri.Drag(2.0), mean_velocity=1.0)
     record = ri.solve(ri.System([rod]), until=1.0, cells=60).gauge(0, 0.5)
+    measured = ri.Measured(record.signal(0.01), gauge=(0, 0.5))
     guess = ri.System([rod.replace(shaft=ri.Drag(1.0))])
+    coefficient = "bodies.0.shaft.coefficient"
+    vary = {coefficient: (0.5, 5.0)}
 
-    fitted = ri.fit(
-        guess,
-        ri.Measured(record.signal(0.01), gauge=(0, 0.5)),
-        {"bodies.0.shaft.coefficient": (0.5, 5.0)},
-        until=1.0,
-        cells=60,
-    )
+    fitted = ri.fit(guess, measured, vary, until=1.0, cells=60)
 
-    assert fitted.values["bodies.0.shaft.coefficient"] == pytest.approx(2.0, rel=1e-3)
+    assert fitted.values[coefficient] == pytest.approx(2.0, rel=1e-3)
 
 
 @pytest.mark.parametrize(

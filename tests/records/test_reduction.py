@@ -412,55 +412,59 @@ def test_mistakes_are_named(shot, change, path, says):
         "bars": BAR,
         "specimen": SPECIMEN,
     }
-    changed = {
-        name: value(first) if callable(value) else value
-        for name, value in change.items()
-    }
+    for name, value in change.items():
+        if callable(value):
+            value = value(first)
+        arguments[name] = value
+
     with pytest.raises(ri.InvalidModel, match=says) as caught:
-        ri.reduce(**arguments | changed)
+        ri.reduce(**arguments)
+
     assert path in dict(caught.value.problems)
 
 
 def test_all_mistakes_of_a_gauge_or_a_specimen_are_named_at_once():
     volts = ri.Signal([0.0, 1.0], [0.0, 1.0], unit="V")
-    assert {*problems(lambda: ri.BarGauge(volts, distance=-1.0))} == {
-        "signal",
-        "distance",
-    }
-    assert {*problems(lambda: ri.Specimen(-1.0, area=1.0, diameter=1.0))} == {
-        "length",
-        "area",
-    }
+
+    of_gauge = problems(lambda: ri.BarGauge(volts, distance=-1.0))
+    of_specimen = problems(lambda: ri.Specimen(-1.0, area=1.0, diameter=1.0))
+
+    assert set(of_gauge) == {"signal", "distance"}
+    assert set(of_specimen) == {"length", "area"}
 
 
-def together(speed=9.0, gains=(1.0, 1.0), noise=0.0, true=SPEED):
-    """A shot with the bars together: gauges of bars whose wave speed is `true`."""
-    bar = ri.Rod(
-        0.762,
-        diameter=9.47e-3,
-        material=TITANIUM.replace(youngs_modulus=TITANIUM.density * true**2),
-    )
+INPUT_PATHS = {0.381: 1}
+OUTPUT_PATHS = {1.143: 1, 1.905: -1}  # there, and back from the free end
+"""Distances that the pulse has run when it is at a gauge, m, and its sign."""
+
+
+def together(speed=9.0, gains=(1.0, 1.0), noise=0.0, wave_speed=SPEED):
+    """Gauges of two bars that a striker hits without a specimen between them."""
+    rise = 6e-6
+    modulus = TITANIUM.density * wave_speed**2
+    material = TITANIUM.replace(youngs_modulus=modulus)
+    bar = ri.Rod(0.762, diameter=9.47e-3, material=material)
     times = np.arange(-1e-4, 7e-4, 1e-7)
-    ramps = np.minimum(times / 6e-6, (2 * 0.127 / true + 6e-6 - times) / 6e-6)
-    struck = ri.Signal(speed / 2 / true * np.clip(ramps, 0, 1), times)
-    rng, gauges = np.random.default_rng(3), []
-    for paths, gain in (
-        (((0.381, 1),), gains[0]),
-        (((1.143, 1), (1.905, -1)), gains[1]),
-    ):
-        strain = 0.0
-        for path, sign in paths:
-            moved = struck.propagated(path, bar)
-            strain = strain + sign * np.interp(times, moved.times, moved.values)
-        strain = -strain / gain + noise * struck.values.max() * rng.standard_normal(
-            len(times)
-        )
-        gauges.append(ri.BarGauge(ri.Signal(strain, times), 0.381))
-    return gauges, bar
+    end = 2 * 0.127 / wave_speed + rise
+    ramps = np.minimum(times / rise, (end - times) / rise)
+    plateau = speed / 2 / wave_speed
+    pulse = ri.Signal(plateau * np.clip(ramps, 0, 1), times)
+    noise_level = noise * pulse.values.max()
+    rng = np.random.default_rng(3)
+    gauges = []
+    for paths, gain in zip((INPUT_PATHS, OUTPUT_PATHS), gains, strict=True):
+        strain = np.zeros(len(times))
+        for distance, sign in paths.items():
+            moved = pulse.propagated(distance, bar)
+            strain += sign * np.interp(times, moved.times, moved.values)
+        white = rng.standard_normal(len(times))
+        recorded = -strain / gain + noise_level * white
+        gauges.append(ri.BarGauge(ri.Signal(recorded, times), 0.381))
+    return gauges
 
 
 def test_bars_are_calibrated_by_a_shot_without_a_specimen():
-    gauges, _ = together(gains=(1.05, 0.93), noise=0.003, true=4900.0)
+    gauges = together(gains=(1.05, 0.93), noise=0.003, wave_speed=4900.0)
     result = ri.calibrate(*gauges, BAR, striker_speed=9.0)
     speeds = [bar.segments[0].wave_speed for bar in result.bars]
     assert speeds == pytest.approx([4900.0, 4900.0], abs=3.0)
@@ -478,50 +482,50 @@ def test_bars_are_calibrated_by_a_shot_without_a_specimen():
 
 def test_a_record_that_just_holds_the_returned_pulse_is_enough():
     """The returned pulse is over after 460 us; the search for it needs no more record."""
-    first, second = together(noise=0.002)[0]
-    whole = ri.calibrate(first, second, BAR)
-    short = second.replace(signal=second.signal.window(-1e-4, 4.62e-4))
-    result = ri.calibrate(first, short, BAR)
-    speeds = [float(each.bars[1].segments[0].wave_speed) for each in (whole, result)]
-    assert speeds[1] == pytest.approx(speeds[0], abs=2.0)
-    cut = second.replace(signal=second.signal.window(-1e-4, 4.2e-4))
+    first, whole = together(noise=0.002)
+
+    def speed_from_record_until(end):
+        record = whole.signal.window(-1e-4, end)
+        calibration = ri.calibrate(first, whole.replace(signal=record), BAR)
+        return calibration.bars[1].segments[0].wave_speed
+
+    with_all = ri.calibrate(first, whole, BAR).bars[1].segments[0].wave_speed
+    assert speed_from_record_until(4.62e-4) == pytest.approx(with_all, abs=2.0)
     with pytest.raises(ri.InvalidModel, match="record up to") as caught:
-        ri.calibrate(first, cut, BAR)
-    # the remedy: as much record as the message asks for
+        speed_from_record_until(4.2e-4)
+    # The remedy is as much record as the message asks for.
     (message,) = dict(caught.value.problems).values()
-    needed = float(message.split("record up to ")[1].split(" s")[0])
-    enough = second.replace(signal=second.signal.window(-1e-4, needed))
-    ri.calibrate(first, enough, BAR)
+    needed = message.split("record up to ")[1].split(" s")[0]
+    speed_from_record_until(float(needed))
 
 
 def test_stated_errors_of_gains_contain_the_true_ones():
     """A striker and bars of Mindlin and Herrmann on a grid: the plateau of the pulse rings."""
     shot = shots.calibration_shot()
-    for noise in (0.0, 0.002, 0.01):
-        for speed in (None, 12.0):
-            for seed in range(2):
-                gauges = [
-                    shot.gauge(body, 0.75, noise, seed=2 * seed + body)
-                    for body in (1, 2)
-                ]
-                result = ri.calibrate(*gauges, shots.BAR, striker_speed=speed)
-                errors = np.abs(np.subtract(result.gains, 1.0))
-                assert np.all(errors <= np.multiply(2.5, result.gain_errors) + 1e-12)
-                assert max(result.gain_errors) < 0.01
+    cases = itertools.product([0.0, 0.002, 0.01], [None, 12.0], range(2))
+    for noise, speed, seed in cases:
+        first = shot.gauge(1, 0.75, noise, seed=2 * seed + 1)
+        second = shot.gauge(2, 0.75, noise, seed=2 * seed + 2)
+
+        result = ri.calibrate(first, second, shots.BAR, striker_speed=speed)
+
+        errors = np.abs(np.array(result.gains) - 1.0)
+        stated = np.array(result.gain_errors)
+        assert np.all(errors <= 2.5 * stated + 1e-12)
+        assert max(stated) < 0.01
 
 
 def test_bars_of_unlike_impedance_are_calibrated():
     metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
-    striker, bar, other = (
-        ri.Rod(length, area=area, material=metal, velocity=speed)
-        for length, area, speed in (
-            (0.3, 1e-4, 10.0),
-            (1.5, 1e-4, 0.0),
-            (1.5, 8e-5, 0.0),
-        )
-    )
+    striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    bar = ri.Rod(1.5, area=1e-4, material=metal)
+    other = ri.Rod(1.5, area=8e-5, material=metal)
     run = ri.solve(ri.System([striker, bar, other]), until=1.5e-3)
-    gauges = [ri.BarGauge(run.gauge(body, 0.75).signal(1e-6), 0.75) for body in (1, 2)]
+    gauges = []
+    for body in (1, 2):
+        record = run.gauge(body, 0.75).signal(1e-6)
+        gauges.append(ri.BarGauge(record, 0.75))
+
     result = ri.calibrate(*gauges, (bar, other), striker_speed=10.0)
     assert result.gains == pytest.approx((1, 1), rel=1e-3)
     assert result.reflected == pytest.approx(result.expected, rel=0.02)
@@ -529,24 +533,23 @@ def test_bars_of_unlike_impedance_are_calibrated():
 
 
 def test_a_calibration_stands_for_the_bars(shot):
-    gauges, _ = together(gains=(1.05, 0.93), noise=0.003)
-    result = ri.calibrate(*gauges, BAR, striker_speed=9.0)
-    first, second = shot.gauge(0.381), shot.gauge(0.381, output=True)
-    off = [
-        gauge.replace(signal=gauge.signal / gain)
-        for gauge, gain in ((first, 1.05), (second, 0.93))
-    ]
-    right, plain = (
-        ri.reduce(first, second, BAR, SPECIMEN),
-        ri.reduce(*off, result, SPECIMEN),
-    )
-    stress = np.interp(plain.times, right.times, right.stress)
-    _, _, plastic = shot.compared(plain)
-    assert plain.stress[plastic] == pytest.approx(stress[plastic], rel=0.012)
-    wide = ri.reduce(*off, replace(result, gain_errors=(0.02, 0.02)), SPECIMEN)
-    assert np.all(
-        wide.stress_band[plastic] > plain.stress_band[plastic] + 0.01 * stress[plastic]
-    )
+    gauges = together(gains=(1.05, 0.93), noise=0.003)
+    calibration = ri.calibrate(*gauges, BAR, striker_speed=9.0)
+    uncertain = replace(calibration, gain_errors=(0.02, 0.02))
+    first = shot.gauge(0.381)
+    second = shot.gauge(0.381, output=True)
+    first_off = first.replace(signal=first.signal / 1.05)
+    second_off = second.replace(signal=second.signal / 0.93)
+
+    right = ri.reduce(first, second, BAR, SPECIMEN)
+    calibrated = ri.reduce(first_off, second_off, calibration, SPECIMEN)
+    wide = ri.reduce(first_off, second_off, uncertain, SPECIMEN)
+
+    _, _, plastic = shot.compared(calibrated)
+    stress = np.interp(calibrated.times, right.times, right.stress)[plastic]
+    assert calibrated.stress[plastic] == pytest.approx(stress, rel=0.012)
+    band = calibrated.stress_band[plastic]
+    assert np.all(wide.stress_band[plastic] > band + 0.01 * stress)
 
 
 @pytest.mark.parametrize(
@@ -560,45 +563,46 @@ def test_a_calibration_stands_for_the_bars(shot):
     ],
 )
 def test_mistakes_of_a_calibration_are_named(change, says):
-    first, second = together()[0]
+    first, second = together()
     arguments = {
         "input_gauges": first,
         "output_gauges": second,
         "bars": BAR,
         "striker_speed": None,
     }
-    if end := change.get("output_gauges"):
-        change = {
-            "output_gauges": second.replace(signal=second.signal.window(-1e-4, end))
-        }
+    arguments |= change
+    if "output_gauges" in change:
+        cut = second.signal.window(-1e-4, change["output_gauges"])
+        arguments["output_gauges"] = second.replace(signal=cut)
+
     with pytest.raises(ri.InvalidModel, match=says):
-        ri.calibrate(**arguments | change)
+        ri.calibrate(**arguments)
 
 
 def measured_gauges():
     """Gauges of a copper specimen between titanium bars."""
     record = ri.read_signals("validation/records/lanl_titanium_bars.csv")
-    return [
-        ri.BarGauge(BRIDGE.strain(record[name]), 0.381)
-        for name in ("incident", "transmitted")
-    ]
+    first = BRIDGE.strain(record["incident"])
+    second = BRIDGE.strain(record["transmitted"])
+    return [ri.BarGauge(first, 0.381), ri.BarGauge(second, 0.381)]
 
 
 def test_a_measured_shot_is_reduced():
     """Copper between titanium bars, whose flow stress at 20 % and some 6e3/s is 400 to 500 MPa."""
     result = ri.reduce(*measured_gauges(), BAR, SPECIMEN, compression="positive")
-    at = int(np.searchsorted(result.strain, 0.2))
-    assert 4e8 < result.stress[at] < 5e8
-    assert 5e3 < result.strain_rate[at] < 8e3
-    assert abs(result.equilibrium[at]) < 0.06
-    assert result.stress_band[at] < 0.03 * result.stress[at]
+    i = int(np.searchsorted(result.strain, 0.2))
+    assert 4e8 < result.stress[i] < 5e8
+    assert 5e3 < result.strain_rate[i] < 8e3
+    assert abs(result.equilibrium[i]) < 0.06
+    assert result.stress_band[i] < 0.03 * result.stress[i]
 
 
 def doubts_about(input_gauges, output_gauges, **options):
     """Sentences of a reduction, which are its warnings and the ends of its table."""
     with pytest.warns(ri.DoubtfulReduction) as warned:
         result = ri.reduce(input_gauges, output_gauges, BAR, SPECIMEN, **options)
-    assert tuple(str(each.message) for each in warned) == result.doubts
+    messages = [str(warning.message) for warning in warned]
+    assert messages == list(result.doubts)
     for doubt in result.doubts:
         assert f"\ndoubtful: {doubt}" in str(result)
     return result.doubts
@@ -641,7 +645,11 @@ def test_a_weak_gauge_beside_its_opposite_is_doubted(shot, case):
 def test_bending_of_a_tenth_is_not_doubted(shot):
     whole = shot.gauge(0.381).signal
     bent = ri.BarGauge(1.1 * whole, 0.381, opposite=0.9 * whole)
-    assert ri.reduce(bent, shot.gauge(0.381, output=True), BAR, SPECIMEN).doubts == ()
+    output = shot.gauge(0.381, output=True)
+
+    result = ri.reduce(bent, output, BAR, SPECIMEN)
+
+    assert result.doubts == ()
 
 
 @pytest.mark.parametrize(
@@ -654,19 +662,18 @@ def test_bending_of_a_tenth_is_not_doubted(shot):
 def test_gauges_at_two_distances_with_unlike_gains_are_doubted(
     shot, long_shot, gain, percent
 ):
+    far = long_shot.gauge(0.381)
     near = long_shot.gauge(0.231).replace(gain=gain)
     output = long_shot.gauge(0.381, output=True)
-    doubts = doubts_about([long_shot.gauge(0.381), near], output)
-    assert has(
-        doubts, "gauges of the input bar", f"231 mm from the specimen records {percent}"
-    )
+    doubts = doubts_about([far, near], output)
+    sentence = f"231 mm from the specimen records {percent}"
+    assert has(doubts, "gauges of the input bar", sentence)
+
+    near = shot.gauge(0.1, output=True)
     far = shot.gauge(0.381, output=True).replace(gain=gain)
-    doubts = doubts_about(shot.gauge(0.381), [shot.gauge(0.1, output=True), far])
-    assert has(
-        doubts,
-        "gauges of the output bar",
-        f"381 mm from the specimen records {percent}",
-    )
+    doubts = doubts_about(shot.gauge(0.381), [near, far])
+    sentence = f"381 mm from the specimen records {percent}"
+    assert has(doubts, "gauges of the output bar", sentence)
 
 
 def test_a_wrong_distance_is_doubted_by_the_arrival_of_each_wave(shot, long_shot):
@@ -750,12 +757,14 @@ def test_measured_records_of_other_bars_are_not_doubted(
 ):
     """No doubt depends on the size of the specimen, which is not known of these."""
     record = ri.read_signals(f"validation/records/{file}")
-    gauges = [
-        ri.BarGauge(record[name], distance, gain=gain)
-        for name, distance in zip(("incident", "transmitted"), distances, strict=True)
-    ]
+    to_input, to_output = distances
+    first = ri.BarGauge(record["incident"], to_input, gain=gain)
+    second = ri.BarGauge(record["transmitted"], to_output, gain=gain)
     specimen = ri.Specimen(3e-3, diameter=5e-3)
-    assert ri.reduce(*gauges, bar, specimen, compression=compression).doubts == ()
+
+    result = ri.reduce(first, second, bar, specimen, compression=compression)
+
+    assert result.doubts == ()
 
 
 def test_noise_of_a_soft_specimen_is_not_doubted():

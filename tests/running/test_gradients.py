@@ -154,10 +154,9 @@ def test_scaling(seed, quantity, by_size, by_area, by_speed):
     sizes = [*paths_of(system, "length"), *gaps]
     areas = paths_of(system, "area")
     speeds = [*paths_of(system, "velocity", "strain"), *gaps]
+    paths = list(dict.fromkeys([*sizes, *areas, *speeds]))  # gaps are in two lists
     with kernels.forced(True):
-        g = ri.gradient(
-            system, quantity, list(dict.fromkeys([*sizes, *areas, *speeds]))
-        )
+        g = ri.gradient(system, quantity, paths)
     assert not g.kinks.keys()
     for paths, power in ((sizes, by_size), (areas, by_area), (speeds, by_speed)):
         stated_error = sum(abs(numbers[path]) * g.errors[path] for path in paths)
@@ -349,7 +348,8 @@ def test_stated_errors_of_rigid_rows_bound_the_difference_from_the_formula(seed)
     g = ri.gradient(system, "velocity_after.1", [path])
 
     assert abs(g[path] - slope) <= g.errors[path]
-    assert g.errors[path] <= 1e-8 * (abs(slope) + abs(g.value) / float(x))
+    scale = abs(slope) + abs(g.value) / float(x)
+    assert g.errors[path] <= 1e-8 * scale
 
 
 def compliant_row(rng, rods, varied):
@@ -373,10 +373,8 @@ def system_of(row):
     """The row in unit wave speed and density."""
     bodies = []
     for length, area, velocity in zip(row.T, row.Z, row.v, strict=True):
-        rod = ri.Rod(
-            float(length), area=float(area), material=UNIT, velocity=float(velocity)
-        )
-        bodies.append(rod)
+        numbers = {"area": float(area), "velocity": float(velocity)}
+        bodies.append(ri.Rod(float(length), material=UNIT, **numbers))
     laws = []
     for stiffness, exponent in zip(row.K, row.p, strict=True):
         laws.append(ri.PowerLaw(float(stiffness), float(exponent)))
@@ -503,11 +501,12 @@ def test_a_kink_beside_the_number_is_not_at_the_number(distance):
 
 def test_progress_counts_collisions_and_may_stop_them():
     counts = []
-    ri.gradient(
-        pair(0.4, 0.9),
-        wrt=["bodies.0.length", "bodies.1.length"],
-        progress=lambda done, total: counts.append((done, total)),
-    )
+    lengths = ["bodies.0.length", "bodies.1.length"]
+
+    def note(done, total):
+        counts.append((done, total))
+
+    ri.gradient(pair(0.4, 0.9), wrt=lengths, progress=note)
     assert counts == sorted(counts)
     done, _ = counts[-1]
     assert done >= 1 + 2 * 12

@@ -101,7 +101,8 @@ def spoil_contents(rng, path):
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, seed):
     rng = np.random.default_rng(seed)
-    path, again = tmp_path / "damaged.npz", tmp_path / "again.npz"
+    path = tmp_path / "damaged.npz"
+    again = tmp_path / "again.npz"
     refusals = []
     for _ in range(DAMAGES):
         original = originals[rng.integers(len(originals))]
@@ -121,27 +122,36 @@ def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, see
     assert all(message.startswith(str(path)) for message in refusals)
 
 
+def exchange(first, second):
+    """Give two files of a folder the name of each other."""
+    spare = first.parent / ".rodimpact-spare"
+    first.replace(spare)
+    second.replace(first)
+    spare.replace(second)
+
+
 def spoil_directory(rng, folder, other):
     """Damage a checkpoint in one place or a few."""
     for _ in range(rng.integers(1, 4)):
-        paths = sorted(path for path in folder.iterdir() if path.is_file()) or [
-            folder / "new.npz"
-        ]
-        one, two = (paths[i] for i in rng.choice(len(paths), 2))
+        paths = sorted(path for path in folder.iterdir() if path.is_file())
+        if not paths:
+            paths = [folder / "new.npz"]
+        i, j = rng.choice(len(paths), 2)
+        first = paths[i]
+        second = paths[j]
         kind = rng.integers(6)
         if kind == 0:
-            one.unlink(missing_ok=True)
-        elif kind == 1 and one != two:
-            spare = folder / ".rodimpact-spare"
-            one.replace(spare), two.replace(one), spare.replace(two)
+            first.unlink(missing_ok=True)
+        elif kind == 1 and first != second:
+            exchange(first, second)
         elif kind == 2:
-            shutil.copy(other, one)
+            shutil.copy(other, first)
         elif kind == 3:
-            (folder / f".rodimpact-{rng.integers(1 << 60):016x}").write_bytes(
-                rng.bytes(9)
-            )
-        elif one.exists():
-            one.write_bytes(spoil(rng, one.read_bytes() or b"x"))
+            left_over = folder / f".rodimpact-{rng.integers(1 << 60):016x}"
+            left_over.write_bytes(rng.bytes(9))
+        elif first.exists():
+            data = first.read_bytes() or b"x"
+            first.write_bytes(spoil(rng, data))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -152,15 +162,14 @@ def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
     monkeypatch.setattr("rodimpact.storage.writing.os.fsync", lambda file: None)
     for name in ("SAVE_INTERVAL", "SAVE_TIME_RATIO"):  # a file a chunk
         monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)
-    rng, whole, folder = (
-        np.random.default_rng(seed),
-        tmp_path / "whole",
-        tmp_path / "damaged",
-    )
+    rng = np.random.default_rng(seed)
+    whole = tmp_path / "whole"
+    folder = tmp_path / "damaged"
     result = ri.sweep(family(15), checkpoint=whole)
     ri.sweep(family(15), checkpoint=tmp_path / "other", max_events=1)
     other = next((tmp_path / "other").iterdir())
-    refusals, gone_on = [], 0
+    refusals = []
+    gone_on = 0
     for _ in range(DAMAGES):
         shutil.copytree(whole, folder)
         spoil_directory(rng, folder, other)
