@@ -58,6 +58,37 @@ def assert_bounded(system, until, rtol):
         assert error <= stated * scale, name
 
 
+MEDIANS = {
+    "velocity": 30,
+    "impulse": 30,
+    "peak force": 30,
+    "duration": 100,
+    "time": 100,
+}
+"""Largest median of the stated errors over the true ones."""
+LEAST_ERROR = 1e-14  # true one that a finer run can show
+
+
+def test_half_the_stated_errors_are_near_the_true_ones():
+    ratios = {name: [] for name in MEDIANS}
+    for kind in KINDS:
+        for seed in range(40, 60):
+            system, until = random_row(kind, seed)
+            solution = ri.solve(system, until, METHOD)
+            exact = ri.solve(system, until, METHOD, rtol=EXACT)
+            right = measures_of(exact)
+            for name, values in measures_of(solution).items():
+                scale = np.abs(right[name]).max()
+                if name == "velocity":
+                    scale = solution.fields.clock.scale
+                if scale > 0:
+                    error = np.abs(values - right[name]).max() / scale
+                    stated = solution.accuracy[name]
+                    ratios[name].append(stated / max(error, LEAST_ERROR))
+    for name, largest in MEDIANS.items():
+        assert np.median(ratios[name]) <= largest, name
+
+
 CAUSES = [
     # a first piece in a chain of masses, as long at any tolerance
     ("network", 59, 1e-8),

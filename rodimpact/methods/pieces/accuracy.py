@@ -4,6 +4,7 @@ The second run has a coarser tolerance, and halves what the tolerance does not l
 piece that both runs have, but by chance. The page has this as JavaScript.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +21,10 @@ error; with a smaller one both agree by chance too often.
 """
 COARSER_FLOOR = 2
 """Least duration of pieces of the second run over that of the first, where breaks are too dense."""
-RUN_ROUND_OFF = 1e-14
-"""Relative error that a run has at any tolerance: some 50 round-offs of waves.
+ROUND_OFF = 2.2e-16
+"""Round-off of a number, relative. Those of the steps of a run have both signs: n make sqrt(n)."""
+ROUND_OFFS_OF_STEP = 8
+"""Round-offs of the sums of one step, over that of a number.
 
 So precisely forces satisfy their laws as well; where they make velocities that are larger than the
 scale and cancel, that counts as much more.
@@ -35,9 +38,9 @@ SHARED_FACTOR = 0.2
 
 The estimate is that of a series; collocation integrates more precisely.
 """
-PEAK_FACTOR = 4.0
+PEAK_FACTOR = 2.0
 """Stated error of peaks over the estimate for the pieces in which they may be."""
-EVENT_FACTOR = 2.0
+EVENT_FACTOR = 1.0
 """Stated error of times over the estimate for the pieces in which events are."""
 LOOSE_FACTOR = 2e7
 """Error over tail^2.5: errors of loose tolerances do not fall evenly."""
@@ -100,7 +103,8 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     # Velocities that the peak forces of the links make
     velocities = [link.peak_force * link.effective_mobility for link in fine.links]
     strongest = size_of(velocities) / run.velocity_scale
-    common = RUN_ROUND_OFF * max(1.0, strongest) + loose + resting + FIT_FACTOR * fit
+    round_off = ROUND_OFF * (ROUND_OFFS_OF_STEP + math.sqrt(run.steps))
+    common = round_off * max(1.0, strongest) + loose + resting + FIT_FACTOR * fit
     errors = [common, common, common, common, common]
     values = measures_of(fine)
     if all(part.kind != Part.SEGMENT for part in fine.parts):  # a row without rods

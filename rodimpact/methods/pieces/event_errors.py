@@ -12,8 +12,8 @@ from .records import Link, Links, Node, Run
 def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> None:
     """Raise `event_error` and `event_lag` of a link, s, by what an event of it may be wrong.
 
-    The event is in a piece of duration h, s. Its guard is wrong by the remainder of its
-    polynomial, which makes `event_error`; all of h if the guard changes by less than that.
+    The event is in a piece of duration h, s. Its guard is wrong by the error of its polynomial
+    there, which makes `event_error`; all of h if the guard changes by less than that.
 
     All that went before is wrong, too: where velocities are wrong by v, a force is wrong by v/Y,
     and an overlap by v times its memory. For a v of the velocity scale that makes `event_lag`.
@@ -23,7 +23,7 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
         status = event_location.evaluate_guard(run, link, node, which, h)
         if status == event.status:
             series.set_series(node.scratch_values, node.scratch_series)
-            error = series.remainder(node.scratch_values, False)
+            error = series.error_at(node.scratch_values, event.position)
             # dg/dt, as y goes from -1 to 1 in the time h
             rate = abs(series.slope(node.scratch_series, event.position)) * 2 / h
             if error < rate * h:

@@ -213,7 +213,7 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
             largest = series.largest(link.force)
             # A piece within the window lies where two breaks nearly meet: its peak is round-off.
             if ticks > run.event_window and largest > PEAK_RTOL * link.peak_force:
-                raise_peak(link, node, largest)
+                raise_peak(link, node)
             overlap = series.largest(link.overlaps)
             is_contact = link.status >= Status.PRESS  # no bond, joint or push
             if is_contact and presses(run, link, largest, overlap):
@@ -261,18 +261,12 @@ def set_end_state(link: Link, h: float) -> None:
     link.overlap_acceleration = 2 * rise / (h * (X[N] - X[N - 1]))
 
 
-def raise_peak(link: Link, node: Node, largest: float) -> None:
-    """Raise the peak force of a link, and its bound, by the forces of a piece.
-
-    `largest` is the largest force at the points.
-    """
+def raise_peak(link: Link, node: Node) -> None:
+    """Raise the peak force of a link, and its bound, by the forces of a piece."""
     peak = series.maximum(link.force, node.scratch_series, link.peak_force)
-    error = series.remainder(link.force, False)
-    if peak > largest:  # it was searched for between the points
-        rise = peak - series.smallest(link.force)
-        error += series.EXTREMUM_RTOL * rise
-    link.peak_force = max(link.peak_force, peak)
-    link.peak_force_bound = max(link.peak_force_bound, peak + error)
+    error = series.error_at(link.force, peak.place) + peak.miss
+    link.peak_force = max(link.peak_force, peak.value)
+    link.peak_force_bound = max(link.peak_force_bound, peak.value + error)
 
 
 def presses(run: Run, link: Link, force: float, overlap: float) -> bool:

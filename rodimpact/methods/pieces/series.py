@@ -9,7 +9,7 @@ f are values at the points, c coefficients of a series: sum of c[m] T_m(y), T_m(
 
 import math
 from collections.abc import MutableSequence, Sequence
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
@@ -24,15 +24,17 @@ POSITIVE_RTOL = 0.1
 """Smallest over largest value at the points, above which a polynomial has no zero between them."""
 NEXT_INTEGRAL = 0.01
 """Integral of the Chebyshev polynomial of the next degree, about."""
+MAX_DECAY = 0.75
+"""Largest ratio of coefficients two degrees apart that counts as falling: more is not resolved."""
 EXTREMUM_STEPS = 36
 """Steps to an extremum, each of which leaves two thirds of the width: 5e-7 of it at the end."""
 BISECTIONS = 54
 """Steps to a zero, each of which leaves half of the width: that is below round-off at the end."""
 EXTREMUM_RTOL = 4 * (2 / 3) ** (2 * EXTREMUM_STEPS)
-"""By how much the value there may miss the extremum, over the range of the values at the points.
+"""By how much the value there may miss the extremum, over the rise to it from the lower neighbour.
 
-A parabola whose vertex is in the middle of a width w rises to it by r = |f''| w^2/8; at a distance
-of u w from the vertex it is lower by |f''| (u w)^2/2 = 4 u^2 r.
+A parabola whose vertex is in a width w rises to it by r = |f''| w^2/8 at least from the lower end;
+at a distance of u w from the vertex it is lower by |f''| (u w)^2/2 = 4 u^2 r.
 """
 
 Values: TypeAlias = Sequence[float]
@@ -64,6 +66,14 @@ START: list[float] = (_SERIES_AT_START @ _STAGES_TO_SERIES)[0].tolist()
 """Weights of the stages in the value at the start, extrapolated."""
 WEIGHTS: list[float] = STAGES[N - 1][:]
 """Weights of the stages in the integral over the piece; exact up to degree 2N - 2."""
+
+
+class Maximum(NamedTuple):
+    """The largest value of a polynomial on a piece."""
+
+    value: float
+    place: float  # y
+    miss: float  # by how much the search may have missed it
 
 
 def value(c: Values, y: float) -> float:
@@ -151,10 +161,10 @@ def truncation_estimate(f: Values) -> float:
 def remainder(f: Values, integrated: bool) -> float:
     """Return an estimate of the error of the polynomial with the values f, or of its integral.
 
-    Coefficients fall by a factor r from degree to degree. The polynomial misses the next one, about
-    the tail times r. Integrals of it are about a hundredth of that; and collocation integrates far
-    better than it follows values, about as the tail times r^3. So the error is tail r, or
-    tail r (r^2 + 0.01) if `integrated`.
+    Coefficients fall by a factor r from degree to degree. The polynomial misses the next ones, two
+    and two about tail r (1 + r^2 + r^4 + ...). Integrals of them are about a hundredth of that; and
+    collocation integrates far better than it follows values, about as the tail times r^3. So the
+    error is e = tail r/(1 - r^2), or e (r^2 + 0.01) if `integrated`.
     """
     last = 0.0  # tail: abs(c[N - 1]) + abs(c[N])
     before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])
@@ -168,13 +178,27 @@ def remainder(f: Values, integrated: bool) -> float:
         else:
             last += abs(s)
     # The sums that are compared are two degrees apart: their ratio is r^2.
-    square = 0.0
-    if before > 0:
-        square = min(1.0, last / before)
-    error = last * math.sqrt(square)
+    square = MAX_DECAY
+    if last < MAX_DECAY * before:
+        square = last / before
+    error = last * math.sqrt(square) / (1 - square)
     if integrated:
         error *= square + NEXT_INTEGRAL
     return error
+
+
+def error_at(f: Values, y: float) -> float:
+    """Return an estimate of the error of the polynomial with the values f at y.
+
+    The next coefficient, c, is missed by c (T_(N+1)(y) - its polynomial through the points). That
+    is c 2^N (y - x_0) (y - x_1) ...: it is 0 at the points, where values have the error of
+    collocation.
+    """
+    share = 1.0
+    for j in range(POINTS):
+        share *= 2 * abs(y - X[j])
+    between = 0.5 * share * remainder(f, False)
+    return between + remainder(f, True)
 
 
 def is_constant(f: Values) -> bool:
@@ -270,7 +294,7 @@ def minimum(c: Values) -> float:
     return least
 
 
-def maximum(f: Values, c: MutableValues, least: float) -> float:
+def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
     """Return the largest value of the polynomial with the values f at the points; c is scratch.
 
     It lies beside the largest of these values. A vertex beside the outermost points counts too: a
@@ -282,14 +306,16 @@ def maximum(f: Values, c: MutableValues, least: float) -> float:
     for j in range(POINTS):
         if f[j] > f[best]:
             best = j
-    low = X[max(best - 1, 0)]
-    high = X[min(best + 1, N)]
+    before = max(best - 1, 0)
+    behind = min(best + 1, N)
+    low = X[before]
+    high = X[behind]
     set_series(f, c)
     reach = c[0]  # no value is larger
     for m in range(1, POINTS):
         reach += abs(c[m])
     if reach <= least:
-        return f[best]
+        return Maximum(f[best], X[best], 0.0)
     # Of three thirds, the outer one beside the smaller of the two values in between is left out.
     for _ in range(EXTREMUM_STEPS):
         first_third = (2 * low + high) / 3
@@ -298,7 +324,11 @@ def maximum(f: Values, c: MutableValues, least: float) -> float:
             low = first_third
         else:
             high = second_third
-    return max(f[best], value(c, low))
+    most = value(c, low)
+    if most <= f[best]:
+        return Maximum(f[best], X[best], 0.0)
+    rise = most - min(f[before], f[behind])
+    return Maximum(most, low, EXTREMUM_RTOL * rise)
 
 
 def set_parabola(f: MutableValues, whole: float, tilt: float, bend: float) -> None:
