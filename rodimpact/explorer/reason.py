@@ -316,10 +316,12 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
     velocities = velocities_of(facts)
     text = velocities[-1]  # "a", or "a, b and c"
     noun = "velocity"
+    verb = "is"
     if len(velocities) > 1:
         all_but_last = ", ".join(velocities[: len(velocities) - 1])
         text = f"{all_but_last} and {text}"
         noun = "velocities"
+        verb = "are"
     # Those that pressed are tables of contacts, those that can open are their numbers.
     if len(pressed) == 1 and len(outcome["unilateral"]) == 1:
         tally = outcome["contacts"][pressed[0]["index"]]
@@ -328,9 +330,9 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
         if e != "":
             text = f"{text}, so e = {e}{ratio_named(facts)}"
     elif outcome["final"]:
-        text = f"The mean {noun} after the collision: {text}"
+        text = f"The mean {noun} after the collision {verb} {text}"
     else:
-        text = f"The mean {noun} at the end of the run: {text}"
+        text = f"The mean {noun} at the end of the run {verb} {text}"
     vibration = outcome["vibration_after"]
     energy = vibration + kinetic_energy(facts)
     if energy <= 0:

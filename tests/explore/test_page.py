@@ -133,6 +133,7 @@ def picture(page, canvas="#diagram"):
 def test_dragging_a_slider_moves_e_as_the_api_does(visit):
     page = visit()
     wait_for_e(page, "0.4")
+    assert page.inner_text("#meaning") == "speed of parting / speed of approach"
     assert "Saint-Venant" in page.inner_text("#theory")
     assert page.input_value("#preset") == "unequal"
     assert field(page, LENGTH).input_value() == "400"
@@ -451,6 +452,7 @@ def test_a_sentence_follows_the_events(visit):
 
 TELLING = (
     "#restitution",
+    "#meaning",
     "#theory",
     "#plot-curve",
     "#remark",
@@ -527,7 +529,8 @@ def test_the_question_is_about_the_row_that_is_chosen(visit):
     sync_api.expect(page.locator("#theory")).to_contain_text(
         "belongs to one contact; this row has 4"
     )
-    assert not page.locator("#restitution").is_visible()
+    for part in ("#restitution", "#meaning"):
+        assert not page.locator(part).is_visible()
 
 
 @pytest.mark.parametrize(("width", "height"), [(1024, 768), (390, 844)])
@@ -926,6 +929,20 @@ def test_no_line_ends_between_a_number_and_its_unit(visit):
         for part in ("#reason", "#sentence", "#theory", "#remark", "#notes"):
             text = page.locator(part).text_content()
             assert re.findall(r"\d (?:%|[nµmkMG]?(?:m|s|N|J|Pa)\b)| = ", text) == []
+            assert re.findall(r"(?i)\b(?:rod|mass|contact) \d", text) == []
+
+
+def test_a_quantity_that_is_rounded_up_has_the_next_prefix(visit):
+    page = visit()
+    for value, digits, text in (
+        (0.96, 1, "1 m/s"),
+        (0.96, 2, "960 mm/s"),
+        (999.97, 4, "1 km/s"),
+        (-0.9996, 3, "−1 m/s"),  # noqa: RUF001
+    ):
+        arguments = json.dumps([value, "m/s", digits])
+        shown = page.evaluate(f"quantity(...{arguments})")
+        assert shown.replace("\u00a0", " ") == text
 
 
 def test_facts_of_the_solver_are_in_the_notes_only(visit):
@@ -1003,6 +1020,46 @@ def test_inputs_e_and_reason_are_on_the_first_screen(visit, width, height):
         inputs = [f"[id='{path}']" for path in INPUTS]
         assert hidden_parts(page, [*inputs, result, "#reason"]) == [], name
         assert page.evaluate("scrollY") == 0
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1024, 768)])
+def test_the_law_of_a_contact_stands_beside_its_name(visit, width, height):
+    page = visit(viewport={"width": width, "height": height})
+    begin(page, ri.Case(LESSONS["rod, rod and wall"]))
+    lines = page.locator(".contact").evaluate_all("""all => all.map((block) => {
+        const [name, law] = ["legend", "select"].map((part) =>
+            block.querySelector(part).getBoundingClientRect());
+        return [name.right, law.left, name.top < law.bottom && law.top < name.bottom];
+    })""")
+    assert len(lines) == 2
+    for name_right, law_left, is_same_line in lines:
+        assert name_right <= law_left
+        assert is_same_line
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1024, 768)])
+def test_other_colours_leave_the_pictures_where_they_are(visit, width, height):
+    page = visit(viewport={"width": width, "height": height})
+    begin(page, ri.Case(LESSONS["rod, rod and wall"]))
+    before = page.locator("#rods").bounding_box()
+    page.check("input[value=stress]")
+    sync_api.expect(page.locator("#least")).to_contain_text("MPa, compressed")
+    assert page.locator("#rods").bounding_box() == before
+    bar = page.locator(".bar").bounding_box()
+    zoom = page.locator("#zoom-all").bounding_box()
+    assert zoom["x"] + zoom["width"] <= bar["x"] + bar["width"] + 1
+
+
+def test_the_sentence_of_a_tour_has_its_reserved_height(visit):
+    page = visit(viewport={"width": 1440, "height": 900})
+    sentence = page.locator("#sentence")
+    before = sentence.bounding_box()["height"]
+    page.click("#tour-open")
+    for _ in range(5):
+        page.click("#tour-next")
+        page.wait_for_function("() => !page.isSceneDue && !afterScene")
+        page.wait_for_function("() => !page.isRedrawDue")
+        assert sentence.bounding_box()["height"] == before
 
 
 @pytest.mark.parametrize("name", ["two rigid rods", "two Hertz rods"])

@@ -92,6 +92,8 @@ function notesOfDiagram({ row, contacts }, isDisplaced) {
   }
   if (contacts.some(({ room }) => room)) {
     notes.push("springs drawn wide");
+  } else if (contacts.some(({ bonded }) => !bonded)) {
+    notes.push("thick: contact force");
   }
   return notes;
 }
@@ -359,7 +361,7 @@ function hideFuture(pen, { contacts }, frame, theme) {
   });
 }
 
-/** Ticks at the right edge, at which the first waves are back. */
+/** Arrow heads at the right edge, at the times at which the first waves are back. */
 function drawMarks(pen, { marks }, frame, view, theme) {
   let labelY = Infinity;
   for (const { t, text } of marks) {
@@ -367,10 +369,11 @@ function drawMarks(pen, { marks }, frame, view, theme) {
       continue;
     }
     const y = frame.up(t);
-    pen.segment([frame.right - 6, y], [frame.right + 3, y], theme.ink, 1.4);
+    const headEnd = frame.right + 0.45 * theme.size; // a dash would look like a minus
+    pen.triangle(frame.right, headEnd, y, 0.25 * theme.size, theme.faint);
     const isNearLast = Math.abs(y - labelY) < theme.size;
     labelY = isNearLast ? labelY - theme.size : y;
-    pen.text(frame.right + 5, labelY, text, {
+    pen.text(frame.right + 0.6 * theme.size, labelY, text, {
       size: 0.85 * theme.size,
       colour: theme.ink,
     });

@@ -114,7 +114,7 @@ function eventsOfPress({ exact }, { force }, { from, to }, before, bodies) {
     const start = valueAt(force, from + SAME_TIME_RTOL * (to - from));
     const hasWall = bodies.some(({ kind }) => kind === "wall");
     const rods = hasWall ? "the rod" : "each";
-    const text = `${begin}, with ${quantity(start, "N", 3)}: a wave of compression runs into ${rods}.`;
+    const text = `${begin} with a force of ${quantity(start, "N", 3)}: a wave of compression runs into ${rods}.`;
     return [{ t: from, text }];
   }
   let peak = 0; // point of the curve
@@ -173,9 +173,9 @@ function eventsAtEnd(scene, body, x, side) {
     if (isStart || velocity === states[k - 1].velocity) {
       continue;
     }
-    let after = "stands still";
+    let after = "stops";
     if (velocity) {
-      after = `now moves with ${quantity(velocity, "m/s", 3)}`;
+      after = `moves at ${quantity(velocity, "m/s", 3)}`;
     }
     const text = `A wave reaches the ${side} end of ${name} and turns back; the end ${after}.`;
     events.push({ t, text });

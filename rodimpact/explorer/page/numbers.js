@@ -30,9 +30,13 @@ function powerFor(size, unit) {
 /** A text whose numbers have the printed minus sign, also in their exponents. */
 const minus = (text) => text.replace(/(^|e|\s)-(?=\d)/g, "$1−");
 
-/** A text whose lines do not end between a number and its unit, or beside an equals sign. */
+/**
+ * A text whose lines do not end between a number and its unit, between a body and its
+ * number, or beside an equals sign.
+ */
 const unbroken = (text) =>
   text
+    .replace(/\b(rod|mass|contact) (?=\d)/gi, "$1\u00a0")
     .replace(/(\d) (?=%|[nµmkMG]?(?:N|J|m|s|Pa|kg)\b)/g, "$1\u00a0")
     .replace(/N s\b/g, "N\u00a0s")
     .replace(/ ([=×]) /g, "\u00a0$1\u00a0");
@@ -52,7 +56,8 @@ function plainNumber(value, digits) {
 
 /** A quantity with its unit. */
 function quantity(value, unit, digits = 4) {
-  const power = powerFor(Math.abs(value), unit);
+  const rounded = Number(value.toPrecision(digits)); // 999.6 of two digits is 1000
+  const power = powerFor(Math.abs(rounded), unit);
   const number = plainNumber(value / 10 ** power, digits);
   if (UNITS_WITHOUT_SPACE.includes(unit)) {
     return number + unit;

@@ -7,7 +7,7 @@ const WHEEL_STEP = 1.0015; // factor for each pixel that the wheel turns
 const TIME_LINE_REACH = 8; // px from the line of the time, to take hold of it
 const TIME_AXIS_REACH = 12; // px to the right of the axis of time, for its events
 const READING_HELP =
-  "Drag the red line, the ends of the rods, or their arrows. Point at the diagram to read values.";
+  "Drag the red line, ends of rods, or arrows. Point at the diagram to read values. Dots are events.";
 
 // Values ----------------------------------------------------------------------------------
 

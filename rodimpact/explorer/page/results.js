@@ -14,6 +14,7 @@ function showResults(scene) {
     byId("restitution").append(error);
   }
   document.querySelector(".restitution").hidden = !hasE;
+  byId("meaning").hidden = !hasE;
   byId("guess-first").hidden = !hasE;
   byId("after").hidden = hasE;
   setText(byId("after"), hasE ? "" : velocitiesText(scene));

@@ -197,7 +197,7 @@ function drawLengths(pen, scene, strip, theme) {
     const [left, right] = ends.get(body).map(frame.across);
     const length = quantity(scene.lengths[body], "m");
     const texts = [`l${subscript(number)} = ${length}`, length];
-    const room = right - left - 6 * head;
+    const room = right - left - 5 * head;
     const text = texts.find((label) => 0.6 * size * label.length < room);
     pen.segment([left, y], [right, y], theme.faint);
     pen.triangle(left, left + 2 * head, y, head, theme.faint);
