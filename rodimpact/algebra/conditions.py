@@ -11,12 +11,19 @@ joints changes no result. Only the contacts decide. So a collision goes the same
 
 from ..methods.fronts.simulation import Simulation
 from ..methods.groups import unilateral
+from ..methods.states import Stop
+from .checks import TooLong
 from .contact_phases import phase_conditions, phases_of_contact
 from .exact_run import ExactRun
 from .separation import separation_of
 from .traced_fraction import HALF, ZERO, TracedFraction
 
-NO_EVENT_CAP = 1 << 62
+EVENTS_PAST_PROOF = 8
+"""Events of a run that goes on past its proof, over the cap on those up to the proof.
+
+It goes on for up to two transits of the longest body. A row of similar rods has then at
+most 6 times as many events as at the proof.
+"""
 
 
 def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
@@ -33,15 +40,22 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
         Whether fronts must reach each contact in the order of the run. The conditions
         are then rational functions. Otherwise some contain unit steps, which floats can
         evaluate, and the cell is larger.
+
+    Raises
+    ------
+    TooLong
+        If the run, as it goes on, has more than `EVENTS_PAST_PROOF` times the events
+        that its cap allows: transit times are too different.
     """
     simulation = run.simulation
+    max_events = EVENTS_PAST_PROOF * simulation.run.max_events
     contacts = unilateral(run.row.system)
-    proof_tick = _proof_tick(simulation)
+    proof_tick = _proof_tick(simulation, max_events)
     # A proof just after a contact has opened would hold in a small cell only. So the
     # proof is taken later: by half of the time for which contacts had been open.
     margin = (proof_tick - _last_change(simulation, proof_tick)) * HALF
     end = proof_tick + margin
-    simulation.run_to(end, NO_EVENT_CAP, tolerance=ZERO)
+    _run_on(simulation, end, max_events)
     conditions: list[TracedFraction] = []
     uses_energy = False
     for contact in contacts:
@@ -51,7 +65,7 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
     # Fronts in flight must not arrive before the end, so the run goes on until they
     # arrive: each meets a contact within a round trip of its body.
     until_arrivals = end + margin + 2 * _longest_transit(run)
-    simulation.run_to(until_arrivals, NO_EVENT_CAP, tolerance=ZERO)
+    _run_on(simulation, until_arrivals, max_events)
     for contact in contacts:
         # Events up to end + margin keep their phases; later ones come after the end.
         history = phases_of_contact(run, contact, end + margin)
@@ -76,7 +90,7 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
     return [x for x in conditions if x.expression is not None and x.value != 0]
 
 
-def _proof_tick(simulation: Simulation) -> TracedFraction:
+def _proof_tick(simulation: Simulation, max_events: int) -> TracedFraction:
     """Tick of the proof as a function of the names.
 
     If the kernel waited for its proof, the tick is an integer of its own, the tick of
@@ -87,8 +101,20 @@ def _proof_tick(simulation: Simulation) -> TracedFraction:
         if proof_tick == row.tick:
             return proof_tick
     next_tick: TracedFraction = simulation.queue[1]
-    simulation.run_to(next_tick, NO_EVENT_CAP, tolerance=ZERO)
+    _run_on(simulation, next_tick, max_events)
     return next_tick
+
+
+def _run_on(simulation: Simulation, end: TracedFraction, max_events: int) -> None:
+    """Let a run go on to a tick; TooLong if its cap on events stops it before."""
+    stop = simulation.run_to(end, max_events, tolerance=ZERO)
+    if stop == Stop.CAP:
+        message = (
+            f"where the formula holds is not known after {max_events} events, "
+            f"{EVENTS_PAST_PROOF} times this cap; raise it, or make transit times less "
+            "different"
+        )
+        raise TooLong([("max_events", message)])
 
 
 def _last_change(simulation: Simulation, end: TracedFraction) -> TracedFraction:

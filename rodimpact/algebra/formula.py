@@ -22,7 +22,7 @@ from ..model import System
 from ..model.arguments import text
 from ..model.frozen import InvalidModel
 from ..progress import ProgressFunction
-from .checks import check_arguments, check_final, fractions_of
+from .checks import TooLong, check_arguments, check_final, fractions_of
 from .exact_results import Exact, map_numbers
 from .formula_cell import FormulaCell
 from .rational_functions import RationalFunctions
@@ -132,8 +132,9 @@ def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
 
     Raises
     ------
-    InvalidModel
-        If the collision in the first direction is not over after `max_events`.
+    TooLong
+        If the collision in the first direction is not over after `max_events`, or its
+        fractions are too long.
     """
     row = algebra.row
     directions = _directions(len(row.free_names))
@@ -144,13 +145,15 @@ def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
         i = int(np.flatnonzero(is_untried)[0])
         is_untried[i] = False
         values = _values_near(algebra, directions[i])
-        run = row.run(values, max_events)
-        if not cells:
+        try:
+            run = row.run(values, max_events)
             check_final(run.is_final, max_events)
-        if not run.is_final:
+            cell = FormulaCell(algebra, run, values)
+        except TooLong:
+            if not cells:
+                raise
             is_incomplete = True
             continue
-        cell = FormulaCell(algebra, run, values)
         cells.append(cell)
         # A direction lies in the cell if it leads to the inner side of all ties.
         normals = np.reshape(cell.tie_normals, (-1, len(row.free_names)))

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import Report
+from .checks import TooLong, check_final
 from .plane_cell import Floats, PlaneCell
 from .symbolic_row import SymbolicRow
 
@@ -196,17 +197,19 @@ class PlaneSearch:
         self.regions.append(region)
 
     def _solve(self, shares: Floats) -> PlaneCell | None:
-        """The cell of a point; None if its collision is not over after the cap."""
+        """The cell of a point; None if its collision or the formula is too long."""
         changed = {}
         for name, share, axis in zip(self._names, shares, self._axes, strict=True):
             low = Fraction(axis.low)
             high = Fraction(axis.high)
             changed[name] = low + Fraction(float(share)) * (high - low)
         values = self._row.values(changed)
-        run = self._row.run(values, self._max_events)
-        if not run.is_final:
+        try:
+            run = self._row.run(values, self._max_events)
+            check_final(run.is_final, self._max_events)
+            return PlaneCell(self._row, run, values, self._names)
+        except TooLong:
             return None
-        return PlaneCell(self._row, run, values, self._names)
 
     # Borders
 

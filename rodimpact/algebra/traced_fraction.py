@@ -14,6 +14,8 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from .checks import TooLong
+
 BinaryFunction = Callable[[Any, Any], Any]
 Expression = None | str | tuple[str, "TracedFraction", "TracedFraction"]
 
@@ -22,6 +24,8 @@ HEAVISIDE = "H"
 """The operation H(x) y with the unit step H: 0 if x is negative, else y."""
 NEUTRAL = {"+": 0, "-": 0, "*": 1, "/": 1}
 """Right operand of each operation that changes nothing."""
+MAX_BITS = 1 << 16
+"""Binary digits of a denominator: with longer ones an event takes 10 ms and more."""
 COMMUTATIVE = "+*"
 """Operations that the same left operand leaves without change, too."""
 
@@ -158,10 +162,19 @@ ZERO = TracedFraction(0)
 def _computed(
     operation: str, left: TracedFraction, right: TracedFraction
 ) -> TracedFraction:
-    """Apply an operation to values and histories; two constants make a constant."""
+    """Apply an operation to values and histories; two constants make a constant.
+
+    TooLong is raised if the value of a number that depends on names is too long.
+    """
     value = FUNCTIONS[operation](left.value, right.value)
     if left.expression is None and right.expression is None:
         return TracedFraction(value)
+    if value.denominator.bit_length() > MAX_BITS:
+        message = (
+            "fractions of a formula in these are too long: a denominator has more than "
+            f"{MAX_BITS} binary digits; name fewer numbers"
+        )
+        raise TooLong([("symbols", message)])
     return TracedFraction(value, (operation, left, right))
 
 

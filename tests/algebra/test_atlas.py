@@ -135,6 +135,15 @@ def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
     assert len(plane.cells) < 40
 
 
+def test_a_point_whose_cell_needs_endless_events_is_unresolved(pair):
+    x = (pair.x[0], 0.5, 1e30)
+
+    plane = ri.atlas(pair.system, x, pair.y, most_cells=3, max_events=10)
+
+    assert len(plane.cells) < 3
+    assert -1 in plane.locate(*np.meshgrid([1e29, 5e29, 9e29], [0.6, 1.1, 1.5]))
+
+
 @pytest.mark.parametrize(
     ("x", "message"),
     [

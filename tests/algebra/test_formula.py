@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 
 import rodimpact as ri
+from rodimpact.algebra import traced_fraction
 
 sympy = pytest.importorskip("sympy")
 
@@ -351,6 +352,22 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
 def test_mistakes_and_a_cap_are_named(symbols, cap, message):
     with pytest.raises(ri.InvalidModel, match=message):
         ri.closed_form(TWO_TO_FIVE, symbols, max_events=cap)
+
+
+def test_a_cell_that_needs_endless_events_is_refused():
+    """The short rod parts from the long one at once, and vibrates until waves return."""
+    endless = row([0.4, 1e30], [1, 2])
+    message = "max_events: where the formula holds is not known after 80 events"
+
+    with pytest.raises(ri.InvalidModel, match=message):
+        ri.closed_form(endless, ["length"], max_events=10)
+
+
+def test_a_formula_of_too_long_fractions_is_refused(monkeypatch):
+    monkeypatch.setattr(traced_fraction, "MAX_BITS", 64)
+
+    with pytest.raises(ri.InvalidModel, match="symbols: fractions of a formula"):
+        ri.closed_form(TWO_TO_FIVE, ["length", "area"])
 
 
 def test_a_value_of_an_unknown_symbol_is_refused():
