@@ -13,7 +13,6 @@ import traceback
 import warnings
 from collections.abc import Iterable, Sequence
 from importlib import import_module
-from typing import Any
 
 from ..version import __version__
 from .exit_status import DONE, FAULT, MISTAKE, CommandResult
@@ -173,7 +172,11 @@ def _command_hint(command: str) -> str:
 class _Parser(argparse.ArgumentParser):
     """A parser that answers an unknown option with the one that may be meant."""
 
-    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+    def parse_args(  # type: ignore[override]
+        self,
+        args: Sequence[str] | None = None,
+        namespace: argparse.Namespace | None = None,
+    ) -> argparse.Namespace:
         parsed, unknown = self.parse_known_args(args, namespace)
         if unknown:
             self.error(self._hint(unknown[0]))
@@ -224,12 +227,16 @@ def _program_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _new_parser(**texts: Any) -> argparse.ArgumentParser:
+def _new_parser(
+    prog: str, description: str | None, epilog: str | None = None
+) -> argparse.ArgumentParser:
     """A parser that keeps the lines of its texts, and takes whole options only."""
     return _Parser(
+        prog=prog,
+        description=description,
+        epilog=epilog,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
-        **texts,
     )
 
 

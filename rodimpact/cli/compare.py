@@ -18,7 +18,7 @@ from ..records.comparison import gain_unit
 from ..results.regions import nothing_to_draw
 from ..storage.tables import align, versioned_json
 from ..units import format_si
-from . import record_options
+from . import gauge_options, record_options
 from .arguments import (
     Arguments,
     add_number,
@@ -27,7 +27,7 @@ from .arguments import (
     status_of,
 )
 from .exit_status import CommandResult
-from .record_options import GaugePosition, GaugePositions
+from .gauge_options import GaugePosition, GaugePositions
 
 PULSE_ROWS = {
     "start": "pulse starts",
@@ -88,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Arguments) -> CommandResult:
     """Check all arguments, solve, compare, write the figure; table or JSON."""
     case = args.read_case()
-    positions = record_options.gauge_positions(args, case)
+    positions = gauge_options.gauge_positions(args, case)
     options = args.run_options(case)
     _check_arguments(args, positions)
     records = record_options.read_record(args, positions)
@@ -112,7 +112,7 @@ def _check_arguments(args: Arguments, positions: GaugePositions) -> None:
         args.problems.append(
             (
                 "--gauge",
-                f"is missing; {record_options.GAUGE_FORM} gives a channel and the "
+                f"is missing; {gauge_options.GAUGE_FORM} gives a channel and the "
                 "place of its gauge, as [[gauges]] of the case do, with a name",
             )
         )

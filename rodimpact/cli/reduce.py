@@ -36,10 +36,10 @@ from .. import (
 )
 from ..records.cut_pulses import CLOCKS
 from ..storage.tables import versioned_json
-from . import record_options
+from . import gauge_options, record_options
 from .arguments import Arguments, add_number, figure_writer
 from .exit_status import DONE, INCOMPLETE, CommandResult
-from .record_options import GaugePositions
+from .gauge_options import GaugePositions
 
 PULSES = ("incident", "reflected", "transmitted")
 """Options for pulses that are cut out of their records."""
@@ -77,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name in PULSES:
         waves.add_argument(
             f"--{name}",
-            metavar=record_options.GAUGE_FORM,
+            metavar=gauge_options.GAUGE_FORM,
             help=f"channel and gauge of the {name} pulse, cut out of its record; give "
             "all three in place of --gauge",
         )
@@ -125,7 +125,7 @@ def run(args: Arguments) -> CommandResult:
     if is_cut:
         positions = _positions_of_pulses(args, case)
     else:
-        positions = record_options.gauge_positions(args, case)
+        positions = gauge_options.gauge_positions(args, case)
     specimen: Any = args.build_or_add_problems(
         Specimen,
         args.length,
@@ -143,7 +143,7 @@ def run(args: Arguments) -> CommandResult:
         args.problems.append(
             (
                 "--gauge",
-                f"give {record_options.GAUGE_FORM} for one gauge or two on "
+                f"give {gauge_options.GAUGE_FORM} for one gauge or two on "
                 "each of two neighbouring rods",
             )
         )
@@ -185,7 +185,7 @@ def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
         if text is None:
             args.problems.append((f"--{name}", "is missing; give all three pulses"))
             continue
-        for channel, position in record_options.positions_in(
+        for channel, position in gauge_options.positions_in(
             args, case, f"--{name}", [text]
         ).items():
             positions[channel] = position

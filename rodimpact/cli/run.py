@@ -16,13 +16,13 @@ from ..storage.report import solution_json, solution_table
 from ..storage.tables import misnamed
 from .arguments import Arguments, add_run_options, figure_writer, status_of
 from .exit_status import DONE, CommandResult
-from .messages import complain
-from .record_options import (
+from .gauge_options import (
     GAUGE_FORM,
     GaugePositions,
     add_gauge_option,
     gauge_positions,
 )
+from .messages import complain
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
