@@ -8,7 +8,6 @@ import argparse
 from typing import NamedTuple, TypeAlias
 
 from .. import Case, Rod
-from ..hints import nearest
 from ..model.numbering import body_names
 from ..units import shown
 from .arguments import Arguments

@@ -211,6 +211,6 @@ class Incoming(_Driven, Absorbing, kind="incoming"):
 
 End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved | Incoming
 ENDS: dict[str, type[End]] = {end.kind: end for end in get_args(End)}
-EARLIER_KINDS = {"force": Pushed.kind, "velocity": Moved.kind}
-"""Kinds of ends as earlier versions wrote them, with their present names."""
+END_OF_KIND: dict[str, type[End]] = {**ENDS, "force": Pushed, "velocity": Moved}
+"""Ends by their kinds in files; earlier versions wrote "force" and "velocity"."""
 FREE = Free()

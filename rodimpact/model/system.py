@@ -23,7 +23,7 @@ from ..units import shown
 from . import frozen
 from .arguments import demand
 from .bodies import BODIES, LEFT_OUT, Body, Material, RigidMass, Rod, Segment, Wall
-from .ends import EARLIER_KINDS, ENDS, FREE, Absorbing, End, Free, Moved, Pushed
+from .ends import END_OF_KIND, FREE, Absorbing, End, Free, Moved, Pushed
 from .frozen import (
     FrozenDataclass,
     Number,
@@ -292,7 +292,7 @@ class System(FrozenDataclass):
             gravity = data.get("gravity", 0.0)
             ends = data.get("ends")
             if ends:
-                ends = [restored(ENDS, "kind", ends[side]) for side in SIDES]
+                ends = [restored(END_OF_KIND, "kind", ends[side]) for side in SIDES]
             return cls(bodies, gaps, laws, gravity=gravity, ends=ends)
         except frozen.InvalidModel:
             raise
@@ -398,13 +398,10 @@ def _mirrored_end(end: End) -> End:
 def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
     """Make the body, the contact law or the end that `to_dict` described.
 
-    The entry `tag` of the description, "kind" or "law", is the key of its class in `classes`. An
-    end may have a kind of an earlier version, see `EARLIER_KINDS`.
+    The entry `tag` of the description, "kind" or "law", is the key of its class in `classes`.
     """
     description = dict(data)
     kind = description.pop(tag)
-    if classes is ENDS:
-        kind = EARLIER_KINDS.get(kind, kind)
     return classes[kind](**_parameters_from(description))
 
 

@@ -26,7 +26,7 @@ from ..model.bodies import (
     Wall,
 )
 from ..model.drag import COEFFICIENT_PER_LENGTH, Drag
-from ..model.ends import EARLIER_KINDS, ENDS, FREE, End
+from ..model.ends import END_OF_KIND, ENDS, FREE, End
 from ..model.frozen import InvalidModel, QuantityField, defaults_of, invalid_argument
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Spring
@@ -442,7 +442,8 @@ def read_faces(
 def read_ends(sides: Table) -> list[End]:
     """The left and the right end of the row; a free one stands in for one with mistakes.
 
-    An end that is not given is free. Kinds of earlier versions have other names.
+    An end that is not given is free. A mistake names the kinds of `ENDS`, not those that earlier
+    versions wrote.
     """
     ends: list[End] = []
     for side in SIDES:
@@ -450,11 +451,10 @@ def read_ends(sides: Table) -> list[End]:
         if sides.has(side):
             table = sides.table(side)
             kind = table.get("kind")
-            is_earlier = isinstance(kind, str) and kind in EARLIER_KINDS
-            if not is_earlier:
-                kind = table.word("kind", ENDS)
-            if kind is not None:
-                end = table.read_object(ENDS[EARLIER_KINDS.get(kind, kind)])
+            if isinstance(kind, str) and kind in END_OF_KIND:
+                end = table.read_object(END_OF_KIND[kind])
+            else:
+                table.word("kind", ENDS)  # notes the mistake
         if end is None:
             end = FREE
         ends.append(end)
