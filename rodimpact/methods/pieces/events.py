@@ -262,7 +262,10 @@ def set_end_state(link: Link, h: float) -> None:
 
 
 def raise_peak(link: Link, node: Node) -> None:
-    """Raise the peak force of a link, and its bound, by the forces of a piece."""
+    """Raise the peak force of a link, and its bound, by the forces of a piece.
+
+    The bound is the peak and what the polynomial and the search for its maximum may miss.
+    """
     peak = series.maximum(link.force, node.scratch_series, link.peak_force)
     error = series.error_at(link.force, peak.place) + peak.miss
     link.peak_force = max(link.peak_force, peak.value)

@@ -72,8 +72,8 @@ class Maximum(NamedTuple):
     """The largest value of a polynomial on a piece."""
 
     value: float
-    place: float  # y
-    miss: float  # by how much the search may have missed it
+    place: float  # y, from -1 at the start of the piece to 1 at its end
+    miss: float  # largest amount by which the search may have missed the value
 
 
 def value(c: Values, y: float) -> float:
@@ -178,9 +178,10 @@ def remainder(f: Values, integrated: bool) -> float:
         else:
             last += abs(s)
     # The sums that are compared are two degrees apart: their ratio is r^2.
-    square = MAX_DECAY
     if last < MAX_DECAY * before:
         square = last / before
+    else:  # the coefficients hardly fall
+        square = MAX_DECAY
     error = last * math.sqrt(square) / (1 - square)
     if integrated:
         error *= square + NEXT_INTEGRAL
@@ -194,7 +195,7 @@ def error_at(f: Values, y: float) -> float:
     is c 2^N (y - x_0) (y - x_1) ...: it is 0 at the points, where values have the error of
     collocation.
     """
-    share = 1.0
+    share = 1.0  # 2^(N + 1) (y - x_0) (y - x_1) ..., of which half is wanted
     for j in range(POINTS):
         share *= 2 * abs(y - X[j])
     between = 0.5 * share * remainder(f, False)
@@ -295,12 +296,12 @@ def minimum(c: Values) -> float:
 
 
 def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
-    """Return the largest value of the polynomial with the values f at the points; c is scratch.
+    """Return the largest value of the polynomial with the values f at the points, and its place.
 
-    It lies beside the largest of these values. A vertex beside the outermost points counts too: a
-    parabola through three points would miss it. If no value between the points can be more than
-    `least`, the largest of the values at the points is returned: a series is
-    c[0] + abs(c[1]) + abs(c[2]) + ... or less.
+    c is scratch. The place is searched for beside the largest of these values. A vertex beside the
+    outermost points counts too: a parabola through three points would miss it. If no value between
+    the points can be more than `least`, the largest of the values at the points is returned: a
+    series is c[0] + abs(c[1]) + abs(c[2]) + ... or less.
     """
     best = 0  # point of the largest value
     for j in range(POINTS):
@@ -325,9 +326,9 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
         else:
             high = second_third
     most = value(c, low)
-    if most <= f[best]:
+    if most <= f[best]:  # no value between the points is larger
         return Maximum(f[best], X[best], 0.0)
-    rise = most - min(f[before], f[behind])
+    rise = most - min(f[before], f[behind])  # from the lower neighbour
     return Maximum(most, low, EXTREMUM_RTOL * rise)
 
 
