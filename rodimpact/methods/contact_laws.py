@@ -51,6 +51,7 @@ def is_nonlinear(link: Any) -> bool:
     """
     law = link.law
     is_straight = law == Law.YIELD and link.damping == 0
+    # Behind SPRING come powers, yielding laws and those of the user.
     return bool(law > Law.SPRING and not is_straight)
 
 
@@ -60,6 +61,7 @@ def lets_go(link: Any) -> bool:
     A dashpot beside a spring can, too, but it presses without overlap as well: `pressing_sign` is
     its first guard then, not an additional one.
     """
+    # Behind SPRING come powers, yielding laws and those of the user.
     return bool(link.law > Law.SPRING and link.damping > 0)
 
 

@@ -112,6 +112,7 @@ class Row:
     @cached_property
     def unilateral_links(self) -> dict[int, int]:
         """Link of each contact that can open, by contact."""
+        # Joints come before rigid contacts, all other contacts behind.
         return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 
     def boundary_name(self, side: int) -> str:

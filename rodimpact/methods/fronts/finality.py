@@ -29,7 +29,8 @@ def finality_tick(state: State, now: int) -> int:
     longest = 0.0
     for k in range(len(nodes)):
         node = nodes[k]
-        if node.status >= Status.OPEN and longest < NEVER:
+        is_contact = node.status >= Status.OPEN  # one that can open
+        if is_contact and longest < NEVER:
             # First and last segment of the two groups beside the contact
             first = segments[k].group_first
             last = max(k, segments[k + 1].group_last)  # outside, `group_last` is 0

@@ -57,7 +57,7 @@ class FrontRun:
         self.nodes: list[Node] = batch.objects("nodes")
         self.contacts = [self.nodes[k] for k in self.layout.contacts]
         self.lines: list[Line] = batch.objects("lines")
-        if self.run.stop_reason >= Stop.OVERFLOW:
+        if self.run.stop_reason >= Stop.OVERFLOW:  # there is no clock
             raise InvalidModel([self._why_no_clock()])
         self.clock = self._clock()
         self.stopped_by = REASONS[Stop(self.run.stop_reason)]

@@ -37,7 +37,7 @@ def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float
     """
     ends: list[list[float]] = []
     for node in contacts:
-        is_contact = node.status >= Status.OPEN
+        is_contact = node.status >= Status.OPEN  # one that can open, no bond
         if not is_contact or node.episodes == 0:
             continue
         force_end = math.nan  # it presses on

@@ -225,7 +225,7 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
                 # A force that was faint until now has begun when the contact closed.
                 start -= max(link.faint_ticks, 0)
                 link.force_ticks += node.now + ticks - start
-        can_open = link.law >= Law.RIGID
+        can_open = link.law >= Law.RIGID  # no bond, push or joint
         if can_open and touch != link.logged_status:
             log_contact_change(
                 run, state.contact_log, link, node.first_link + q, start, touch
@@ -324,7 +324,8 @@ def log_contact_change(
         # It pressed in this episode, and its force was faint in the end.
         is_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
         if is_faint and link.law >= Law.SPRING and link.damping == 0:
-            # A spring presses until it opens: its last force was logged too early by this time.
+            # A compliant contact without damping presses until it opens: its last force was logged
+            # too early by this time.
             link.cut_ticks += tick - link.last_force_tick - link.fading_ticks
         link.starts_episode = 1
         link.last_opening_tick = tick

@@ -62,7 +62,7 @@ def rewind(lines: Lines, log: Log, l: int) -> None:
     # A break is at the start of a piece; that of the first one is not counted.
     i = log[line.first_piece].next
     while i != NONE:
-        if log[i].break_order <= HARD:
+        if log[i].break_order <= HARD:  # the lower its order, the harder
             line.unread_breaks += 1
         i = log[i].next
 
@@ -79,7 +79,8 @@ def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
     """
     delay = lines[l].delay
     i = log[lines[l].read_piece].next
-    # The break at the start of piece i arrives at the tick start + delay.
+    # The break at the start of piece i arrives at the tick start + delay. It is hard if its order
+    # is low.
     while i != NONE and log[i].start + delay < end:
         if log[i].break_order <= HARD and log[i].start + delay > tick:
             return int(log[i].start + delay)
@@ -254,10 +255,10 @@ def send(
     i = append_values(
         run, lines, log, l, node.now, ticks, node.outgoing, node.scratch_series
     )
-    if i != NONE and order <= HARD:
+    if i != NONE and order <= HARD:  # a hard break, if the wave does jump
         log[i].break_order = order
         classify_break(run, lines, log, old, i)
-    if i != NONE and log[i].break_order > HARD:
+    if i != NONE and log[i].break_order > HARD:  # no hard break so far
         starts_to_change = log[old].degree == 0 and log[i].degree > 0
         if starts_to_change:
             log[i].break_order = HARD
@@ -296,7 +297,7 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
         new.break_order = max(new.break_order, 1)
         if abs(slope) + abs(bend) <= 4 * run.tolerance:
             new.break_order = SMOOTH
-    if new.break_order <= HARD:
+    if new.break_order <= HARD:  # it stays a hard one
         lines[new.line].unread_breaks += 1
 
 

@@ -130,6 +130,7 @@ def advance(state: State, node: Node) -> bool:
         lines.advance_to(all_lines, log, node.incoming_lines[side], tick)
     left_order = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
     right_order = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
+    # The lower the order of a break, the harder it is.
     is_after_break = left_order <= HARD or right_order <= HARD
     limit = piece_end(state, node, is_after_break) - tick
     result = solve(state, node, limit)
