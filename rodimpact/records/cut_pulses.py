@@ -65,6 +65,10 @@ class CutPulses(FrozenDataclass):
     clock: str = "common"
 
     def _check(self, problems: Problems) -> None:
+        """Add a problem if incident and reflected pulse have different distances.
+
+        What is no gauge, or an unknown clock, is an error at once.
+        """
         for name in ("incident", "reflected", "transmitted"):
             of_kind(name, getattr(self, name), BarGauge, GAUGE_EXAMPLE)
         one_of("clock", self.clock, CLOCKS)

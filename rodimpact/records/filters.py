@@ -83,8 +83,9 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
         return values
     from scipy.interpolate import make_interp_spline
 
+    # Beyond the ends the first and the last value hold, as far as a mean reaches.
     around = np.concatenate(([times[0] - duration], times, [times[-1] + duration]))
-    lines = make_interp_spline(around, np.pad(values, 1, "edge"), 1)
+    lines = make_interp_spline(around, np.pad(values, 1, "edge"), k=1)
     integral = lines.antiderivative()
     late = integral(times + duration / 2)
     early = integral(times - duration / 2)

@@ -83,6 +83,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     if not rows:
         _check_no_heads(texts, form, count)
         return [Head(str(j + 1), "") for j in range(count)]
+    # No head of several is a number.
     if count > 1 and form.is_number(rows[-1][0]):
         raise FileFormatError(
             f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or remove it"

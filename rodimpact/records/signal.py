@@ -102,6 +102,10 @@ class Signal(Frozen):
         unit: str = "",
         name: str = "",
     ) -> None:
+        """Check the arguments, and keep values and times as read-only arrays.
+
+        The times follow from `start` and `dt` if these are given in their place.
+        """
         _check_word("unit", unit)
         _check_word("name", name)
         conversion = units.conversion(unit)
@@ -501,6 +505,7 @@ class Signal(Frozen):
         return self.replace(values=self.values * _single_number(number, ""))
 
     def __truediv__(self, number: float) -> Signal:
+        """The signal over a number; InvalidModel if that is 0, or next to it."""
         divisor = _single_number(number, "")
         message = f"must not be 0, but {SMALLEST:g} or more in size, got {{0!r}}"
         demand(abs(divisor) >= SMALLEST, "number", message, divisor)

@@ -57,6 +57,7 @@ class Table:
     """
 
     def __init__(self, file: BinaryIO, decimal: str | None, report: Report) -> None:
+        """Find the table and its heads in the first lines, and read all columns."""
         self._text = TextFile(file)
         survey = self._text.survey
         head = survey.head.split("\n")

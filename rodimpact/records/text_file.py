@@ -47,6 +47,10 @@ class TextFile:
     """
 
     def __init__(self, file: BinaryIO) -> None:
+        """Find the encoding, and survey the whole text in it.
+
+        UTF-16 begins with its mark; a text that is not UTF-8 is taken for Latin-1.
+        """
         self._descriptor = file.fileno()
         encoding = "utf-8-sig"
         if file.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):

@@ -58,6 +58,7 @@ class ContactHistory:
     """
 
     def __init__(self, index: int, fields: Fields, run: Run) -> None:
+        """Take the totals and the signals of the contact of that index from a run."""
         # The method sums up each contact, and gives its signals in ticks.
         tally = run.contacts[index]
         signal = run.signals.contacts[index]
@@ -186,6 +187,7 @@ class ContactHistory:
         return pandas.DataFrame(self.episodes, columns=list(Episode._fields))
 
     def __repr__(self) -> str:
+        """Index and law of the contact, and its totals."""
         law = type(self.law).__name__
         return (
             f"<contact {self.index} ({law}): {len(self.episodes)} episodes, "

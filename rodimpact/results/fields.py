@@ -103,6 +103,7 @@ class Fields(Protocol):
     rods: dict[int, Rod]  # by body
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
+        """Keep the arguments, the motion, the shortest time that is resolved, and the rods."""
         self.clock = clock
         self.end = end
         self.signals = signals

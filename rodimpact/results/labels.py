@@ -56,6 +56,7 @@ _RESULTS = {
     "kind": Quantity("kind of body", "1"),
     "law": Quantity("contact law", "1"),
 }
+"""Quantities of results, fields and coordinates, by their names in columns and Datasets."""
 
 
 def quantity_of_parameter(system: System, path: str) -> Quantity:

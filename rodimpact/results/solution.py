@@ -112,6 +112,7 @@ class Solution(Shown):
     """
 
     def __init__(self, run: Run, options: Options) -> None:
+        """Take over what the run says of itself; fields and outcome follow when asked for."""
         self.options = options
         self.run = run
         self.system = run.system

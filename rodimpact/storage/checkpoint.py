@@ -99,7 +99,8 @@ class Checkpoint:
         for file in self._files():
             chunk = self._read(file)
             if chunk is not None:
-                stop = chunk.start + len(chunk.columns["status"])
+                count = len(chunk.columns["status"])  # as long as every column
+                stop = chunk.start + count
                 self._take(chunk.start, stop, chunk.columns)
 
     def missing(self) -> list[Span]:

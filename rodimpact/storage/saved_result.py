@@ -179,7 +179,7 @@ def _read_numbers(
     numbers: dict[str, float] = {}
     for key, value in group.items():
         try:
-            if isinstance(value, bool | str):
+            if isinstance(value, bool | str):  # which `float` would take
                 raise TypeError
             numbers[key] = float(value)
         except (TypeError, OverflowError):
