@@ -132,7 +132,7 @@ class Plastic(_Linear):
 
     @property
     def shares(self) -> list[Number]:
-        """Slopes from these forces on, over the stiffness, in `KNOTS` places."""
+        """Slopes from the forces `knots` on, over the stiffness, in `KNOTS` places."""
         return [0.0] * KNOTS
 
 
@@ -667,7 +667,10 @@ class Tabulated(Plastic, law="tabulated"):
 
     @property
     def knots(self) -> list[Number]:
-        """Forces at which lines of the table begin, N, in `KNOTS` places."""
+        """Forces at which the second and later lines of the table begin, N, in `KNOTS` places.
+
+        Places that are not used have a force that is never reached.
+        """
         knots = super().knots
         for j in range(len(self.slopes) - 1):
             knots[j] = self.force[j]
@@ -675,7 +678,7 @@ class Tabulated(Plastic, law="tabulated"):
 
     @property
     def shares(self) -> list[Number]:
-        """Slopes along these lines, over the unloading stiffness, in `KNOTS` places."""
+        """Slopes along the lines from `knots` on, over the stiffness, in `KNOTS` places."""
         shares = super().shares
         for j, slope in enumerate(self.slopes[1:]):
             shares[j] = slope / self.stiffness

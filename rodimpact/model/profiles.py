@@ -547,6 +547,7 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
     first = np.searchsorted(knots, edges[0], side="right")
     last = np.searchsorted(knots, edges[-1], side="left")
     inner = knots[first:last]  # between the first and the last edge
+    # The edges and the samples between them, in order
     cuts = np.insert(edges, np.searchsorted(edges, inner), inner)
     heights = np.interp(cuts, knots, values)
     mean_heights = (heights[1:] + heights[:-1]) / 2

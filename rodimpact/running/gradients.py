@@ -438,16 +438,16 @@ class _Number(NamedTuple):
         field = field_at(self.system, self.entries[0])  # the declaration
         changes = np.asarray(changes)
         allowed = np.asarray(field.holds(self.x + changes))
-        made = np.where(allowed, changes, 0.0)
+        allowed_changes = np.where(allowed, changes, 0.0)
         try:
-            return _Neighbours(self._changed(made), allowed)
+            return _Neighbours(self._changed(allowed_changes), allowed)
         except InvalidModel:
             # A number may have to be less than another: each change is tried alone.
             for k in range(len(changes)):
-                if not self._can_change(made[k]):
+                if not self._can_change(allowed_changes[k]):
                     allowed[k] = False
-            made = np.where(allowed, changes, 0.0)
-            return _Neighbours(self._changed(made), allowed)
+            allowed_changes = np.where(allowed, changes, 0.0)
+            return _Neighbours(self._changed(allowed_changes), allowed)
 
     def _can_change(self, change: Any) -> bool:
         """Whether the system with the number plus a change is a valid one."""
