@@ -14,10 +14,13 @@ COLUMNS = {
     "blow_count": "1/m",
     "compression": "Pa",
     "compression_x": "m",
+    "compression_t": "s",
     "tension": "Pa",
     "tension_x": "m",
+    "tension_t": "s",
     "set_error": "",
-    "stress_error": "",
+    "compression_error": "",
+    "tension_error": "",
 }
 """Numbers of a `BearingPoint` with their units."""
 HEADS = (
@@ -27,9 +30,11 @@ HEADS = (
     "set",
     "blow count",
     "compression",
-    "at",
+    "at x",
+    "at t",
     "tension",
-    "at",
+    "at x",
+    "at t",
 )
 
 
@@ -66,26 +71,30 @@ def _row(point: Any) -> list[str]:
         format_si(point.set, "m"),
         blow_count,
         format_si(point.compression, "Pa"),
-        _place(point.compression_x),
+        _known(point.compression_x, "m"),
+        _known(point.compression_t, "s"),
         format_si(point.tension, "Pa"),
-        _place(point.tension_x),
+        _known(point.tension_x, "m"),
+        _known(point.tension_t, "s"),
     ]
 
 
-def _place(x: float) -> str:
-    """A place, m from the head of the pile; "-" where there is none."""
-    if math.isnan(x):
+def _known(value: float, unit: str) -> str:
+    """A place or a time; "-" for the nan of a stress that does not occur."""
+    if math.isnan(value):
         return "-"
-    return format_si(x, "m")
+    return format_si(value, unit)
 
 
 def _errors(graph: Any) -> str:
-    """The largest stated errors, in a sentence."""
+    """What the stresses are, and the largest stated errors."""
     set_error = float(graph["set_error"].max())
-    stress_error = float(graph["stress_error"].max())
+    compression_error = float(graph["compression_error"].max())
+    tension_error = float(graph["tension_error"].max())
     return (
-        "Largest stresses in the pile, with their distance from its head. Stated "
-        f"relative error: set {set_error:.1g}, stress {stress_error:.1g}."
+        "Largest stresses in the pile until the blow is over; x from its head, t from "
+        f"the impact. Largest stated relative errors: set {set_error:.1g}, compression "
+        f"{compression_error:.1g}, tension {tension_error:.1g}."
     )
 
 

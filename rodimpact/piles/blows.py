@@ -1,14 +1,17 @@
 """Blows on a pile, one after another, each until the soil can yield no more.
 
-A blow is over when the ram has left, and what is left of the motion has too little
-energy to make soil yield again. The set is then known, and so is the equilibrium to
-which damping brings the pile: the next blow begins there.
+The ram is caught after its first bounce, and so are masses such as a helmet that rise
+from the pile with it: the pile then comes to rest without them. A blow is over when the
+remaining motion has too little energy to make soil yield again. The set is then known,
+and so is the equilibrium to which damping brings the pile: the next blow begins there.
 """
 
 from __future__ import annotations
 
 import math
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from ..hints import explain_arguments, explain_missing
 from ..model import Plastic, RigidMass, Rod, Soil, System, Wall
@@ -41,6 +44,10 @@ TRANSITS_OF_BLOW = 10
 """Transit times of the pile that a blow takes at least, about."""
 MAX_LENGTHENINGS = 5
 """How often the duration of a blow is doubled, where none is given."""
+CATCH_SAMPLES = 4001
+"""Times at which it is checked whether the ram or a mass below it comes down again."""
+ROUND_TRIP_SAMPLES = 401
+"""Times in a round trip of waves at which it is checked whether the ram is off."""
 
 
 class PileRow(NamedTuple):
@@ -57,7 +64,10 @@ class Blow(NamedTuple):
     Attributes
     ----------
     solution : Solution
-        The blow, from the impact on.
+        The blow from the impact on, until it is over or the ram is caught.
+    settling : Solution or None
+        The pile afterwards, without the ram and the masses that were caught with it;
+        its time begins at ``solution.t_end``. None if the blow was over before.
     set : float
         How far the soil below the toe has yielded for good, m.
     displacement : float
@@ -65,8 +75,8 @@ class Blow(NamedTuple):
         the second or third blow on it is the set, when the residual stresses no longer
         change.
     compression, tension : StressPeak
-        Largest stresses in the pile, Pa, with place x, m from the head of the pile, and
-        time.
+        Largest stresses in the pile from the impact until the blow is over, Pa, with
+        place x, m from the head of the pile, and time t, s after the impact.
     is_over : bool
         Whether it is certain that no soil yields any more.
     status : str
@@ -89,6 +99,7 @@ class Blow(NamedTuple):
     """
 
     solution: Solution
+    settling: Solution | None
     set: float
     displacement: float
     compression: StressPeak
@@ -104,10 +115,16 @@ class Blow(NamedTuple):
             return math.inf
         return 1 / self.set
 
+    @property
+    def t_end(self) -> float:
+        """End of the blow, s after the impact."""
+        return _total_time(_runs_of(self.solution, self.settling))
+
 
 class Aftermath(NamedTuple):
-    """A blow at the end of its solution."""
+    """The pile at the end of a run."""
 
+    row: PileRow  # without bodies that were caught before the run
     is_over: bool
     energy: float  # of motion that is left, above that of the equilibrium, J
     chain: Chain
@@ -139,9 +156,9 @@ def blows(
     cells : int, optional
         Cells of the segment with the longest transit time.
     until : float, optional
-        Longest duration of a blow, s. By default a blow goes on until it is over, up to
-        32 times its usual duration: the momentum of the ram over the resistance, and
-        ten transit times of the pile.
+        Duration of a blow, s. By default a blow goes on until it is over, up to 32
+        times its usual duration: the momentum of the ram over the resistance, and ten
+        transit times of the pile.
     progress : bool or function
         As for `solve`; it counts blows.
 
@@ -258,35 +275,40 @@ def strike(
     row : PileRow
     cells : int
     until : float, optional
-        Longest duration, s.
+        Duration, s.
     """
-    duration = until
-    lengthenings = 0
-    if duration is None:
-        duration = _usual_duration(state, row)
-        lengthenings = MAX_LENGTHENINGS
-    while True:
-        solution = solve(
-            state, duration, "finite-difference", cells=cells, progress=False
-        )
-        aftermath = _aftermath(solution, row)
-        if aftermath.is_over or lengthenings == 0:
-            break
-        duration *= 2
-        lengthenings -= 1
+    if until is None:
+        usual = _usual_duration(state, row)
+        longest = 2**MAX_LENGTHENINGS * usual
+    else:
+        usual = until
+        longest = until
+    solution = _solve_impact(state, row, cells, usual, longest)
+    settling = None
+    aftermath = _aftermath(solution, row)
+    time_left = longest - solution.t_end  # s
+    if not aftermath.is_over and time_left > 0:
+        pile = _without_caught(solution, row)
+        duration = min(solution.t_end, time_left)
+        if until is not None:
+            duration = time_left
+        settling = _solve_settling(pile, cells, duration, time_left)
+        aftermath = _aftermath(settling, pile.row)
+    runs = _runs_of(solution, settling)
     displacement = math.nan
     next_system = None
-    status = _status(aftermath, solution.t_end)
+    status = _status(aftermath, _total_time(runs))
     if aftermath.is_over:
-        displacement = _toe_displacement(solution, row, aftermath)
+        displacement = _toe_displacement(runs, aftermath)
         try:
             next_system = _next_system(system, row, aftermath, cells)
         except InvalidModel as error:
             status += f" No other one can follow: {error}."
-    extreme = _extreme_stress(solution, row)
+    extreme = _extreme_stress(runs, row)
     return Blow(
         solution=solution,
-        set=solution.contacts[row.toe].permanent_set(),
+        settling=settling,
+        set=_permanent_set(runs),
         displacement=displacement,
         compression=extreme.compression,
         tension=extreme.tension,
@@ -296,24 +318,131 @@ def strike(
     )
 
 
+def _solve_impact(
+    state: System, row: PileRow, cells: int, duration: float, longest: float
+) -> Solution:
+    """Solve from the impact until the blow is over, or the ram is caught.
+
+    Parameters
+    ----------
+    state : System
+    row : PileRow
+    cells : int
+    duration, longest : float
+        Time after which it is first checked whether the ram has left, and the last one,
+        s.
+    """
+    while True:
+        solution = _solve(state, cells, duration)
+        catch = _time_of_catch(solution, row)
+        if catch < duration:
+            return _solve(state, cells, catch)
+        has_left = _bodies_that_left(solution, row) > 0
+        if has_left or duration >= longest or _aftermath(solution, row).is_over:
+            return solution
+        duration = min(2 * duration, longest)
+
+
+def _solve(state: System, cells: int, duration: float) -> Solution:
+    """Solve on a grid, s."""
+    return solve(state, duration, "finite-difference", cells=cells, progress=False)
+
+
+def _time_of_catch(solution: Solution, row: PileRow) -> float:
+    """Time at which the ram is caught, s; inf if it does not turn.
+
+    It is caught where it, or a mass below that has left the pile, too, is highest: later
+    gravity would bring it down for another, weaker impact.
+    """
+    times = np.linspace(0.0, solution.t_end, CATCH_SAMPLES)
+    round_trip = _round_trip(solution.system, row)
+    catch = math.inf
+    ram_has_left = np.ones(CATCH_SAMPLES, dtype=bool)
+    for body in range(row.pile):
+        is_off = solution.contacts[body].gap(times) > 0
+        last_touch = np.maximum.accumulate(np.where(is_off, 0.0, times))
+        is_off_for_long = times - last_touch >= round_trip
+        velocity = solution.mean_velocity(body, times)
+        has_left = is_off_for_long & (velocity <= 0)
+        if body == 0:
+            ram_has_left = has_left
+        comes_down = is_off & (velocity > 0)
+        turns = ram_has_left[:-1] & has_left[:-1] & comes_down[1:]
+        if turns.any():
+            catch = min(catch, float(times[turns.argmax()]))
+    return catch
+
+
+def _round_trip(system: System, row: PileRow) -> float:
+    """Time in which waves run down the pile and up again, s.
+
+    A body that is off for less may be struck again from below: it rattles.
+    """
+    transit = 0.0
+    for body in system.bodies[row.pile :]:
+        transit += float(getattr(body, "transit_time", 0.0))
+    return 2 * transit
+
+
+class CaughtPile(NamedTuple):
+    """A pile after the ram was caught."""
+
+    state: System
+    row: PileRow  # numbers of this state
+
+
+def _without_caught(solution: Solution, row: PileRow) -> CaughtPile:
+    """The pile at the end of a run, without the bodies that are caught."""
+    state = solution.system_at(solution.t_end)
+    caught = _bodies_that_left(solution, row)
+    state = state.replace(
+        bodies=state.bodies[caught:],
+        gaps=state.gaps[caught:],
+        contacts=state.contacts[caught:],
+    )
+    return CaughtPile(state, PileRow(row.pile - caught, row.toe - caught))
+
+
+def _solve_settling(
+    pile: CaughtPile, cells: int, duration: float, longest: float
+) -> Solution:
+    """Solve until the blow is over, at most for the longest time, s."""
+    while True:
+        solution = _solve(pile.state, cells, duration)
+        if duration >= longest or _aftermath(solution, pile.row).is_over:
+            return solution
+        duration = min(2 * duration, longest)
+
+
+def _runs_of(solution: Solution, settling: Solution | None) -> list[Solution]:
+    """The runs of a blow, one after the other."""
+    runs = [solution]
+    if settling is not None:
+        runs.append(settling)
+    return runs
+
+
+def _total_time(runs: list[Solution]) -> float:
+    """Duration of all runs, s."""
+    return sum(run.t_end for run in runs)
+
+
 def _usual_duration(system: System, row: PileRow) -> float:
     """Time in which the soil stops the ram, and waves run up and down the pile, s."""
     ram: Any = system.bodies[0]
     momentum = float(ram.mass) * _velocity(ram)
-    transit = 0.0
-    for body in system.bodies[row.pile :]:
-        transit += float(getattr(body, "transit_time", 0.0))
+    transit = _round_trip(system, row) / 2
     toe: Any = system.contacts[row.toe]
     resistance = float(toe.yield_force) + shaft_resistance(system)
     return momentum / resistance + TRANSITS_OF_BLOW * transit
 
 
 def _aftermath(solution: Solution, row: PileRow) -> Aftermath:
-    """Whether a blow is over when its solution ends, and where the pile rests."""
+    """Whether a blow is over when a run ends, and where the pile rests."""
     fields = solution.fields
     assert isinstance(fields, GridFields)
     state = solution.system_at(solution.t_end)
-    left = _bodies_that_left(solution, state, row)
+    left = _bodies_that_left(solution, row)
     bodies = list(state.bodies)
     kinetic = 0.0
     for i in range(left, len(bodies) - 1):
@@ -324,24 +453,26 @@ def _aftermath(solution: Solution, row: PileRow) -> Aftermath:
     equilibrium = find_equilibrium(chain)
     energy = kinetic + potential_energy(chain, equilibrium)
     is_over = not can_yield(chain, equilibrium, energy)
-    return Aftermath(is_over, energy, chain, equilibrium)
+    return Aftermath(row, is_over, energy, chain, equilibrium)
 
 
-def _bodies_that_left(solution: Solution, state: System, row: PileRow) -> int:
-    """Number of bodies at the left end that have left the pile for good.
+def _bodies_that_left(solution: Solution, row: PileRow) -> int:
+    """Number of bodies at the left end that have left the pile when a run ends.
 
-    The ram has left when it is off and rises: it is caught. Masses below it leave in
-    the same way if no gravity brings them back, and none catches up with the one above
-    it.
+    The ram has left when it rises, and has been off the body below it for a round trip
+    of waves in the pile; masses below it in the same way. They are caught.
     """
+    end = solution.t_end
+    round_trip = _round_trip(solution.system, row)
+    if end < round_trip:
+        return 0
+    times = np.linspace(end - round_trip, end, ROUND_TRIP_SAMPLES)
     left = 0
-    fastest = -math.inf  # velocity of the body before, m/s
     while left < row.pile:
-        velocity = float(solution.mean_velocity(left, solution.t_end))
-        is_off = state.gaps[left] > 0 and fastest <= velocity <= 0
-        if not is_off or (left > 0 and state.gravity > 0):
+        is_off = bool(np.all(solution.contacts[left].gap(times) > 0))
+        rises = float(solution.mean_velocity(left, end)) <= 0
+        if not (is_off and rises):
             break
-        fastest = velocity
         left += 1
     return left
 
@@ -371,14 +502,26 @@ def _status(aftermath: Aftermath, t_end: float) -> str:
     )
 
 
-def _toe_displacement(solution: Solution, row: PileRow, aftermath: Aftermath) -> float:
+def _permanent_set(runs: list[Solution]) -> float:
+    """How far the soil below the toe has yielded for good in all runs, m."""
+    total = 0.0
+    for run in runs:
+        total += run.contacts[-1].permanent_set()
+    return total
+
+
+def _toe_displacement(runs: list[Solution], aftermath: Aftermath) -> float:
     """Displacement of the toe from the beginning of a blow to rest, m."""
-    body = row.toe
-    length = float(getattr(solution.system.bodies[body], "length", 0.0))
-    start, end = solution.displacement(body, length, [0.0, solution.t_end])
     chain = aftermath.chain
+    body = aftermath.row.toe
     toe_node = nodes_of(chain.row, chain.mesh, body).stop - 1
-    return float(end - start + aftermath.equilibrium.displacement[toe_node])
+    total = float(aftermath.equilibrium.displacement[toe_node])
+    for run in runs:
+        bottom = len(run.system.bodies) - 2  # the body above the wall
+        length = float(getattr(run.system.bodies[bottom], "length", 0.0))
+        start, end = run.displacement(bottom, length, [0.0, run.t_end])
+        total += float(end - start)
+    return total
 
 
 def _next_system(
@@ -396,28 +539,36 @@ def _next_system(
     demand(is_held, "gravity", "must be positive for a pile that no soil holds")
     after = resting_system(aftermath.chain, aftermath.equilibrium)
     pile = row.pile
+    pile_after = aftermath.row.pile
     return at_rest(
         system.replace(
-            bodies=system.bodies[:pile] + after.bodies[pile:],
-            gaps=system.gaps[:pile] + after.gaps[pile:],
-            contacts=system.contacts[:pile] + after.contacts[pile:],
+            bodies=system.bodies[:pile] + after.bodies[pile_after:],
+            gaps=system.gaps[:pile] + after.gaps[pile_after:],
+            contacts=system.contacts[:pile] + after.contacts[pile_after:],
         ),
         cells,
     )
 
 
-def _extreme_stress(solution: Solution, row: PileRow) -> ExtremeStress:
+def _extreme_stress(runs: list[Solution], row: PileRow) -> ExtremeStress:
     """Largest stresses in the rods of the pile, with places from its head on, m."""
     tensions = []
     compressions = []
-    head = 0.0  # left end of the rod, m from the head of the pile
-    for i, body in enumerate(solution.system.bodies):
-        if i < row.pile or not isinstance(body, Rod):
-            continue
-        extreme = solution.extreme_stress(i)
-        tensions.append(extreme.tension._replace(x=extreme.tension.x + head))
-        compressions.append(
-            extreme.compression._replace(x=extreme.compression.x + head)
-        )
-        head += float(body.length)
+    start = 0.0  # of the run, s after the impact
+    for run in runs:
+        caught = len(runs[0].system.bodies) - len(run.system.bodies)
+        head = 0.0  # left end of the rod, m from the head of the pile
+        for i, body in enumerate(run.system.bodies):
+            if i < row.pile - caught or not isinstance(body, Rod):
+                continue
+            extreme = run.extreme_stress(i)
+            tensions.append(_moved(extreme.tension, head, start))
+            compressions.append(_moved(extreme.compression, head, start))
+            head += float(body.length)
+        start += run.t_end
     return ExtremeStress(strongest(tensions), strongest(compressions))
+
+
+def _moved(peak: StressPeak, x: float, t: float) -> StressPeak:
+    """A peak whose place and time count from an earlier x, m, and t, s."""
+    return peak._replace(x=peak.x + x, t=peak.t + t)
