@@ -329,10 +329,12 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
         text = f"The impulse of {impulse} changes the mean {noun} to {text}"
         if e != "":
             text = f"{text}, so e = {e}{ratio_named(facts)}"
-    elif outcome["final"]:
-        text = f"The mean {noun} after the collision {verb} {text}"
-    else:
+    elif not outcome["final"]:
         text = f"The mean {noun} at the end of the run {verb} {text}"
+    elif len(pressed) == 0:
+        text = f"The mean {noun} {verb} {text}"
+    else:
+        text = f"The mean {noun} after the collision {verb} {text}"
     vibration = outcome["vibration_after"]
     energy = vibration + kinetic_energy(facts)
     if energy <= 0:
