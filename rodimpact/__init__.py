@@ -8,7 +8,6 @@
 """
 
 from importlib import import_module
-from importlib.util import find_spec
 
 from .version import __version__ as __version__
 
@@ -46,6 +45,8 @@ def __getattr__(name: str) -> object:
 
 def _missing(name: str) -> AttributeError:
     """The error of a name that is not public; it names the one that may be meant."""
+    from importlib.util import find_spec  # takes longer than all of this module
+
     # Python asks for names with an underscore, and for modules before it imports them.
     if name[0] == "_" or find_spec(f".{name}", __name__) is not None:
         return AttributeError(f"module {__name__!r} has no attribute {name!r}")
