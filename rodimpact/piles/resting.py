@@ -7,7 +7,7 @@ import numpy as np
 from ..hints import explain_arguments
 from ..methods.grid.method import mesh_size
 from ..methods.row_builder import build_row
-from ..model import Joint, Plastic, Rigid, Rod, Soil, Steps, System, Wall
+from ..model import Fixed, Joint, Plastic, Rigid, Rod, Soil, Steps, System, Wall
 from ..model.arguments import demand, integer, of_kind
 from ..model.ends import FREE
 from .statics import (
@@ -40,8 +40,8 @@ def at_rest(system: System, cells: int = CELLS) -> System:
     Parameters
     ----------
     system : System
-        A single one, with free ends or walls. Contacts that carry a weight have a
-        constant stiffness, or are `Rigid` or `Bonded`.
+        A single one, with ends that are free or fixed, or walls. Contacts that carry a
+        weight have a constant stiffness, or are `Rigid` or `Bonded`.
     cells : int, optional
         Cells of the segment with the longest transit time, as for `solve`. Strain and
         mobilised resistance are constant about each: a run on as many cells stays at
@@ -69,10 +69,19 @@ def at_rest(system: System, cells: int = CELLS) -> System:
     >>> shares = resting.bodies[0].shaft.mobilised.values
     >>> bool(0.027 < min(shares) < max(shares) < 0.028)
     True
+
+    A hanging rod has the strain rho g L/E at its upper end:
+
+    >>> steel = ri.materials.steel
+    >>> rod = ri.Rod(1000.0, area=0.0034, material=steel)
+    >>> hanging = ri.System([rod], ends=(ri.Fixed(), ri.Free()), gravity=9.81)
+    >>> strain = ri.at_rest(hanging).bodies[0].strain.values[0]
+    >>> round(strain / (steel.density * 9.81 * 1000.0 / steel.youngs_modulus), 3)
+    0.995
     """
     of_kind("system", system, System, "rodimpact.System([pile])")
     demand(system.shape == (), "system", "is a family; put members to rest one by one")
-    demand(system.ends == (FREE, FREE), "system.ends", "must be free, or walls")
+    _check_ends(system)
     for i, body in enumerate(system.bodies):
         is_moving_wall = isinstance(body, Wall) and moves(body)
         demand(not is_moving_wall, f"bodies.{i}", "is a wall that moves; nothing rests")
@@ -82,6 +91,17 @@ def at_rest(system: System, cells: int = CELLS) -> System:
     equilibrium = find_equilibrium(chain)
     check_bears(chain, equilibrium)
     return resting_system(chain, equilibrium)
+
+
+def _check_ends(system: System) -> None:
+    """Raise InvalidModel unless each end is free or fixed."""
+    for side, end in zip(("left", "right"), system.ends, strict=True):
+        can_rest = end == FREE or isinstance(end, Fixed)
+        message = (
+            "must be free or fixed for a row at rest: rodimpact.Free() or "
+            f"rodimpact.Fixed(), got {type(end).__name__}"
+        )
+        demand(can_rest, f"ends.{side}", message)
 
 
 def resting_system(chain: Chain, equilibrium: Equilibrium) -> System:

@@ -100,6 +100,32 @@ def test_a_contact_that_would_pull_opens():
     assert resting.gaps[0] > 0
 
 
+@pytest.mark.parametrize("is_hanging", [True, False])
+def test_a_string_on_a_fixed_end_has_the_strain_of_the_weight_below(is_hanging):
+    """Strain (W2 + rho A (L - x) g)/(E A), of cells at their middles; compressed if it stands."""
+    pipe = ri.Rod(3000.0, area=3.4e-3, material=STEEL)
+    collar = ri.Rod(200.0, area=24e-3, material=STEEL)
+    bodies = [pipe, collar]
+    ends = [ri.Fixed(), ri.Free()]
+    if not is_hanging:
+        bodies.reverse()
+        ends.reverse()
+    string = ri.System(bodies, contacts=[ri.Bonded()], ends=ends, gravity=GRAVITY)
+
+    resting = ri.at_rest(string, cells=60)
+
+    strain = np.array(resting.bodies[bodies.index(pipe)].strain.values)
+    below = pipe.length * (1 - (np.arange(60) + 0.5) / 60)  # m of pipe
+    stress = collar.mass * GRAVITY / 3.4e-3 + STEEL.density * GRAVITY * below
+    if not is_hanging:
+        stress = -stress[::-1]
+    assert strain == pytest.approx(stress / STEEL.youngs_modulus, rel=1e-9)
+    run = ri.solve(resting, 1.0, "finite-difference", cells=60)
+    x = np.linspace(0.0, 3000.0, 7)[:, None]
+    body = bodies.index(pipe)
+    assert np.abs(run.velocity(body, x, np.linspace(0.0, 1.0, 40))).max() < 1e-9
+
+
 REFUSED = [
     (ri.System([PILE.replace(shaft=None)], gravity=GRAVITY), "bodies.0: .*holds"),
     (
@@ -118,7 +144,8 @@ REFUSED = [
         ri.System([HELMET, PILE], contacts=[ri.Hertz(1e9)], gravity=GRAVITY),
         "contacts.0: .*no constant stiffness.*Hertz",
     ),
-    (ri.System([PILE], ends=(ri.Fixed(), ri.Free())), "system.ends: must be free"),
+    (ri.System([PILE], ends=(ri.Absorbing(), ri.Free())), "ends.left: must be free or"),
+    (ri.System([PILE], ends=(ri.Free(), ri.Moved(1.0))), "ends.right: must be free or"),
     (ri.System([ri.Wall(velocity=1.0), PILE]), "bodies.0: is a wall that moves"),
     (ri.System([ri.RigidMass([1.0, 2.0]), PILE]), "system: is a family"),
 ]
