@@ -120,6 +120,25 @@ class Blow(NamedTuple):
         """End of the blow, s after the impact."""
         return _total_time(_runs_of(self.solution, self.settling))
 
+    def __repr__(self) -> str:
+        return f"<Blow: {self}>"
+
+    def __str__(self) -> str:
+        return (
+            f"set {format_si(self.set, 'm')}, {_peak_text('compression', self.compression)}"
+            f", {_peak_text('tension', self.tension)}. {self.status}"
+        )
+
+
+def _peak_text(name: str, peak: StressPeak) -> str:
+    """A largest stress with its place and time, or that there is none."""
+    if peak.stress == 0:
+        return f"no {name}"
+    stress = format_si(abs(peak.stress), "Pa", digits=4)
+    place = format_si(peak.x, "m", digits=4)
+    time = format_si(peak.t, "s", digits=4)
+    return f"largest {name} {stress} at {place} from the head after {time}"
+
 
 class Aftermath(NamedTuple):
     """The pile at the end of a run."""

@@ -237,6 +237,16 @@ def test_a_blow_that_is_cut_short_says_so():
     assert "raise until=" in blow.status
 
 
+def test_a_blow_prints_as_a_sentence():
+    (blow,) = ri.blows(ROW, 1, cells=20, until=5e-3)
+
+    assert str(blow).startswith("set ")
+    assert "largest compression " in str(blow)
+    assert blow.status in str(blow)
+    assert len(repr(blow)) < 400
+    assert "no tension" in str(blow._replace(tension=blow.tension._replace(stress=0.0)))
+
+
 def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():
     bare_pile = PILE.replace(shaft=None)
     bare = ri.System([RAM, bare_pile, ri.Wall()], contacts=[CUSHION, TOE])
