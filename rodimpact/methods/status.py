@@ -156,10 +156,13 @@ def rounding(error: float, path: str) -> str:
 
 
 def strain_warning(strain: float) -> str:
-    """Sentence that warns of a strain that is not small; "" if it is small."""
+    """Sentence that warns of a strain that is not small; "" if it is small.
+
+    `strain` is the largest strain, or a bound of it.
+    """
     if strain <= LARGE_STRAIN:
         return ""
     return (
-        f" Strains reach up to {strain:.2g}, where the linear theory of small strains "
+        f" Strains may reach up to {strain:.2g}, where the linear theory of small strains "
         "(about 1 %) does not hold; check units and velocities."
     )

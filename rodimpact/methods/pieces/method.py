@@ -19,7 +19,7 @@ from ...progress import Report, no_report
 from .. import abilities as physics
 from .. import record_lists
 from .. import run as runs
-from ..clock import clock_of
+from ..clock import Clock, clock_of
 from ..family import Columns, family_columns, status_column
 from ..groups import groups, movable, velocities_in_group
 from ..link import Law
@@ -216,7 +216,9 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     status += totals.simplifications_text(run)
     status += _struck_together(row)
     status += rounding(clock.transit_error, clock.worst)
-    status += strain_warning(_largest_strain(row, state.log[: run.piece_count]))
+    status += strain_warning(
+        _largest_strain(clock, state.log[: run.piece_count], end_tick)
+    )
     # A function that makes the signals when it is first called, and keeps them
     make_signals = cache(partial(signals_of, row, clock, end_tick, state))
     before, after = _body_velocities(members)
@@ -242,20 +244,44 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     )
 
 
-def _largest_strain(row: Row, log: Any) -> float:
-    """Bound of the absolute strain in all segments, without dimension.
+def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
+    """Bound of the absolute strain in all segments up to a tick, without dimension.
 
     The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c, each twice its
     velocity. With abs(a) and abs(b) up to v it is at most v/c. A piece of a wave is at most the sum
     of the absolute coefficients of its Chebyshev series.
+
+    In the frame of the run, which falls, waves of a row that is held grow by g t without any
+    strain. In the frame of the ground they are a + u(t) and b + u(t) with the velocity u(t) of the
+    frame. Values that meet have left the ends of the segment at times that differ by its transit
+    time T at most, so that the strain is at most v/c + g T/(2 c). The smaller bound is taken.
     """
+    row = clock.row
     waves = log[log["line"] < 2 * len(row.segments)]
     wave_speeds = np.zeros(len(row.segments))
+    transit_times = np.zeros(len(row.segments))
     for s, segment in enumerate(row.segments):
         wave_speeds[s] = float(segment.wave_speed)
+        transit_times[s] = float(segment.transit_time)
+    segments = waves["line"] // 2
+    speeds = wave_speeds[segments]
     bounds = np.abs(waves["coefficients"]).sum(axis=1)  # bounds of abs(a) or abs(b)
-    strains = bounds / wave_speeds[waves["line"] // 2]
-    return float(strains.max(initial=0.0))
+    bound = float((bounds / speeds).max(initial=0.0))
+    gravity = float(row.system.gravity)
+    if gravity == 0:
+        return bound
+    # A constant wave may last beyond the run.
+    ends = np.where(
+        waves["degree"] == 0, np.minimum(waves["end"], end_tick), waves["end"]
+    )
+    middle = (waves["start"] + ends) / 2 * clock.tick  # s
+    half_duration = (ends - waves["start"]) / 2 * clock.tick  # s
+    above_ground = waves["coefficients"].copy()
+    above_ground[:, 0] += clock.frame + gravity * middle
+    above_ground[:, 1] += gravity * half_duration
+    bounds = np.abs(above_ground).sum(axis=1)
+    bounds += abs(gravity) * transit_times[segments] / 2
+    return min(bound, float((bounds / speeds).max(initial=0.0)))
 
 
 def _struck_together(row: Row) -> str:
