@@ -6,9 +6,10 @@ rodimpact bearing CASE.toml --resistance 200kN:1000kN:5
 The case is a row of a ram that moves, masses such as a helmet, the pile, and a wall
 below its toe, whose contact is the law "smith-toe". Each resistance is shared between
 shaft and toe, as in the case or by --shaft-share; quakes and dampings stay. One blow is
-solved for each, until no soil can yield any more. Where gravity acts, the pile is at
-rest before. [solve] and [output] of the case are for other commands. Exit status 3 if a
-blow did not come to its end; the table says why.
+solved for each, until no soil can yield any more; the ram is caught after its first
+bounce. Where gravity acts, the pile is at rest before. Results are in SI units, also
+where the case has others. [solve] and [output] of the case are for other commands. Exit
+status 3 if a blow did not come to its end; the table says why.
 """
 
 import argparse
@@ -31,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resistance",
         metavar="GRID",
+        required=True,
         help="ultimate resistances of shaft and toe together: start:stop:count, "
         f"start:stop:count:log or a list, such as {EXAMPLE}",
     )
@@ -41,7 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "part of the resistance along the shaft; default that of the case",
     )
     add_number(parser, "--cells", "", f"cells of the longest rod; default {CELLS}")
-    add_number(parser, "--until", "time", "longest duration of a blow")
+    add_number(
+        parser, "--until", "time", "duration of a blow; default until it is over"
+    )
     add_number(parser, "--workers", "", "threads; default one a processor")
     form = parser.add_mutually_exclusive_group()
     form.add_argument(
@@ -85,10 +89,6 @@ def run(args: Arguments) -> CommandResult:
 
 def _resistances(args: Arguments) -> Any:
     """Resistances, N; None, with a mistake added, if they cannot be read."""
-    if args.resistance is None:
-        message = f"name the resistances: --resistance {EXAMPLE}"
-        args.problems.append(("--resistance", message))
-        return None
     try:
         return grid_values(args.resistance, "force")
     except ValueError as error:

@@ -6,8 +6,10 @@ import json
 
 import pytest
 
+import rodimpact as ri
 from rodimpact.cli import bearing as command
 from rodimpact.cli import main
+from rodimpact.units import format_si
 
 PILE = """\
 schema = 1
@@ -54,6 +56,31 @@ def test_table_csv_json_and_figure_agree(output_of, tmp_path):
         assert f"{point['blow_count']:.4g} 1/m" in line
 
 
+def test_resistances_are_required_and_the_usage_says_so(refuses, output_of):
+    refuses(bearing(), "the following arguments are required: --resistance")
+
+    text = output_of("bearing", "--help")
+    assert "[--resistance" not in text
+    assert "200kN:1000kN:5" in text
+    assert "default until it is over" in text
+
+
+@pytest.mark.usefixtures("pile")
+def test_a_run_of_a_pile_prints_set_and_largest_stresses(output_of):
+    text = output_of("run", "case.toml", "--until", "30 ms", "--cells", "20")
+
+    run = ri.solve(ri.read_case("case.toml").system, 0.03, cells=20)
+    permanent = format_si(run.contacts[1].permanent_set(), "m")
+    rows = [" ".join(line.split()) for line in text.splitlines()]
+    assert f"permanent set, contact 2-wall {permanent}" in rows
+    compression = run.extreme_stress(1).compression
+    stress = format_si(-compression.stress, "Pa")
+    place = format_si(compression.x, "m")
+    time = format_si(compression.t, "s")
+    assert f"largest compression in rod 2 {stress} at {place} after {time}" in rows
+    assert "largest tension in rod 2 none" in rows
+
+
 @pytest.mark.usefixtures("pile")
 def test_a_blow_that_is_cut_short_ends_with_3_and_says_so(output_of):
     text = output_of(
@@ -68,7 +95,6 @@ def test_a_blow_that_is_cut_short_ends_with_3_and_says_so(output_of):
 @pytest.mark.parametrize(
     ("argv", "message"),
     [
-        ((), "--resistance: name the resistances: --resistance 200kN"),
         (("--resistance", "1:2"), "--resistance: must be start:stop:count"),
         (("--resistance", "3 mm"), "--resistance: "),
         (("--resistance", "-3kN"), "--resistance: must be a finite positive"),
