@@ -7,6 +7,8 @@ import math
 from dataclasses import fields
 from typing import Any
 
+from ..model import Rod, Soil
+from ..model.laws import SmithToe
 from ..model.numbering import body_names, contact_names
 from ..units import format_si
 from .tables import align, clean, joules, versioned_json
@@ -71,7 +73,8 @@ def solution_table(solution: Any) -> str:
     Returns
     -------
     str
-        The tables of `outcome_table`, and when each contact pressed and opened.
+        The tables of `outcome_table`, when each contact pressed and opened, and for a
+        pile in soil set and largest stresses.
     """
     outcome = solution.outcome
     run = [
@@ -85,8 +88,45 @@ def solution_table(solution: Any) -> str:
     episodes = _episodes_table(solution)
     if episodes:
         blocks.append(episodes)
+    if _is_in_soil(solution.system):
+        blocks.append(_pile_table(solution))
     blocks += [align(run), _sentences(outcome)]
     return "\n\n".join(blocks)
+
+
+def _is_in_soil(system: Any) -> bool:
+    """Whether soil acts along a rod or below a toe."""
+    for body in system.bodies:
+        if isinstance(getattr(body, "shaft", None), Soil):
+            return True
+    return any(isinstance(law, SmithToe) for law in system.contacts)
+
+
+def _pile_table(solution: Any) -> str:
+    """Permanent set of the toe, and the largest stresses in each rod with place and time."""
+    system = solution.system
+    rows = []
+    names = contact_names(system.kinds)
+    for contact, name in zip(solution.contacts, names, strict=True):
+        if isinstance(contact.law, SmithToe):
+            permanent = format_si(contact.permanent_set(), "m")
+            rows.append([f"permanent set, contact {name}", permanent, "", ""])
+    bodies = zip(system.bodies, body_names(system.kinds), strict=True)
+    for i, (body, name) in enumerate(bodies):
+        if not isinstance(body, Rod):
+            continue
+        extreme = solution.extreme_stress(i)
+        peaks = {"compression": extreme.compression, "tension": extreme.tension}
+        for sign, peak in peaks.items():
+            label = f"largest {sign} in {name}"
+            if peak.stress == 0:
+                rows.append([label, "none", "", ""])
+                continue
+            stress = format_si(abs(peak.stress), "Pa")
+            place = format_si(peak.x, "m")
+            time = format_si(peak.t, "s")
+            rows.append([label, stress, f"at {place}", f"after {time}"])
+    return align(rows)
 
 
 def ring_down_table(ring_down: Any) -> str:
