@@ -26,7 +26,7 @@ MANY = 1000  # tests that need all kernels
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
-    """Modules and tests stay: nobody searches them for garbage, now or later."""
+    """Imported modules live to the end: the garbage collector need not search them."""
     gc.disable()
     try:
         return (yield)

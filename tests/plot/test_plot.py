@@ -804,7 +804,12 @@ def test_a_vector_file_has_paths_and_text_under_a_title(solved, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("suffix", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("SVG", b"<?xml")]
+    ("suffix", "magic"),
+    [
+        ("png", b"\x89PNG"),
+        pytest.param("pdf", b"%PDF", marks=pytest.mark.exhaustive),
+        ("SVG", b"<?xml"),
+    ],
 )
 def test_suffix_names_the_format(solved, tmp_path, suffix, magic):
     files = []
@@ -825,12 +830,12 @@ def test_save_names_the_formats_of_a_figure(solved, tmp_path, name):
         plot.save(figure, tmp_path / name)
 
 
-@pytest.mark.parametrize("name", ["a.png", "a"])
-def test_save_names_the_formats_of_an_animation(solved, tmp_path, name):
+def test_save_names_the_formats_of_an_animation(solved, tmp_path):
     film = plot.animation(solved["unequal"], frames=2)
 
-    with pytest.raises(ValueError, match=r"\.gif, \.mp4"):
-        plot.save(film, tmp_path / name)
+    for name in ("a.png", "a"):
+        with pytest.raises(ValueError, match=r"\.gif, \.mp4"):
+            plot.save(film, tmp_path / name)
 
 
 def test_save_replaces_a_file_only_by_force(solved, tmp_path):

@@ -232,7 +232,7 @@ def test_a_fixed_end():
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-@pytest.mark.parametrize("area", [1e-4, 1.7e-4])
+@pytest.mark.parametrize("area", few_of([1e-4, 1.7e-4], [1.7e-4]))
 def test_a_striker_on_an_endless_bar(area, mirrored):
     """It takes (r - 1)/(r + 1) of its speed back; r is the ratio of impedances."""
     system = ri.System(pair(0.4, 0.5, area).bodies, ends=[ri.Free(), ri.Absorbing()])
@@ -419,6 +419,9 @@ def test_stated_errors_of_compliant_rows_bound_the_difference_from_another_solve
     assert g.errors[path] <= 1e-6 * max(abs(slopes[0]), 1.0)
 
 
+OF_AN_OSCILLATOR = ["velocity_after.0", "impulse.0", "peak_force.0", "duration.0"]
+
+
 def mass_on_an_endless_bar(M, k, Z, V):
     """Velocity after, impulse, peak force and duration of a spring contact, underdamped."""
     a = k / (2 * Z)
@@ -430,11 +433,11 @@ def mass_on_an_endless_bar(M, k, Z, V):
 
 
 @pytest.mark.parametrize(
-    ("index", "quantity"),
-    [(0, "velocity_after.0"), (1, "impulse.0"), (2, "peak_force.0"), (3, "duration.0")],
+    "quantity", few_of(OF_AN_OSCILLATOR, ["velocity_after.0", "peak_force.0"])
 )
-def test_a_mass_on_a_spring_at_an_endless_bar(index, quantity):
+def test_a_mass_on_a_spring_at_an_endless_bar(quantity):
     """Its equation is that of a damped oscillator: complex steps give exact derivatives."""
+    index = OF_AN_OSCILLATOR.index(quantity)
     numbers = {
         "bodies.0.mass": 0.7,
         "contacts.0.stiffness": 1.6,
