@@ -573,12 +573,7 @@ def run_in(folder, *arguments):
     done = subprocess.run(
         [sys.executable, *arguments],
         cwd=folder,
-        env={
-            "PYTHONPATH": str(folder),
-            "PATH": "",
-            "HOME": str(folder),
-            "NUMBA_DISABLE_JIT": "1",  # a copy would compile all again
-        },
+        env={"PYTHONPATH": str(folder), "PATH": "", "HOME": str(folder)},
         capture_output=True,
         text=True,
     )

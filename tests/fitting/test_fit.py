@@ -385,7 +385,7 @@ def test_standard_errors_are_the_scatter_of_fits_of_noisy_pulses():
 
     values = []
     errors = []
-    for _ in range(24):
+    for _ in range(50):
         noise = coloured(random, len(clean), correlation_time / interval)
         noisy = clean.replace(values=clean.values + noise_level * noise)
         at_gauge = ri.Measured(noisy, gauge, distance=0.361, radius=bar.radius)
