@@ -181,7 +181,9 @@ def saint_venant(
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
     q = numbers.q
-    # The rod that ends the contact: the long one if the short one goes on pushing.
+    # The rod that ends the contact: the long one if the short one goes on pushing. Of
+    # equal transit times q <= 0, and either is the short one. `pair_numbers` sets q = 0
+    # exactly for impedances that are equal but for round-off.
     ending_transit = np.where(q > 0, numbers.long_time, numbers.short_time)
     duration = 2 * ending_transit
     opening = np.where(q == 0, 2 * numbers.long_time, duration)

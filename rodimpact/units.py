@@ -541,7 +541,7 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
         raise ValueError(
             f"cannot write {shown(value)} in {shown(unit)} to {shown(digits)} digits"
         )
-    if not _has_numbers(value):
+    if not _has_numbers(value):  # a bool, or a masked number
         raise ValueError(f"value: must be a number, got {shown(value)}")
     try:
         value = float(value)
@@ -555,11 +555,11 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
         power = int(exponent) // 3 * 3  # that of the prefix
         shift = int(exponent) % 3  # places by which the decimal sign moves
         if power == _LARGEST_PREFIX + 3:
-            # 1000 GPa and more stand beside other numbers in GPa.
+            # 1000 GPa and more are written in GPa too, like the numbers beside them.
             power = _LARGEST_PREFIX
             shift += 3
         if power in _PREFIXES:
-            # Without zeros at its end, and without the sign of -0
+            # `normalize` drops zeros at the end, and + 0 the sign of -0.
             decimal = Decimal(mantissa).scaleb(shift).normalize() + 0
             return f"{decimal:f} {_PREFIXES[power]}{unit}"
     return f"{value + 0.0:.{digits}g} {unit}".rstrip()

@@ -483,7 +483,10 @@ def _rayleigh_speed(nu: float) -> float:
 
 
 def _uniform_segment(rod: Any) -> Any:
-    """The only segment of a uniform rod; InvalidModel for any other argument."""
+    """The segment of a uniform `Rod`, or a uniform `Segment` itself.
+
+    InvalidModel for any other argument. The caller has dealt with a `waves.Bar`.
+    """
     segments = [rod]
     if isinstance(rod, Rod):
         segments = list(rod.segments)

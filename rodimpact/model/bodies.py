@@ -121,6 +121,7 @@ class Material(FrozenDataclass):
             frozen.add_problem(problems, "wave_speed", message, wave_speed)
         if problems:
             # Any modulus will do: the other arguments are checked too, for one error of all.
+            # A problem that is found twice is told once.
             modulus = 1.0
         self._set(
             name=name,
@@ -322,8 +323,9 @@ class Segment(FrozenDataclass):
     def _check_magnitudes(self, area: Number) -> None:
         """Refuse a uniform segment whose impedance, transit time or mass is extreme.
 
-        InvalidModel for Z = rho A c, T = L/c or Z T outside the range of the model, in any member
-        of a family.
+        InvalidModel for Z = rho A c, T = L/c or Z T outside the range of the model, in any
+        member of a family. `area` is the given one, or the one that follows from the
+        diameter.
         """
         L = self.length
         c = self.material.wave_speed
@@ -515,7 +517,7 @@ class Segment(FrozenDataclass):
         >>> round_rod.polar_moments([round_rod.area]).round(12).tolist()  # pi d^4/32
         [9.817477e-06]
         """
-        A = array("areas", areas, "m^2")
+        A = array("areas", areas, "m^2")  # unchecked: an area may be nan
         if self.lateral_inertia is None:
             return np.zeros(A.shape)
         if self.solid_round:

@@ -126,7 +126,7 @@ def _are_problems(problems: Any) -> bool:
 
 
 def invalid_argument(path: str, message: str) -> InvalidModel:
-    """The error of one mistake, to be raised by the caller."""
+    """The InvalidModel, a ValueError, of one mistake, to be raised by the caller."""
     return InvalidModel([(path, message)])
 
 
@@ -590,9 +590,10 @@ class Frozen:
         return False
 
     def _numbers(self, path: str = "") -> Iterator[tuple[str, Number]]:
-        """Every number of this object and its parts, with its path in a case file.
+        """Numbers that may vary in a family, with their paths in a case file.
 
-        `path` is that of the object itself, if it is a part of another one.
+        They are those of this object and its parts, without the ones that all members
+        share. `path` is that of the object itself, if it is a part of another one.
         """
         for name, item in self._parts():
             item_path = name
@@ -644,11 +645,15 @@ class FrozenDataclass(Frozen):
     """A frozen object whose class declares its parameters: a checked dataclass."""
 
     def __init_subclass__(cls, **tag: str) -> None:
-        """Make the class a frozen dataclass; a tag, such as kind="rod", is that of `Frozen`."""
+        """Make the class a frozen dataclass with the repr and the equality of `Frozen`.
+
+        A tag, such as kind="rod", is that of `Frozen`. The constructor answers wrong
+        arguments with those that may be meant.
+        """
         super().__init_subclass__(**tag)
         dataclass(repr=False, eq=False, frozen=True)(cls)
-        # Without those that `dataclass` has just made, those of `Frozen` hold: they say what
-        # to do instead.
+        # `dataclass` has just made these two methods. Without them Python finds those of
+        # `Frozen`, whose errors say what to do instead of setting an attribute.
         del cls.__setattr__, cls.__delattr__
         _explain_constructor(cls)
 

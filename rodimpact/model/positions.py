@@ -38,9 +38,9 @@ def velocity_of(problems: Problems, position: Profile) -> Any:
 
 
 def _of_lines(position: Samples) -> Any:
-    """Velocity of straight lines, as `Steps`: neighbouring lines of one slope are one step.
+    """Velocity of straight lines, as `Steps`, and 0 after the last sample.
 
-    A number if there is one step alone.
+    Neighbouring lines of one slope are one step. The number 0.0 if the end never moves.
     """
     step: Any = position.step
     rises = np.diff(position.values)
@@ -54,7 +54,7 @@ def _of_lines(position: Samples) -> Any:
     if rises[-1] != 0:  # after the last sample the end stays where it is
         values.append(0.0)
         starts.append(len(rises) * step)
-    if len(values) == 1:
+    if len(values) == 1:  # one step alone is a rest: any motion is followed by a stop
         return values[0]
     return Steps(values, starts[1:])
 

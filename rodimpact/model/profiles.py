@@ -614,7 +614,8 @@ def _samples_of(
 
     The curve between them is a spline or straight lines, whichever is nearer to the
     function half way between the samples; that distance is the error of the samples.
-    A mistake is noted in `problems`.
+    `step` is that of samples in time, s; None along a rod, whose length says it. A
+    mistake is noted in `problems`; then 0.0 stands in for the samples.
     """
     from scipy.interpolate import make_interp_spline
 

@@ -550,7 +550,10 @@ def _check_bonded_velocities(system: System) -> None:
 
 
 def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
-    """Ends as given, two free ones for None; mistakes are added to `problems`."""
+    """Ends as given, two free ones for None; mistakes are added to `problems`.
+
+    Each end is checked together with the body there. The caller has checked the bodies.
+    """
     if ends is None:
         ends = (FREE, FREE)
     if not isinstance(ends, list | tuple) or len(ends) != 2:

@@ -172,7 +172,10 @@ def with_gains(calibration: Calibration, bars: InstrumentedBars) -> Instrumented
 def with_one_error(
     calibration: Calibration, bars: InstrumentedBars
 ) -> Iterator[InstrumentedBars]:
-    """Bars in which one gain or one wave speed is changed by its standard error: four pairs."""
+    """Bars in which one gain or one wave speed is changed by its standard error.
+
+    They are four pairs of bars.
+    """
     for k, name in enumerate(InstrumentedBars._fields):
         gain_factor = 1 + calibration.gain_errors[k] / calibration.gains[k]
         yield bars._replace(**{name: _amplified(bars[k], gain_factor)})

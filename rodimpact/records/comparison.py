@@ -135,7 +135,10 @@ class _Comparison:
     scale_range: Range | None
 
     def with_shift(self, shift: float) -> _Scaled:
-        """Misfit of the model later by `shift`, s, with the best scale."""
+        """Misfit of the model later by `shift`, s, with the best scale that is allowed.
+
+        It is the rms of the residuals over the plateau.
+        """
         values = self.record.values
         shifted = self.model.at(self.record.times - shift)
         scale = float(self.best_scale(shifted @ values, shifted @ shifted))
@@ -144,7 +147,10 @@ class _Comparison:
         return _Scaled(rms / self.plateau, scale)
 
     def best_scale(self, product: Any, power: Any) -> Any:
-        """Scale by least squares: (model . record)/(model . model); 1 for a model of zeros."""
+        """Scale by least squares, (model . record)/(model . model), in `scale_range`.
+
+        It is 1 for a model of zeros.
+        """
         divisor = np.where(power > 0, power, 1.0)
         best = np.where(power > 0, product / divisor, 1.0)
         if self.scale_range is None:

@@ -75,14 +75,16 @@ class DirectImpactShot:
     def _lost_velocity(self, force: Floats) -> Floats:
         """Velocity that the striker's face has lost to a force, m/s.
 
-        It is int F dt/m of a rigid striker, and c (g + T(2 L) g) of a rod with a free far end.
+        It is int F dt/m of a rigid striker, and c (g + T(2 L) g) of a rod with a free far
+        end. Here g is the strain of the wave that leaves the face, of the force and all
+        returned waves: Z c g = F + Z c T(2 L) g, with Z c the stiffness. T(x) carries a
+        wave over the distance x.
         """
         striker = self.striker
         if isinstance(striker, RigidMass):
             return integral(force, self.output.times) / float(striker.mass)
         guide = Waveguide(striker, self.output.dt)
         round_trip = 2 * float(striker.length)
-        # The strain g in Z c g = F + Z c T(2 L) g, with Z c the stiffness
         leaving_strain = sum_of_passages(guide, force / guide.stiffness, round_trip)
         returned_strain = guide.propagated(leaving_strain, round_trip)
         return guide.speed * (leaving_strain + returned_strain)

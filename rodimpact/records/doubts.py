@@ -199,9 +199,10 @@ class _OppositeStrains(NamedTuple):
 
 
 def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
-    """Both records of a gauge during the first pulse, from the rest before it."""
+    """Both records of a gauge during the first pulse, less their means before it."""
     assert gauge.opposite is not None
     times = gauge.signal.times
+    # The pulse starts at a tenth of its plateau: its foot lies about one rise earlier.
     is_rest = times < pulse.start - pulse.rise
     is_pulse = (times >= pulse.start) & (times <= pulse.start + pulse.width)
     signal = gauge.signal.values - gauge.signal.values[is_rest].mean()
@@ -277,11 +278,11 @@ def _first_onset(bar: InstrumentedBar, gauge: int = 0) -> _Onset:
 
 
 class _Delay(NamedTuple):
-    """Time between the onsets of two pulses, s: the least, the most, and at a tenth of each."""
+    """Time between the onsets of two pulses, s."""
 
     least: float
     most: float
-    middle: float
+    middle: float  # between the times at which both reach a tenth of their plateaus
 
     def contradicts(self, travel: float, later: float = 0.0) -> bool:
         """Whether no onsets are apart by the travel time, s, or up to `later`, s, more.
@@ -374,6 +375,7 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
     output_speed = bars.output.speed
     travel = before / input_speed + behind / output_speed
     delay = _delay(_first_onset(bars.input), _first_onset(bars.output))
+    # The specimen makes the wave late only, by its own travel time at most.
     if delay.contradicts(travel, length / SLOWEST_SPECIMEN_SPEED):
         yield (
             f"the transmitted wave arrives {format_si(delay.middle, 's', 3)} after the incident "

@@ -122,11 +122,14 @@ def _filter(
 ) -> Floats:
     """Values after a filter with a gain over frequency, whose response lasts `tail` samples.
 
-    The transform is periodic. A smooth curve leads from the last value back to the first one, out
-    of reach of the record.
+    The transform is periodic. A smooth curve leads from the last value back to the first
+    one, out of reach of the record. InvalidModel if the record is longer than
+    `MAX_SAMPLES` with this way back.
     """
     from scipy import fft
 
+    # Samples that are held at either end, and the least length of the way back: the
+    # response, and as a reserve a quarter of the record and 64 samples for short ones
     margin = tail + len(values) // 4 + 64
     if len(values) + 3 * margin > MAX_SAMPLES:
         message = f"{dt!r} makes the filtered record longer than {MAX_SAMPLES} samples"

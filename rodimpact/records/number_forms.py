@@ -113,6 +113,8 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
         If there is no table of numbers, or the decimal sign is ambiguous.
     """
     forms = []
+    # The form with commas inside numbers and between cells is tried only in files that
+    # quote such cells.
     for form in FORMS:
         is_wanted = decimal in (None, form.decimal)
         if is_wanted and (form != QUOTED or survey.quotes_commas):

@@ -272,8 +272,9 @@ def _named_times(table: ColumnTable) -> list[str]:
 
 
 def _time_column(table: ColumnTable, time: str | None) -> int:
-    """Index of the column of times; FileFormatError if that is not a single one, or the only one.
+    """Index of the column of times.
 
+    FileFormatError if several columns may be it or none, or if there is no other column.
     It is the column called `time`, if given; else the one called time or t, or without heads the
     first one that increases.
     """
@@ -285,8 +286,8 @@ def _time_column(table: ColumnTable, time: str | None) -> int:
     if time is not None:
         candidates = [time]
         expected = time
-    is_one = len(candidates) == 1 and candidates[0] in table.names
-    if not is_one or len(table.names) < 2:
+    is_single_known_column = len(candidates) == 1 and candidates[0] in table.names
+    if not is_single_known_column or len(table.names) < 2:
         heads = ", ".join(map(shown, table.names[:8]))
         raise FileFormatError(
             f"must have one column called {shown(expected)} and another one, has "

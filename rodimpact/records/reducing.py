@@ -333,6 +333,7 @@ def _reduction(
 
     `strain_error` is an error of the strain that the noise does not show; it joins its band.
     """
+    # The bar of the incident wave; the output bar in a direct impact, which has no other
     first = bars[0]
     half_sampling_rate = 0.5 / first.dt  # Hz
     cut_off = min(first.guide.cut_off, half_sampling_rate)

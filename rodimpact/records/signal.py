@@ -573,6 +573,7 @@ class Signal(Frozen):
         ------
         ValueError
             If the DataArray does not have one dimension, or units are missing or unknown.
+            It may be an InvalidModel, which is a ValueError.
         """
         if len(getattr(data, "dims", ())) != 1:
             raise invalid_argument(
@@ -614,7 +615,10 @@ def _single_number(number: Any, unit: str) -> float:
 
 
 def _samples(name: str, numbers: Any, unit: str) -> Array:
-    """Samples as a read-only array."""
+    """Samples in this unit as a read-only array.
+
+    InvalidModel for fewer than two, and for samples that are not finite.
+    """
     samples = array(name, numbers, unit, "any")
     if samples.ndim != 1 or samples.size < 2:
         raise invalid_argument(

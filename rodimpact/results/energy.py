@@ -444,10 +444,11 @@ def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
 def _motion_at(
     system: System, states: BondedGroups, energies: EnergyLedger, k: int
 ) -> Motion:
-    """Velocities and energies of the bodies at the k-th tick of the states.
+    """Motion of all bodies at the k-th tick of the states.
 
-    A body has the velocity of its group, m/s, or of the wall that holds it, and its own vibration
-    energy, J.
+    A body has the velocity of its group, m/s, or of the wall that holds it, and its own
+    vibration energy, J. The kinetic energy, J, is one number: that of all centres of
+    mass together.
     """
     velocities = []  # of the bodies from left to right, as groups are neighbours
     for g, group in enumerate(groups(system)):
@@ -456,7 +457,7 @@ def _motion_at(
         of_bodies = velocities_in_group(system, group, movable_bodies, group_velocity)
         for velocity in of_bodies:
             velocities.append(float(velocity))
-    vibration = states.vibration[:, k].tolist()
+    vibration = states.vibration[:, k].tolist()  # from [body, time]
     return Motion(velocities, vibration, float(energies.kinetic[k]))
 
 

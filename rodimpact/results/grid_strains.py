@@ -82,7 +82,7 @@ def cell_states(motion: GridMotion, strain: Floats, velocity: Floats) -> CellSta
     rate = np.zeros(motion.force.shape)
     # The first and the last cell lie outside of the row, where the rate is 0.
     rate[:, 1:-1] = np.diff(velocity, axis=1) / cells.width[1:-1]
-    # `viscous` is eta A over the width.
+    # `cells.viscous` is the damping eta A over the width, N s/m.
     viscous_force = cells.viscous * cells.width * rate
     tension = motion.force + viscous_force
     return CellStates(strain, rate, tension)

@@ -40,7 +40,10 @@ def magnified(length: float, reach: float, relative: float, strain: float) -> fl
 
 
 def round_down(number: float) -> float:
-    """Largest of 1, 2, 5 times a power of ten that is no larger."""
+    """Largest of 1, 2, 5 times a power of ten that is no larger than the number.
+
+    It may exceed the number by `LEADING_DIGIT_RTOL` of it, for the sake of round-off.
+    """
     base = 10.0 ** math.floor(math.log10(number) + LEADING_DIGIT_RTOL)
     for digit in (5, 2):
         if digit * base <= number * (1 + LEADING_DIGIT_RTOL):

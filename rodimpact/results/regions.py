@@ -196,14 +196,17 @@ def _rods(fields: WaveFields) -> list[dict[str, Any]]:
 
 
 def _piece(waves: SegmentWaves, segment: Segment) -> dict[str, Any]:
-    """A segment with its waves, as `polygons_of` takes it."""
-    A = waves.rightward
-    B = waves.leftward
+    """A segment with its waves, as `polygons_of` takes it.
+
+    `wave_of` adds the integral of each wave to its ticks and values.
+    """
+    rightward = waves.rightward
+    leftward = waves.leftward
     return {
-        "ticks": waves.transit,
+        "ticks": waves.transit,  # of a wave from end to end
         "length": waves.length,
         "wave_speed": waves.wave_speed,
         "youngs_modulus": float(segment.material.youngs_modulus),
-        "rightward": wave_of(A.ticks.tolist(), A.values.tolist()),
-        "leftward": wave_of(B.ticks.tolist(), B.values.tolist()),
+        "rightward": wave_of(rightward.ticks.tolist(), rightward.values.tolist()),
+        "leftward": wave_of(leftward.ticks.tolist(), leftward.values.tolist()),
     }

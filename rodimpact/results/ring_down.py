@@ -84,13 +84,16 @@ class RingDown:
 def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     """How vibration dies out from `start` to `end`, s; see `Solution.ring_down`.
 
-    Energies are read at `DECAY_SAMPLES` + 1 equally spaced times, or at the states of a grid next
-    to them. InvalidModel if a grid has kept too few states in between.
+    Energies are read at `DECAY_SAMPLES` + 1 equally spaced times, or at the states of a
+    grid next to them. The fitted decay time stands beside the one of the slowest mode of
+    all rods, and the largest change of momentum. InvalidModel if a grid has kept too few
+    states in between.
     """
     even_times = np.linspace(start, end, DECAY_SAMPLES + 1)
     known_ticks = fields.nearest_energy_ticks(fields.to_ticks(even_times))
     ticks = np.unique(known_ticks)
-    # A shorter time has fewer steps of the grid, all of which may have been kept.
+    # Few states are a mistake only where the grid had more steps than it kept: a shorter
+    # time may have few steps, all of them kept.
     has_steps_enough = end - start > MIN_DECAY_SAMPLES * fields.step
     if len(ticks) < MIN_DECAY_SAMPLES and has_steps_enough:
         message = (
@@ -100,7 +103,7 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
         raise invalid_argument("ring_down", message)
     times = ticks * fields.clock.tick
     states = bonded_groups(fields, ticks)
-    vibration = states.vibration.sum(axis=0)
+    vibration = states.vibration.sum(axis=0)  # of all bodies, [time], as `kinetic` is
     largest_energy = float(states.kinetic.max() + vibration.max())
     round_off = VIBRATION_RTOL * largest_energy
     slowest = _slowest_mode(fields)
@@ -142,7 +145,8 @@ def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) ->
     """Largest change of the momentum of the row over the momenta of all bodies together.
 
     The momentum of a body of mass m is taken to be sqrt(2 m E) = m sqrt(2 E/m), as if it had all
-    the energy E of motion and vibration, J [time], at its largest.
+    the energy E of motion and vibration, J [time], at its largest: this scale needs the
+    vibration energy, J [time].
     """
     largest_energy = (states.kinetic + vibration).max()
     scale = 0.0  # kg m/s

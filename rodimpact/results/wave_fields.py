@@ -53,6 +53,9 @@ class WaveFields(Fields):
 
     def waves(self, segment: int) -> SegmentWaves:
         """The waves of the segment of that number in the row, counted from 1."""
+        # The lists of the clock begin with what lies left of the row, at index 0; its
+        # ticks are transit times. Line 2 s leaves the left end of segment s, and line
+        # 2 s + 1 its right end.
         clock = self.clock
         return SegmentWaves(
             segment=segment,

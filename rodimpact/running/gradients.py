@@ -166,9 +166,11 @@ class Gradient:
         return "\n".join(lines)
 
     def _described(self, path: str) -> str:
-        """Derivative by the number at a path, with its unit, as text; both sides at a kink.
+        """Derivative by the number at a path, with its unit, as text.
 
-        The stated error follows where it is larger than the digits shown.
+        At a kink the text has the derivatives on both sides, and the jump of the result
+        in its own unit, `unit`. The stated error follows where it is larger than the
+        digits shown.
         """
         unit = f" {self.units[path]}".rstrip()
         error = float(self.errors[path])

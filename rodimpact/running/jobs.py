@@ -173,7 +173,9 @@ def results_of(
     submit: Callable[[int, int], Future[Any]],
     workers: int,
 ) -> Generator[list[JobResult]]:
-    """Run jobs on an executor, two for each worker at a time: one to do, one to go on with.
+    """Run jobs on an executor, two for each worker at a time: one running, one queued.
+
+    Jobs that have not begun are cancelled when the generator is closed, or a job fails.
 
     Parameters
     ----------

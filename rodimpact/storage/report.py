@@ -322,7 +322,7 @@ def _error_text(value: float) -> str:
 
 
 def _episodes_table(solution: Any) -> str:
-    """Times of the first episodes of contact; empty without any."""
+    """Times of the first episodes, contact by contact from the left; "" without any."""
     names = contact_names(solution.system.kinds)
     rows = []
     for contact in solution.contacts:
