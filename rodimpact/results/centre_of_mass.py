@@ -17,9 +17,9 @@ class FacePushes(NamedTuple):
 def final_displacement(run: Run, fields: Fields, body: int) -> float:
     """Displacement of the centre of mass of a body at the end of the run, m.
 
-    Newton's law integrated twice: m u = p0 t + integral(J) dt + m g t^2/2, p0 the momentum at
-    t = 0 and J the impulse of the forces on the two faces. A wall or a rigid mass moves as one
-    point, so that its displacement is that of any point.
+    Newton's law integrated twice: m u = p0 t + integral(J) dt + m g t^2/2, p0 the
+    momentum at t = 0 and J the impulse of the forces on the two faces. A wall or a
+    rigid mass moves as one point, so that its displacement is that of any point.
     """
     clock = fields.clock
     last_tick = fields.end
@@ -27,7 +27,8 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
     if body not in fields.rods:
         return float(fields.displacement(body, 0.0, time))
     impulse_integral = 0.0  # N s^2
-    # A push acts to the right on the left face, to the left on the right face: 1 and -1.
+    # A push acts to the right on the left face, to the left on the right face: 1 and
+    # -1.
     for push, sign in zip(pushes_on(run, body), INWARD, strict=True):
         if push is not None:
             in_ticks = float(push.integrated_twice(last_tick))  # N ticks^2

@@ -51,7 +51,7 @@ class ContactHistory:
     >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=steel)
     >>> contact = ri.solve(ri.System([left, right])).contacts[0]
-    >>> contact.force([1e-4, 2e-4]).round(2).tolist()       # the rods press, then only touch
+    >>> contact.force([1e-4, 2e-4]).round(2).tolist()  # the rods press, then only touch
     [1981.16, 0.0]
     >>> f"{contact.duration:.6g}", len(contact.episodes)
     ('0.000158493', 1)
@@ -77,8 +77,8 @@ class ContactHistory:
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
 
-        It has the shape of t. A grid gives the mean over each time step. ValueError for times
-        outside the solution.
+        It has the shape of t. A grid gives the mean over each time step. ValueError for
+        times outside the solution.
         """
         ticks = self._fields.to_ticks_beside(t, side)
         return self.push.at(ticks, side)
@@ -86,8 +86,9 @@ class ContactHistory:
     def gap(self, t: ArrayLike) -> Floats:
         """Distance between the two bodies, m; just after each time.
 
-        Exactly 0 while they touch rigidly; minus the indentation in a compliant contact, the
-        stretch of a joint. If the contact has yielded, the gap is that of the deformed faces.
+        Exactly 0 while they touch rigidly; minus the indentation in a compliant
+        contact, the stretch of a joint. If the contact has yielded, the gap is that of
+        the deformed faces.
         """
         ticks = self._fields.to_ticks_beside(t, "right")
         gap = self._gap.at(ticks)
@@ -98,8 +99,8 @@ class ContactHistory:
     def law_at(self, t: float) -> ContactLaw:
         """The law of the contact as it is at the time t, s.
 
-        A joint has its stretch, and a `Plastic` contact is hardened by the largest force that it
-        has borne up to t. Other laws do not change.
+        A joint has its stretch, and a `Plastic` contact is hardened by the largest
+        force that it has borne up to t. Other laws do not change.
         """
         t = scalar("t", t, "s")
         ticks = self._fields.to_ticks(t)
@@ -107,12 +108,13 @@ class ContactHistory:
             stretch = float(self.gap(t))
             return self.law.replace(stretch=stretch)
         if isinstance(self.law, Plastic):
-            # The overlap is minus the gap: it is largest where the gap is smallest, among the
-            # starts of the pieces of the gap up to t, and t itself.
+            # The overlap is minus the gap: it is largest where the gap is smallest,
+            # among the starts of the pieces of the gap up to t, and t itself.
             earlier_gaps = self._gap.values[self._gap.ticks <= ticks]
             smallest_earlier = float(np.min(earlier_gaps, initial=0.0))
             largest_overlap = -min(smallest_earlier, float(self.gap(t)))
-            # The gap counts from the yielded faces, so the overlap is elastic: F = k overlap.
+            # The gap counts from the yielded faces, so the overlap is elastic: F = k
+            # overlap.
             force_reached = self.law.stiffness * largest_overlap
             return self.law.hardened(force_reached)
         return self.law
@@ -120,8 +122,9 @@ class ContactHistory:
     def breakpoints(self) -> Breakpoints:
         """Force and gap at the times between which straight lines follow them.
 
-        Force and velocities jump at these times alone. Where the force changes smoothly there are
-        more of them: straight lines between them follow force and gap to 5e-5 of their ranges.
+        Force and velocities jump at these times alone. Where the force changes smoothly
+        there are more of them: straight lines between them follow force and gap to 5e-5
+        of their ranges.
         """
         ticks = self.push.ticks
         has_constant_pieces = self.push.size == 1  # one coefficient a piece
@@ -139,8 +142,8 @@ class ContactHistory:
     def work_until(self, t: ArrayLike) -> Floats:
         """Work that the two bodies have done on the contact from 0 to t, J.
 
-        It is the integral of the force times the closing velocity. A compliant contact stores some
-        of it; the rest is lost there.
+        It is the integral of the force times the closing velocity. A compliant contact
+        stores some of it; the rest is lost there.
         """
         ticks = self._fields.to_ticks(t)
         return self._power.integral(0, ticks) * self._tick
@@ -153,9 +156,10 @@ class ContactHistory:
     def permanent_set(self) -> float:
         """Permanent set of the contact at the end of the run, m; 0 or more.
 
-        The gap is that of the deformed faces: it exceeds the distance of the undeformed faces
-        by this set, which grows from 0. The distance of the undeformed faces changes as the
-        displacements of the right end of the left body and of the left end of the right body do.
+        The gap is that of the deformed faces: it exceeds the distance of the undeformed
+        faces by this set, which grows from 0. The distance of the undeformed faces
+        changes as the displacements of the right end of the left body and of the left
+        end of the right body do.
         """
         fields = self._fields
         times = [0.0, fields.end * fields.clock.tick]

@@ -35,24 +35,27 @@ class EnergyLedger:
     contact : array
         Energy stored in compliant contacts and joints.
     dissipated : array
-        Energy lost since t = 0 in dashpots, yielding contacts and impacts of rigid bodies.
+        Energy lost since t = 0 in dashpots, yielding contacts and impacts of rigid
+        bodies.
     damped : array
         Energy lost since t = 0 in damped material.
     numerical : array
-        Energy that a grid loses since t = 0, because half cells at ends collide inelastically.
-        It goes to 0 with the step, except with Rayleigh-Love lateral inertia, whose ends have
-        mass.
+        Energy that a grid loses since t = 0, because half cells at ends collide
+        inelastically. It goes to 0 with the step, except with Rayleigh-Love lateral
+        inertia, whose ends have mass.
     radiated : array
-        Energy that has left through absorbing ends since t = 0, minus that which came in.
+        Energy that has left through absorbing ends since t = 0, minus that which came
+        in.
     soil_work : array
-        Work done since t = 0 on soil along the shafts of rods: what the soil has taken as it
-        yields and damps, and what it stores.
+        Work done since t = 0 on soil along the shafts of rods: what the soil has taken
+        as it yields and damps, and what it stores.
     drag_work : array
         Lost since t = 0 to drag along the shafts of rods.
     wall_work, drive_work, gravity_work : array
         Work done since t = 0 by moving walls, driven ends and gravity.
     residual : array
-        Energy missing in the balance: total minus initial total minus works, plus losses.
+        Energy missing in the balance: total minus initial total minus works, plus
+        losses.
 
     Examples
     --------
@@ -130,8 +133,8 @@ class ShaftWorks(NamedTuple):
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
     """Velocities and energies of the groups at ticks [time] at which energies are known.
 
-    The velocity of a group is its momentum over its mass. A group in which no body can move, such
-    as a wall alone, has the velocity 0, and no mass or energy.
+    The velocity of a group is its momentum over its mass. A group in which no body can
+    move, such as a wall alone, has the velocity 0, and no mass or energy.
     """
     clock = fields.clock
     times = ticks * clock.tick
@@ -215,7 +218,8 @@ def _energies(
 def stored_energy(law: Any, gap: Floats) -> Floats:
     """Energy that a contact or a joint of this law stores at each gap, m, in J.
 
-    Its compression is minus the gap. Laws without `stored`, such as `Rigid`, store no energy.
+    Its compression is minus the gap. Laws without `stored`, such as `Rigid`, store no
+    energy.
     """
     compression = -gap
     if law.opens:  # a joint does not open: it stores energy in tension, too
@@ -236,7 +240,8 @@ class ContactEnergies(NamedTuple):
 def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactEnergies:
     """Energies of all contacts together at times t in s, the first of which is 0.
 
-    A contact loses the work that the bodies do on it, less the change of its stored energy.
+    A contact loses the work that the bodies do on it, less the change of its stored
+    energy.
     """
     stored = np.zeros(t.shape)
     dissipated = np.zeros(t.shape)
@@ -260,7 +265,8 @@ def ledger(
 ) -> EnergyLedger:
     """Energy ledger at the ticks of the states, the first of which is 0.
 
-    residual = energy gained + energy lost + works on shafts - works of boundaries and of gravity.
+    residual = energy gained + energy lost + works on shafts - works of boundaries and
+    of gravity.
     """
     ticks = states.ticks
     works = _boundary_works(fields, ticks)
@@ -300,8 +306,8 @@ def ledger(
 def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
     """Integrals of push times speed from t = 0 to each tick, J, by the kind of what is outside.
 
-    Pushes point into the row and speeds to the right, so the power has the sign `INWARD`: 1 at the
-    left end, -1 at the right end.
+    Pushes point into the row and speeds to the right, so the power has the sign
+    `INWARD`: 1 at the left end, -1 at the right end.
     """
     works: dict[str, Floats] = {}
     for kind in BoundaryWorks._fields:
@@ -330,8 +336,8 @@ def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
 def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
     """g times the integral of the momentum over time: work of gravity since t = 0, J [time].
 
-    The integral is (p0 + m g t/2) t + the impulses from outside integrated over time, with
-    the momentum p0 at t = 0.
+    The integral is (p0 + m g t/2) t + the impulses from outside integrated over time,
+    with the momentum p0 at t = 0.
     """
     clock = fields.clock
     ticks = states.ticks
@@ -356,8 +362,8 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
     """Totals of a finished run from its fields: the ledger at its beginning and its end.
 
-    Velocities that the method itself has found, `run.motion`, take the place of those of the
-    fields. The residuals of momentum and energy are relative to their scales.
+    Velocities that the method itself has found, `run.motion`, take the place of those
+    of the fields. The residuals of momentum and energy are relative to their scales.
     """
     clock = run.clock
     first_and_last = np.array([0, run.end])
@@ -407,8 +413,8 @@ def _energy_scale(
 ) -> float:
     """Energy to which the energy that is missing in the balance is relative, J.
 
-    It is the initial energy, that of the mass of all bodies (kg) at the velocity scale (m/s), and
-    the absolute works from outside.
+    It is the initial energy, that of the mass of all bodies (kg) at the velocity scale
+    (m/s), and the absolute works from outside.
     """
     scale = initial_energy + mass * velocity_scale**2 / 2
     scale += abs(works.gravity_work)
@@ -423,8 +429,8 @@ def _energy_scale(
 def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
     """Momentum that is missing in the balance at the end of the run, relative to a scale.
 
-    That is the momentum gained, less the impulse from outside and m g t. The scale is the momentum
-    of all masses at the velocity scale, and all impulses of contacts.
+    That is the momentum gained, less the impulse from outside and m g t. The scale is
+    the momentum of all masses at the velocity scale, and all impulses of contacts.
     """
     clock = run.clock
     last_tick = states.ticks[-1]

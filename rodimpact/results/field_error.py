@@ -25,8 +25,8 @@ The difference of two meshes changes its sign over time, and may be 0 at one tim
 class FieldError(NamedTuple):
     """Stated errors of field values at some times, anywhere in the row; arrays like the times.
 
-    The error is inf where no mesh determines the value: at a steep jump velocity and stress have no
-    single value.
+    The error is inf where no mesh determines the value: at a steep jump velocity and
+    stress have no single value.
 
     Attributes
     ----------
@@ -75,8 +75,9 @@ def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> Fie
     Returns
     -------
     FieldError
-        With q(h) a value on the finer mesh and q(g) that on a coarser one, the largest of
-        share |q(g) - q(h)| over all rods, points, coarser meshes, and times near t; see `Coarser`.
+        With q(h) a value on the finer mesh and q(g) that on a coarser one, the largest
+        of share |q(g) - q(h)| over all rods, points, coarser meshes, and times near t;
+        see `Coarser`.
     """
     errors: dict[str, Floats] = {}
     for name in FieldError._fields:
@@ -116,8 +117,8 @@ def _error_of(
 def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
     """Largest absolute difference of a field of two solutions near each time, [time].
 
-    It is the largest one over all rods, over the compared points of each, and over the times near
-    each time, `times` [time, delay], s. Walls and rigid masses are left out.
+    It is the largest one over all rods, over the compared points of each, and over the
+    times near each time, `times` [time, delay], s. Walls and rigid masses are left out.
     """
     largest = np.zeros(len(times))
     instants = times.ravel()

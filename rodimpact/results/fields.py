@@ -1,6 +1,7 @@
 """The state of every point of the row at every time: what solutions ask of any method.
 
-A method that finds end signals has `WaveFields`, one that finds states on a grid `GridFields`.
+A method that finds end signals has `WaveFields`, one that finds states on a grid
+`GridFields`.
 """
 
 from functools import cached_property
@@ -66,8 +67,8 @@ class Location(NamedTuple):
 def to_side(ticks: Ints, side: Side) -> Ints:
     """Ticks that were rounded from times, moved just after ("right") or before a jump there.
 
-    They move by the round-off of a time, ticks/2^51: a float cannot name a single tick beyond 2^51
-    of them. InvalidModel for any other side.
+    They move by the round-off of a time, ticks/2^51: a float cannot name a single tick
+    beyond 2^51 of them. InvalidModel for any other side.
     """
     one_of("side", side, ("right", "left"))
     round_off = ticks >> 51  # ticks/2^51, rounded down: 0 for most runs
@@ -85,13 +86,13 @@ class Fields(Protocol):
     end : int
         Last tick.
     signals : Signals
-        Its motion, and the velocities of rigid masses, by body, m/s, in the frame `clock.frame`,
-        which falls with `clock.gravity`.
+        Its motion, and the velocities of rigid masses, by body, m/s, in the frame
+        `clock.frame`, which falls with `clock.gravity`.
 
     Notes
     -----
-    Points x are in m from the left end of a body, ticks and times t are those of the run. Both
-    broadcast, and values have the shape to which they do.
+    Points x are in m from the left end of a body, ticks and times t are those of the
+    run. Both broadcast, and values have the shape to which they do.
     """
 
     clock: Clock
@@ -138,8 +139,9 @@ class Fields(Protocol):
     def averaged(self, body: int, x: Floats, t: Floats) -> MeanState:
         """Mean velocity and strain at points x, m [point], in the intervals between times t, s.
 
-        They are the differences of displacements, and of integrals of the strain, over durations.
-        The n times increase, and have n - 1 intervals: the means are [point, interval].
+        They are the differences of displacements, and of integrals of the strain, over
+        durations. The n times increase, and have n - 1 intervals: the means are [point,
+        interval].
         """
         ticks = self.to_ticks(t)
         displacement = self.displacement(body, x[:, None], t)  # [point, time]
@@ -214,8 +216,8 @@ class Fields(Protocol):
     def locate(self, body: int, x: ArrayLike) -> Location:
         """Segments in which points x of a rod lie, m, and their distances from its left end.
 
-        A point between two segments lies in the right one. ValueError for a body that is no rod,
-        and for points outside of the rod.
+        A point between two segments lies in the right one. ValueError for a body that
+        is no rod, and for points outside of the rod.
         """
         self._check_rod(body)
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
@@ -298,8 +300,8 @@ class Fields(Protocol):
     ) -> Floats:
         """Velocity, m/s; x and t broadcast, and x is 0 in a mass or a wall.
 
-        It is the velocity in the clock's frame, plus that of the frame, which falls with gravity. A
-        wall has its own velocity alone.
+        It is the velocity in the clock's frame, plus that of the frame, which falls
+        with gravity. A wall has its own velocity alone.
         """
         ticks = self.to_ticks_beside(t, side)
         points = array("x", x, "m")
@@ -320,8 +322,8 @@ class Fields(Protocol):
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Displacement from the place at t = 0, m; arguments as for the velocity.
 
-        It is the one in the clock's frame, plus that of the frame, which falls with gravity:
-        g t^2/2. A wall has that of its own velocity alone.
+        It is the one in the clock's frame, plus that of the frame, which falls with
+        gravity: g t^2/2. A wall has that of its own velocity alone.
         """
         clock = self.clock
         ticks = self.to_ticks(t)
@@ -359,8 +361,8 @@ class Fields(Protocol):
     def positions(self) -> list[float]:
         """Where each body's left end would lie unstrained at t = 0, m; the first at 0.
 
-        The place of a point of a body is its position + x + displacement. The position of a wall is
-        that of its face.
+        The place of a point of a body is its position + x + displacement. The position
+        of a wall is that of its face.
         """
         clock = self.clock
         system = clock.system

@@ -1,12 +1,14 @@
 """Waves between fronts in plain lists, and the polygons of constant state that they cut.
 
-For figures and, as JavaScript, for the page. A wave is a table of lists: `tick` of its fronts,
-`value` from each of them on, m/s in a frame, and `passed`, its integral from its first front to
-each of them, m/s ticks. A piece is a segment of a rod as a table, see `polygons_of`.
+For figures and, as JavaScript, for the page. A wave is a table of lists: `tick` of its
+fronts, `value` from each of them on, m/s in a frame, and `passed`, its integral from
+its first front to each of them, m/s ticks. A piece is a segment of a rod as a table,
+see `polygons_of`.
 
-With p and q the ticks at which the waves seen at (x, t) left the left and the right end of a
-segment of transit time T, t = (p + q + T)/2. A region of constant state is a rectangle in (p, q),
-cut by the ends of the segment, |q - p| <= T, and of the interval of time.
+With p and q the ticks at which the waves seen at (x, t) left the left and the right end
+of a segment of transit time T, t = (p + q + T)/2. A region of constant state is a
+rectangle in (p, q), cut by the ends of the segment, |q - p| <= T, and of the interval
+of time.
 """
 
 from bisect import bisect_left, bisect_right
@@ -19,8 +21,8 @@ Corner = tuple[int, int]
 class Lattice(NamedTuple):
     """Rectangles in (p, q) into which the fronts of both waves cut a segment.
 
-    Rectangle (k, j) lies between p[k] and p[k + 1], q[j] and q[j + 1]. It has a part in the
-    segment and the interval of time if first[k] <= j < stop[k].
+    Rectangle (k, j) lies between p[k] and p[k + 1], q[j] and q[j + 1]. It has a part in
+    the segment and the interval of time if first[k] <= j < stop[k].
     """
 
     p: list[int]  # ticks of fronts that leave the left end, and the bounds of p
@@ -96,8 +98,8 @@ def initial_elongation(piece: Any) -> Any:
 def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
     """Rectangles of a segment that have a part between the ticks `start` and `stop`.
 
-    These are the bounds of p and of q, and for each range of p the first range of q with such a
-    part, and the one after the last.
+    These are the bounds of p and of q, and for each range of p the first range of q
+    with such a part, and the one after the last.
     """
     T = piece["ticks"]
     p = edges_of(piece["rightward"], start - T, stop)
@@ -106,12 +108,14 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
     first = []
     after_last = []
     for k in range(len(p) - 1):
-        # Bounds of q: in the segment |q - p| <= T, in the interval 2 start <= p + q + T <= 2 stop.
+        # Bounds of q: in the segment |q - p| <= T, in the interval 2 start <= p + q + T
+        # <= 2 stop.
         earliest = start - T + (start - p[k + 1])
         latest = stop - T + (stop - p[k])
         low = max(p[k] - T, earliest)
         high = min(p[k + 1] + T, latest)
-        # The first range of q contains `low`, or is the first of all if `low` lies before it.
+        # The first range of q contains `low`, or is the first of all if `low` lies
+        # before it.
         first.append(bisect_right(q, low, 1) - 1)
         # The range after the last one begins at `high` or later, if there is one.
         after_last.append(bisect_left(q, high, 0, last))
@@ -137,9 +141,10 @@ def region(
 def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
     """Part of a polygon in which n0 p + n1 q <= bound; no corners if that has no area.
 
-    The depth of a corner is bound - n0 p - n1 q, positive inside. Corners inside stay, and sides
-    are cut where the depth is 0, between corners whose depths have different signs. Sides run along
-    p, along q or diagonally, so that they are cut at whole ticks.
+    The depth of a corner is bound - n0 p - n1 q, positive inside. Corners inside stay,
+    and sides are cut where the depth is 0, between corners whose depths have different
+    signs. Sides run along p, along q or diagonally, so that they are cut at whole
+    ticks.
     """
     inside: list[Corner] = []
     depth = [bound - n0 * p - n1 * q for p, q in corners]
@@ -163,8 +168,9 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
 def crossing(start: int, stop: int, here: int, there: int) -> int:
     """Tick at which a linear depth is 0 that is `here` at the tick `start`, `there` at `stop`.
 
-    Both divisions are exact, since the cut lies at a whole tick, see `clip`. The quotient comes
-    first, since products may exceed 2^53, up to which JavaScript has every whole number.
+    Both divisions are exact, since the cut lies at a whole tick, see `clip`. The
+    quotient comes first, since products may exceed 2^53, up to which JavaScript has
+    every whole number.
     """
     if start == stop:
         return start
@@ -193,9 +199,9 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
     Parameters
     ----------
     rods : list of dict
-        Each with its ``body`` and its ``pieces``: ``ticks``, ``length``, ``wave_speed`` and
-        ``youngs_modulus`` of a segment, and the waves ``rightward`` and ``leftward`` that leave
-        its ends, velocities in a frame.
+        Each with its ``body`` and its ``pieces``: ``ticks``, ``length``, ``wave_speed``
+        and ``youngs_modulus`` of a segment, and the waves ``rightward`` and
+        ``leftward`` that leave its ends, velocities in a frame.
     tick : float
         s.
     frame : float
@@ -237,9 +243,10 @@ def add_segment(
 ) -> None:
     """Add the polygons of a segment to lists by the names of `Regions`.
 
-    Where the wave a that left at p meets the wave b that left at q, velocity = (a + b)/2 + frame,
-    strain = (b - a)/(2 c), x = (q - p + T)/(2 T) length and t = (p + q + T)/2. The displacement is
-    the integral of the velocity, as in `SegmentWaves.displacement`.
+    Where the wave a that left at p meets the wave b that left at q, velocity = (a +
+    b)/2 + frame, strain = (b - a)/(2 c), x = (q - p + T)/(2 T) length and t = (p + q +
+    T)/2. The displacement is the integral of the velocity, as in
+    `SegmentWaves.displacement`.
     """
     a = piece["rightward"]
     b = piece["leftward"]
@@ -266,7 +273,8 @@ def add_segment(
             polygons["strain"].append(strain)
             polygons["stress"].append(strain * piece["youngs_modulus"])
             for p, q in region(p_range, q_range, T, start, stop):
-                # Twice the displacement, m/s ticks: in the frame, then with that of the frame
+                # Twice the displacement, m/s ticks: in the frame, then with that of the
+                # frame
                 a_passed = integral_to(a, p) - a_passed_at_start
                 twice_in_frame = a_passed + integral_to(b, q) - b_passed_at_start
                 twice = twice_in_frame + frame * (p + q + T)

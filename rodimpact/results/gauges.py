@@ -45,10 +45,11 @@ class CellParts(NamedTuple):
 class Gauge:
     """Record of a strain gauge.
 
-    With the method "fronts" there is an entry for each jump, and strain and velocity are constant
-    in between. Where waves change smoothly, straight lines between entries have an error of 5e-5 of
-    the range of each wave at most, and all jumps are entries. A grid has an entry for each state
-    that it keeps. `strain_at` and `signal` give the strain at all times.
+    With the method "fronts" there is an entry for each jump, and strain and velocity
+    are constant in between. Where waves change smoothly, straight lines between entries
+    have an error of 5e-5 of the range of each wave at most, and all jumps are entries.
+    A grid has an entry for each state that it keeps. `strain_at` and `signal` give the
+    strain at all times.
 
     Attributes
     ----------
@@ -56,12 +57,13 @@ class Gauge:
     x : float
         m from the left end of the body.
     times : array
-        s; the record starts at t = 0 and entry i holds from times[i] on, the last to `end`.
+        s; the record starts at t = 0 and entry i holds from times[i] on, the last to
+        `end`.
     strain, velocity : array
         From each time on; m/s.
     rightward, leftward : array
-        Strain carried by the wave running right and by the one running left, relative to the
-        velocity at t = 0; their sum is `strain`.
+        Strain carried by the wave running right and by the one running left, relative
+        to the velocity at t = 0; their sum is `strain`.
     end : float
         s.
     record : Pieces
@@ -122,8 +124,9 @@ class Gauge:
     def signal(self, interval: float | None = None, name: str = "") -> Signal:
         """Return the strain as a signal at equal intervals.
 
-        A sample is a mean over an interval and a half to either side, weighted by a parabolic
-        spline: it varies smoothly with the time of a jump, so that a fit can follow it.
+        A sample is a mean over an interval and a half to either side, weighted by a
+        parabolic spline: it varies smoothly with the time of a jump, so that a fit can
+        follow it.
 
         Parameters
         ----------
@@ -135,15 +138,16 @@ class Gauge:
         Raises
         ------
         InvalidModel
-            If the interval is not a positive number of seconds, too short, or longer than the
-            record.
+            If the interval is not a positive number of seconds, too short, or longer
+            than the record.
 
         Examples
         --------
         >>> import rodimpact as ri
-        >>> rods = [ri.Rod(0.2, area=1e-4, material=ri.materials.steel, velocity=v) for v in (2, 0)]
+        >>> steel = ri.materials.steel
+        >>> rods = [ri.Rod(0.2, area=1e-4, material=steel, velocity=v) for v in (2, 0)]
         >>> gauge = ri.solve(ri.System(rods), until=1e-4).gauge(1, 0.1)
-        >>> round(gauge.signal(1e-7).pulse().width / (0.2 / ri.materials.steel.wave_speed), 4)
+        >>> round(gauge.signal(1e-7).pulse().width / (0.2 / steel.wave_speed), 4)
         1.0
         """
         sampling = _sampling(interval, self.end)
@@ -159,12 +163,13 @@ class Gauge:
     def _spline_means(self, step: float, rows: Ints) -> Floats:
         """Means of the strain about the times row * step, ticks, of n consecutive rows, [n].
 
-        They are weighted by a parabolic spline over three cells, each a step long, with the
-        row in the middle. With u from 0 to 1 in each cell, the weights are u^2/2,
+        They are weighted by a parabolic spline over three cells, each a step long, with
+        the row in the middle. With u from 0 to 1 in each cell, the weights are u^2/2,
         1/2 + u - u^2 and (1 - u)^2/2. So a mean is made of the integrals over cells of
         the strain, of u times the strain, and of u^2 times the strain.
         """
-        # The row r has the cells from r - 1.5 to r + 1.5 steps, so n rows have n + 2 cells.
+        # The row r has the cells from r - 1.5 to r + 1.5 steps, so n rows have n + 2
+        # cells.
         following = rows[-1] + np.arange(1, 4)
         bounds_in_steps = np.append(rows, following) - 1.5
         bounds = step * bounds_in_steps
@@ -172,8 +177,9 @@ class Gauge:
         cell_of_part = parts.cell
         begin = (parts.cuts[:-1] - bounds[cell_of_part]) / step  # u where a part begins
         width = np.diff(parts.cuts)[:, None] / step  # of a part, in u
-        # In a part the strain is one polynomial, of the degree size - 1, and the strain times u^2
-        # of the degree size + 1. Gauss's rule of n points is exact up to the degree 2 n - 1.
+        # In a part the strain is one polynomial, of the degree size - 1, and the strain
+        # times u^2 of the degree size + 1. Gauss's rule of n points is exact up to the
+        # degree 2 n - 1.
         point_count = (self.record.size + 3) // 2
         shares, weights = quadrature(point_count)  # points from 0 to 1, in the width
         u = begin[:, None] + width * shares  # [part, point of the rule]
@@ -201,7 +207,8 @@ class Gauge:
         all_breaks = self.record.breaks
         first, stop = all_breaks.searchsorted(bounds[[0, -1]])
         breaks = all_breaks[first:stop]
-        # Index of the bound behind each break. The cell of this break has the index before it.
+        # Index of the bound behind each break. The cell of this break has the index
+        # before it.
         next_bound = bounds[:-1].searchsorted(breaks, side="right")
         cuts = np.insert(bounds, next_bound, breaks)
         cell_count = len(bounds) - 1
@@ -247,8 +254,8 @@ def gauges_to_csv(
 ) -> None:
     """Write strains of several gauges at equal intervals: a column of times, then one a gauge.
 
-    With the two gauges ``incident`` and ``transmitted`` this is the table of three columns that
-    programs for split Hopkinson bars take.
+    With the two gauges ``incident`` and ``transmitted`` this is the table of three
+    columns that programs for split Hopkinson bars take.
 
     Parameters
     ----------
@@ -263,8 +270,8 @@ def gauges_to_csv(
     Raises
     ------
     InvalidModel
-        If there is no gauge, a name would break the table, or the interval is not a positive number
-        of seconds or gives too many rows.
+        If there is no gauge, a name would break the table, or the interval is not a
+        positive number of seconds or gives too many rows.
     FileExistsError
         If the file is there and `force` is false.
 
@@ -275,7 +282,8 @@ def gauges_to_csv(
     >>> striker = ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0)
     >>> bars = [ri.Rod(1.0, area=1e-4, material=steel) for _ in range(2)]
     >>> solution = ri.solve(ri.System([striker, *bars]))
-    >>> gauges = {"incident": solution.gauge(1, 0.5), "transmitted": solution.gauge(2, 0.5)}
+    >>> incident = solution.gauge(1, 0.5)
+    >>> gauges = {"incident": incident, "transmitted": solution.gauge(2, 0.5)}
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     ri.gauges_to_csv(f"{folder}/bars.csv", gauges, interval=1e-6)
     ...     pathlib.Path(f"{folder}/bars.csv").read_text().splitlines()[0]
@@ -322,7 +330,8 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
 def _sampling(interval: Any, end: float) -> Sampling:
     """Samples at this interval, s, of a record that ends at `end`, s; None: `DEFAULT_SAMPLES`.
 
-    InvalidModel for an interval that is not positive, or gives more than `MAX_TABLE_ROWS`.
+    InvalidModel for an interval that is not positive, or gives more than
+    `MAX_TABLE_ROWS`.
     """
     if interval is not None:
         step = scalar("interval", interval, "s", "positive")

@@ -1,10 +1,11 @@
 """Fields from states of a grid: velocities of nodes and strains of cells at some times.
 
-Between nodes, between the middles of cells, and between two states fields change linearly.
-`grid_strains` says what they are at the ends of segments.
+Between nodes, between the middles of cells, and between two states fields change
+linearly. `grid_strains` says what they are at the ends of segments.
 
-Energies are those that the scheme conserves. The kinetic energy is less by the strain energy of
-half a step of motion, which keeps both kinetic and strain energy from being negative.
+Energies are those that the scheme conserves. The kinetic energy is less by the strain
+energy of half a step of motion, which keeps both kinetic and strain energy from being
+negative.
 """
 
 from collections.abc import Iterator
@@ -98,7 +99,8 @@ class GridFields(Fields):
         middles = (states[1:] + states[:-1]) / 2
         return states[np.searchsorted(middles, ticks, side="right")]
 
-    # Between states and between nodes -------------------------------------------------------------
+    # Between states and between nodes
+    # -------------------------------------------------------------
 
     def _between_states(self, values: Floats, columns: Any, ticks: Ints) -> Floats:
         """Interpolate values [state, column] in time: in those columns, at ticks.
@@ -135,7 +137,8 @@ class GridFields(Fields):
         value_right = self._between_states(table.values, left + 1, ticks)
         return np.asarray(value_left * (1 - share) + value_right * share)
 
-    # The mesh of a rod ----------------------------------------------------------------------------
+    # The mesh of a rod
+    # ----------------------------------------------------------------------------
 
     def _segment_places(self, body: int) -> list[Floats]:
         """Places of the nodes of each segment of a rod, m from its left end, [segment][node].
@@ -143,7 +146,8 @@ class GridFields(Fields):
         Two neighbouring segments share a node.
         """
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
-        # Counts have no entry for what lies left of the row: that of segment 1 has the index 0.
+        # Counts have no entry for what lies left of the row: that of segment 1 has the
+        # index 0.
         cell_counts = self.motion.counts[first - 1 : last]
         edges = self.edges(body)
         places = []
@@ -171,7 +175,8 @@ class GridFields(Fields):
         mass = np.append(half, 0.0) + np.append(0.0, half)
         return Span(nodes, cells, mass)
 
-    # Tables of fields -----------------------------------------------------------------------------
+    # Tables of fields
+    # -----------------------------------------------------------------------------
 
     @cached_property
     def _node_velocity(self) -> Floats:
@@ -196,8 +201,9 @@ class GridFields(Fields):
     def _strain_tables(self) -> StrainTables:
         """Strains of each rod, and their rates, 1/s, by body.
 
-        Places are the ends of segments, on either side of a step, and the middles of cells. The
-        rates are differences of the velocities of nodes, not of strains over time.
+        Places are the ends of segments, on either side of a step, and the middles of
+        cells. The rates are differences of the velocities of nodes, not of strains over
+        time.
         """
         cells = cell_states(self.motion, self._cell_strain, self._node_velocity)
         strains = {}
@@ -228,9 +234,10 @@ class GridFields(Fields):
     def _displacement_tables(self) -> dict[int, Table]:
         """Displacements of the nodes of each rod in the frame, m, by body.
 
-        With the stretch s from the first node of the row to each node, a node n of a rod with the
-        left end l has the displacement u(n) = u(l) + s(n) - s(l). That of l is u(l) = u(f) + growth
-        of s(l) - s(f) since t = 0, with the first node f of the bonded bodies to which it belongs.
+        With the stretch s from the first node of the row to each node, a node n of a
+        rod with the left end l has the displacement u(n) = u(l) + s(n) - s(l). That of
+        l is u(l) = u(f) + growth of s(l) - s(f) since t = 0, with the first node f of
+        the bonded bodies to which it belongs.
         """
         motion = self.motion
         # Cell n lies left of node n, and one cell more right of the last node.
@@ -251,9 +258,16 @@ class GridFields(Fields):
             tables[body] = Table(self._node_places(body), displacement)
         return tables
 
-    # Fields ---------------------------------------------------------------------------------------
+    # Fields
+    # ----------------------------------------------------------------------------------
 
-    def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
+    def rod_velocity(
+        self,
+        body: int,
+        x: Floats,
+        ticks: Ints,
+        side: Side,  # noqa: ARG002
+    ) -> Floats:
         """Velocity, m/s, without that which gravity gives; x, m, and ticks broadcast.
 
         It has no jumps, so that both sides are the same.
@@ -261,7 +275,13 @@ class GridFields(Fields):
         in_frame = self._interpolated(body, x, ticks, self._velocity_tables[body])
         return in_frame + self.clock.frame
 
-    def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
+    def rod_strain(
+        self,
+        body: int,
+        x: Floats,
+        ticks: Ints,
+        side: Side,  # noqa: ARG002
+    ) -> Floats:
         """Strain; x, m, and ticks broadcast. It has no jumps in time."""
         return self._interpolated(body, x, ticks, self._strain_tables.strain[body])
 
@@ -291,8 +311,8 @@ class GridFields(Fields):
     def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves A = v - c strain and B = v + c strain at the point x, m.
 
-        Velocity v and strain are interpolated to the point in every state, and the waves are lines
-        between states.
+        Velocity v and strain are interpolated to the point in every state, and the
+        waves are lines between states.
         """
         segment = int(self.locate(body, x).segment)
         c = self.clock.wave_speed[segment]
@@ -310,7 +330,8 @@ class GridFields(Fields):
             wave_speed=c,
         )
 
-    # Integrals over bodies ------------------------------------------------------------------------
+    # Integrals over bodies
+    # ------------------------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         """Sum of m v over the nodes of a rod at times t in s, kg m/s, interpolated."""
@@ -344,8 +365,8 @@ class GridFields(Fields):
     def mobilised(self, body: int, tick: int) -> Steps | float:
         """Share of the resistance that is mobilised along a rod, at `tick`.
 
-        It is constant about each node, from the middle of one cell to that of the next; 0 if no
-        soil resists.
+        It is constant about each node, from the middle of one cell to that of the next;
+        0 if no soil resists.
         """
         soil = self.soil_at_nodes(body, tick)
         if not soil.ultimate.any():
@@ -391,7 +412,8 @@ class GridFields(Fields):
             strain=self._between_states(self._cell_strain, span.cells, at_tick),
         )
 
-    # Extreme stress -------------------------------------------------------------------------------
+    # Extreme stress
+    # -------------------------------------------------------------------------------
 
     def extreme_stress(self, body: int) -> ExtremeStress:
         """The largest of the stresses in kept states, and of those by the forces on ends."""
@@ -427,7 +449,8 @@ class GridFields(Fields):
     def _end_peaks(self, body: int) -> Iterator[StressPeak]:
         """Stress by the largest push and the largest pull on each end of a rod, of all time steps.
 
-        Free ends are left out, and those where lateral inertia takes a share of the force.
+        Free ends are left out, and those where lateral inertia takes a share of the
+        force.
         """
         for end in self._loaded_ends(body):
             if end.push is None or end.segment.lateral_inertia is not None:
@@ -436,8 +459,8 @@ class GridFields(Fields):
                 force = sign * end.push
                 middle_of_step = int(np.argmax(force)) + 0.5
                 t = middle_of_step * self.step
-                # The forces are means over steps: the largest one in a step exceeds its mean. A
-                # push is compression, and negative.
+                # The forces are means over steps: the largest one in a step exceeds its
+                # mean. A push is compression, and negative.
                 stress = -sign * largest_force(force) / end.area
                 yield StressPeak(stress, end.x, t)
 

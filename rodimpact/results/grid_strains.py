@@ -1,7 +1,8 @@
 """Strains in the cells of a grid, and at the ends of segments, where they follow from momentum.
 
-At an end the stress follows from the momentum of the node there: it is 0 at a free end, that of the
-contact force where rods touch, and gives the same force on both sides of a step.
+At an end the stress follows from the momentum of the node there: it is 0 at a free end,
+that of the contact force where rods touch, and gives the same force on both sides of a
+step.
 """
 
 from typing import NamedTuple
@@ -75,8 +76,8 @@ def cell_strains(motion: GridMotion, step: float) -> Floats:
 def cell_states(motion: GridMotion, strain: Floats, velocity: Floats) -> CellStates:
     """State of all cells, from their strains [state, cell] and velocities of nodes, m/s.
 
-    The strain rate is the difference of the velocities of both nodes over the width. The tension is
-    the elastic force plus eta A times the rate.
+    The strain rate is the difference of the velocities of both nodes over the width.
+    The tension is the elastic force plus eta A times the rate.
     """
     cells = motion.cells
     rate = np.zeros(motion.force.shape)
@@ -93,15 +94,16 @@ def segment_strain(
 ) -> SegmentStrain:
     """Strain and its rate in a segment, the `number`-th of the row counted from 1.
 
-    At the ends both are extrapolated from cells. Then they are changed by d eps and d rate, with
-    d eps = step d rate, so that they give the stress that follows from the momentum of the node:
-    E d eps + eta d rate = the missing stress. Where lateral inertia takes a share of the force they
-    are not changed.
+    At the ends both are extrapolated from cells. Then they are changed by d eps and d
+    rate, with d eps = step d rate, so that they give the stress that follows from the
+    momentum of the node: E d eps + eta d rate = the missing stress. Where lateral
+    inertia takes a share of the force they are not changed.
     """
     E, eta = moduli(segment)
     first_node = motion.first[number]
     last_node = motion.last[number]
-    # The cells from first_node + 1 to last_node, and a column at either side for the ends.
+    # The cells from first_node + 1 to last_node, and a column at either side for the
+    # ends.
     columns = slice(first_node, last_node + 2)
     strain = cells.strain[:, columns].copy()
     rate = cells.rate[:, columns].copy()
@@ -147,8 +149,8 @@ def _extrapolated(values: Floats, end: SegmentEnd) -> Floats:
 def _has_lateral_inertia(motion: GridMotion, end: SegmentEnd) -> bool:
     """Whether lateral inertia takes a share of the force on the node of an end."""
     cells = motion.cells
-    # By Rayleigh and Love a cell has `lateral` inertia, by Mindlin and Herrmann that of swelling.
-    # Cell n lies left of node n.
+    # By Rayleigh and Love a cell has `lateral` inertia, by Mindlin and Herrmann that of
+    # swelling. Cell n lies left of node n.
     beside_node = (cells.lateral[end.node], cells.lateral[end.node + 1])
     return any(beside_node) or bool(cells.swelling[end.cell])
 
@@ -156,9 +158,10 @@ def _has_lateral_inertia(motion: GridMotion, end: SegmentEnd) -> bool:
 def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
     """Stress at an end, Pa [state], from Newton's law of the half cell there.
 
-    The node of mass m has the acceleration a = (force on the node)/m, and with it the half cell of
-    mass m_cell/2. Its forces are those of the inner part of the cell, of the soil on it, and of
-    what is beyond the end: the end tension = tension - inward (a m_cell/2 - force of the soil).
+    The node of mass m has the acceleration a = (force on the node)/m, and with it the
+    half cell of mass m_cell/2. Its forces are those of the inner part of the cell, of
+    the soil on it, and of what is beyond the end: the end tension = tension - inward (a
+    m_cell/2 - force of the soil).
     """
     node = end.node
     force = tension[:, node + 1] - tension[:, node] + _push_on(motion, node)
@@ -180,8 +183,8 @@ class SoilForces(NamedTuple):
 def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
     """Forces of the soil at an end of a segment.
 
-    At an end of the rod its half cell bears all of the soil about the node; at a node between two
-    segments each half cell bears half of it.
+    At an end of the rod its half cell bears all of the soil about the node; at a node
+    between two segments each half cell bears half of it.
     """
     soil = motion.soil
     end_of_rod = -end.inward  # -1 if this were the left end of the rod, 1 the right one
@@ -201,8 +204,8 @@ def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
 def _push_on(motion: GridMotion, node: int) -> Floats:
     """Force to the right on a node from outside its piece, N [state]; [1] if there is none.
 
-    Forces are kept as means over steps. At a state between two steps the force is the mean of both,
-    at the first and the last it is extrapolated by half a step.
+    Forces are kept as means over steps. At a state between two steps the force is the
+    mean of both, at the first and the last it is extrapolated by half a step.
     """
     step_means = motion.pushes.get(node, np.zeros(1))
     if len(step_means) == 0:  # nothing moves: no step was made

@@ -4,9 +4,9 @@ In damped rods these are the rates at which displacements change over two steps,
 
     (v[n - 1] + 2 v[n] + v[n + 1])/4.
 
-Viscosity leaves a motion that changes its sign from node to node and from step to step, since its
-mean over a step is 0. Contacts excite it, and it would be most of the error at an end. It is no
-part of displacements.
+Viscosity leaves a motion that changes its sign from node to node and from step to step,
+since its mean over a step is 0. Contacts excite it, and it would be most of the error
+at an end. It is no part of displacements.
 """
 
 import numpy as np
@@ -18,15 +18,16 @@ from ..methods.signals import Floats, Ints
 def node_velocities(motion: GridMotion) -> Floats:
     """Velocities of all nodes in the frame, m/s [state, node]; means in damped rods.
 
-    A node beside a cell with viscosity has the mean over two steps about each state; the others
-    have their velocities as they are.
+    A node beside a cell with viscosity has the mean over two steps about each state;
+    the others have their velocities as they are.
     """
     velocity = motion.velocity
     viscosity = motion.cells.viscous  # [cell]; cell n lies left of node n
     is_damped = viscosity[:-1] + viscosity[1:] > 0  # whether a cell beside a node is
     if not is_damped.any() or len(motion.when) < 3:
         return velocity
-    # Means are made in the span of nodes that are damped, and copied to damped nodes alone.
+    # Means are made in the span of nodes that are damped, and copied to damped nodes
+    # alone.
     damped_nodes = np.flatnonzero(is_damped)
     first = int(damped_nodes[0])
     last = int(damped_nodes[-1])
@@ -42,8 +43,9 @@ def node_velocities(motion: GridMotion) -> Floats:
 def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
     """Means (v[n - 1] + 2 v[n] + v[n + 1])/4 about the states [state, node].
 
-    `when` is the number of the time step of each state. Where the state of the step before or after
-    was not kept, the velocity itself stays, but for one-sided means at both ends of the run.
+    `when` is the number of the time step of each state. Where the state of the step
+    before or after was not kept, the velocity itself stays, but for one-sided means at
+    both ends of the run.
     """
     means = velocity.copy()
     follows = np.diff(when) == 1  # whether a state is that of the next step
@@ -63,8 +65,8 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
 def _one_sided_mean(velocity: Floats) -> Floats:
     """The mean at the first of four states in a row, from one side, with the same error.
 
-    The mean is v + (second difference about it)/4. Here that is taken two steps later, where motion
-    that changes its sign from step to step has the same sign again.
+    The mean is v + (second difference about it)/4. Here that is taken two steps later,
+    where motion that changes its sign from step to step has the same sign again.
     """
     first, second, third, fourth = velocity
     return np.asarray(first + (second - 2 * third + fourth) / 4)

@@ -1,6 +1,7 @@
 """Names and units of the numbers of a family and of a solution: what varies, and what comes out.
 
-A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset says of it.
+A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset
+says of it.
 """
 
 import contextlib
@@ -65,7 +66,8 @@ def quantity_of_parameter(system: System, path: str) -> Quantity:
     Examples
     --------
     >>> import rodimpact as ri
-    >>> system = ri.System([ri.Rod(0.4, area=1e-4, material=ri.materials.steel), ri.Wall()])
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
+    >>> system = ri.System([rod, ri.Wall()])
     >>> quantity_of_parameter(system, "bodies.0.length")
     Quantity(name='length of rod 1', unit='m')
     >>> quantity_of_parameter(system, "contacts.0.gap").name
@@ -203,7 +205,8 @@ def _quantity(name: str, field: QuantityField) -> Quantity:
 def _of_end(system: System, side: str, path: list[str]) -> Quantity:
     """Name and unit of a number of the value that drives an end of the row.
 
-    `path` is the path within that value: ["values", "0"], ["at", "0"], ["step"], or empty.
+    `path` is the path within that value: ["values", "0"], ["at", "0"], ["step"], or
+    empty.
     """
     end = system.ends[SIDES.index(side)]
     label, unit = _quantity("value", end.fields["value"])

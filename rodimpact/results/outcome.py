@@ -81,8 +81,9 @@ class Outcome(OnlyContact[float]):
     masses : tuple of float
         kg, with the transit times in use; infinite for a wall.
     velocities_before, velocities_after : tuple of float
-        Velocities of the centres of mass, m/s. A rod that is bonded to a wall has the velocity
-        of the wall. A rod between two walls of different velocities has its own velocity.
+        Velocities of the centres of mass, m/s. A rod that is bonded to a wall has the
+        velocity of the wall. A rod between two walls of different velocities has its
+        own velocity.
     kinetic_before, kinetic_after : float
         Energy of the motion of the centres of mass, J.
     vibration_before, vibration_after : tuple of float
@@ -94,9 +95,10 @@ class Outcome(OnlyContact[float]):
     wall_work : float
         Work done by moving walls, J.
     momentum_residual, energy_residual : float
-        Momentum and energy that are missing in the balance at the end. The momentum is relative to
-        the impulses and the momentum of all masses at the largest difference of velocities; the
-        energy relative to the works, the energy before, and that of all masses at that velocity.
+        Momentum and energy that are missing in the balance at the end. The momentum is
+        relative to the impulses and the momentum of all masses at the largest
+        difference of velocities; the energy relative to the works, the energy before,
+        and that of all masses at that velocity.
     final : bool
         Whether it is proved that no contact can happen again.
     status : str
@@ -106,7 +108,8 @@ class Outcome(OnlyContact[float]):
     contact_energy_before : float
         Energy stored in stretched joints before, J.
     dissipated, numerical, radiated : float
-        Energy lost in contacts, to a grid (see `EnergyLedger`), and through absorbing ends, J.
+        Energy lost in contacts, to a grid (see `EnergyLedger`), and through absorbing
+        ends, J.
     damped : float
         Energy lost in damped material, J.
     soil_work : float
@@ -162,14 +165,14 @@ class Outcome(OnlyContact[float]):
     def restitution(self) -> float:
         """Effective coefficient of restitution e of a collision at a single contact.
 
-        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass; 0 where the bodies
-        part with no more than round-off.
+        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass; 0 where
+        the bodies part with no more than round-off.
 
         Raises
         ------
         UndefinedRestitution
-            If the run is not final, nothing met, the bodies did not approach each other, or there
-            is more than one contact.
+            If the run is not final, nothing met, the bodies did not approach each
+            other, or there is more than one contact.
         """
         reason = self.why_no_restitution()
         if reason:
@@ -177,7 +180,8 @@ class Outcome(OnlyContact[float]):
         k = self.unilateral[0]
         before = self.velocities_before[k : k + 2]
         after = self.velocities_after[k : k + 2]
-        # The collision is final, and the contact pressed once at least: no reason is left.
+        # The collision is final, and the contact pressed once at least: no reason is
+        # left.
         e = effective_restitution(final=True, episodes=1, before=before, after=after)
         return float(e)
 
@@ -195,9 +199,10 @@ class Outcome(OnlyContact[float]):
     def as_rigid(self) -> RigidCollision:
         """Return the collision as rigid-body mechanics sees it.
 
-        The two sides of the only contact collide with the effective `restitution`; the velocities
-        and the impulse are those of the rods. The energy lost is the energy that vibration has
-        gained. (If a side is bonded to a wall, its oscillation has gained a part.)
+        The two sides of the only contact collide with the effective `restitution`; the
+        velocities and the impulse are those of the rods. The energy lost is the energy
+        that vibration has gained. (If a side is bonded to a wall, its oscillation has
+        gained a part.)
 
         Returns
         -------
@@ -236,7 +241,8 @@ class Outcome(OnlyContact[float]):
         entries: dict[str, Any] = {}
         for name, value in vars(self).items():
             entries[name] = json_ready(value)
-        # The loop has made a contact a list of its totals; here each total has its name.
+        # The loop has made a contact a list of its totals; here each total has its
+        # name.
         contacts = []
         for tally in self.contacts:
             contacts.append(tally._asdict())
@@ -284,7 +290,8 @@ class Outcome(OnlyContact[float]):
 def outcome_of(run: Run, totals: Totals) -> Outcome:
     """The outcome of a run with these totals.
 
-    The status of the run is followed by a warning if the balance of the totals does not close.
+    The status of the run is followed by a warning if the balance of the totals does not
+    close.
     """
     system = run.system
     warning = _balance_warning(totals.momentum_residual, totals.energy_residual)

@@ -1,7 +1,7 @@
 """The closed form of `rodimpact.theory` that holds for a collision, or a family of them.
 
-There is one for two bodies that meet rigidly, two uniform rods or one and a wall or a rigid mass,
-which do not vibrate before and on which nothing else acts.
+There is one for two bodies that meet rigidly, two uniform rods or one and a wall or a
+rigid mass, which do not vibrate before and on which nothing else acts.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ class PairTheory(NamedTuple):
         ----------
         members, wanted : array
             Values of the parameter: of the members, and those that are wanted. With
-            logarithms this is exact, since impedances, transit times and masses are powers
-            of lengths, areas, densities and moduli.
+            logarithms this is exact, since impedances, transit times and masses are
+            powers of lengths, areas, densities and moduli.
         """
 
         def between(values: Floats) -> Floats:
@@ -167,8 +167,8 @@ class _BodyNumbers(NamedTuple):
 def _body_numbers(body: Body) -> _BodyNumbers | None:
     """Numbers that the closed forms take of a body.
 
-    None if it is a rod that is not uniform, has initial strain, or whose velocity is a profile
-    along it.
+    None if it is a rod that is not uniform, has initial strain, or whose velocity is a
+    profile along it.
     """
     if not isinstance(body, Rod):
         mass = getattr(body, "mass", np.inf)  # a wall has none

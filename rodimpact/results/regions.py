@@ -1,7 +1,7 @@
 """The exact picture of a solution: polygons of constant state in the (x, t) plane.
 
-The two families of fronts cut each segment's strip of the plane into regions in which velocity and
-strain are constant. Plots, page and animation draw these polygons.
+The two families of fronts cut each segment's strip of the plane into regions in which
+velocity and strain are constant. Plots, page and animation draw these polygons.
 """
 
 from __future__ import annotations
@@ -98,8 +98,8 @@ def regions_of(
     Raises
     ------
     ValueError
-        If there are more regions than `limit`, the interval is empty or outside the solution, or
-        the method has no fronts.
+        If there are more regions than `limit`, the interval is empty or outside the
+        solution, or the method has no fronts.
 
     Examples
     --------
@@ -146,7 +146,8 @@ def readable_until(solution: Solution, limit: int) -> float:
     Raises
     ------
     ValueError
-        If there are more at all times, the solution lasts no time, or the method has no fronts.
+        If there are more at all times, the solution lasts no time, or the method has no
+        fronts.
     """
     fields = _constant_fields(solution)
     stop = solution.t_end

@@ -1,10 +1,10 @@
 """What becomes of the vibration that a collision leaves: it dies out in damped material.
 
-The energy of a row falls from that after the impact to that of the rigid motion of its bodies,
-whose momentum stays. A mode of angular frequency omega in a rod of one Kelvin-Voigt material decays
-as exp(-eta omega^2 t/(2E)), and its energy twice as fast (A. D. Nashif, D. I. G. Jones and
-J. P. Henderson, Vibration Damping, Wiley 1985, ch. 3); so high modes go first and the
-lowest one of the longest lasting rod remains.
+The energy of a row falls from that after the impact to that of the rigid motion of its
+bodies, whose momentum stays. A mode of angular frequency omega in a rod of one
+Kelvin-Voigt material decays as exp(-eta omega^2 t/(2E)), and its energy twice as fast
+(A. D. Nashif, D. I. G. Jones and J. P. Henderson, Vibration Damping, Wiley 1985, ch.
+3); so high modes go first and the lowest one of the longest lasting rod remains.
 """
 
 from __future__ import annotations
@@ -44,12 +44,14 @@ class RingDown:
     rigid : float
         Energy of the rigid motion, J, to which the total falls.
     momentum_change : float
-        Largest change of the momentum of the row, relative to the momenta of its bodies together.
+        Largest change of the momentum of the row, relative to the momenta of its bodies
+        together.
     decay_time : float
-        Time in which the vibration energy falls to 1/e, s, over the last third; inf if it does not.
+        Time in which the vibration energy falls to 1/e, s, over the last third; inf if
+        it does not.
     modal_decay_time : float
-        Time in which the mode that lasts longest falls to 1/e, s, for rods that are each free:
-        E/(eta omega^2) for a uniform rod; inf without damping.
+        Time in which the mode that lasts longest falls to 1/e, s, for rods that are
+        each free: E/(eta omega^2) for a uniform rod; inf without damping.
     body : int
         The rod of that mode.
     frequency : float
@@ -85,15 +87,15 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     """How vibration dies out from `start` to `end`, s; see `Solution.ring_down`.
 
     Energies are read at `DECAY_SAMPLES` + 1 equally spaced times, or at the states of a
-    grid next to them. The fitted decay time stands beside the one of the slowest mode of
-    all rods, and the largest change of momentum. InvalidModel if a grid has kept too few
-    states in between.
+    grid next to them. The fitted decay time stands beside the one of the slowest mode
+    of all rods, and the largest change of momentum. InvalidModel if a grid has kept too
+    few states in between.
     """
     even_times = np.linspace(start, end, DECAY_SAMPLES + 1)
     known_ticks = fields.nearest_energy_ticks(fields.to_ticks(even_times))
     ticks = np.unique(known_ticks)
-    # Few states are a mistake only where the grid had more steps than it kept: a shorter
-    # time may have few steps, all of them kept.
+    # Few states are a mistake only where the grid had more steps than it kept: a
+    # shorter time may have few steps, all of them kept.
     has_steps_enough = end - start > MIN_DECAY_SAMPLES * fields.step
     if len(ticks) < MIN_DECAY_SAMPLES and has_steps_enough:
         message = (
@@ -144,9 +146,9 @@ def _slowest_mode(fields: Fields) -> RodMode:
 def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
     """Largest change of the momentum of the row over the momenta of all bodies together.
 
-    The momentum of a body of mass m is taken to be sqrt(2 m E) = m sqrt(2 E/m), as if it had all
-    the energy E of motion and vibration, J [time], at its largest: this scale needs the
-    vibration energy, J [time].
+    The momentum of a body of mass m is taken to be sqrt(2 m E) = m sqrt(2 E/m), as if
+    it had all the energy E of motion and vibration, J [time], at its largest: this
+    scale needs the vibration energy, J [time].
     """
     largest_energy = (states.kinetic + vibration).max()
     scale = 0.0  # kg m/s
@@ -163,8 +165,9 @@ def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) ->
 def _decay_time(times: Floats, vibration: Floats, round_off: float) -> float:
     """Time, s, in which vibration falls to 1/e; inf if it does not, or that is not known.
 
-    A straight line, log(vibration) = constant - rate t, is fitted in the last third of the record;
-    the time is 1/rate. Energies [time] of no more than `round_off`, J, are left out.
+    A straight line, log(vibration) = constant - rate t, is fitted in the last third of
+    the record; the time is 1/rate. Energies [time] of no more than `round_off`, J, are
+    left out.
     """
     is_known = vibration > round_off
     t = times[is_known]

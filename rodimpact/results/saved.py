@@ -1,8 +1,9 @@
 """A saved solution is its case with its outcome, which is compared when the case is solved again.
 
-Two runs of one case agree to the sum of their stated errors. Velocities, impulses, peak forces,
-force durations and times of contacts have stated errors. Energies have none: since they are
-quadratic in velocities, they are compared to twice the error of velocities and impulses.
+Two runs of one case agree to the sum of their stated errors. Velocities, impulses, peak
+forces, force durations and times of contacts have stated errors. Energies have none:
+since they are quadratic in velocities, they are compared to twice the error of
+velocities and impulses.
 """
 
 import math
@@ -29,8 +30,9 @@ MAX_LISTED_DIFFERENCES = 5  # differences that a message lists
 class OutcomeDiffers(UserWarning):
     """A saved case, solved again, has another outcome than the stored one.
 
-    The difference exceeds the stated errors of both runs: the file was changed, or another version
-    of rodimpact solved it with an error that one of the two did not state.
+    The difference exceeds the stated errors of both runs: the file was changed, or
+    another version of rodimpact solved it with an error that one of the two did not
+    state.
 
     Examples
     --------
@@ -95,7 +97,8 @@ def difference(saved: SavedResult, solution: Any) -> str:
     Returns
     -------
     str
-        Sentence on the entries that differ by more than the stated errors; empty without any.
+        Sentence on the entries that differ by more than the stated errors; empty
+        without any.
     """
     now = result_of(solution)
     reasons = []
@@ -129,15 +132,16 @@ def _allowed_differences(
     """Largest differences that the stated errors of both runs allow, by kind of number.
 
     A kind is a name without an index, such as ``impulse``. Each kind has a measure, see
-    `MEASURE_OF`, with a stated relative error. The difference is that error, of both runs and with
-    round-off, times the largest number of the measure in either run.
+    `MEASURE_OF`, with a stated relative error. The difference is that error, of both
+    runs and with round-off, times the largest number of the measure in either run.
     """
     outcome = solution.outcome
     errors = {}  # relative, by measure
     for measure in MEASURES:
         stored_error = saved.accuracy.get(measure, 0.0)
         errors[measure] = stored_error + now.accuracy.get(measure, 0.0)
-    # An energy is a square of velocities or impulses: its relative error is twice theirs.
+    # An energy is a square of velocities or impulses: its relative error is twice
+    # theirs.
     errors[ENERGY] = 2 * max(errors[VELOCITY], errors[IMPULSE])
     # Where durations are unknown, weak forces may make further episodes.
     errors[COUNT] = 0.0

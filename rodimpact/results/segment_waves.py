@@ -59,8 +59,8 @@ class SegmentWaves(NamedTuple):
     def displacement(self, p: Ints, q: Ints, frame: float) -> Floats:
         """(integral of A from 0 to p + integral of B from -T to q)/2 + frame t, m/s ticks.
 
-        It counts from the displacement of the left end at t = 0. `frame` is the velocity
-        of the clock's frame, m/s, and 2 t = p + q + T.
+        It counts from the displacement of the left end at t = 0. `frame` is the
+        velocity of the clock's frame, m/s, and 2 t = p + q + T.
         """
         A = self.rightward
         B = self.leftward
@@ -89,9 +89,9 @@ class SegmentWaves(NamedTuple):
     def velocity_integral(self, ticks: Ints) -> Floats:
         """Integral of v over the segment at `ticks`, over its time of travel, m/s ticks.
 
-        All parts of the waves in the segment at the tick t left its ends from t - T to t.
-        So this is half the integral of A + B from t - T to t, in the frame of the clock.
-        Times the impedance it is the momentum.
+        All parts of the waves in the segment at the tick t left its ends from t - T to
+        t. So this is half the integral of A + B from t - T to t, in the frame of the
+        clock. Times the impedance it is the momentum.
         """
         A = self.rightward
         B = self.leftward
@@ -102,9 +102,9 @@ class SegmentWaves(NamedTuple):
     def squared_integrals(self, tick: int, velocity: float) -> SquaredWaves:
         """Integrals of (A + B)^2 and (A - B)^2 over the segment at `tick`, over its time of travel.
 
-        Both waves are taken less a velocity, m/s, to which the kinetic energy is relative. The part
-        of A that left at `time` meets the part of B that left at start + tick - `time`, so B is
-        taken backwards.
+        Both waves are taken less a velocity, m/s, to which the kinetic energy is
+        relative. The part of A that left at `time` meets the part of B that left at
+        start + tick - `time`, so B is taken backwards.
         """
         start = tick - self.transit
         rightward = self.rightward.within(start, tick)
@@ -141,8 +141,8 @@ class SegmentWaves(NamedTuple):
         fronts_of_A = tick - self.rightward.within(start, tick).marks
         fronts_of_B = self.leftward.within(start, tick).marks - start
         bounds = each_once(fronts_of_A, fronts_of_B)
-        # The tick was rounded from a time in s, a float: a wave within its round-off of an
-        # end has just left it.
+        # The tick was rounded from a time in s, a float: a wave within its round-off of
+        # an end has just left it.
         round_off = tick >> 51  # tick/2^51, rounded down: a float has 53 binary digits
         is_inside = (bounds > round_off) & (bounds < T - round_off)
         return np.concatenate(([0], bounds[is_inside], [T]))
@@ -150,7 +150,8 @@ class SegmentWaves(NamedTuple):
     def smooth_bounds(self, tick: int) -> Ints:
         """Bounds of n parts in which both waves at `tick` are single polynomials, [n + 1].
 
-        They are times of travel from the left end, ticks, from 0 to T; see `piece_bounds`.
+        They are times of travel from the left end, ticks, from 0 to T; see
+        `piece_bounds`.
         """
         T = self.transit
         start = tick - T

@@ -18,21 +18,23 @@ class SoilProfile(NamedTuple):
     x : array
         Places, m from the left end of the rod.
     resistance : array
-        Ultimate resistance R_u of the soil about each place, N. Its sum is that of the rod.
+        Ultimate resistance R_u of the soil about each place, N. Its sum is that of the
+        rod.
     mobilised : array
-        Share R/R_u of the resistance, from -1 to 1; 0 where no soil resists. It is positive where
-        the soil pushes the rod to the left.
+        Share R/R_u of the resistance, from -1 to 1; 0 where no soil resists. It is
+        positive where the soil pushes the rod to the left.
     displacement : array
         Displacement of the rod since t = 0, m.
     plastic_set : array
-        How far the soil has yielded since t = 0, m: the displacement without its elastic part,
-        the quake times the change of the share.
+        How far the soil has yielded since t = 0, m: the displacement without its
+        elastic part, the quake times the change of the share.
 
     Examples
     --------
     >>> import rodimpact as ri
     >>> soil = ri.Soil(resistance=400e3, quake=2.5e-3)
-    >>> pile = ri.Rod(15.0, area=0.0094, material=ri.materials.steel, velocity=2.0, shaft=soil)
+    >>> steel = ri.materials.steel
+    >>> pile = ri.Rod(15.0, area=0.0094, material=steel, velocity=2.0, shaft=soil)
     >>> profile = ri.solve(ri.System([pile]), until=3e-3, cells=50).soil(0, 3e-3)
     >>> bool(profile.mobilised.max() == 1.0 and profile.plastic_set.min() > 0)
     True

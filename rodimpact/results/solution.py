@@ -56,7 +56,8 @@ FIELDS_OF_RODS = ("strain", "stress", "axial_force")
 class Solution(Shown):
     """Everything about one collision, as functions of place and time.
 
-    Made by `rodimpact.solve`; places are m from the left end of a body, times s from 0 to `t_end`.
+    Made by `rodimpact.solve`; places are m from the left end of a body, times s from 0
+    to `t_end`.
 
     Attributes
     ----------
@@ -67,15 +68,17 @@ class Solution(Shown):
     final : bool
         Whether it is proved that no contact can happen again.
     t_final : float
-        When the last contact ended, s: its gap opened, or its force ended and the bodies rest
-        against each other. 0 if nothing collides, inf if a contact presses for ever. nan without
-        proof that no contact follows, and if `until` comes before the gap opens.
+        When the last contact ended, s: its gap opened, or its force ended and the
+        bodies rest against each other. 0 if nothing collides, inf if a contact presses
+        for ever. nan without proof that no contact follows, and if `until` comes before
+        the gap opens.
     t_proved : float
-        When the run proved that no contact can follow, s; nan without proof. With `until` the
-        proof is tried at the end only.
+        When the run proved that no contact can follow, s; nan without proof. With
+        `until` the proof is tried at the end only.
     stopped_by : str
-        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``. Without `until` a run that is
-        proved final ended so, even if the cap on events cut the round trip that follows the proof.
+        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``. Without `until` a run
+        that is proved final ended so, even if the cap on events cut the round trip that
+        follows the proof.
     status : str
         The same in a sentence, with the remedy.
     t_end : float
@@ -83,18 +86,19 @@ class Solution(Shown):
     until : float or None
         The end that was asked for, s.
     transit_error : float
-        Largest relative change of a transit time by its rounding to the clock. `accuracy` includes
-        its effect on the outcome.
+        Largest relative change of a transit time by its rounding to the clock.
+        `accuracy` includes its effect on the outcome.
     events : int
-        Fronts: arrivals at ends. Characteristics: steps of contacts and ends. A grid: its time
-        steps times contacts and ends.
+        Fronts: arrivals at ends. Characteristics: steps of contacts and ends. A grid:
+        its time steps times contacts and ends.
     accuracy : dict of str to float
-        Stated relative error of velocities, impulses, peak forces, durations and times. Empty
-        where the method is exact, or where cells or the step were given. On a grid velocities are
-        those after the collision, and of each body at a given end (`until`). The impulse of a bond
-        or a joint up to there is compared with the largest one on the way. On a grid two of them
-        may exceed rtol: the duration, which depends on weak forces, and the peak force, which
-        overshoots beside jumps. inf means that a finer grid always finds a larger force.
+        Stated relative error of velocities, impulses, peak forces, durations and times.
+        Empty where the method is exact, or where cells or the step were given. On a
+        grid velocities are those after the collision, and of each body at a given end
+        (`until`). The impulse of a bond or a joint up to there is compared with the
+        largest one on the way. On a grid two of them may exceed rtol: the duration,
+        which depends on weak forces, and the peak force, which overshoots beside jumps.
+        inf means that a finer grid always finds a larger force.
     fields : Fields
     method : str
     options : Options
@@ -164,7 +168,8 @@ class Solution(Shown):
             histories.append(ContactHistory(i, self.fields, self.run))
         return tuple(histories)
 
-    # Fields -------------------------------------------------------------------------------------
+    # Fields
+    # ----------------------------------------------------------------------------------
 
     @_ALLOW_UNDERFLOW
     def velocity(
@@ -211,7 +216,8 @@ class Solution(Shown):
         stress = strain * self._property_along(body, x, "youngs_modulus")
         viscosity = self._property_along(body, x, "viscosity")
         if viscosity.any():
-            # Viscous rods run on a grid alone, whose rates have no jumps in time and so no side.
+            # Viscous rods run on a grid alone, whose rates have no jumps in time and so
+            # no side.
             stress = stress + self.fields.strain_rate(body, x, t) * viscosity
         return stress
 
@@ -227,9 +233,10 @@ class Solution(Shown):
     def extreme_stress(self, body: int) -> ExtremeStress:
         """Largest tension and largest compression in a rod, at any place and time of the run.
 
-        The waves of the methods "fronts" and "characteristics" are constants and polynomials of
-        time, whose extremes are found exactly. On a grid the extremes are those of the states that
-        are kept, see `snapshots`, and of the forces at the ends in all time steps.
+        The waves of the methods "fronts" and "characteristics" are constants and
+        polynomials of time, whose extremes are found exactly. On a grid the extremes
+        are those of the states that are kept, see `snapshots`, and of the forces at the
+        ends in all time steps.
 
         Parameters
         ----------
@@ -239,8 +246,9 @@ class Solution(Shown):
         Returns
         -------
         ExtremeStress
-            ``tension`` and ``compression``, each with ``stress`` in Pa, positive in tension, the
-            place ``x`` in m from the left end of the rod, and the time ``t`` in s.
+            ``tension`` and ``compression``, each with ``stress`` in Pa, positive in
+            tension, the place ``x`` in m from the left end of the rod, and the time
+            ``t`` in s.
 
         Raises
         ------
@@ -249,8 +257,9 @@ class Solution(Shown):
 
         Examples
         --------
-        A triangular pulse, which begins with its front of 100 MPa, comes back from the free end of
-        a bar as tension. Where half of the pulse is reflected, its front meets no compression:
+        A triangular pulse, which begins with its front of 100 MPa, comes back from the
+        free end of a bar as tension. Where half of the pulse is reflected, its front
+        meets no compression:
 
         >>> import rodimpact as ri
         >>> steel = ri.materials.steel
@@ -271,19 +280,21 @@ class Solution(Shown):
     def field_error(self, t: ArrayLike) -> FieldError:
         """Stated errors of velocity, stress and displacement anywhere in the row at times t in s.
 
-        A grid whose mesh was searched for compares its fields with those of coarser meshes. In the
-        first steps after a jump the error is as large as the jump. The fields of other methods are
-        as accurate as their waves, see `accuracy`.
+        A grid whose mesh was searched for compares its fields with those of coarser
+        meshes. In the first steps after a jump the error is as large as the jump. The
+        fields of other methods are as accurate as their waves, see `accuracy`.
 
         Returns
         -------
         FieldError
-            ``velocity`` in m/s, ``stress`` in Pa and ``displacement`` in m, each like t.
+            ``velocity`` in m/s, ``stress`` in Pa and ``displacement`` in m, each like
+            t.
 
         Raises
         ------
         ValueError
-            If the fields were not found on several meshes, or a time lies outside the solution.
+            If the fields were not found on several meshes, or a time lies outside the
+            solution.
 
         Examples
         --------
@@ -326,7 +337,8 @@ class Solution(Shown):
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`.
 
-        It is the place of the left end at t = 0 without strain, plus x, plus the displacement.
+        It is the place of the left end at t = 0 without strain, plus x, plus the
+        displacement.
         """
         left_end = self.fields.positions[self._index(body)]
         distance: float | Floats = 0.0
@@ -348,13 +360,14 @@ class Solution(Shown):
         Returns
         -------
         SoilProfile
-            At the nodes of the mesh: ``x``, ``resistance``, ``mobilised``, ``displacement`` and
-            ``plastic_set``.
+            At the nodes of the mesh: ``x``, ``resistance``, ``mobilised``,
+            ``displacement`` and ``plastic_set``.
 
         Raises
         ------
         ValueError
-            If no soil holds the body along its shaft, or the time lies outside the solution.
+            If no soil holds the body along its shaft, or the time lies outside the
+            solution.
         """
         index = self._index(body)
         time = scalar("t", t, "s", sign=UNCHECKED)
@@ -378,12 +391,12 @@ class Solution(Shown):
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body.
 
-        It has an entry at each of the times between which straight lines follow both waves. The
-        strains of the waves count from the velocity at t = 0.
+        It has an entry at each of the times between which straight lines follow both
+        waves. The strains of the waves count from the velocity at t = 0.
         """
         x = scalar("x", x, "m", sign=UNCHECKED)
-        # With A = v - c eps, the wave running right, and B = v + c eps, the one running left:
-        # eps = (B - A)/(2 c) and v = (A + B)/2, in the clock's frame.
+        # With A = v - c eps, the wave running right, and B = v + c eps, the one running
+        # left: eps = (B - A)/(2 c) and v = (A + B)/2, in the clock's frame.
         waves = self.fields.point_history(self._index(body), x)
         clock = self.fields.clock
         # Straight lines between the marks of a signal follow it closely.
@@ -415,18 +428,18 @@ class Solution(Shown):
         Parameters
         ----------
         x : array_like
-            Places, m from the left end of each body; [x]. Beyond the right end of a body, fields
-            are nan. Walls and masses are at 0, and have no strain.
+            Places, m from the left end of each body; [x]. Beyond the right end of a
+            body, fields are nan. Walls and masses are at 0, and have no strain.
         t : array_like
             Times, s; [time].
 
         Returns
         -------
         Dataset
-            ``velocity``, ``displacement``, ``position``, ``strain``, ``stress`` and ``axial_force``
-            [body, x, time]; ``mean_velocity`` [body, time]; ``force`` and ``gap`` [contact, time];
-            ``energy`` [part, time], the parts those of `EnergyLedger`. Every variable has its
-            ``long_name`` and its ``units``.
+            ``velocity``, ``displacement``, ``position``, ``strain``, ``stress`` and
+            ``axial_force`` [body, x, time]; ``mean_velocity`` [body, time]; ``force``
+            and ``gap`` [contact, time]; ``energy`` [part, time], the parts those of
+            `EnergyLedger`. Every variable has its ``long_name`` and its ``units``.
 
         Raises
         ------
@@ -438,7 +451,8 @@ class Solution(Shown):
         >>> import numpy as np, rodimpact as ri
         >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
         >>> solution = ri.solve(ri.System([rod, ri.Wall()]), until=1e-4)
-        >>> data = solution.to_xarray(x=np.linspace(0, 0.4, 5), t=np.linspace(0, 1e-4, 11))
+        >>> x = np.linspace(0, 0.4, 5)
+        >>> data = solution.to_xarray(x=x, t=np.linspace(0, 1e-4, 11))
         >>> data["velocity"].sel(body=0, x=0.4).isel(time=5).item()
         0.0
         >>> data["force"].dims, data["stress"].attrs["units"]
@@ -514,7 +528,8 @@ class Solution(Shown):
             values[k] = getattr(contact, name)(t)
         return values
 
-    # Energy and state ---------------------------------------------------------------------------
+    # Energy and state
+    # ---------------------------------------------------------------------------
 
     @_ALLOW_UNDERFLOW
     def energy(self, t: ArrayLike) -> EnergyLedger:
@@ -534,20 +549,20 @@ class Solution(Shown):
     def ring_down(self) -> RingDown:
         """How the vibration that the collision left dies out, until the end of the solution.
 
-        Solve with `until` well beyond the collision: the energy of the lowest mode of a rod falls
-        to 1/e in E/(eta omega^2).
+        Solve with `until` well beyond the collision: the energy of the lowest mode of a
+        rod falls to 1/e in E/(eta omega^2).
 
         Returns
         -------
         RingDown
-            Energy of vibration over time, the time in which it falls to 1/e, and that of the mode
-            that should last longest.
+            Energy of vibration over time, the time in which it falls to 1/e, and that
+            of the mode that should last longest.
 
         Raises
         ------
         ValueError
-            If the collision is not proved to be over, something acts on the row from outside, or
-            too few states were kept.
+            If the collision is not proved to be over, something acts on the row from
+            outside, or too few states were kept.
 
         Examples
         --------
@@ -555,7 +570,8 @@ class Solution(Shown):
         >>> steel = ri.materials.steel.damped(loss_factor=0.02, frequency=1e3)
         >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
         >>> right = ri.Rod(1.0, area=1e-4, material=steel)
-        >>> ringing = ri.solve(ri.System([left, right]), until=10e-3, cells=50).ring_down()
+        >>> solution = ri.solve(ri.System([left, right]), until=10e-3, cells=50)
+        >>> ringing = solution.ring_down()
         >>> round(ringing.decay_time / ringing.modal_decay_time, 1)
         1.0
         """
@@ -571,16 +587,18 @@ class Solution(Shown):
     def system_at(self, t: float) -> System:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 
-        Gaps, velocities and strains are those just after t, and the stretch of joints; the gap of a
-        compliant contact that is pressed is minus its overlap. The clock starts anew. Waves are
-        handed on as they are: constant between jumps they become `Steps`, else `Polynomials`, which
-        carry the stated error of the velocities. So a run that goes on from there is as exact as
-        one that did not stop. On a grid the state is constant in each cell.
+        Gaps, velocities and strains are those just after t, and the stretch of joints;
+        the gap of a compliant contact that is pressed is minus its overlap. The clock
+        starts anew. Waves are handed on as they are: constant between jumps they become
+        `Steps`, else `Polynomials`, which carry the stated error of the velocities. So
+        a run that goes on from there is as exact as one that did not stop. On a grid
+        the state is constant in each cell.
 
         Raises
         ------
         ValueError
-            If an end is driven by a function of time; the new system would begin within it.
+            If an end is driven by a function of time; the new system would begin within
+            it.
         """
         time = scalar("t", t, "s", sign=UNCHECKED)
         tick = int(self.fields.to_ticks(time))  # raises for times outside the solution
@@ -615,14 +633,15 @@ class Solution(Shown):
             contacts.append(contact.law_at(time))
         return self.system.replace(bodies=bodies, gaps=gaps, contacts=contacts)
 
-    # Files and pictures -------------------------------------------------------------------------
+    # Files and pictures
+    # -------------------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the case and its outcome as a case file, which `rodimpact.load` solves again.
 
-        The file holds the system, the options that were given, and in the table [result] the
-        outcome with its stated errors. ``rodimpact run`` reads it, too. Fields and histories go out
-        by `to_xarray` and `gauges_to_csv`.
+        The file holds the system, the options that were given, and in the table
+        [result] the outcome with its stated errors. ``rodimpact run`` reads it, too.
+        Fields and histories go out by `to_xarray` and `gauges_to_csv`.
 
         Parameters
         ----------
@@ -634,8 +653,9 @@ class Solution(Shown):
         Raises
         ------
         InvalidModel
-            If the name does not end in ``.toml``, a contact law is a Python function, which no file
-            keeps, or the system has more numbers than a case file may have.
+            If the name does not end in ``.toml``, a contact law is a Python function,
+            which no file keeps, or the system has more numbers than a case file may
+            have.
         FileExistsError
             If the file is there and `force` is false.
         """
@@ -648,9 +668,13 @@ class Solution(Shown):
 
     def __repr__(self) -> str:
         n = len(self.system.bodies)
-        return f"<Solution of {n} bodies to t = {self.t_end:.6g} s, stopped by {self.stopped_by}>"
+        return (
+            f"<Solution of {n} bodies to t = {self.t_end:.6g} s, "
+            f"stopped by {self.stopped_by}>"
+        )
 
-    # Bodies -------------------------------------------------------------------------------------
+    # Bodies
+    # ----------------------------------------------------------------------------------
 
     def _index(self, body: int) -> int:
         """Return the index of a body; InvalidModel unless the row has such a body."""
@@ -659,8 +683,8 @@ class Solution(Shown):
     def _property_along(self, body: int, x: ArrayLike, name: str) -> Floats:
         """Values of ``"area"``, or of a number of the material, at points x of a rod.
 
-        The points are in m from the left end of the rod; the values have their shape. Samples along
-        a segment are interpolated.
+        The points are in m from the left end of the rod; the values have their shape.
+        Samples along a segment are interpolated.
         """
         location = self.fields.locate(body, x)
         values = np.empty(location.segment.shape)

@@ -1,7 +1,7 @@
 """The state of a rod at one time as profiles with which a system can begin.
 
-Waves that are constant between fronts make `Steps`, others `Polynomials`. Both are the waves
-themselves: a run that goes on from them is as exact as one that did not stop.
+Waves that are constant between fronts make `Steps`, others `Polynomials`. Both are the
+waves themselves: a run that goes on from them is as exact as one that did not stop.
 """
 
 from typing import NamedTuple
@@ -37,10 +37,11 @@ class WaveSizes(NamedTuple):
 def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateProfiles:
     """Velocity and strain of a rod just after `tick`.
 
-    They are `Polynomials` if a wave changes in a piece by more than round-off, else `Steps` or
-    numbers. Polynomials alone take the stated `error` of velocities, m/s.
+    They are `Polynomials` if a wave changes in a piece by more than round-off, else
+    `Steps` or numbers. Polynomials alone take the stated `error` of velocities, m/s.
     """
-    # Without waves, or with constant ones, there is no round-off: every difference is a step.
+    # Without waves, or with constant ones, there is no round-off: every difference is a
+    # step.
     largest_wave = 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         largest = _largest_waves(fields, body, tick)
@@ -60,8 +61,8 @@ def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateP
 def _largest_waves(fields: WaveFields, body: int, tick: int) -> WaveSizes:
     """Bounds of the waves in a rod at `tick`.
 
-    No Chebyshev polynomial exceeds 1, so a wave is at most the sum of its absolute coefficients,
-    and its change that of all but the first one, which is its mean.
+    No Chebyshev polynomial exceeds 1, so a wave is at most the sum of its absolute
+    coefficients, and its change that of all but the first one, which is its mean.
     """
     largest_wave = 0.0
     largest_change = 0.0
@@ -81,9 +82,10 @@ def _polynomials(
 ) -> StateProfiles:
     """Velocity and strain of a rod at `tick` as `Polynomials`, with the error of velocities, m/s.
 
-    Their intervals are those in which both waves are single polynomials. In each interval a
-    profile has as many values as the longest polynomial has coefficients, at
-    Chebyshev-Lobatto points. v = (A + B)/2 and strain = (B - A)/(2 c), see `SegmentWaves`.
+    Their intervals are those in which both waves are single polynomials. In each
+    interval a profile has as many values as the longest polynomial has coefficients, at
+    Chebyshev-Lobatto points. v = (A + B)/2 and strain = (B - A)/(2 c), see
+    `SegmentWaves`.
     """
     frame = fields.frame_velocity(tick)
     segments = list(fields.waves_along(body))
@@ -101,8 +103,8 @@ def _polynomials(
         bounds = _lasting_bounds(waves, tick)
         near = bounds[:-1]
         far = bounds[1:]
-        # The part of A that has travelled for n ticks left the left end at tick - n. What
-        # left first is farthest, so in order of time A begins at the far bound.
+        # The part of A that has travelled for n ticks left the left end at tick - n.
+        # What left first is farthest, so in order of time A begins at the far bound.
         A_in_order_of_time = waves.rightward.inside(tick - far, tick - near, shares)
         A = A_in_order_of_time[:, ::-1]
         # B there has travelled for T - n ticks: it left the right end at tick - T + n.

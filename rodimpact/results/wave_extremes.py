@@ -126,8 +126,8 @@ def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
 def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
     """The earliest meeting with the largest d; None if d is positive nowhere.
 
-    That is the best of the meetings on the four sides and inside. Those that differ by no more
-    than round-off are equal.
+    That is the best of the meetings on the four sides and inside. Those that differ by
+    no more than round-off are equal.
     """
     meetings = []
     largest = 0.0
@@ -156,8 +156,8 @@ def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
 def _sides(domain: Domain) -> list[Side]:
     """The four sides: the left and the right end of the segment, the states at t = 0 and the end.
 
-    At the left end p = t and q = t - T, at the right end p = t - T and q = t. A state at the tick t
-    is taken over the time p at which A left, with q = 2 t - T - p.
+    At the left end p = t and q = t - T, at the right end p = t - T and q = t. A state
+    at the tick t is taken over the time p at which A left, with q = 2 t - T - p.
     """
     A = domain.A
     B = domain.B
@@ -212,8 +212,8 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
 
     None if d is nowhere as large as `least`.
     """
-    # d = B(q) - A(p) is large where A is low and B is high. Pieces are left out that do not
-    # make d as large as `least` even with the best piece of the other wave.
+    # d = B(q) - A(p) is large where A is low and B is high. Pieces are left out that do
+    # not make d as large as `least` even with the best piece of the other wave.
     lower_A = _bounds(domain.A).lower
     upper_B = _bounds(domain.B).upper
     low = _candidates(domain.A, lower_A <= upper_B.max() - least)
@@ -260,15 +260,15 @@ def _earliest(
 ) -> Meeting | None:
     """The earliest meeting of the chosen samples of A with d >= `least`; None if none is chosen.
 
-    `low` has the samples of A and `high` those of B, both in order of time, and
-    d = B(q) - A(p). Each chosen sample has at least one such meeting. The tick of a meeting is
-    (p + q + T)/2, so that the earliest one has the least p + q.
+    `low` has the samples of A and `high` those of B, both in order of time, and d =
+    B(q) - A(p). Each chosen sample has at least one such meeting. The tick of a meeting
+    is (p + q + T)/2, so that the earliest one has the least p + q.
     """
     earliest: Meeting | None = None
     for k in chosen:
         p = int(low.ticks[k])
-        # What leaves at p meets only what left at q >= p - T: p + q is 2 p - T at least, and
-        # more for every later sample.
+        # What leaves at p meets only what left at q >= p - T: p + q is 2 p - T at
+        # least, and more for every later sample.
         if earliest is not None and 2 * p - T >= earliest.p + earliest.q:
             break
         first = int(partners.first[k])
@@ -342,8 +342,8 @@ def _edges(signal: Pieces, chosen: Mask) -> Samples:
 def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
     """Values inside the chosen pieces where the derivative is 0.
 
-    The variable y of a piece runs from -1 at its start to 1 at its stop. A zero at y lies
-    (y + 1)/2 of the width behind the start, less a little at both ends.
+    The variable y of a piece runs from -1 at its start to 1 at its stop. A zero at y
+    lies (y + 1)/2 of the width behind the start, less a little at both ends.
     """
     # Pieces of fewer than three coefficients are straight.
     if signal.size < 3 or not chosen.any():
@@ -364,8 +364,9 @@ def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
 def _zeros(series: Floats, chosen: Ints) -> Zeros:
     """Zeros between -1 and 1 of the chosen Chebyshev series [series, coefficient].
 
-    They are eigenvalues, found together for all series of one degree. The real parts of complex
-    zeros are among them, which does no harm: each is a place where a value is read.
+    They are eigenvalues, found together for all series of one degree. The real parts of
+    complex zeros are among them, which does no harm: each is a place where a value is
+    read.
     """
     degrees = _degrees(series)
     owners: list[Ints] = [np.zeros(0, np.int64)]  # series of each zero

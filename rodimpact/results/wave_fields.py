@@ -103,7 +103,8 @@ class WaveFields(Fields):
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
         """Displacement, m, without the way that the frame falls; x, m, and ticks broadcast.
 
-        It is that of the left end of the segment at t = 0 plus `SegmentWaves.displacement`.
+        It is that of the left end of the segment at t = 0 plus
+        `SegmentWaves.displacement`.
         """
         frame = self.clock.frame
         tick = self.clock.tick
@@ -126,8 +127,8 @@ class WaveFields(Fields):
     def _initial_displacements(self) -> list[float]:
         """Displacement of the left end of each segment at t = 0, m, from the initial strain.
 
-        The index is the number of the segment in the row, counted from 1: entry 0 is not used. The
-        left end of each rod has the displacement 0.
+        The index is the number of the segment in the row, counted from 1: entry 0 is
+        not used. The left end of each rod has the displacement 0.
         """
         displacements = [0.0]
         for body in range(len(self.clock.spans)):
@@ -151,9 +152,11 @@ class WaveFields(Fields):
     ) -> Floats:
         """Values of a field just after ("right") or before `ticks`; x in m and ticks broadcast.
 
-        A formula gives values of that side. On a grid, those of the right side are found faster.
+        A formula gives values of that side. On a grid, those of the right side are
+        found faster.
         """
-        # A field that is constant between fronts has the value of each front from it on.
+        # A field that is constant between fronts has the value of each front from it
+        # on.
         holds_from_fronts = side == "right" and self.constant_between_fronts
         if holds_from_fronts and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)
@@ -180,13 +183,15 @@ class WaveFields(Fields):
     ) -> Floats:
         """Values [point, tick] on a grid, see `_is_grid`, of a field constant between fronts.
 
-        The formula gives one value for each front, which is repeated for the ticks up to the next.
+        The formula gives one value for each front, which is repeated for the ticks up
+        to the next.
         """
         points = self._points(body, x)
         values = []
         repeats = []
-        # Neighbouring points of one segment go together, from `start` to `stop`. Segments are
-        # counted from 1, so the first and the last point are beside another number, 0.
+        # Neighbouring points of one segment go together, from `start` to `stop`.
+        # Segments are counted from 1, so the first and the last point are beside
+        # another number, 0.
         segment_edges = np.diff(points.segment, axis=0, prepend=0, append=0)
         for start, stop in pairwise(np.flatnonzero(segment_edges)):
             waves = self.waves(int(points.segment[start, 0]))
@@ -200,8 +205,8 @@ class WaveFields(Fields):
     def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves that pass the point x, m, from t = 0 to the end of the run.
 
-        A arrives later than it left by the time of travel from the left end, B by that from the
-        right one. Both are cut at the breaks of either.
+        A arrives later than it left by the time of travel from the left end, B by that
+        from the right one. Both are cut at the breaks of either.
         """
         point = self._points(body, x)
         offset = int(point.offset)
@@ -220,7 +225,8 @@ class WaveFields(Fields):
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         """Momentum of a rod at times t in s, kg m/s.
 
-        Sum over its segments of Z times the integral of v over the time of travel through them.
+        Sum over its segments of Z times the integral of v over the time of travel
+        through them.
         """
         clock = self.clock
         ticks = self.to_ticks(t)
@@ -252,7 +258,8 @@ class WaveFields(Fields):
     def extreme_stress(self, body: int) -> ExtremeStress:
         """The largest of the peaks of all segments: E/(2 c) times the extremes of B - A.
 
-        Each peak has its stress, place and time; tension and compression are found apart.
+        Each peak has its stress, place and time; tension and compression are found
+        apart.
         """
         tensions = []
         compressions = []
@@ -280,8 +287,8 @@ class WaveFields(Fields):
         segment = waves.segment
         T = waves.transit
         left = float(self.edges(body)[segment - first])
-        # x = c (q - p + T)/2 and t = (p + q + T)/2, in whole ticks with halves rounded up:
-        # a field that is read there sees the same waves.
+        # x = c (q - p + T)/2 and t = (p + q + T)/2, in whole ticks with halves rounded
+        # up: a field that is read there sees the same waves.
         offset = min((meeting.q - meeting.p + T + 1) // 2, T)
         tick = (meeting.p + meeting.q + T + 1) // 2
         x = left + waves.length * (offset / T)
@@ -293,9 +300,9 @@ class WaveFields(Fields):
     def profile(self, body: int, tick: int) -> Profile:
         """State of a rod just after `tick`: means of velocity and strain over its pieces.
 
-        v = (A + B)/2 and strain = (B - A)/(2 c), with the wave A that left the left end of a
-        segment and B that left its right end. A front that leaves an end at `tick` has left
-        it, see `SegmentWaves.piece_bounds`.
+        v = (A + B)/2 and strain = (B - A)/(2 c), with the wave A that left the left end
+        of a segment and B that left its right end. A front that leaves an end at `tick`
+        has left it, see `SegmentWaves.piece_bounds`.
         """
         frame = self.frame_velocity(tick)
         edges = [np.zeros(1)]
@@ -335,20 +342,20 @@ def _constant_runs(
 ) -> ConstantRuns:
     """A field of a segment that is constant between fronts, at increasing ticks.
 
-    `offsets` are the points [point, 1], ticks of travel from the left end. Each value is
-    found once, at the front from which it holds.
+    `offsets` are the points [point, 1], ticks of travel from the left end. Each value
+    is found once, at the front from which it holds.
     """
     T = waves.transit
     # Ticks at which the fronts of A and B pass each point, [point, front]
     fronts_of_A = waves.rightward.ticks[1:] + offsets
     fronts_of_B = waves.leftward.ticks[1:] + T - offsets
     fronts = np.concatenate((fronts_of_A, fronts_of_B), axis=1)
-    # Index of the first given tick at or after each front, in order of the fronts. A value holds
-    # for the ticks up to the first one of the next value.
+    # Index of the first given tick at or after each front, in order of the fronts. A
+    # value holds for the ticks up to the first one of the next value.
     first_held = np.sort(ticks.searchsorted(fronts.T), axis=0).T
     repeats = np.diff(first_held, prepend=0, append=len(ticks))
-    # The first value holds before all fronts, so there is one value more than fronts. It is found
-    # at a tick long before them.
+    # The first value holds before all fronts, so there is one value more than fronts.
+    # It is found at a tick long before them.
     starts = np.sort(np.append(fronts, offsets + BEFORE_ALL_FRONTS, axis=1))
     p = starts - offsets
     q = starts + offsets - T
