@@ -14,7 +14,8 @@ from .two_bar_shot import Shifts
 class Alignment(NamedTuple):
     """Search for the shifts that balance the forces while the start is elastic.
 
-    The imbalance over all loading is the mean of abs(F1 - F2) over the mean of (F1 + F2)/2.
+    The imbalance over all loading is the mean of abs(F1 - F2) over the mean of (F1 +
+    F2)/2.
 
     Attributes
     ----------
@@ -26,7 +27,7 @@ class Alignment(NamedTuple):
     Examples
     --------
     >>> import rodimpact as ri
-    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)  # c = 5000 m/s
     >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
@@ -46,8 +47,9 @@ class Alignment(NamedTuple):
 def alignment_sentence(alignment: Alignment, shifts: Shifts) -> str:
     """The shifts, their limit, and the balance over all loading before and after."""
     return (
-        f"aligned by the elastic start alone, within {format_si(alignment.limit, 's', 3)}: "
-        f"reflected wave {format_si(shifts.reflected, 's', 3)} earlier, transmitted wave "
+        "aligned by the elastic start alone, within "
+        f"{format_si(alignment.limit, 's', 3)}: reflected wave "
+        f"{format_si(shifts.reflected, 's', 3)} earlier, transmitted wave "
         f"{format_si(shifts.transmitted, 's', 3)}; |F1 - F2| over all loading is "
         f"{100 * alignment.imbalance_after:.1f} % of the mean force, "
         f"{100 * alignment.imbalance_before:.1f} % without alignment"

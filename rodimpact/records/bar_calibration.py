@@ -1,9 +1,9 @@
 """Calibration of one bar: wave speed and Poisson ratio from a pulse at two distances.
 
-The pulse is recorded where it passes first and farther on, by two gauges or by one gauge
-twice. The first record, propagated by the exact first mode, must be the second one. Its
-arrival tells the bar speed c0, its change of shape tells Poisson's ratio. No end of the
-bar matters.
+The pulse is recorded where it passes first and farther on, by two gauges or by one
+gauge twice. The first record, propagated by the exact first mode, must be the second
+one. Its arrival tells the bar speed c0, its change of shape tells Poisson's ratio. No
+end of the bar matters.
 """
 
 from __future__ import annotations
@@ -50,13 +50,14 @@ class BarCalibration:
     Attributes
     ----------
     bar : Rod
-        The bar with the measured wave speed and Poisson ratio; its density is unchanged.
+        The bar with the measured wave speed and Poisson ratio; its density is
+        unchanged.
     wave_speed, wave_speed_error : float
         c0 and its standard error, m/s. The error of the distance, relative, adds to it.
     poisson_ratio, poisson_ratio_error : float
     gain, gain_error : float
-        Factor from the first record to the second one, where the pulse passes there: the
-        ratio of the gains of the gauges, negative after a reflection at a free end.
+        Factor from the first record to the second one, where the pulse passes there:
+        the ratio of the gains of the gauges, negative after a reflection at a free end.
     misfit : float
         Root mean square of the difference of the second record and its prediction, both
         below the cut-off frequency of the first mode, over the plateau.
@@ -64,12 +65,16 @@ class BarCalibration:
     Examples
     --------
     >>> import numpy as np, rodimpact as ri
-    >>> steel = ri.Material("steel", youngs_modulus=2e11, density=8000, poisson_ratio=0.29)
+    >>> steel = ri.Material(
+    ...     "steel", youngs_modulus=2e11, density=8000, poisson_ratio=0.29
+    ... )
     >>> bar = ri.Rod(3.0, diameter=0.02, material=steel)       # c0 = 5000 m/s
-    >>> shape = np.clip(np.minimum(np.arange(400) - 50, 170 - np.arange(400)) / 10, 0, 1)
+    >>> k = np.arange(400)
+    >>> shape = np.clip(np.minimum(k - 50, 170 - k) / 10, 0, 1)
     >>> first = ri.Signal(shape, dt=5e-7)
     >>> second = first.extended(after=2e-4).propagated(2.0, bar)
-    >>> guess = bar.replace(material=steel.replace(youngs_modulus=2.1e11, poisson_ratio=0.33))
+    >>> other = steel.replace(youngs_modulus=2.1e11, poisson_ratio=0.33)
+    >>> guess = bar.replace(material=other)
     >>> found = ri.calibrate_bar(first, second, 2.0, guess)
     >>> round(found.wave_speed, 1), round(found.poisson_ratio, 3)
     (5000.0, 0.29)
@@ -88,7 +93,8 @@ class BarCalibration:
         """The numbers with their standard errors, a line each."""
         lines = [
             f"wave speed: {self.wave_speed:.2f} +- {self.wave_speed_error:.2f} m/s",
-            f"Poisson ratio: {self.poisson_ratio:.5f} +- {self.poisson_ratio_error:.5f}",
+            f"Poisson ratio: {self.poisson_ratio:.5f} +- "
+            f"{self.poisson_ratio_error:.5f}",
             f"second record over the first: {self.gain:.4f} +- {self.gain_error:.4f}",
             f"misfit: {100 * self.misfit:.2f} % of the plateau",
         ]
@@ -109,13 +115,13 @@ def calibrate_bar(
     Parameters
     ----------
     first : Signal
-        The pulse where it passes first, from rest before it; cut by `Signal.window` before
-        any other wave.
+        The pulse where it passes first, from rest before it; cut by `Signal.window`
+        before any other wave.
     second : Signal
         The pulse at the other distance, on the same clock.
     distance : float
-        The way of the pulse between both records, m: from gauge to gauge, also through the
-        joint of two equal bars, or from a gauge to the free end and back.
+        The way of the pulse between both records, m: from gauge to gauge, also through
+        the joint of two equal bars, or from a gauge to the free end and back.
     bar : Rod
         Uniform and round. Errors of its wave speed up to 10 % are corrected.
 
@@ -136,12 +142,16 @@ def calibrate_bar(
     Examples
     --------
     >>> import numpy as np, rodimpact as ri
-    >>> steel = ri.Material("steel", youngs_modulus=2e11, density=8000, poisson_ratio=0.29)
+    >>> steel = ri.Material(
+    ...     "steel", youngs_modulus=2e11, density=8000, poisson_ratio=0.29
+    ... )
     >>> bar = ri.Rod(3.0, diameter=0.02, material=steel)       # c0 = 5000 m/s
-    >>> shape = np.clip(np.minimum(np.arange(400) - 50, 170 - np.arange(400)) / 10, 0, 1)
+    >>> k = np.arange(400)
+    >>> shape = np.clip(np.minimum(k - 50, 170 - k) / 10, 0, 1)
     >>> first = ri.Signal(shape, dt=5e-7)
     >>> second = first.extended(after=2e-4).propagated(2.0, bar)
-    >>> guess = bar.replace(material=steel.replace(youngs_modulus=2.1e11, poisson_ratio=0.33))
+    >>> other = steel.replace(youngs_modulus=2.1e11, poisson_ratio=0.33)
+    >>> guess = bar.replace(material=other)
     >>> found = ri.calibrate_bar(first, second, 2.0, guess)
     >>> round(found.wave_speed, 1), round(found.poisson_ratio, 3)
     (5000.0, 0.29)
@@ -201,7 +211,8 @@ class _Pair(NamedTuple):
     def prediction(self, speed: float, nu: float) -> Floats:
         """The first record at the times of the compared samples, after the distance.
 
-        Between its samples it is a cubic spline, beyond its ends its first and its last value.
+        Between its samples it is a cubic spline, beyond its ends its first and its last
+        value.
         """
         from scipy.interpolate import CubicSpline
 
@@ -235,8 +246,8 @@ class _Pair(NamedTuple):
 def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pair:
     """Both records with a first estimate of bar speed and gain; InvalidModel without a pulse.
 
-    The first record, moved by the speed of the given bar, is shifted against the second one by up
-    to `SEARCHED_SPEED_RTOL` of the travel time, to where it fits best.
+    The first record, moved by the speed of the given bar, is shifted against the second
+    one by up to `SEARCHED_SPEED_RTOL` of the travel time, to where it fits best.
     """
     travel = distance / bar.wave_speed
     slack = SEARCHED_SPEED_RTOL * travel
@@ -320,7 +331,8 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
         scaled: Floats = np.stack(columns, axis=1) * units
         return scaled
 
-    # Of the variables that of nu alone is bounded: 1 + nu - its start, as its unit is 1.
+    # Of the variables that of nu alone is bounded: 1 + nu - its start, as its unit is
+    # 1.
     low = np.full(len(start), -np.inf)
     high = np.full(len(start), np.inf)
     nu_index = _Numbers._fields.index("nu")

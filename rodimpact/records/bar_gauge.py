@@ -16,13 +16,13 @@ class BarGauge(FrozenDataclass):
     Parameters
     ----------
     signal : Signal
-        Record of strain, or of volts if a `gain` is given. The time steps are equal, and the bar is
-        at rest before the pulse.
+        Record of strain, or of volts if a `gain` is given. The time steps are equal,
+        and the bar is at rest before the pulse.
     distance : float
         From the gauge to the face of the bar at the specimen, m.
     opposite : Signal, optional
-        Record of the gauge on the opposite side of the bar, at the same times. Bending drops out of
-        the mean of both records.
+        Record of the gauge on the opposite side of the bar, at the same times. Bending
+        drops out of the mean of both records.
     gain : float
         Strain for each unit of the signal.
 
@@ -56,7 +56,8 @@ class BarGauge(FrozenDataclass):
                 ("signal", f"{message}; give bridge.strain(volts), or a gain")
             )
         if not problems:
-            # Finding the strain adds both records, which refuses other times or another unit.
+            # Finding the strain adds both records, which refuses other times or another
+            # unit.
             _ = self.strain
 
     @property

@@ -33,7 +33,8 @@ def instrumented_bars(
 ) -> InstrumentedBars:
     """Both bars with the records of their gauges.
 
-    The arguments are those of `reduce`, with `bars` one rod or two; InvalidModel names a wrong one.
+    The arguments are those of `reduce`, with `bars` one rod or two; InvalidModel names
+    a wrong one.
     """
     one_of("compression", compression, SIGN_OF_COMPRESSION)
     rods = rods_of(bars)
@@ -105,8 +106,9 @@ def _instrumented_bar(
 ) -> InstrumentedBar:
     """A bar with the records of its gauges, which are the argument `name`.
 
-    The records are sampled at the same times, positive in compression, and begin from a level of 0
-    at rest. The gauges come in the order in which the first pulse arrives at them.
+    The records are sampled at the same times, positive in compression, and begin from a
+    level of 0 at rest. The gauges come in the order in which the first pulse arrives at
+    them.
     """
     checked = _checked_gauges(name, gauges, rod)
     signals = [gauge.strain for gauge in checked]
@@ -141,8 +143,8 @@ def _instrumented_bar(
 def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
     """The bar with records that begin before the pulse is at the face, by more rest before them.
 
-    The wave in the output bar is at the face before it is at a gauge. The added samples are those
-    at rest again and again, so that level and noise stay the same.
+    The wave in the output bar is at the face before it is at a gauge. The added samples
+    are those at rest again and again, so that level and noise stay the same.
     """
     if not bar.is_output:
         return bar
@@ -221,8 +223,8 @@ def _rest_samples(name: str, times: _Times, first: _Record) -> int:
         duration = format_si(MIN_REST_SAMPLES * times.dt, "s", digits=3)
         message = f"the record has {count} samples at rest before the pulse rises"
         remedy = (
-            f"{MIN_REST_SAMPLES} are needed, {duration}, for its level and noise; record "
-            "earlier, or give cut pulses, ri.reduce(pulses=...)"
+            f"{MIN_REST_SAMPLES} are needed, {duration}, for its level and noise; "
+            "record earlier, or give cut pulses, ri.reduce(pulses=...)"
         )
         raise invalid_argument(name, f"{message}; {remedy}")
     return count
@@ -231,8 +233,8 @@ def _rest_samples(name: str, times: _Times, first: _Record) -> int:
 def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> Pulse:
     """Timing of the first pulse of a record, which is cut off where this pulse is over.
 
-    `strain` is positive in compression if `compression`, the sign in the records, is right.
-    InvalidModel if the first pulse is a tension, or none can be timed.
+    `strain` is positive in compression if `compression`, the sign in the records, is
+    right. InvalidModel if the first pulse is a tension, or none can be timed.
     """
     values = strain - np.median(strain[:MIN_REST_SAMPLES])
     window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES

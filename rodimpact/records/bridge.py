@@ -18,9 +18,10 @@ class Bridge(FrozenDataclass):
     Parameters
     ----------
     kind : str
-        ``"quarter"``: one gauge along the bar. ``"half"``: two gauges along the bar, on opposite
-        sides and in opposite arms, so that bending drops out; with a `poisson_ratio`, one gauge
-        along and one across. ``"full"``: two gauges along and two across.
+        ``"quarter"``: one gauge along the bar. ``"half"``: two gauges along the bar, on
+        opposite sides and in opposite arms, so that bending drops out; with a
+        `poisson_ratio`, one gauge along and one across. ``"full"``: two gauges along
+        and two across.
     gauge_factor : float
         Gauge factor of the strain gauges.
     excitation : float
@@ -37,10 +38,11 @@ class Bridge(FrozenDataclass):
 
     Notes
     -----
-    ``strain = 4 V/(n gauge_factor excitation gain)``, with n the sum of the strains of all arms
-    divided by the strain along the bar: 1 for a quarter bridge, 2 or 1 + nu for a half bridge, 2 (1
-    + nu) for a full bridge. The nonlinearity of a quarter bridge is neglected: its relative error
-    is half the gauge factor times the strain, 0.2 % at 2000 microstrain.
+    ``strain = 4 V/(n gauge_factor excitation gain)``, with n the sum of the strains of
+    all arms divided by the strain along the bar: 1 for a quarter bridge, 2 or 1 + nu
+    for a half bridge, 2 (1 + nu) for a full bridge. The nonlinearity of a quarter
+    bridge is neglected: its relative error is half the gauge factor times the strain,
+    0.2 % at 2000 microstrain.
 
     Examples
     --------
@@ -78,13 +80,14 @@ class Bridge(FrozenDataclass):
     def strain_per_volt(self) -> float:
         """Strain along the bar per volt at the output of the amplifier, 1/V.
 
-        4/(n gauge_factor excitation gain), with n the sum of the strains of all arms over the
-        strain along the bar.
+        4/(n gauge_factor excitation gain), with n the sum of the strains of all arms
+        over the strain along the bar.
         """
         nu = self.poisson_ratio
         n = float(GAUGES_ALONG[self.kind])
         if nu is not None:
-            # In a half bridge one gauge lies along and one across, in a full bridge two and two.
+            # In a half bridge one gauge lies along and one across, in a full bridge two
+            # and two.
             gauges_along = 2
             if self.kind == "half":
                 gauges_along = 1

@@ -1,9 +1,10 @@
 """Calibration by a shot without a specimen: wave speeds, gains, reflection, bending, noise.
 
-The pulse of the striker runs through both bars and back from the far end of the output bar. The
-time from the first passage of the output gauge to the second gives c0 of that bar; the time from
-the input gauge to the output gauge then gives c0 of the input bar. A striker of the same material
-and cross-section with the speed V causes the strain V/(2 c0).
+The pulse of the striker runs through both bars and back from the far end of the output
+bar. The time from the first passage of the output gauge to the second gives c0 of that
+bar; the time from the input gauge to the output gauge then gives c0 of the input bar. A
+striker of the same material and cross-section with the speed V causes the strain V/(2
+c0).
 """
 
 from __future__ import annotations
@@ -82,22 +83,23 @@ class Calibration:
     speed_errors : (float, float)
         Standard errors of the wave speeds due to noise, m/s.
     gain_errors : (float, float)
-        Standard errors of the gains: from the ringing plateau of the pulse, if a striker speed is
-        given, and from the difference between the incident pulse at the output gauge and the
-        recorded one.
+        Standard errors of the gains: from the ringing plateau of the pulse, if a
+        striker speed is given, and from the difference between the incident pulse at
+        the output gauge and the recorded one.
     reflected : float
-        Strain reflected at the joint divided by the incident strain. `expected` is its value from
-        the impedances, (Z2 - Z1)/(Z2 + Z1).
+        Strain reflected at the joint divided by the incident strain. `expected` is its
+        value from the impedances, (Z2 - Z1)/(Z2 + Z1).
     expected : float
     noise : (float, float)
         Standard deviation of the noise divided by the plateau of the pulse.
     bending : (float or None, float or None)
-        Largest bending strain divided by the plateau; None without gauges on both sides.
+        Largest bending strain divided by the plateau; None without gauges on both
+        sides.
 
     Examples
     --------
     >>> import rodimpact as ri
-    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)  # c = 5000 m/s
     >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     >>> shot = ri.solve(ri.System([striker, bar, bar]), until=1.5e-3)
@@ -125,10 +127,10 @@ class Calibration:
             return ()
         doubt = (
             f"the joint reflects {100 * self.reflected:.1f} % of the incident strain, "
-            f"{100 * self.reflected**2:.2g} % of its energy; by the impedances of the bars it "
-            f"should be {100 * self.expected:.1f} % of the strain, within "
-            f"{100 * REFLECTED_LIMIT:g} %: clean and align the faces, or correct diameter and "
-            "density of the bars"
+            f"{100 * self.reflected**2:.2g} % of its energy; by the impedances of the "
+            f"bars it should be {100 * self.expected:.1f} % of the strain, within "
+            f"{100 * REFLECTED_LIMIT:g} %: clean and align the faces, or correct "
+            "diameter and density of the bars"
         )
         return (doubt,)
 
@@ -153,8 +155,8 @@ class Calibration:
         columns = list(zip(*rows, strict=True))
         lines = [
             align(columns),
-            f"reflected at the joint: {100 * self.reflected:.2f} % of the incident strain; "
-            f"expected from the impedances: {100 * self.expected:.2f} %",
+            f"reflected at the joint: {100 * self.reflected:.2f} % of the incident "
+            f"strain; expected from the impedances: {100 * self.expected:.2f} %",
         ]
         for doubt in self.doubts:
             lines.append(f"Doubtful: {doubt}")
@@ -206,16 +208,16 @@ def calibrate(
     input_gauges, output_gauges : BarGauge
         As in `reduce`.
     bars : Rod or (Rod, Rod)
-        Input and output bar, with their true lengths; errors of the wave speeds up to 10 % are
-        corrected.
+        Input and output bar, with their true lengths; errors of the wave speeds up to
+        10 % are corrected.
     striker_speed : float, optional
-        V of a striker with the impedance of the input bar, m/s. By default the gain of the input
-        gauge is 1, and the output gauge is compared with the input gauge.
+        V of a striker with the impedance of the input bar, m/s. By default the gain of
+        the input gauge is 1, and the output gauge is compared with the input gauge.
     compression : str
         Sign of a strain that compresses in the records.
     progress : bool or function
-        Whether a bar may show how far long work is. A function is called with the number of
-        travel times that are done, and of all.
+        Whether a bar may show how far long work is. A function is called with the
+        number of travel times that are done, and of all.
 
     Returns
     -------
@@ -225,8 +227,8 @@ def calibrate(
     Raises
     ------
     InvalidModel
-        If an argument is invalid, or the record ends before the pulse returns from the far end of
-        the output bar.
+        If an argument is invalid, or the record ends before the pulse returns from the
+        far end of the output bar.
 
     Warns
     -----
@@ -235,14 +237,15 @@ def calibrate(
 
     Notes
     -----
-    The incident strain is V/(2 c0). The joint transmits the fraction 2 Z2/(Z1 + Z2) of a force.
+    The incident strain is V/(2 c0). The joint transmits the fraction 2 Z2/(Z1 + Z2) of
+    a force.
 
     Examples
     --------
     In a computed shot the gauges are right, so both gains are 1:
 
     >>> import rodimpact as ri
-    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)  # c = 5000 m/s
     >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     >>> shot = ri.solve(ri.System([striker, bar, bar]), until=1.5e-3)
@@ -274,9 +277,11 @@ def calibrate(
         input_gain = V / (2 * input_bar.speed) / incident
     Z1 = input_bar.impedance
     Z2 = output_bar.impedance
-    # The transmitted over the incident strain: the ratio of the forces, over E A of each bar
+    # The transmitted over the incident strain: the ratio of the forces, over E A of
+    # each bar
     transmission = 2 * Z2 / (Z1 + Z2) * input_bar.stiffness / output_bar.stiffness
-    # The incident strain that comes to the output gauge, over the strain that is recorded there
+    # The incident strain that comes to the output gauge, over the strain that is
+    # recorded there
     ratio = _ratio(_at_output_gauge(input_bar, output_bar), output_bar)
     output_gain = input_gain * transmission * ratio.value
     input_error = _plateau_error(input_bar) * input_gain
@@ -323,7 +328,8 @@ class _Timed(NamedTuple):
 def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
     """Time the pulse that comes back to the output gauge from the far end of its bar.
 
-    The result is the bar with the wave speed that this time gives, and the error of the speed.
+    The result is the bar with the wave speed that this time gives, and the error of the
+    speed.
     """
     to_far_end = float(output_bar.rod.length) - float(output_bar.distances[0])
     path = 2 * to_far_end
@@ -341,8 +347,9 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
 def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     """Time the pulse from the input gauge through the rest of both bars to the output gauge.
 
-    The result is the input bar with the wave speed that this time gives. The error of the speed
-    has two independent parts: of the arrival, and of the travel time in the output bar.
+    The result is the input bar with the wave speed that this time gives. The error of
+    the speed has two independent parts: of the arrival, and of the travel time in the
+    output bar.
     """
     output_bar = output.bar
     input_path = float(input_bar.distances[0])
@@ -372,11 +379,12 @@ def _fit_wave_speed(
 ) -> _Timed:
     """Fit the wave speed of a bar so that a pulse arrives when it is in the record.
 
-    The pulse, predicted for a wave speed by `predict`, runs along `path`, m, of the bar and is
-    recorded by the gauge of `recording`. The best shift of the prediction corrects the travel time
-    and so the speed, `SPEED_ITERATIONS` times. The standard error of the arrival is
-    s sqrt(2)/sqrt(sum of slope^2), with s the noise: both pulses, shifted against each other, have
-    it. InvalidModel if the record ends too early, or the speed is far off the given one.
+    The pulse, predicted for a wave speed by `predict`, runs along `path`, m, of the bar
+    and is recorded by the gauge of `recording`. The best shift of the prediction
+    corrects the travel time and so the speed, `SPEED_ITERATIONS` times. The standard
+    error of the arrival is s sqrt(2)/sqrt(sum of slope^2), with s the noise: both
+    pulses, shifted against each other, have it. InvalidModel if the record ends too
+    early, or the speed is far off the given one.
     """
     record = Signal(recording.strains[0], recording.times)
     for _ in range(SPEED_ITERATIONS):
@@ -410,8 +418,8 @@ def _fit_wave_speed(
 def _check_record_end(recording: InstrumentedBar, last: int, size: Floats) -> None:
     """InvalidModel if the record ends before a predicted pulse is over.
 
-    `size` is the absolute strain of the prediction [sample], and `last` the index of the last
-    sample that counts to the pulse.
+    `size` is the absolute strain of the prediction [sample], and `last` the index of
+    the last sample that counts to the pulse.
     """
     end = recording.times[-1]
     is_over = last < len(size) - 1
@@ -428,8 +436,8 @@ def _check_record_end(recording: InstrumentedBar, last: int, size: Floats) -> No
 def _reflected_ratio(input_bar: InstrumentedBar) -> float:
     """Strain reflected at the joint over the incident strain, by least squares.
 
-    The incident pulse, as if all of it came back to the gauge, is fitted to what the gauge records
-    besides the incident pulse.
+    The incident pulse, as if all of it came back to the gauge, is fitted to what the
+    gauge records besides the incident pulse.
     """
     incident = _passing(input_bar)
     returned = input_bar.propagated(incident, 2 * float(input_bar.distances[0]))
@@ -464,9 +472,9 @@ class _Ratio(NamedTuple):
 def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
     """Predicted pulse over the recorded one, by least squares.
 
-    With the predicted pulse p and the recorded one r it is sum(p r)/sum(r^2), and its error is
-    that of sum(r (p - ratio r))/sum(r^2). Residuals are correlated over a rise time, so the error
-    of the sum is that of blocks of this length.
+    With the predicted pulse p and the recorded one r it is sum(p r)/sum(r^2), and its
+    error is that of sum(r (p - ratio r))/sum(r^2). Residuals are correlated over a rise
+    time, so the error of the sum is that of blocks of this length.
     """
     is_pulse = np.abs(predicted) > PULSE_THRESHOLD * np.abs(predicted).max()
     p = predicted[is_pulse]
@@ -481,9 +489,10 @@ def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
 def _plateau_error(bar: InstrumentedBar) -> float:
     """Standard error of the level of the plateau, over this level.
 
-    The plateau of a pulse rings, and each rise time is one measurement of its level. The level is
-    a median, which noise and the ends of the plateau displace: its difference from the mean adds.
-    A pulse too short for that has the noise of its record as the error.
+    The plateau of a pulse rings, and each rise time is one measurement of its level.
+    The level is a median, which noise and the ends of the plateau displace: its
+    difference from the mean adds. A pulse too short for that has the noise of its
+    record as the error.
     """
     pulse = bar.first_pulse
     begin = pulse.start + pulse.rise
@@ -517,7 +526,8 @@ def _passing(bar: InstrumentedBar) -> Floats:
 def _bending(gauge: BarGauge, bar: InstrumentedBar) -> float | None:
     """Largest bending strain while the pulse passes, over the plateau of the mean strain.
 
-    The pulse, its plateau and the time in which it passes are those of the first gauge of the bar.
+    The pulse, its plateau and the time in which it passes are those of the first gauge
+    of the bar.
     """
     bending = gauge.bending
     if bending is None:

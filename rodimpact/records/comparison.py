@@ -47,8 +47,8 @@ class Misfit(NamedTuple):
     scale : float
         Factor by which the prediction was multiplied.
     at_limit : tuple of str
-        ``"shift"`` and ``"scale"``, if they lie at a bound. A free shift is bounded too: the two
-        signals must overlap.
+        ``"shift"`` and ``"scale"``, if they lie at a bound. A free shift is bounded
+        too: the two signals must overlap.
 
     Examples
     --------
@@ -90,7 +90,8 @@ def misfit_of(
 ) -> Misfit:
     """Misfit with the best shift and scale within their bounds; None: without bounds.
 
-    Equal bounds fix a number. Those that may vary and end at a bound are named in `at_limit`.
+    Equal bounds fix a number. Those that may vary and end at a bound are named in
+    `at_limit`.
     """
     comparison = _Comparison(record, model, plateau(record.values), scale_range)
     if shift_range is None:
@@ -168,7 +169,8 @@ def _grid_step(record: TimeSeries, model: TimeSeries, span: float) -> float:
 def _best_shift(comparison: _Comparison, low: float, high: float, step: float) -> float:
     """The shift from `low` to `high` with the smallest misfit, s.
 
-    The best shifts by whole steps are refined within a step to either side; the best of all wins.
+    The best shifts by whole steps are refined within a step to either side; the best of
+    all wins.
     """
     from scipy.optimize import minimize_scalar
 
@@ -194,13 +196,14 @@ def _best_shifts_on_grid(
     """The best local minima of the misfit among the shifts ``high - j step``.
 
     With the model m, the record y and the scale c the squared misfit is
-    ``c^2 sum(m^2) - 2 c sum(m y) + sum(y^2)``. The products with all shifts of the model at once
-    are a correlation, by Fourier transforms.
+    ``c^2 sum(m^2) - 2 c sum(m y) + sum(y^2)``. The products with all shifts of the
+    model at once are a correlation, by Fourier transforms.
     """
     times = comparison.record.times
     n = int((times[-1] - times[0]) / step) + 1
     n_shifts = int((high - low) / step) + 1
-    # With the shift high - j step the model is m[j : j + n], and power[j] sums its squares.
+    # With the shift high - j step the model is m[j : j + n], and power[j] sums its
+    # squares.
     y = comparison.record.at(times[0] + step * np.arange(n))
     m = comparison.model.at(times[0] - high + step * np.arange(n + n_shifts - 1))
     size = 1 << (len(m) - 1).bit_length()  # a power of two, no less than len(m)

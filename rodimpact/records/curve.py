@@ -50,8 +50,8 @@ class Curve:
         Parameters
         ----------
         strain : float or array
-            Strains; below the first and above the largest strain of the shot, its first and its
-            last value hold.
+            Strains; below the first and above the largest strain of the shot, its first
+            and its last value hold.
         column : array, shape (n,)
             One of the columns, such as ``reduction.stress``.
 

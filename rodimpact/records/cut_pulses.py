@@ -1,8 +1,8 @@
 """Incident, reflected and transmitted pulse, each cut out of its record.
 
-The pulses of the input gauge are set into one record, at the times at which the gauge saw them.
-Between them, where nothing was given, the strain is zero. From there on they are reduced as a
-record of one gauge is.
+The pulses of the input gauge are set into one record, at the times at which the gauge
+saw them. Between them, where nothing was given, the strain is zero. From there on they
+are reduced as a record of one gauge is.
 """
 
 import math
@@ -34,12 +34,13 @@ class CutPulses(FrozenDataclass):
     Parameters
     ----------
     incident, reflected, transmitted : BarGauge
-        Each pulse with the distance of its gauge from the specimen. Incident and reflected pulse
-        are of one gauge. If a pulse begins with 4 samples at rest or more, their mean is its zero.
+        Each pulse with the distance of its gauge from the specimen. Incident and
+        reflected pulse are of one gauge. If a pulse begins with 4 samples at rest or
+        more, their mean is its zero.
     clock : str
-        ``"common"``: the times are those of the records, and distances and wave speeds align the
-        pulses. ``"own"``: each pulse has a time of its own; they are aligned so that they begin
-        together at the specimen.
+        ``"common"``: the times are those of the records, and distances and wave speeds
+        align the pulses. ``"own"``: each pulse has a time of its own; they are aligned
+        so that they begin together at the specimen.
 
     Raises
     ------
@@ -53,8 +54,10 @@ class CutPulses(FrozenDataclass):
     >>> pulse = ri.Signal(-1e-3 * shape, dt=1e-6)
     >>> gauges = [ri.BarGauge(factor * pulse, 0.5) for factor in (1.0, -0.4, 0.6)]
     >>> pulses = ri.CutPulses(*gauges, clock="own")
-    >>> bar = ri.Rod(1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000))
-    >>> found = ri.reduce(pulses=pulses, bars=bar, specimen=ri.Specimen(5e-3, area=1e-4))
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> specimen = ri.Specimen(5e-3, area=1e-4)
+    >>> found = ri.reduce(pulses=pulses, bars=bar, specimen=specimen)
     >>> round(found.stress.max() / 1e6)
     120
     """
@@ -104,8 +107,8 @@ class GaugePair(NamedTuple):
 def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
     """One record for each bar in which its pulses lie, as a gauge.
 
-    Each record begins with added rest. InvalidModel if the incident pulse is cut off, or the
-    reflected one begins before it.
+    Each record begins with added rest. InvalidModel if the incident pulse is cut off,
+    or the reflected one begins before it.
     """
     incident = _pulse_from_rest("incident", pulses.incident)
     reflected = _pulse_from_rest("reflected", pulses.reflected)
@@ -118,7 +121,8 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
     reflected_signal = reflected.signal
     transmitted_signal = transmitted.signal
     if pulses.clock == "own":
-        # Each leaves the specimen when the incident pulse has come there, and runs to its gauge.
+        # Each leaves the specimen when the incident pulse has come there, and runs to
+        # its gauge.
         delay = incident.onset + 2 * input_travel - reflected.onset
         reflected_signal = reflected_signal.shifted(delay)
         delay = incident.onset + input_travel + output_travel - transmitted.onset
@@ -156,8 +160,8 @@ def _speed_of(rod: Rod) -> float:
 def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
     """The strain of a pulse from its level at rest, and its begin.
 
-    The level is 0 if there are fewer than `MIN_LEVEL_SAMPLES` samples at rest. InvalidModel if the
-    pulse cannot be timed.
+    The level is 0 if there are fewer than `MIN_LEVEL_SAMPLES` samples at rest.
+    InvalidModel if the pulse cannot be timed.
     """
     strain = gauge.strain
     try:

@@ -1,8 +1,9 @@
 """A direct impact: a striker hits the specimen, which lies on a bar with a gauge.
 
-The forces on both faces of the specimen are assumed equal, F. The velocity of the striker's face
-follows from its momentum. A rigid striker of the mass m and the speed V has v1 = V - int F dt/m. In
-a rod of the impedance Z and the length L, whose far end is free, the wave g leaves the face::
+The forces on both faces of the specimen are assumed equal, F. The velocity of the
+striker's face follows from its momentum. A rigid striker of the mass m and the speed V
+has v1 = V - int F dt/m. In a rod of the impedance Z and the length L, whose far end is
+free, the wave g leaves the face::
 
     Z c g = F + Z c T(2 L) g          v1 = V - c (g + T(2 L) g)
 """
@@ -31,8 +32,8 @@ from .waveguide import Waveguide
 TIMING_PERIODS = 0.15
 """Error of the time of an impact in periods of the cut-off of the first mode.
 
-Higher frequencies are lost, so that the corner at which a force begins is rounded and rings. In
-computed shots, whose impact is known, the error is up to a tenth.
+Higher frequencies are lost, so that the corner at which a force begins is rounded and
+rings. In computed shots, whose impact is known, the error is up to a tenth.
 """
 
 
@@ -48,9 +49,9 @@ class DirectImpactShot:
     def curve(self) -> Curve:
         """Forces, velocities and strain if the forces on both faces are equal.
 
-        With the compressive strains of the waves at the output face, F1 = F2 = E A (away + towards)
-        and v2 = c (away - towards). The input face has v1, the speed of the striker less the
-        velocity that it has lost to the force.
+        With the compressive strains of the waves at the output face, F1 = F2 = E A
+        (away + towards) and v2 = c (away - towards). The input face has v1, the speed
+        of the striker less the velocity that it has lost to the force.
         """
         bar = self.output
         waves = waves_at_face(bar)
@@ -75,10 +76,10 @@ class DirectImpactShot:
     def _lost_velocity(self, force: Floats) -> Floats:
         """Velocity that the striker's face has lost to a force, m/s.
 
-        It is int F dt/m of a rigid striker, and c (g + T(2 L) g) of a rod with a free far
-        end. Here g is the strain of the wave that leaves the face, of the force and all
-        returned waves: Z c g = F + Z c T(2 L) g, with Z c the stiffness. T(x) carries a
-        wave over the distance x.
+        It is int F dt/m of a rigid striker, and c (g + T(2 L) g) of a rod with a free
+        far end. Here g is the strain of the wave that leaves the face, of the force and
+        all returned waves: Z c g = F + Z c T(2 L) g, with Z c the stiffness. T(x)
+        carries a wave over the distance x.
         """
         striker = self.striker
         if isinstance(striker, RigidMass):
@@ -114,8 +115,9 @@ class DirectImpactShot:
             kind = "a rod with a free far end"
         timing_error = format_si(timing_error_of(self.output), "s", digits=2)
         return (
-            f"velocity of the input face from the momentum of the striker, {kind}; the impact is "
-            f"when the force begins to rise from zero, within some {timing_error}"
+            f"velocity of the input face from the momentum of the striker, {kind}; the "
+            "impact is when the force begins to rise from zero, within some "
+            f"{timing_error}"
         )
 
 

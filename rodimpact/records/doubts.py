@@ -1,8 +1,9 @@
 """Doubts about a reduction: where the records contradict what was said about the shot.
 
-Four things are checked: gauges of one bar agree, each wave arrives when distances and wave speeds
-say, no alignment ends at the limit of its search, and the forces on both faces of the specimen
-balance. A doubt is a sentence with its number, its limit and a remedy. The curve stays as it is.
+Four things are checked: gauges of one bar agree, each wave arrives when distances and
+wave speeds say, no alignment ends at the limit of its search, and the forces on both
+faces of the specimen balance. A doubt is a sentence with its number, its limit and a
+remedy. The curve stays as it is.
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ MIN_COMPARED_SAMPLES = 16
 MIN_OPPOSITE_RATIO = 0.6
 """Bounds the strain of a gauge over that of the gauge opposite to it, on average over a pulse.
 
-Bending of a tenth of the axial strain leaves 0.8; a bridge or gain that is wrong by a factor of two
-leaves 0.5, a dead gauge 0.
+Bending of a tenth of the axial strain leaves 0.8; a bridge or gain that is wrong by a
+factor of two leaves 0.5, a dead gauge 0.
 """
 MIN_STATION_RATIO = 0.8
 """Bounds the smaller over the larger strain of one pulse at two distances on a bar.
@@ -39,7 +40,8 @@ Such gauges differ by some percent, and by a tenth each if bending is not cancel
 TRAVEL_RTOL = 0.05
 """Bounds the difference of an arrival from its prediction, over the predicted travel time.
 
-Wave speeds from tables are off by 2 or 3 %, and distances by 1 % with the length of a gauge.
+Wave speeds from tables are off by 2 or 3 %, and distances by 1 % with the length of a
+gauge.
 """
 SLOWEST_SPECIMEN_SPEED = 500.0
 """Bounds the time of a wave in the specimen: a foam has some 500 m/s, every metal is faster."""
@@ -66,8 +68,8 @@ Shots in equilibrium stay below a tenth.
 INPUT_FORCE_RTOL = 0.02
 """Bounds the error of F1 over the incident force, which adds to `IMBALANCE_LIMIT`.
 
-F1 is the difference of two waves, whose strains are right to 1 or 2 %. Between bars and a soft
-specimen it is much smaller than either of them.
+F1 is the difference of two waves, whose strains are right to 1 or 2 %. Between bars and
+a soft specimen it is much smaller than either of them.
 """
 
 
@@ -81,10 +83,12 @@ class DoubtfulReduction(UserWarning):
     The output gauge lies 0.5 m from the specimen, but 0.2 m is given:
 
     >>> import warnings, numpy as np, rodimpact as ri
-    >>> shape = 1e-3 * np.clip(np.minimum(np.arange(400) - 100, 250 - np.arange(400)) / 10, 0, 1)
+    >>> k = np.arange(400)
+    >>> shape = 1e-3 * np.clip(np.minimum(k - 100, 250 - k) / 10, 0, 1)
     >>> incident = ri.Signal(-shape, dt=1e-6)
     >>> transmitted = incident.shifted(2e-4).extended(before=2e-4)
-    >>> bar = ri.Rod(1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000))
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> gauges = ri.BarGauge(incident, 0.5), ri.BarGauge(transmitted, 0.2)
     >>> with warnings.catch_warnings(record=True) as told:
     ...     warnings.simplefilter("always")
@@ -124,8 +128,8 @@ def doubts_of(
 def doubts_of_equal_forces(bars: InstrumentedBars, length: float) -> tuple[str, ...]:
     """Sentences on all doubts about a shot with one gauge a bar and equal forces.
 
-    `length` is that of the specimen, m. The waves overlap, so nothing is said about the reflected
-    one.
+    `length` is that of the specimen, m. The waves overlap, so nothing is said about the
+    reflected one.
     """
     doubts: list[str] = []
     for bar in bars:
@@ -169,7 +173,8 @@ def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
         if gauge.opposite is None:
             continue
         pair = _in_first_pulse(gauge, pulse)
-        # Each record is compared with the mean of both: sum(record mean) tells how strong it is.
+        # Each record is compared with the mean of both: sum(record mean) tells how
+        # strong it is.
         mean = (pair.signal + pair.opposite) / 2
         signal_share = float(pair.signal @ mean)
         opposite_share = float(pair.opposite @ mean)
@@ -184,10 +189,11 @@ def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
         if ratio < MIN_OPPOSITE_RATIO:
             yield (
                 f"of the gauges on opposite sides of the {_bar_name(bar)}, "
-                f"{format_si(gauge.distance, 'm', 3)} from the specimen, `{weaker}` records "
-                f"{_percent(ratio)} of the strain of `{stronger}`; at least "
-                f"{_percent(MIN_OPPOSITE_RATIO)} is expected; check its bridge and gain, or give "
-                f"the record of `{stronger}` alone, ri.BarGauge({stronger}, distance)"
+                f"{format_si(gauge.distance, 'm', 3)} from the specimen, `{weaker}` "
+                f"records {_percent(ratio)} of the strain of `{stronger}`; at least "
+                f"{_percent(MIN_OPPOSITE_RATIO)} is expected; check its bridge and "
+                f"gain, or give the record of `{stronger}` alone, "
+                f"ri.BarGauge({stronger}, distance)"
             )
 
 
@@ -213,7 +219,8 @@ def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
 def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
     """Compare the first pulse at two distances, while no other wave is at either gauge.
 
-    The record of the first gauge, propagated to the second one, predicts what that records.
+    The record of the first gauge, propagated to the second one, predicts what that
+    records.
     """
     if len(bar.distances) < 2:
         return
@@ -232,17 +239,18 @@ def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
     if not MIN_STATION_RATIO <= ratio <= most:
         yield (
             f"of the two gauges of the {_bar_name(bar)}, the one "
-            f"{format_si(second, 'm', 3)} from the specimen records {_percent(ratio)} of the pulse "
-            f"that passes the one at {format_si(first, 'm', 3)}; at least "
-            f"{_percent(MIN_STATION_RATIO)} and at most {_percent(most)} is expected; check "
-            "bridges and gains of both"
+            f"{format_si(second, 'm', 3)} from the specimen records {_percent(ratio)} "
+            f"of the pulse that passes the one at {format_si(first, 'm', 3)}; at least "
+            f"{_percent(MIN_STATION_RATIO)} and at most {_percent(most)} is expected; "
+            "check bridges and gains of both"
         )
 
 
 def _alone_at_second_gauge(bar: InstrumentedBar) -> float:
     """Time for which the first pulse is alone at the second gauge, s.
 
-    Then it is back from the specimen in the input bar, from the far end in the output bar.
+    Then it is back from the specimen in the input bar, from the far end in the output
+    bar.
     """
     to_end = float(bar.distances[1])
     if bar.is_output:
@@ -312,11 +320,12 @@ def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
     delay = _delay(_first_onset(bar, 0), _first_onset(bar, 1))
     if delay.contradicts(apart / bar.speed):
         yield (
-            f"the pulse takes {format_si(delay.middle, 's', 3)} from the first gauge of the "
-            f"{_bar_name(bar)} to the second; their distance, {format_si(apart, 'm', 3)}, "
-            f"and the bar speed, {bar.speed:.0f} m/s, say "
-            f"{format_si(apart / bar.speed, 's', 3)}; check both distances (the delay fits "
-            f"{format_si(delay.middle * bar.speed, 'm', 3)} between the gauges) and the bar speed"
+            f"the pulse takes {format_si(delay.middle, 's', 3)} from the first gauge "
+            f"of the {_bar_name(bar)} to the second; their distance, "
+            f"{format_si(apart, 'm', 3)}, and the bar speed, {bar.speed:.0f} m/s, say "
+            f"{format_si(apart / bar.speed, 's', 3)}; check both distances (the delay "
+            f"fits {format_si(delay.middle * bar.speed, 'm', 3)} between the gauges) "
+            "and the bar speed"
         )
 
 
@@ -333,10 +342,11 @@ def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
     if delay.contradicts(travel):
         fitting = delay.middle * bar.speed / 2
         yield (
-            f"the reflected wave arrives {format_si(delay.middle, 's', 3)} after the incident "
-            f"wave; the distance of the input gauge, {format_si(distance, 'm', 3)}, and the bar "
-            f"speed, {bar.speed:.0f} m/s, say {format_si(travel, 's', 3)}; check the distance "
-            f"(the delay fits {format_si(fitting, 'm', 3)}) and the bar speed, which "
+            f"the reflected wave arrives {format_si(delay.middle, 's', 3)} after the "
+            "incident wave; the distance of the input gauge, "
+            f"{format_si(distance, 'm', 3)}, and the bar speed, {bar.speed:.0f} m/s, "
+            f"say {format_si(travel, 's', 3)}; check the distance (the delay fits "
+            f"{format_si(fitting, 'm', 3)}) and the bar speed, which "
             "ri.calibrate measures"
         )
 
@@ -354,7 +364,8 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
     strain = bar.strains[0][between]
     times = bar.times[between]
     is_faint = np.abs(strain) < MIN_REFLECTED_RATIO * abs(incident.plateau)
-    # The fall of the incident wave, up to the first faint sample, is not yet the reflected one.
+    # The fall of the incident wave, up to the first faint sample, is not yet the
+    # reflected one.
     is_from_first_faint = np.logical_or.accumulate(is_faint)
     if is_faint[is_from_first_faint].all():  # also if there is no faint sample
         return None
@@ -378,19 +389,22 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
     # The specimen makes the wave late only, by its own travel time at most.
     if delay.contradicts(travel, length / SLOWEST_SPECIMEN_SPEED):
         yield (
-            f"the transmitted wave arrives {format_si(delay.middle, 's', 3)} after the incident "
-            f"wave; the distances of the gauges from the specimen, {format_si(before, 'm', 3)} and "
-            f"{format_si(behind, 'm', 3)}, and the bar speeds, {input_speed:.0f} m/s and "
-            f"{output_speed:.0f} m/s, say {format_si(travel, 's', 3)}; check the distances, that "
-            "both records have one zero of time, and the bar speeds, which ri.calibrate measures"
+            f"the transmitted wave arrives {format_si(delay.middle, 's', 3)} after the "
+            "incident wave; the distances of the gauges from the specimen, "
+            f"{format_si(before, 'm', 3)} and {format_si(behind, 'm', 3)}, and the bar "
+            f"speeds, {input_speed:.0f} m/s and {output_speed:.0f} m/s, say "
+            f"{format_si(travel, 's', 3)}; check the distances, that "
+            "both records have one zero of time, and the bar speeds, which "
+            "ri.calibrate measures"
         )
 
 
 def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
     """Time the transmitted pulse that comes back from the free far end of its bar.
 
-    E and density of the bar say a wave speed; the pulse that comes back measures it. Without such a
-    pulse (a record too short, a trap or a damper at the far end) nothing is said.
+    E and density of the bar say a wave speed; the pulse that comes back measures it.
+    Without such a pulse (a record too short, a trap or a damper at the far end) nothing
+    is said.
     """
     speed = _speed_of_echo(bar)
     if speed is None or abs(speed / bar.speed - 1) <= ECHO_RTOL:
@@ -399,9 +413,10 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
     modulus = format_si(density * speed**2, "Pa", digits=4)
     stress_error = _percent(abs((bar.speed / speed) ** 2 - 1))
     yield (
-        f"the transmitted wave comes back from the far end of the output bar at {speed:.0f} m/s; "
-        f"Young's modulus and density of the bar say {bar.speed:.0f} m/s, so the stress may be "
-        f"wrong by {stress_error}; give youngs_modulus={modulus}, which is density times the "
+        "the transmitted wave comes back from the far end of the output bar at "
+        f"{speed:.0f} m/s; Young's modulus and density of the bar say {bar.speed:.0f} "
+        f"m/s, so the stress may be wrong by {stress_error}; give "
+        f"youngs_modulus={modulus}, which is density times the "
         "square of the measured speed, or correct the length of the bar"
     )
 
@@ -409,8 +424,9 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
 def _speed_of_echo(bar: InstrumentedBar) -> float | None:
     """Speed of the first pulse on its way to the far end and back, m/s; None if it is not seen.
 
-    The pulse, propagated there and back with its sign turned, is shifted against the record. It is
-    not seen if the record is too short, or what comes back does not fit it.
+    The pulse, propagated there and back with its sign turned, is shifted against the
+    record. It is not seen if the record is too short, or what comes back does not fit
+    it.
     """
     path = 2 * (float(bar.rod.length) - float(bar.distances[0]))
     travel = path / bar.speed
@@ -443,9 +459,10 @@ def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
     for wave, shift in shifts._asdict().items():
         if abs(shift) >= (1 - SHIFT_LIMIT_RTOL) * limit:
             yield (
-                f"the alignment moves the {wave} wave by {format_si(shift, 's', 3)}, the limit of "
-                "its search, and would move it further; give a larger align_within than "
-                f"{format_si(limit, 's', 3)}, or correct distances and bar speeds"
+                f"the alignment moves the {wave} wave by {format_si(shift, 's', 3)}, "
+                "the limit of its search, and would move it further; give a larger "
+                f"align_within than {format_si(limit, 's', 3)}, or correct distances "
+                "and bar speeds"
             )
 
 
@@ -455,10 +472,10 @@ def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
     after = alignment.imbalance_after
     if after > MIN_WORSE_IMBALANCE and after > WORSE_IMBALANCE_RATIO * before:
         yield (
-            f"the alignment, which balances the elastic start alone, makes the balance over all "
-            f"loading worse: |F1 - F2| is {_percent(after)} of the mean force, "
-            f"{_percent(before)} without it; leave align_within out, or correct distances and bar "
-            "speeds"
+            "the alignment, which balances the elastic start alone, makes the balance "
+            f"over all loading worse: |F1 - F2| is {_percent(after)} of the mean "
+            f"force, {_percent(before)} without it; leave align_within out, or correct "
+            "distances and bar speeds"
         )
 
 
@@ -473,14 +490,15 @@ def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
     output_force = curve.output_force[is_plateau]
     mean = float(np.median(np.abs(input_force) + np.abs(output_force))) / 2
     difference = float(np.median(np.abs(input_force - output_force)))
-    # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave, Z c i.
+    # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave,
+    # Z c i.
     incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
     limit = IMBALANCE_LIMIT * mean + INPUT_FORCE_RTOL * np.abs(incident_force).max()
     if difference > limit:
         yield (
-            f"the forces on the two faces differ by {_percent(difference / mean)} of their mean "
-            f"size on the plateau; at most {_percent(limit / mean)} is expected; check distances "
-            "and gains (ri.calibrate finds gains from a shot with the bars together); if they are "
-            "right, the specimen was not in equilibrium: use a shorter specimen or a slower rise "
-            "of the pulse"
+            f"the forces on the two faces differ by {_percent(difference / mean)} of "
+            f"their mean size on the plateau; at most {_percent(limit / mean)} is "
+            "expected; check distances and gains (ri.calibrate finds gains from a shot "
+            "with the bars together); if they are right, the specimen was not in "
+            "equilibrium: use a shorter specimen or a slower rise of the pulse"
         )

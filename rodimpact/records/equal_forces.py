@@ -1,14 +1,15 @@
 """A shot with one gauge a bar, whose waves overlap: equal forces on both faces separate them.
 
-In the first mode a wave that runs on by x is multiplied by T(x). Let z be the distance of a gauge
-from the specimen, L the length of the output bar, whose far end is free. With the strains at the
-faces (incident i, reflected r, transmitted t, returning s), the records are::
+In the first mode a wave that runs on by x is multiplied by T(x). Let z be the distance
+of a gauge from the specimen, L the length of the output bar, whose far end is free.
+With the strains at the faces (incident i, reflected r, transmitted t, returning s), the
+records are::
 
     e2 = T(z) t - T(2 L - z) t        so  t = T(-z) e2 + T(2 L - 2 z) t,   s = -T(2 L) t
     e1 = T(-z) i + T(z) r             so  i = T(z) e1 - T(2 z) f + T(2 z) i
 
-with f = i + r = E2 A2 (t + s)/(E1 A1). Each passage uses what the one before gave: an offset of the
-input record adds once every 2 z/c.
+with f = i + r = E2 A2 (t + s)/(E1 A1). Each passage uses what the one before gave: an
+offset of the input record adds once every 2 z/c.
 """
 
 from __future__ import annotations
@@ -87,12 +88,14 @@ class EqualForceShot:
         passages = math.ceil(duration / period)
         noise = input_bar.strains[0, : input_bar.rest_samples].std()
         level_error = noise / math.sqrt(input_bar.rest_samples)
-        # An offset of the record adds once a passage of the waves: percents of the incident wave.
+        # An offset of the record adds once a passage of the waves: percents of the
+        # incident wave.
         offset = 100 * passages * level_error / input_bar.first_pulse.plateau
         return (
-            f"waves separated by equal forces and a free far end of the output bar, for "
-            f"{format_si(duration, 's', 4)}; an offset of the input record adds once every "
-            f"{format_si(period, 's', 3)}: the error of its level at rest grows to {offset:.2g} % "
+            "waves separated by equal forces and a free far end of the output bar, "
+            f"for {format_si(duration, 's', 4)}; an offset of the input record adds "
+            f"once every {format_si(period, 's', 3)}: the error of its level at rest "
+            f"grows to {offset:.2g} % "
             "of the incident wave by then"
         )
 
@@ -100,9 +103,10 @@ class EqualForceShot:
 def waves_with_free_end(bar: InstrumentedBar) -> Waves:
     """Waves at the face of an output bar with one gauge, whose far end is free.
 
-    With the length L, the distance z of the gauge, the effect T(x) of a way x, and the wave a away
-    from the face, the wave towards it is -T(2 L) a. The gauge has the strain
-    e = T(z) a - T(2 L - z) a, so that a = T(-z) e + T(2 (L - z)) a: a sum of passages.
+    With the length L, the distance z of the gauge, the effect T(x) of a way x, and the
+    wave a away from the face, the wave towards it is -T(2 L) a. The gauge has the
+    strain e = T(z) a - T(2 L - z) a, so that a = T(-z) e + T(2 (L - z)) a: a sum of
+    passages.
     """
     strain = from_pulse(bar, 0)
     distance = float(bar.distances[0])
@@ -116,8 +120,9 @@ def waves_with_free_end(bar: InstrumentedBar) -> Waves:
 def _incident_wave(bar: InstrumentedBar, face_strain: Floats) -> Floats:
     """Incident wave i at the face of an input bar with one gauge; `face_strain` s is i + r.
 
-    With the distance z of the gauge and the effect T(x) of a way x, the gauge has the strain
-    e = T(-z) i + T(z) (s - i), so that i = T(z) e - T(2 z) s + T(2 z) i: a sum of passages.
+    With the distance z of the gauge and the effect T(x) of a way x, the gauge has the
+    strain e = T(-z) i + T(z) (s - i), so that i = T(z) e - T(2 z) s + T(2 z) i: a sum
+    of passages.
     """
     distance = float(bar.distances[0])
     strain = from_pulse(bar, 0)

@@ -40,7 +40,8 @@ def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
 def blurred(values: Floats, dt: float, deviation: float) -> Floats:
     """Gaussian filter of this standard deviation, s.
 
-    Its gain exp(-(2 pi f deviation)^2/2) is 1/sqrt(2) where 2 pi f deviation = sqrt(ln 2).
+    Its gain exp(-(2 pi f deviation)^2/2) is 1/sqrt(2) where 2 pi f deviation = sqrt(ln
+    2).
     """
     frequency = math.sqrt(math.log(2)) / (2 * math.pi * deviation)
     return gaussian(values, dt, frequency)
@@ -77,7 +78,8 @@ LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
 def averaged(values: Floats, times: Floats, duration: float) -> Floats:
     """Means over a duration, s, centred at each sample, exact for straight lines between samples.
 
-    Steps may differ. Means over a duration of next to nothing are the values themselves.
+    Steps may differ. Means over a duration of next to nothing are the values
+    themselves.
     """
     if duration < MIN_MEAN_STEPS * np.diff(times).min():
         return values
@@ -109,7 +111,8 @@ def first_mode(f: Floats, distance: float, bar: Any) -> Any:
 
     Delays count from the arrival of long waves; no wave above the cut-off goes on.
     """
-    # A frequency stands for a band around it, as wide as a step: the share below the cut-off.
+    # A frequency stands for a band around it, as wide as a step: the share below the
+    # cut-off.
     step = f[1]
     share_below = np.clip((bar.cut_off - f) / step + 0.5, 0.0, 1.0)
     carried = np.minimum(f, bar.cut_off)
@@ -122,8 +125,8 @@ def _filter(
 ) -> Floats:
     """Values after a filter with a gain over frequency, whose response lasts `tail` samples.
 
-    The transform is periodic. A smooth curve leads from the last value back to the first
-    one, out of reach of the record. InvalidModel if the record is longer than
+    The transform is periodic. A smooth curve leads from the last value back to the
+    first one, out of reach of the record. InvalidModel if the record is longer than
     `MAX_SAMPLES` with this way back.
     """
     from scipy import fft

@@ -53,8 +53,8 @@ class Head(NamedTuple):
 def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     """Head of each column, from the lines before the numbers.
 
-    The heads are in the last line with a cell for each column, or above a line of units. Columns
-    without heads are called "1", "2" and so on.
+    The heads are in the last line with a cell for each column, or above a line of
+    units. Columns without heads are called "1", "2" and so on.
 
     Parameters
     ----------
@@ -86,7 +86,8 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     # No head of several is a number.
     if count > 1 and form.is_number(rows[-1][0]):
         raise FileFormatError(
-            f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or remove it"
+            f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or "
+            "remove it"
         )
     heads = _last_heads(rows)
     if not _has_times(heads):
@@ -112,8 +113,8 @@ def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
         return
     if all(map(form.is_number, cells)):
         raise FileFormatError(
-            f"has the {len(cells)} numbers {shown(cells)} above {count} columns of numbers; "
-            "every line needs a number for each column"
+            f"has the {len(cells)} numbers {shown(cells)} above {count} columns of "
+            "numbers; every line needs a number for each column"
         )
     raise FileFormatError(
         f"has the {len(cells)} heads {shown(cells)} for {count} columns "
@@ -124,8 +125,8 @@ def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
 def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:
     """Heads of different names: those of a line above, if the last line repeats names.
 
-    Scopes write a line of channels above a line such as Time, Signal, Signal. The heads stay as
-    they are if no line has different names.
+    Scopes write a line of channels above a line such as Time, Signal, Signal. The heads
+    stay as they are if no line has different names.
     """
     if len({head.name for head in heads}) == len(heads):
         return heads
@@ -156,7 +157,8 @@ def _last_heads(rows: list[list[str]]) -> list[Head]:
 def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
     """Heads with times and a line of units below them, above other lines; else those given.
 
-    The recorder catman writes two dozen lines about each channel: its name, its unit, and so on.
+    The recorder catman writes two dozen lines about each channel: its name, its unit,
+    and so on.
     """
     # Lines at the end are left out, one more each time.
     for count in range(len(rows) - 1, 1, -1):
@@ -186,9 +188,9 @@ def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
 def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
     """Heads in a line; the caller checks their number.
 
-    Without a delimiter heads end at blanks. If that does not give `count` heads, a unit in
-    brackets is joined to what is before it; if that does not either, heads end at two blanks or
-    a tab.
+    Without a delimiter heads end at blanks. If that does not give `count` heads, a unit
+    in brackets is joined to what is before it; if that does not either, heads end at
+    two blanks or a tab.
     """
     cells = form.cells(text)
     if not form.delimiter and len(cells) != count:
@@ -205,8 +207,8 @@ def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
 def _head_of(cell: str) -> Head:
     """Name and unit from a cell: ``incident [mV]``, ``incident_mV``, ``incident / mV``.
 
-    Brackets alone hold the name. Without brackets the last word is a unit if it is known as one of
-    what instruments measure; otherwise all of the text is the name.
+    Brackets alone hold the name. Without brackets the last word is a unit if it is
+    known as one of what instruments measure; otherwise all of the text is the name.
     """
     text = cell.strip(" \"'")
     match = IN_BRACKETS.fullmatch(text)

@@ -1,9 +1,9 @@
 """A bar with the strains of its gauges, and how waves run along it.
 
-A gauge at the distance d from the face of the bar at the specimen records
-e(t) = i(t + d/c) + r(t - d/c). The wave i runs towards the face, the wave r away from it; i and r
-are the strains at the face. Each frequency f runs at its own phase velocity c(f). Strains are
-positive in compression here.
+A gauge at the distance d from the face of the bar at the specimen records e(t) = i(t +
+d/c) + r(t - d/c). The wave i runs towards the face, the wave r away from it; i and r
+are the strains at the face. Each frequency f runs at its own phase velocity c(f).
+Strains are positive in compression here.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from .waveguide import Waveguide
 class InstrumentedBar(NamedTuple):
     """One bar with its gauges: compressive strains at equal time steps, all at the same times.
 
-    The gauges are in the order in which the first pulse arrives. It runs towards the specimen in
-    the input bar, away from it in the output bar.
+    The gauges are in the order in which the first pulse arrives. It runs towards the
+    specimen in the input bar, away from it in the output bar.
     """
 
     rod: Rod
@@ -68,7 +68,8 @@ class InstrumentedBar(NamedTuple):
     def known_until(self) -> Floats:
         """For each gauge the time at the face of the last wave in its record, s.
 
-        A jump rings for as long as the cut-off makes it; the end of the record lacks this time.
+        A jump rings for as long as the cut-off makes it; the end of the record lacks
+        this time.
         """
         travels = self.distances / self.speed
         ringing = max(self.dt, 2 / self.guide.cut_off)

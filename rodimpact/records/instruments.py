@@ -1,9 +1,9 @@
 """Entries of LabVIEW and of scopes before or beside a table, as column heads.
 
-LabVIEW measurement files (.lvm) name units and steps of time in lines of their own, and may leave
-out the column of times. Scopes of Tektronix write such lines before the table, or in three columns
-to its left; those of Rigol, LeCroy, Yokogawa and Keysight (Infiniium) before the table. An entry
-without a value is taken as missing.
+LabVIEW measurement files (.lvm) name units and steps of time in lines of their own, and
+may leave out the column of times. Scopes of Tektronix write such lines before the
+table, or in three columns to its left; those of Rigol, LeCroy, Yokogawa and Keysight
+(Infiniium) before the table. An entry without a value is taken as missing.
 """
 
 import re
@@ -67,8 +67,8 @@ def as_written(_: int, line: str) -> str:
 def find_layout(lines: list[str]) -> Layout:
     """Layout of a file with these first lines.
 
-    The instrument is known by its first line or by its entries. If none is known, all lines are
-    taken as they are.
+    The instrument is known by its first line or by its entries. If none is known, all
+    lines are taken as they are.
     """
     lines = lines[:MAX_ENTRY_LINES]
     mark = "\t"  # what parts two cells
@@ -106,8 +106,9 @@ def _cells(line: str) -> list[str]:
 def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
     """Layout of a file whose rows have a number instead of a time.
 
-    The first line is X, channels, Start, Increment; the second one has their units, the time of
-    the first row and the time step. In each row the number, of a sample from 0 on, becomes a time.
+    The first line is X, channels, Start, Increment; the second one has their units, the
+    time of the first row and the time step. In each row the number, of a sample from 0
+    on, becomes a time.
     """
     start_column = heads.index("start")
     try:
@@ -115,8 +116,8 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
         step = float(entries[heads.index("increment")])
     except (ValueError, IndexError):
         raise FileFormatError(
-            "has no numbers below Start and Increment; write them there, or remove both lines and "
-            "give rate"
+            "has no numbers below Start and Increment; write them there, or remove "
+            "both lines and give rate"
         ) from None
     channels = []
     for name, unit in zip(heads[1:start_column], entries[1:start_column], strict=True):
@@ -141,21 +142,21 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
 def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
     """Layout of a file whose rows have no times, and may begin with a blank cell.
 
-    The time of row k is HResolution (k - 1) + HOffset, in HUnit, says the appendix on the ASCII
-    data file of the manuals.
+    The time of row k is HResolution (k - 1) + HOffset, in HUnit, says the appendix on
+    the ASCII data file of the manuals.
     """
     if first_value(entries, "blocknumber", "1") != "1":
         raise FileFormatError(
-            f"has {first_value(entries, 'blocknumber', '')} blocks (BlockNumber), one below the "
-            "other; save a single block"
+            f"has {first_value(entries, 'blocknumber', '')} blocks (BlockNumber), one "
+            "below the other; save a single block"
         )
     try:
         step = float(first_value(entries, "hresolution", ""))
         start = float(first_value(entries, "hoffset", ""))
     except ValueError:
         raise FileFormatError(
-            "has no numbers HResolution and HOffset; write them there, or remove the lines above "
-            "the numbers and give rate"
+            "has no numbers HResolution and HOffset; write them there, or remove the "
+            "lines above the numbers and give rate"
         ) from None
     channels = [name for name in entries["tracename"] if name]
     first_row = 0
@@ -211,8 +212,8 @@ def _keysight_layout(first_line: str, entries: Entries) -> Layout:
     starts = [text for text in entries["xorg"] if text]  # of each channel or segment
     if len(starts) > 1:
         raise FileFormatError(
-            "has a column of times for each channel or segment; save each channel in a file of "
-            "its own"
+            "has a column of times for each channel or segment; save each channel in a "
+            "file of its own"
         )
     names = [cell for cell in first_line.split(",") if cell.strip(' "')]
     channel = "Channel 1"
@@ -229,8 +230,8 @@ def _labview_layout(
 ) -> Layout:
     """Layout of a file whose table stands below the line of names; `mark` ends each cell.
 
-    If the file has no times, the time is put before each row. FileFormatError if it has a column of
-    times for each channel.
+    If the file has no times, the time is put before each row. FileFormatError if it has
+    a column of times for each channel.
     """
     columns = first_value(entries, "x_columns", "One").casefold()
     if columns not in ("one", "no"):
@@ -253,7 +254,8 @@ def _labview_layout(
 def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
     """Function that puts the time before each line of a table without times.
 
-    The times follow from the entries X0 and Delta_X; FileFormatError if they are missing.
+    The times follow from the entries X0 and Delta_X; FileFormatError if they are
+    missing.
     """
     try:
         start = float(first_value(entries, "x0", "").replace(",", "."))
@@ -301,8 +303,8 @@ def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
 def _head_line(channels: list[str], units: list[str], time_unit: str, mark: str) -> str:
     """A line of heads, with `mark` between them: the time, then the channels.
 
-    A single unit is that of all channels; a channel may have none. Columns without a name, and one
-    of comments, have no numbers.
+    A single unit is that of all channels; a channel may have none. Columns without a
+    name, and one of comments, have no numbers.
     """
     while units and not units[-1]:
         units = units[:-1]

@@ -38,7 +38,7 @@ class MeanCurve(NamedTuple):
     Examples
     --------
     >>> import rodimpact as ri
-    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)  # c = 5000 m/s
     >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
@@ -76,8 +76,9 @@ class MeanCurve(NamedTuple):
                 ]
             )
         title = (
-            f"mean of {self.shots} shots: peak stress {format_si(self.stress[peak], 'Pa', 4)} at "
-            f"{100 * at_peak:.3g} % of strain; scatter is the standard deviation from shot to shot"
+            f"mean of {self.shots} shots: peak stress "
+            f"{format_si(self.stress[peak], 'Pa', 4)} at {100 * at_peak:.3g} % of "
+            "strain; scatter is the standard deviation from shot to shot"
         )
         return f"{title}\n{align(rows)}"
 
@@ -104,7 +105,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:
     Examples
     --------
     >>> import rodimpact as ri
-    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)  # c = 5000 m/s
     >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])

@@ -2,7 +2,8 @@
 
 >>> from rodimpact.records.signal import Signal
 >>> import pathlib, tempfile
->>> bars = {"incident": Signal([0.0, 1.0], dt=1e-6, unit="V"), "specimen": Signal([0, 9], dt=1e-6)}
+>>> incident = Signal([0.0, 1.0], dt=1e-6, unit="V")
+>>> bars = {"incident": incident, "specimen": Signal([0, 9], dt=1e-6)}
 >>> with tempfile.TemporaryDirectory() as folder:
 ...     write_signals(f"{folder}/shot.csv", bars)
 ...     print(pathlib.Path(folder, "shot.csv").read_text())

@@ -20,8 +20,9 @@ def noise_of_bars(bars: InstrumentedBars, rng: np.random.Generator) -> Instrumen
 def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> InstrumentedBar:
     """A bar whose gauges record nothing but noise.
 
-    The noise is a block bootstrap of the record before the pulse. Blocks keep the correlation of
-    the noise. They are short, since the mean over the whole rest was subtracted as the baseline.
+    The noise is a block bootstrap of the record before the pulse. Blocks keep the
+    correlation of the noise. They are short, since the mean over the whole rest was
+    subtracted as the baseline.
     """
     block = max(2, bar.rest_samples // NOISE_BLOCKS)  # samples
     count = len(bar.times)

@@ -1,7 +1,7 @@
 """How a line of a table is cut into numbers: delimiter and decimal sign.
 
-Both are taken from the first rows if they are unambiguous there. Otherwise an error asks for the
-decimal sign; nothing is guessed.
+Both are taken from the first rows if they are unambiguous there. Otherwise an error
+asks for the decimal sign; nothing is guessed.
 """
 
 import csv
@@ -96,8 +96,8 @@ class TableStart(NamedTuple):
 def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableStart:
     """The first line of numbers, and how it is cut into them.
 
-    The form is that of the first `FIRST_ROWS` rows of equally many numbers. The table may begin
-    above them, see `_first_row`.
+    The form is that of the first `FIRST_ROWS` rows of equally many numbers. The table
+    may begin above them, see `_first_row`.
 
     Parameters
     ----------
@@ -155,9 +155,9 @@ def _forms_from(
 def _first_row(lines: list[str], start: int, form: NumberForm) -> int:
     """Index of the first row of the table, whose form is that of the rows from `start` on.
 
-    It is the first row of as many numbers as that at `start`, two or more: below it may stand rows
-    of other lengths, such as one without some channels. A line of words ends the search: what is
-    above it belongs to the head. A blank line does not.
+    It is the first row of as many numbers as that at `start`, two or more: below it may
+    stand rows of other lengths, such as one without some channels. A line of words ends
+    the search: what is above it belongs to the head. A blank line does not.
     """
     count = form.count_numbers(lines[start])
     if count == 1:
@@ -178,8 +178,9 @@ def _chosen(
 ) -> NumberForm:
     """One of the forms that match the first rows; FileFormatError if they leave it open.
 
-    A form that finds several numbers goes before one that finds a single one. If whole numbers fit
-    both decimal signs, it is a comma if one stands in the table, else a point.
+    A form that finds several numbers goes before one that finds a single one. If whole
+    numbers fit both decimal signs, it is a comma if one stands in the table, else a
+    point.
     """
     line = lines[start]
     # A line of one number is that number only if no form finds more.
@@ -191,8 +192,8 @@ def _chosen(
         for head in lines[:start]:
             if head.strip():
                 last_head = head
-        # Another form takes the line for one number, with a decimal comma. It has columns if there
-        # are as many commas in the heads.
+        # Another form takes the line for one number, with a decimal comma. It has
+        # columns if there are as many commas in the heads.
         may_be_decimal = len(several) < len(matching)
         commas = COMMAS.count_numbers(line) - 1
         if may_be_decimal and last_head.count(",") != commas:
@@ -230,12 +231,12 @@ def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
     count = form.count_numbers(line)  # 0 if a cell is no number
     if count:  # then a line below it keeps it from being the first row
         return (
-            f": line {middle + 1} has {count} numbers, but not all lines below it; every line "
-            "needs a number for each column"
+            f": line {middle + 1} has {count} numbers, but not all lines below it; "
+            "every line needs a number for each column"
         )
     odd = next(cell for cell in form.cells(line) if not form.is_number(cell))
     return (
-        f": line {middle + 1} has {shown(odd)}; below the heads write only numbers, in columns "
-        "separated by tabs, semicolons, commas or blanks, times in seconds, and no separators "
-        "of thousands"
+        f": line {middle + 1} has {shown(odd)}; below the heads write only numbers, in "
+        "columns separated by tabs, semicolons, commas or blanks, times in seconds, "
+        "and no separators of thousands"
     )

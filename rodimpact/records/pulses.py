@@ -41,12 +41,14 @@ class Pulse(NamedTuple):
     rise : float
         Time from 10 % to 90 % of the plateau, s.
     plateau : float
-        Median of the samples above 0.7 of the largest, with its sign, in the unit of the signal.
+        Median of the samples above 0.7 of the largest, with its sign, in the unit of
+        the signal.
 
     Examples
     --------
     >>> import rodimpact as ri
-    >>> pulse = ri.Signal([0.0, 0.0, -2.0, -2.0, -2.0, 0.0, 0.0], dt=1e-6, unit="N").pulse()
+    >>> force = ri.Signal([0.0, 0.0, -2.0, -2.0, -2.0, 0.0, 0.0], dt=1e-6, unit="N")
+    >>> pulse = force.pulse()
     >>> round(pulse.width * 1e6, 6), round(pulse.rise * 1e6, 6), pulse.plateau
     (3.0, 0.8, -2.0)
     """
@@ -63,7 +65,8 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
     Between samples the values are linear.
     """
     sign = _sign_of(values)
-    # Beyond the ends there are samples below any level. A pulse that ends there has no time.
+    # Beyond the ends there are samples below any level. A pulse that ends there has no
+    # time.
     v = np.concatenate(([-np.inf], sign * values, [-np.inf]))
     t = np.concatenate(([np.nan], times, [np.nan]))
     top = _stretch_above(PLATEAU_RATIO * v.max(), t, v)
@@ -72,10 +75,12 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
     half = _stretch_above(0.5 * level, t, v)
     if not np.isfinite([foot.rises, half.rises, half.falls]).all():
         raise ValueError(
-            "the record cuts the pulse off: before the pulse the signal must be below a tenth of "
-            "its plateau, after it below half; use a longer window, or subtract the baseline"
+            "the record cuts the pulse off: before the pulse the signal must be below "
+            "a tenth of its plateau, after it below half; use a longer window, or "
+            "subtract the baseline"
         )
-    # The first sample of 0.9 of the level, and the time at which it is passed before this sample
+    # The first sample of 0.9 of the level, and the time at which it is passed before
+    # this sample
     first_high = int(np.argmax(v[half.samples] >= 0.9 * level))
     i = half.samples.start + first_high
     rise_end = float(np.interp(0.9 * level, v[i - 1 : i + 1], t[i - 1 : i + 1]))
@@ -143,8 +148,8 @@ def first_part(times: Floats, values: Floats) -> Pulse:
 def rest_end(times: Floats, values: Floats, pulse: Pulse) -> float:
     """Time before which a record is at rest, s.
 
-    It lies before a tenth of the plateau by 2.5 times the duration from there to a fifth, and by
-    one sample at least.
+    It lies before a tenth of the plateau by 2.5 times the duration from there to a
+    fifth, and by one sample at least.
     """
     dt = times[1] - times[0]
     until_fifth = max(_time_at_fifth(times, values, pulse) - pulse.start, dt)
@@ -154,7 +159,8 @@ def rest_end(times: Floats, values: Floats, pulse: Pulse) -> float:
 def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float:
     """Last time before a tenth of the plateau at which a pulse is not above its noise, s.
 
-    It is not above a hundredth of the plateau, or three standard deviations of the noise.
+    It is not above a hundredth of the plateau, or three standard deviations of the
+    noise.
     """
     level = max(ONSET_RATIO * abs(pulse.plateau), ONSET_NOISE_RATIO * noise)
     size = np.sign(pulse.plateau) * values  # positive in the pulse
@@ -174,9 +180,9 @@ def line_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
 def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     """Begin of a pulse that rises over many samples, s.
 
-    It is the zero of the parabola through the rise, from a twentieth to 0.6 of the plateau. The
-    bar has lost the first moments of the rise; most of the rest of it is known. A steep pulse
-    begins at its `line_onset`.
+    It is the zero of the parabola through the rise, from a twentieth to 0.6 of the
+    plateau. The bar has lost the first moments of the rise; most of the rest of it is
+    known. A steep pulse begins at its `line_onset`.
     """
     relative = np.sign(pulse.plateau) * values / abs(pulse.plateau)
     # The rise has the samples from `begin` to `end` - 1.

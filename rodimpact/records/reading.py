@@ -1,7 +1,7 @@
 """Signals from the text tables of laboratory instruments.
 
-Delimiter, decimal sign, encoding and heads are taken from the file if they are unambiguous there.
-Otherwise an error asks for them; nothing is guessed.
+Delimiter, decimal sign, encoding and heads are taken from the file if they are
+unambiguous there. Otherwise an error asks for them; nothing is guessed.
 
     file -> text_file: lines -> instruments: lines of the table -> number_forms: cells
          -> heads: names and units -> table: columns -> sample_times -> signals
@@ -55,7 +55,8 @@ class ClippedSignal(UserWarning):
     --------
     >>> import pathlib, tempfile, warnings, rodimpact as ri
     >>> rows = [f"{i}e-6,{min(i % 50, 20)}" for i in range(200)]
-    >>> with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as told:
+    >>> catching = warnings.catch_warnings(record=True)
+    >>> with tempfile.TemporaryDirectory() as folder, catching as told:
     ...     warnings.simplefilter("always")
     ...     path = pathlib.Path(folder, "shot.csv")
     ...     _ = path.write_text(chr(10).join(["t [s],bar [V]", *rows]))
@@ -78,58 +79,60 @@ def read_signals(
 ) -> dict[str, Signal]:
     r"""Read the channels of a table of text, of a workbook or of a TDMS file.
 
-    Columns are separated by tabs, semicolons, commas or blanks. The decimal sign is a point or a
-    comma; if commas separate columns, numbers with a decimal comma must be in quotes: ``0,"1,5"``.
-    The text is UTF-8, UTF-16 with a byte order mark, or Latin-1. Any lines may precede the numbers.
-    A unit is part of the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident
-    / mV``, or is in a separate line below; the values are converted to SI units. In files of
-    LabVIEW (.lvm), Tektronix, Rigol, LeCroy, Yokogawa, Keysight and catman, separate lines with
-    units and time steps are read, too. If the last line of heads repeats a name, the names are
-    those of the line above. Other lines before the table are ignored: give a time step or a unit
-    from there as an argument. A channel that ends with blank cells is shorter than the others.
+    Columns are separated by tabs, semicolons, commas or blanks. The decimal sign is a
+    point or a comma; if commas separate columns, numbers with a decimal comma must be
+    in quotes: ``0,"1,5"``. The text is UTF-8, UTF-16 with a byte order mark, or
+    Latin-1. Any lines may precede the numbers. A unit is part of the head,
+    ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident / mV``, or is in
+    a separate line below; the values are converted to SI units. In files of LabVIEW (.lvm),
+    Tektronix, Rigol, LeCroy, Yokogawa, Keysight and catman, separate lines with units
+    and time steps are read, too. If the last line of heads repeats a name, the names
+    are those of the line above. Other lines before the table are ignored: give a time
+    step or a unit from there as an argument. A channel that ends with blank cells is
+    shorter than the others.
 
-    A workbook (.xlsx, .xlsm, .xls; extra ``excel``) has the table in its first sheet. Channels of
-    a TDMS file (extra ``tdms``) have their times and units in properties.
+    A workbook (.xlsx, .xlsm, .xls; extra ``excel``) has the table in its first sheet.
+    Channels of a TDMS file (extra ``tdms``) have their times and units in properties.
 
     Parameters
     ----------
     path : str or path
     time : str, optional
-        Head of the column of times; by default ``time`` or ``t``. Without heads the times are the
-        first column that increases throughout.
+        Head of the column of times; by default ``time`` or ``t``. Without heads the
+        times are the first column that increases throughout.
     time_unit : str, optional
         ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``; needed if the head has no unit.
     rate : float, optional
         Sampling rate, Hz, of a table without times; its first sample is at t = 0.
     units : str or mapping, optional
-        Unit of all channels, or a unit for each channel name. These units replace those of the
-        heads. A channel without any unit is dimensionless.
+        Unit of all channels, or a unit for each channel name. These units replace those
+        of the heads. A channel without any unit is dimensionless.
     decimal : str, optional
-        ``"."`` or ``","``; needed if the file is ambiguous: 0,1 may be two numbers, and 1,234 may
-        be a number of thousands.
+        ``"."`` or ``","``; needed if the file is ambiguous: 0,1 may be two numbers, and
+        1,234 may be a number of thousands.
     progress : bool or function
-        Whether a bar may show how far reading is. A function is called with the number of
-        characters read so far, and of all.
+        Whether a bar may show how far reading is. A function is called with the number
+        of characters read so far, and of all.
 
     Returns
     -------
     dict
-        A `Signal` for each channel, by name, in the order of the columns; without heads the names
-        are ``"1"``, ``"2"`` and so on.
+        A `Signal` for each channel, by name, in the order of the columns; without heads
+        the names are ``"1"``, ``"2"`` and so on.
 
     Warns
     -----
     ClippedSignal
         If a channel stays for long at its largest value, and at no other value.
     RoundedTimes
-        If the times have too few digits; then equal steps are taken, which agree with the times to
-        the last digit.
+        If the times have too few digits; then equal steps are taken, which agree with
+        the times to the last digit.
 
     Raises
     ------
     FileFormatError
-        If the file is not such a table. The error names line and column of a cell that is not a
-        number, of a time that does not increase, or of missing samples.
+        If the file is not such a table. The error names line and column of a cell that
+        is not a number, of a time that does not increase, or of missing samples.
     ValueError
         If an argument is invalid.
     ImportError
@@ -171,7 +174,8 @@ def read_signals(
             "cut it into shorter records",
         )
         try:
-            # The text of a workbook is read again for messages, so it stays open to the end.
+            # The text of a workbook is read again for messages, so it stays open to the
+            # end.
             with ExitStack() as opened:
                 with Progress(progress, "reading", "characters") as report:
                     table = _table_in(file, decimal, report, opened)
@@ -220,8 +224,9 @@ def _signals(
 ) -> dict[str, Signal]:
     """Signal of each channel, by name, in SI units and over common times.
 
-    A channel that is shorter than the times has the first of them. The columns leave the table one
-    by one, to save memory. FileFormatError without times, or with a second clock beside `rate`.
+    A channel that is shorter than the times has the first of them. The columns leave
+    the table one by one, to save memory. FileFormatError without times, or with a
+    second clock beside `rate`.
     """
     lengths = [len(column) for column in table.columns]
     row_count = max(lengths)
@@ -244,7 +249,8 @@ def _signals(
         if lengths[time_column] < row_count:
             raise FileFormatError(
                 f"{table.place_of(lengths[time_column])}, column "
-                f"{shown(table.names[time_column])}: must be a finite number, got ''; {REMEDY}"
+                f"{shown(table.names[time_column])}: must be a finite number, got ''; "
+                f"{REMEDY}"
             )
         times = _times(table, time_column, time_unit)
     else:
@@ -274,9 +280,9 @@ def _named_times(table: ColumnTable) -> list[str]:
 def _time_column(table: ColumnTable, time: str | None) -> int:
     """Index of the column of times.
 
-    FileFormatError if several columns may be it or none, or if there is no other column.
-    It is the column called `time`, if given; else the one called time or t, or without heads the
-    first one that increases.
+    FileFormatError if several columns may be it or none, or if there is no other
+    column. It is the column called `time`, if given; else the one called time or t, or
+    without heads the first one that increases.
     """
     candidates = _named_times(table)
     expected = "time"
@@ -291,8 +297,8 @@ def _time_column(table: ColumnTable, time: str | None) -> int:
         heads = ", ".join(map(shown, table.names[:8]))
         raise FileFormatError(
             f"must have one column called {shown(expected)} and another one, has "
-            f"{heads}; give the head of one as time=, or give rate=, the sampling rate in "
-            "Hz"
+            f"{heads}; give the head of one as time=, or give rate=, the sampling rate "
+            "in Hz"
         )
     return table.names.index(candidates[0])
 
@@ -300,7 +306,8 @@ def _time_column(table: ColumnTable, time: str | None) -> int:
 def _first_increasing(table: ColumnTable) -> str:
     """Name of the column of times without heads: the first one that increases throughout.
 
-    Some scopes write the values before the times. Without such a column it is the first.
+    Some scopes write the values before the times. Without such a column it is the
+    first.
     """
     for name, column in zip(table.names, table.columns, strict=True):
         if np.all(np.diff(column) > 0):
@@ -326,8 +333,8 @@ def _take_in_si(
 ) -> tuple[Floats, str]:
     """Take a column out of the table: its numbers in SI units, read-only, and their SI unit.
 
-    The table keeps an empty column. FileFormatError for an unknown unit; it names `option`, the
-    argument that gives another one.
+    The table keeps an empty column. FileFormatError for an unknown unit; it names
+    `option`, the argument that gives another one.
     """
     numbers = table.columns[column]
     try:
@@ -351,8 +358,8 @@ def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
     times, si_unit = _take_in_si(table, column, unit, option="time_unit")
     if si_unit != "s":
         raise FileFormatError(
-            f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', 'us', "
-            "'ns', or give the head of the column of times as time="
+            f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', "
+            "'us', 'ns', or give the head of the column of times as time="
         )
     return checked_times(times, name, table.place_of, stacklevel=6)
 

@@ -62,35 +62,36 @@ def reduce(
     Parameters
     ----------
     input_gauges, output_gauges : BarGauge or two of them
-        Gauges of the input bar, which the striker hits, and of the output bar. Two gauges on a bar
-        separate waves that overlap at each gauge.
+        Gauges of the input bar, which the striker hits, and of the output bar. Two
+        gauges on a bar separate waves that overlap at each gauge.
     bars : Rod, (Rod, Rod) or Calibration
-        Input and output bar, or one rod if both are alike. In a round bar with a Poisson ratio,
-        waves disperse as in the exact first mode. The lengths give the times at which waves return
-        from the far ends.
+        Input and output bar, or one rod if both are alike. In a round bar with a
+        Poisson ratio, waves disperse as in the exact first mode. The lengths give the
+        times at which waves return from the far ends.
     specimen : Specimen
     pulses : CutPulses, optional
-        Incident, reflected and transmitted pulse, each cut out of its record, in place of the
-        gauges.
+        Incident, reflected and transmitted pulse, each cut out of its record, in place
+        of the gauges.
     equal_forces : bool
-        Whether to assume equal forces on both faces of the specimen, and a free far end of the
-        output bar. Then one gauge a bar separates waves that overlap. The specimen is in
-        equilibrium by assumption.
+        Whether to assume equal forces on both faces of the specimen, and a free far end
+        of the output bar. Then one gauge a bar separates waves that overlap. The
+        specimen is in equilibrium by assumption.
     striker : Rod or RigidMass, optional
-        Striker of a direct impact, with its velocity: it hits the specimen, which lies on the
-        output bar. Give `output_gauges` and, as `bars`, the output bar; there is no input bar.
-        Equal forces on both faces are assumed.
+        Striker of a direct impact, with its velocity: it hits the specimen, which lies
+        on the output bar. Give `output_gauges` and, as `bars`, the output bar; there is
+        no input bar. Equal forces on both faces are assumed.
     compression : str
-        Sign of a strain that compresses in the records: ``"negative"`` or ``"positive"``.
+        Sign of a strain that compresses in the records: ``"negative"`` or
+        ``"positive"``.
     align_within : float
-        Largest shift of the reflected and of the transmitted wave, s. The shifts balance the forces
-        on both faces up to half of the largest stress and, if the specimen has a `youngs_modulus`,
-        make the initial slope equal to it. Later they can make the balance worse:
-        `Reduction.alignment` has the balance over all loading before and after. 0: only distances
-        and wave speeds align the waves.
+        Largest shift of the reflected and of the transmitted wave, s. The shifts
+        balance the forces on both faces up to half of the largest stress and, if the
+        specimen has a `youngs_modulus`, make the initial slope equal to it. Later they
+        can make the balance worse: `Reduction.alignment` has the balance over all
+        loading before and after. 0: only distances and wave speeds align the waves.
     progress : bool or function
-        Whether a bar may show how far long work is. A function is called with the number of curves
-        that are done, and of all, None where that is not known.
+        Whether a bar may show how far long work is. A function is called with the
+        number of curves that are done, and of all, None where that is not known.
 
     Returns
     -------
@@ -99,7 +100,8 @@ def reduce(
     Raises
     ------
     InvalidModel
-        If an argument is invalid, or a record does not begin with rest and then a compression.
+        If an argument is invalid, or a record does not begin with rest and then a
+        compression.
     ValueError
         If the incident and the reflected wave overlap at the only gauge of the bar.
 
@@ -110,15 +112,20 @@ def reduce(
 
     Examples
     --------
-    The incident strain, 1e-3, is transmitted fully: the force is E A 1e-3, the specimen strain 0.
+    The incident strain, 1e-3, is transmitted fully: the force is E A 1e-3, and the
+    specimen has no strain.
 
     >>> import rodimpact as ri
-    >>> shape = 1e-3 * np.clip(np.minimum(np.arange(400) - 100, 250 - np.arange(400)) / 10, 0, 1)
+    >>> k = np.arange(400)
+    >>> shape = 1e-3 * np.clip(np.minimum(k - 100, 250 - k) / 10, 0, 1)
     >>> incident = ri.Signal(-shape, dt=1e-6)
     >>> transmitted = incident.shifted(2e-4).extended(before=2e-4)
-    >>> bar = ri.Rod(1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000))
-    >>> found = ri.reduce(ri.BarGauge(incident, 0.5), ri.BarGauge(transmitted, 0.5), bar,
-    ...                   ri.Specimen(5e-3, area=1e-4))
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> specimen = ri.Specimen(5e-3, area=1e-4)
+    >>> input_gauge = ri.BarGauge(incident, 0.5)
+    >>> output_gauge = ri.BarGauge(transmitted, 0.5)
+    >>> found = ri.reduce(input_gauge, output_gauge, bar, specimen)
     >>> round(found.stress.max() / 1e6), bool(abs(found.strain).max() < 1e-12)
     (200, True)
     """
@@ -215,7 +222,8 @@ def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reducti
     """
     recorded = records.bars
     input_bar = recorded.input
-    # The curve lasts from the arrival at the specimen as long as the waves are separated.
+    # The curve lasts from the arrival at the specimen as long as the waves are
+    # separated.
     end = min(separated_until(bar) for bar in recorded)
     times = _times_between(records.arrival, end, input_bar.dt, "input_gauges")
     shot = TwoBarShot(records.corrected, records.specimen, times)
@@ -262,7 +270,8 @@ def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
     times = _times_between(records.arrival, end, input_bar.dt, "output_gauges")
     shot = EqualForceShot(records.corrected, records.specimen, times)
     curve = shot.curve()
-    # Clocks of two records agree to a sample; on the input bar each passage adds this error.
+    # Clocks of two records agree to a sample; on the input bar each passage adds this
+    # error.
     later = shot.with_later_output(recorded.output.dt).curve()
     return _reduction(
         shot,
@@ -281,7 +290,8 @@ def _reduce_direct_impact(
 ) -> Reduction:
     """Reduce the impact of a striker on a specimen that lies on an output bar.
 
-    An error of the time of the impact is one of the strain: times the first velocity, over L0.
+    An error of the time of the impact is one of the strain: times the first velocity,
+    over L0.
     """
     start = start_of_impact(bar)
     times = _times_between(start, separated_until(bar), bar.dt, "output_gauges")
@@ -331,9 +341,11 @@ def _reduction(
 ) -> Reduction:
     """The curve of a shot with its bands; `bars` are those with gauges, the output bar last.
 
-    `strain_error` is an error of the strain that the noise does not show; it joins its band.
+    `strain_error` is an error of the strain that the noise does not show; it joins its
+    band.
     """
-    # The bar of the incident wave; the output bar in a direct impact, which has no other
+    # The bar of the incident wave; the output bar in a direct impact, which has no
+    # other
     first = bars[0]
     half_sampling_rate = 0.5 / first.dt  # Hz
     cut_off = min(first.guide.cut_off, half_sampling_rate)

@@ -44,21 +44,23 @@ class Reduction(Curve):
     strain, strain_rate : array, shape (n,)
         Nominal: decrease of length divided by `Specimen.length`, 1 and 1/s.
     stress, two_wave_stress, three_wave_stress : array, shape (n,)
-        Nominal, from the force of the output bar, the force of the input bar, and the mean of both,
-        Pa.
+        Nominal, from the force of the output bar, the force of the input bar, and the
+        mean of both, Pa.
     input_force, output_force : array, shape (n,)
         On the two faces, N.
     input_velocity, output_velocity : array, shape (n,)
         Of the two faces, m/s.
     stress_band, strain_band : array, shape (n,)
-        Half widths of the 95 % bands: noise, errors of a calibration, and the frequencies that the
-        bars cannot carry. If equal forces are assumed, the band of the strain also has a delay of
-        one sample, between the two records or in the start of a direct impact.
+        Half widths of the 95 % bands: noise, errors of a calibration, and the
+        frequencies that the bars cannot carry. If equal forces are assumed, the band of
+        the strain also has a delay of one sample, between the two records or in the
+        start of a direct impact.
     one_sample : array, shape (n,)
-        Largest change of `stress` at the same strain if the transmitted wave is shifted by one
-        sample, Pa.
+        Largest change of `stress` at the same strain if the transmitted wave is shifted
+        by one sample, Pa.
     shifts : (reflected, transmitted)
-        Times by which the reflected and the transmitted wave were moved earlier to align them, s.
+        Times by which the reflected and the transmitted wave were moved earlier to
+        align them, s.
     specimen : Specimen
     verdict : Verdict
         Equilibrium, peak stress, strain rate and energy; the first lines of ``print``.
@@ -67,17 +69,18 @@ class Reduction(Curve):
     disperses : bool
         Whether the waves were propagated with the exact first mode.
     doubts : tuple of str
-        Where the records contradict what was given: gauges of one bar that disagree, waves that
-        arrive too early or too late, an echo that contradicts the wave speed, shifts at the limit
-        of `align_within` or an alignment that makes the balance worse, forces out of balance. One
-        sentence each, with its number and a remedy; empty for a shot without contradictions.
+        Where the records contradict what was given: gauges of one bar that disagree,
+        waves that arrive too early or too late, an echo that contradicts the wave
+        speed, shifts at the limit of `align_within` or an alignment that makes the
+        balance worse, forces out of balance. One sentence each, with its number and a
+        remedy; empty for a shot without contradictions.
 
     Examples
     --------
     The specimen of this computed shot is a spring, so its modulus is k L0/A0 = 20 GPa:
 
     >>> import rodimpact as ri
-    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)  # c = 5000 m/s
     >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
@@ -100,7 +103,10 @@ class Reduction(Curve):
     doubts: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return f"<Reduction of {len(self.times)} samples, strain up to {self.strain.max():.3g}>"
+        return (
+            f"<Reduction of {len(self.times)} samples, "
+            f"strain up to {self.strain.max():.3g}>"
+        )
 
     @property
     def two_wave_stress(self) -> Floats:
@@ -215,6 +221,6 @@ class Reduction(Curve):
             propagation = "with the exact first mode"
         duration = 1e6 * (self.times[-1] - self.times[0])
         return (
-            f"stress from the transmitted wave; waves propagated {propagation}, and separated "
-            f"until {duration:.4g} us after they arrive"
+            f"stress from the transmitted wave; waves propagated {propagation}, and "
+            f"separated until {duration:.4g} us after they arrive"
         )

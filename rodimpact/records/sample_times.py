@@ -32,7 +32,8 @@ class RoundedTimes(UserWarning):
     --------
     >>> import pathlib, tempfile, warnings, rodimpact as ri
     >>> rows = [f"{0.4 * i:.0f},{i % 7}" for i in range(40)]
-    >>> with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as told:
+    >>> catching = warnings.catch_warnings(record=True)
+    >>> with tempfile.TemporaryDirectory() as folder, catching as told:
     ...     warnings.simplefilter("always")
     ...     path = pathlib.Path(folder, "shot.csv")
     ...     _ = path.write_text(chr(10).join(["t [us],bar [V]", *rows]))
@@ -100,13 +101,14 @@ def checked_times(
 def _are_rounded(times: Floats, steps: Floats) -> bool:
     """Whether times are those of equal steps, rounded to the last digit of the file.
 
-    Then a step has one of two values, which differ by the last digit, and the times are as near to
-    equal steps as this digit. A missing sample makes another step, too: this is not taken for
-    rounding, since it is rare and its step is twice the usual one.
+    Then a step has one of two values, which differ by the last digit, and the times are
+    as near to equal steps as this digit. A missing sample makes another step, too: this
+    is not taken for rounding, since it is rare and its step is twice the usual one.
     """
     if len(times) < MIN_ROUNDED_SAMPLES:
         return False
-    # If the times are rounded, the longest step exceeds the shortest one by the last digit.
+    # If the times are rounded, the longest step exceeds the shortest one by the last
+    # digit.
     shortest = float(steps.min())
     last_digit = float(steps.max()) - shortest
     has_repeats = shortest == 0  # neighbouring times were rounded to one
@@ -115,7 +117,8 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
     usual = np.median(steps)
     is_uneven = np.abs(steps - usual) > EQUAL_STEP_RTOL * usual
     is_rare = is_uneven.mean() < MIN_UNEVEN_RATIO
-    # A missing sample makes the longest step twice the shortest one: a last digit as long.
+    # A missing sample makes the longest step twice the shortest one: a last digit as
+    # long.
     if is_rare and shortest < MIN_GAP_RATIO * last_digit:
         return False
     if not has_repeats:
@@ -130,7 +133,8 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
 def _equal_steps(times: Floats) -> Floats:
     """Times with equal steps nearest to the times, by least squares, s.
 
-    With the numbers n of the samples about their mean it is mean(t) + n sum(n t)/sum(n^2).
+    With the numbers n of the samples about their mean it is mean(t) + n sum(n
+    t)/sum(n^2).
     """
     count = len(times)
     numbers: Floats = np.arange(count, dtype=float) - (count - 1) / 2
@@ -149,7 +153,8 @@ def _sentence(name: str, times: Floats, steps: Floats, equal: Floats) -> str:
     longest = format_si(float(steps.max()), "s", digits=3)
     step = format_si(float(equal[1] - equal[0]), "s", digits=4)
     return (
-        f"column {name}: the times are rounded, their steps are {shortest} to {longest}; equal "
-        f"steps of {step} are taken, which agree with all times within {distance}; if you "
+        f"column {name}: the times are rounded, their steps are {shortest} to "
+        f"{longest}; equal steps of {step} are taken, which agree with all times "
+        f"within {distance}; if you "
         "know the sampling rate, remove the column and give rate"
     )

@@ -1,15 +1,16 @@
 """The two waves of a bar at its specimen face, from the strains at its gauges.
 
-One gauge separates the two waves only if they pass it one after the other. Two gauges at the
-distance D = zf - zn separate them from rest on. In the first mode a wave that runs on by x is
-multiplied by T(x). With the wave i towards the face and the wave a away from it, the records are::
+One gauge separates the two waves only if they pass it one after the other. Two gauges
+at the distance D = zf - zn separate them from rest on. In the first mode a wave that
+runs on by x is multiplied by T(x). With the wave i towards the face and the wave a away
+from it, the records are::
 
     en = T(-zn) i + T(zn) a          ef = T(-zf) i + T(zf) a
 
     a = T(-zn) (en - T(D) ef) + T(2 D) a          i = T(zf) (ef - T(D) en) + T(2 D) i
 
-Each passage of 2 D uses what the one before gave. An offset of a record adds once every 2 D/c; the
-frequencies n c/(2 D) add the noise of all passages.
+Each passage of 2 D uses what the one before gave. An offset of a record adds once every
+2 D/c; the frequencies n c/(2 D) add the noise of all passages.
 """
 
 import math
@@ -32,8 +33,8 @@ class Waves(NamedTuple):
 def waves_at_face(bar: InstrumentedBar) -> Waves:
     """Waves at the face, towards the specimen and away from it.
 
-    With one gauge no wave comes back towards the specimen in the output bar, and the record of the
-    input bar is the incident wave up to the begin of the reflected one.
+    With one gauge no wave comes back towards the specimen in the output bar, and the
+    record of the input bar is the incident wave up to the begin of the reflected one.
     """
     if len(bar.distances) == 2:
         return _from_two_gauges(bar)
@@ -45,8 +46,8 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
     # The time and the sample at which the reflected wave reaches the gauge
     reflected_start = bar.pulse_start + 2 * distance / bar.speed
     split = int((reflected_start - bar.times[0]) / bar.dt)
-    # The incident wave propagated back ends before the reflected wave begins, so it does not
-    # disturb the samples of the reflected wave that are used.
+    # The incident wave propagated back ends before the reflected wave begins, so it
+    # does not disturb the samples of the reflected wave that are used.
     incident = np.where(np.arange(len(strain)) < split, strain, 0.0)
     return Waves(bar.propagated(incident, distance), away)
 
@@ -54,9 +55,9 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
 def _from_two_gauges(bar: InstrumentedBar) -> Waves:
     """The two waves from the records of two gauges, passage by passage.
 
-    The near gauge has the strain en and the distance zn, the far one ef and zf. The sum over all
-    passages of 2 D of en - T(D) ef is T(zn) times the wave away, and that of ef - T(D) en is T(-zf)
-    times the wave towards the face.
+    The near gauge has the strain en and the distance zn, the far one ef and zf. The sum
+    over all passages of 2 D of en - T(D) ef is T(zn) times the wave away, and that of
+    ef - T(D) en is T(-zf) times the wave towards the face.
     """
     near = int(bar.distances.argmin())
     far = 1 - near
@@ -86,7 +87,8 @@ def from_pulse(bar: InstrumentedBar, gauge: int) -> Floats:
 def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
     """Sum of a wave and of all its passages of a distance, m, while the record lasts.
 
-    Sums of 1, 2, 4, ... passages follow from each other: S(2 n) = S(n) + T(n distance) S(n).
+    Sums of 1, 2, 4, ... passages follow from each other: S(2 n) = S(n) + T(n distance)
+    S(n).
     """
     duration = guide.dt * len(wave)
     passages = math.floor(duration * guide.speed / distance)
@@ -101,8 +103,9 @@ def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
 def separated_until(bar: InstrumentedBar) -> float:
     """Time at the face up to which the records separate the two waves, s.
 
-    At this time the record ends or, with one gauge, the wave from the far end of the bar is back
-    at the gauge. ValueError if the incident and the reflected wave overlap at a single gauge.
+    At this time the record ends or, with one gauge, the wave from the far end of the
+    bar is back at the gauge. ValueError if the incident and the reflected wave overlap
+    at a single gauge.
     """
     record_end = float(bar.known_until.min())
     if len(bar.distances) == 2:
@@ -110,8 +113,9 @@ def separated_until(bar: InstrumentedBar) -> float:
     travel = float(bar.distances[0]) / bar.speed  # from the gauge to the face
     round_trip = 2 * float(bar.rod.length) / bar.speed
     if bar.is_output:
-        # The pulse is at the face a travel before it is at the gauge. What leaves the face a round
-        # trip later, less two travels, meets at the gauge the wave from the far end.
+        # The pulse is at the face a travel before it is at the gauge. What leaves the
+        # face a round trip later, less two travels, meets at the gauge the wave from
+        # the far end.
         at_face = bar.pulse_start - travel
         return min(record_end, at_face + round_trip - 2 * travel)
     pulse = bar.first_pulse

@@ -1,8 +1,8 @@
 """A shot that gives a curve, and the error bands of this curve.
 
-All steps from the records to the curve are linear, except the last. The error band therefore
-follows from two contributions: noise drawn at random from the records, and the errors of a
-calibration. Both go through the same linear steps as the curve.
+All steps from the records to the curve are linear, except the last. The error band
+therefore follows from two contributions: noise drawn at random from the records, and
+the errors of a calibration. Both go through the same linear steps as the curve.
 """
 
 from __future__ import annotations
@@ -78,8 +78,8 @@ def bands_of(
 ) -> Bands:
     """Bands of 95 %: from noise, from errors of a calibration, and from lost frequencies.
 
-    The noise goes through the reduction alone, since that is linear. `report` is told how many
-    draws of it are done.
+    The noise goes through the reduction alone, since that is linear. `report` is told
+    how many draws of it are done.
     """
     rng = np.random.default_rng(0)
     noise_curves = []
@@ -101,7 +101,8 @@ def bands_of(
             difference = getattr(changed_curve, name) - column
             calibration_variance = calibration_variance + difference**2
         variance += calibration_variance
-        # The column has lost as much as it has at high frequencies, without the noise there.
+        # The column has lost as much as it has at high frequencies, without the noise
+        # there.
         powers = [high_frequency_power(noise, resolution) for noise in noises]
         power = high_frequency_power(column, resolution)
         lost = np.maximum(power - np.mean(powers, axis=0), 0.0)

@@ -5,7 +5,8 @@
 >>> (2 * ramp).shifted(1.0).at(1.0)
 0.0
 
-Between samples a signal is linear. Signals are immutable: every method returns another signal.
+Between samples a signal is linear. Signals are immutable: every method returns another
+signal.
 """
 
 from __future__ import annotations
@@ -71,8 +72,8 @@ class Signal(Frozen):
     Raises
     ------
     InvalidModel
-        If times do not increase, a sample is not finite, the unit is not an SI unit, or another
-        argument is invalid.
+        If times do not increase, a sample is not finite, the unit is not an SI unit, or
+        another argument is invalid.
 
     Examples
     --------
@@ -183,13 +184,17 @@ class Signal(Frozen):
     def at(self, t: ArrayLike) -> Number:
         """Values at times in s, linear between samples; ValueError outside of the record.
 
-        A time beyond an end by no more than round-off, `RECORD_END_RTOL`, has the value there.
+        A time beyond an end by no more than round-off, `RECORD_END_RTOL`, has the value
+        there.
         """
         t = array("t", t, "s")
         slack = RECORD_END_RTOL * (self.end - self.start)
         inside = (t >= self.start - slack) & (t <= self.end + slack)
         # `demand` puts the first value outside in place of {0!r}.
-        message = f"must be from {self.start!r} to {self.end!r} s, as the signal is, got {{0!r}}"
+        message = (
+            f"must be from {self.start!r} to {self.end!r} s, as the signal is, got "
+            "{0!r}"
+        )
         demand(inside, "t", message, t)
         return float_or_array(np.interp(t, self.times, self.values))
 
@@ -198,13 +203,14 @@ class Signal(Frozen):
     ) -> Signal:
         """Return the signal at steps of `dt`, s, from its start on, or at the given times.
 
-        The new samples are interpolated linearly. Before you increase the time step, remove the
-        frequencies above half of the new sampling rate with `low_pass`.
+        The new samples are interpolated linearly. Before you increase the time step,
+        remove the frequencies above half of the new sampling rate with `low_pass`.
 
         Raises
         ------
         ValueError
-            If a time lies outside the record, or if both or neither of `dt` and `times` are given.
+            If a time lies outside the record, or if both or neither of `dt` and `times`
+            are given.
         """
         if (dt is None) == (times is None):
             raise invalid_argument("dt", "give either dt or times")
@@ -231,8 +237,8 @@ class Signal(Frozen):
     def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
         """Return the signal longer by these times, s: first value before it, last value after it.
 
-        Extend a record that begins just before its pulse: `low_pass` and `propagated` widen the
-        pulse beyond the record.
+        Extend a record that begins just before its pulse: `low_pass` and `propagated`
+        widen the pulse beyond the record.
 
         Raises
         ------
@@ -279,12 +285,13 @@ class Signal(Frozen):
         Parameters
         ----------
         frequency : float
-            Frequency at which the gain is 1/sqrt(2), Hz; below half of the sampling rate.
+            Frequency at which the gain is 1/sqrt(2), Hz; below half of the sampling
+            rate.
         kind : str
-            ``"gaussian"`` has no delay and suits data. ``"first-order"`` and ``"second-order"``
-            (Butterworth) are amplifiers: their output depends on the past only. Before the record
-            its first value holds, after it the last value. If a record begins with its pulse, use
-            `extended` before.
+            ``"gaussian"`` has no delay and suits data. ``"first-order"`` and
+            ``"second-order"`` (Butterworth) are amplifiers: their output depends on the
+            past only. Before the record its first value holds, after it the last value.
+            If a record begins with its pulse, use `extended` before.
 
         Raises
         ------
@@ -314,9 +321,9 @@ class Signal(Frozen):
     ) -> Signal:
         """Return the pulse at another place of a round bar, by the exact first mode.
 
-        Each frequency of the record runs at its own phase velocity. Frequencies above the cut-off
-        of the first mode, `waves.CUT_OFF`, are removed, in both directions. The sample times
-        include the travel time of long waves.
+        Each frequency of the record runs at its own phase velocity. Frequencies above
+        the cut-off of the first mode, `waves.CUT_OFF`, are removed, in both directions.
+        The sample times include the travel time of long waves.
 
         Parameters
         ----------
@@ -332,13 +339,15 @@ class Signal(Frozen):
         InvalidModel
             If the rod is not uniform, is not declared round, or has no Poisson ratio.
         ValueError
-            If the samples are not at equal steps, or the distance is too long for their time step.
+            If the samples are not at equal steps, or the distance is too long for their
+            time step.
 
         Notes
         -----
-        A. Tyas and A. J. Watson, An investigation of frequency domain dispersion correction of
-        pressure bar signals, International Journal of Impact Engineering 25 (2001) 87. Differences
-        of the amplitude over the cross-section are not corrected.
+        A. Tyas and A. J. Watson, An investigation of frequency domain dispersion
+        correction of pressure bar signals, International Journal of Impact Engineering
+        25 (2001) 87. Differences of the amplitude over the cross-section are not
+        corrected.
         """
         from .. import waves
 
@@ -355,7 +364,8 @@ class Signal(Frozen):
             waves.Bar,
             "waves.Bar(wave_speed=5000, poisson_ratio=0.3, radius=0.01)",
         )
-        # The values change their shape, and the times have the travel time of long waves.
+        # The values change their shape, and the times have the travel time of long
+        # waves.
         values = filters.dispersed(self.values, self.dt, z, bar)
         return self.replace(values=values, times=self.times + z / bar.wave_speed)
 
@@ -410,12 +420,13 @@ class Signal(Frozen):
         Raises
         ------
         ValueError
-            If the signal is 0 everywhere, is not below a tenth of its plateau before the pulse, or
-            not below half of it after the pulse.
+            If the signal is 0 everywhere, is not below a tenth of its plateau before
+            the pulse, or not below half of it after the pulse.
 
         Examples
         --------
-        >>> trapezoid = Signal([0, 0, 1, 1, 1, 0, 0], [0, 2e-6, 4e-6, 10e-6, 12e-6, 14e-6, 20e-6])
+        >>> times = [0, 2e-6, 4e-6, 10e-6, 12e-6, 14e-6, 20e-6]
+        >>> trapezoid = Signal([0, 0, 1, 1, 1, 0, 0], times)
         >>> pulse = trapezoid.pulse()
         >>> round(pulse.width * 1e6, 9), round(pulse.rise * 1e6, 9), pulse.plateau
         (10.0, 1.6, 1.0)
@@ -435,23 +446,23 @@ class Signal(Frozen):
         other : Signal
             The prediction. Before it its first value holds, after it its last value.
         shift : float or (float, float), optional
-            Delay of the prediction, s: a fixed value, or bounds. By default the delay with the
-            smallest misfit at which the two signals overlap.
+            Delay of the prediction, s: a fixed value, or bounds. By default the delay
+            with the smallest misfit at which the two signals overlap.
         scale : float or (float, float), optional
-            Factor of the prediction: a fixed value, or bounds. By default the factor with the
-            smallest misfit; it may convert units, such as volts to strain.
+            Factor of the prediction: a fixed value, or bounds. By default the factor
+            with the smallest misfit; it may convert units, such as volts to strain.
 
         Returns
         -------
         Misfit
-            Its `rms` is the root mean square divided by the plateau of this signal. The plateau is
-            the median of the samples above 0.7 of the largest.
+            Its `rms` is the root mean square divided by the plateau of this signal. The
+            plateau is the median of the samples above 0.7 of the largest.
 
         Raises
         ------
         ValueError
-            If a scale is given and the units differ, if this signal is 0 everywhere, or if bounds
-            are not two increasing numbers.
+            If a scale is given and the units differ, if this signal is 0 everywhere, or
+            if bounds are not two increasing numbers.
 
         Examples
         --------
@@ -525,8 +536,8 @@ class Signal(Frozen):
         Raises
         ------
         FileExistsError
-            If the file exists and `force` is false. InvalidModel If the name of the signal cannot
-            be a head of the table.
+            If the file exists and `force` is false. InvalidModel If the name of the
+            signal cannot be a head of the table.
         """
         name = self.name if self.name else "signal"
         headers = (heading("time", "s"), heading(name, self.unit))
@@ -572,8 +583,8 @@ class Signal(Frozen):
         Raises
         ------
         ValueError
-            If the DataArray does not have one dimension, or units are missing or unknown.
-            It may be an InvalidModel, which is a ValueError.
+            If the DataArray does not have one dimension, or units are missing or
+            unknown. It may be an InvalidModel, which is a ValueError.
         """
         if len(getattr(data, "dims", ())) != 1:
             raise invalid_argument(

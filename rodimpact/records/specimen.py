@@ -19,10 +19,11 @@ class Specimen(FrozenDataclass):
     youngs_modulus : float, optional
         Modulus of the initial elastic part, Pa; `reduce` can align the waves with it.
     wave_speed : float, optional
-        Speed of waves in the specimen, m/s. If equal forces on both faces are assumed, this gives
-        an estimate of the time until they are equal.
+        Speed of waves in the specimen, m/s. If equal forces on both faces are assumed,
+        this gives an estimate of the time until they are equal.
     incompressible : bool
-        Whether the volume of the specimen is constant; true stress and strain need this.
+        Whether the volume of the specimen is constant; true stress and strain need
+        this.
 
     Raises
     ------

@@ -52,8 +52,8 @@ class Table:
     names, units : list of str
         Of each column.
     columns : list of array, shape (rows,)
-        Numbers of each column; a column that ends with blank cells is shorter. A reader that
-        needs a column no more may take it from the list.
+        Numbers of each column; a column that ends with blank cells is shorter. A reader
+        that needs a column no more may take it from the list.
     """
 
     def __init__(self, file: BinaryIO, decimal: str | None, report: Report) -> None:
@@ -134,7 +134,8 @@ class Table:
     def _numbers_in(self, block: list[tuple[int, str]]) -> Floats:
         """Numbers of some rows, [row, column]; FileFormatError where a cell is none.
 
-        `block` has the number of the line and the text of each row. A blank cell is NaN.
+        `block` has the number of the line and the text of each row. A blank cell is
+        NaN.
         """
         to_points = self._form.to_points
         delimiter = None  # any blanks
@@ -159,8 +160,8 @@ class Table:
     def _checked(self, line: int, row: str) -> list[float]:
         """Numbers of a row, NaN for a blank cell; FileFormatError for a cell that is no number.
 
-        Missing cells at the end are blank; more cells than columns are an error, too. `_has_blanks`
-        keeps that a cell is blank.
+        Missing cells at the end are blank; more cells than columns are an error, too.
+        `_has_blanks` keeps that a cell is blank.
         """
         cells = self._form.cells(row)
         if len(cells) > self._count:
@@ -202,9 +203,9 @@ class Table:
                 return
         if first:
             raise FileFormatError(
-                f'has numbers such as {shown(first)}: "{sign}" may be a decimal sign or separate '
-                f'thousands; give decimal="{sign}" if a decimal sign, otherwise write the '
-                "numbers without it"
+                f'has numbers such as {shown(first)}: "{sign}" may be a decimal sign '
+                f'or separate thousands; give decimal="{sign}" if a decimal sign, '
+                "otherwise write the numbers without it"
             )
 
     def _cells_with(self, sign: str) -> Iterator[str]:

@@ -52,7 +52,8 @@ def read_tdms(file: BinaryIO) -> ChannelTable:
         groups = nptdms.TdmsFile.read(file).groups()
     except Exception as error:  # the package has errors of its own, and those of NumPy
         raise FileFormatError(
-            f"is no TDMS file that npTDMS reads ({one_line(str(error))}); export it as text"
+            f"is no TDMS file that npTDMS reads ({one_line(str(error))}); export it as "
+            "text"
         ) from None
     channels = []
     for group in groups:
@@ -100,8 +101,9 @@ def _common_clock(names: list[str], channels: list[Any]) -> _Clock | None:
     for name, clock in zip(names, clocks, strict=True):
         if clock != clocks[0]:
             raise FileFormatError(
-                f"channel {shown(name)} has the time step {clock.step:g} s from {clock.start:g} s "
-                f"on, {shown(names[0])} has {clocks[0].step:g} s from {clocks[0].start:g} s; save "
+                f"channel {shown(name)} has the time step {clock.step:g} s from "
+                f"{clock.start:g} s on, {shown(names[0])} has {clocks[0].step:g} s "
+                f"from {clocks[0].start:g} s; save "
                 "channels with different clocks in different files"
             )
     if clocks[0].step == 0:

@@ -69,7 +69,8 @@ class TextFile:
     def _surveyed(self, encoding: str) -> Survey:
         """Read the whole text once.
 
-        FileFormatError if it has the character NUL, UnicodeDecodeError if it has another encoding.
+        FileFormatError if it has the character NUL, UnicodeDecodeError if it has
+        another encoding.
         """
         head = ""
         characters = 0

@@ -1,13 +1,14 @@
 """A shot between two bars whose gauges separate all waves, and the alignment of its waves.
 
-With the strains of the waves at the two faces, compression positive (incident i, reflected r,
-transmitted t)::
+With the strains of the waves at the two faces, compression positive (incident i,
+reflected r, transmitted t)::
 
     F1 = E1 A1 (i + r)   F2 = E2 A2 t      v1 = c1 (i - r)   v2 = c2 t
-    strain rate (v1 - v2)/L0               stress F2/A0 (one wave), F1/A0 (two), their mean (three)
+    strain rate (v1 - v2)/L0
+    stress F2/A0 (one wave), F1/A0 (two waves), their mean (three waves)
 
-H. Kolsky, Proceedings of the Physical Society B 62 (1949) 676; W. Chen and B. Song, Split Hopkinson
-(Kolsky) Bar (Springer, 2011).
+H. Kolsky, Proceedings of the Physical Society B 62 (1949) 676; W. Chen and B. Song,
+Split Hopkinson (Kolsky) Bar (Springer, 2011).
 """
 
 from __future__ import annotations
@@ -89,8 +90,9 @@ class TwoBarShot:
     def aligned(self, limit: float, report: Report) -> TwoBarShot:
         """The shot with the shifts, up to a limit in s, that balance the forces at its start.
 
-        The start goes up to half of the largest stress. If the specimen has a Young's modulus, the
-        shifts also make the start elastic. `report` is told how many curves are done.
+        The start goes up to half of the largest stress. If the specimen has a Young's
+        modulus, the shifts also make the start elastic. `report` is told how many
+        curves are done.
         """
         from scipy.optimize import least_squares
 

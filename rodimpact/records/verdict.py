@@ -1,7 +1,7 @@
 """The verdict on a shot: equilibrium, peak stress, strain rate and energy, in a few sentences.
 
-A specimen is in equilibrium where the forces on its two faces are equal. Before that, the stress
-from one face is no property of its material.
+A specimen is in equilibrium where the forces on its two faces are equal. Before that,
+the stress from one face is no property of its material.
 """
 
 import math
@@ -35,17 +35,20 @@ EQUILIBRIUM_TRANSITS = 4.0
 class Verdict(NamedTuple):
     """What a shot shows about its specimen; `Reduction.verdict`.
 
-    The plateau is the loading with a force on the output face of at least 0.7 of its peak.
+    The plateau is the loading with a force on the output face of at least 0.7 of its
+    peak.
 
     Attributes
     ----------
     in_equilibrium : bool or None
-        Whether abs(F1 - F2) stays below 5 % of the mean force over half of the plateau or more.
-        None if equal forces were assumed, or if F1 is too small a difference of two waves to tell.
+        Whether abs(F1 - F2) stays below 5 % of the mean force over half of the plateau
+        or more. None if equal forces were assumed, or if F1 is too small a difference
+        of two waves to tell.
     equilibrium_from : float
         Strain from which the forces are balanced; nan if this is not known.
     imbalance : float
-        Median of abs(F1 - F2) on the plateau, over the mean force; nan if none was measured.
+        Median of abs(F1 - F2) on the plateau, over the mean force; nan if none was
+        measured.
     peak_stress : float
         Largest nominal stress while loading, Pa.
     strain_at_peak : float
@@ -60,7 +63,7 @@ class Verdict(NamedTuple):
     Examples
     --------
     >>> import rodimpact as ri
-    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)  # c = 5000 m/s
     >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
     >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
@@ -88,8 +91,8 @@ class Verdict(NamedTuple):
 def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
     """Verdict on a curve with measured forces on both faces.
 
-    Its first sentence says that equilibrium cannot be judged, from which strain it is reached, or
-    that it is not reached.
+    Its first sentence says that equilibrium cannot be judged, from which strain it is
+    reached, or that it is not reached.
 
     Parameters
     ----------
@@ -111,9 +114,10 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
     if resolution > EQUILIBRIUM_RTOL:
         in_equilibrium = None
         sentence = (
-            f"equilibrium cannot be judged: F1 is the difference of two waves, each right to "
-            f"{_percent(INPUT_FORCE_RTOL)}, so it is known to {_percent(resolution)} of the mean "
-            f"force only; |F1 - F2| is {_percent(imbalance)} of it on the plateau"
+            "equilibrium cannot be judged: F1 is the difference of two waves, each "
+            f"right to {_percent(INPUT_FORCE_RTOL)}, so it is known to "
+            f"{_percent(resolution)} of the mean force only; |F1 - F2| is "
+            f"{_percent(imbalance)} of it on the plateau"
         )
     elif in_equilibrium:
         # The first balanced sample of the plateau, and those right before it
@@ -129,9 +133,10 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
         )
     else:
         sentence = (
-            f"equilibrium is not reached: |F1 - F2| is {_percent(imbalance)} of the mean force on "
-            f"the plateau, and stays below {_percent(EQUILIBRIUM_RTOL)} for less than half of it; "
-            "use a shorter specimen or a slower rise of the pulse"
+            f"equilibrium is not reached: |F1 - F2| is {_percent(imbalance)} of the "
+            f"mean force on the plateau, and stays below {_percent(EQUILIBRIUM_RTOL)} "
+            "for less than half of it; use a shorter specimen or a slower rise of the "
+            "pulse"
         )
     return _with_numbers(
         curve,
@@ -151,13 +156,17 @@ def verdict_of_equal_forces(curve: Curve, method: str) -> Verdict:
     sentence = "equilibrium is assumed, not measured: one force stands for both faces"
     wave_speed = curve.specimen.wave_speed
     if wave_speed is None:
-        sentence += "; give Specimen(wave_speed=...) for an estimate of the time that this takes"
+        sentence += (
+            "; give Specimen(wave_speed=...) for an estimate of the time that this "
+            "takes"
+        )
     else:
         time = EQUILIBRIUM_TRANSITS * curve.specimen.length / wave_speed
         strain = float(np.interp(curve.times[0] + time, curve.times, curve.strain))
         sentence += (
-            f"; it takes some {format_si(time, 's', 3)}, {EQUILIBRIUM_TRANSITS:g} transit times "
-            f"of the specimen, so expect it from {_percent(strain)} of strain on"
+            f"; it takes some {format_si(time, 's', 3)}, {EQUILIBRIUM_TRANSITS:g} "
+            f"transit times of the specimen, so expect it from {_percent(strain)} of "
+            "strain on"
         )
     plateau = _plateau(curve)
     verdict = _with_numbers(
@@ -188,8 +197,9 @@ def _with_numbers(
     end = _percent(curve.strain[plateau][-1])
     numbers = (
         f"peak stress {format_si(curve.stress[peak], 'Pa', 4)} at "
-        f"{_percent(curve.strain[peak])} of strain; mean strain rate {strain_rate:.0f} 1/s from "
-        f"{start} to {end} of strain; energy absorbed {format_si(energy, 'J', 3)}"
+        f"{_percent(curve.strain[peak])} of strain; mean strain rate {strain_rate:.0f} "
+        f"1/s from {start} to {end} of strain; energy absorbed "
+        f"{format_si(energy, 'J', 3)}"
     )
     return Verdict(
         in_equilibrium=in_equilibrium,
@@ -237,7 +247,8 @@ def _resolution(curve: Curve, plateau: Bools, impedance: float) -> float:
 
     `impedance` is that of the input bar, Z, kg/s.
     """
-    # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave, Z c i.
+    # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave,
+    # Z c i.
     incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
     plateau_force = np.median(curve.output_force[plateau])
     return float(INPUT_FORCE_RTOL * np.abs(incident_force).max() / plateau_force)

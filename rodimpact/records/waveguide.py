@@ -56,9 +56,10 @@ class Waveguide(NamedTuple):
     def transfer_functions(self, count: int, distances: Any) -> TransferFunctions:
         """Effect of distances, m, on the spectra of `count` samples.
 
-        In a round bar with a Poisson ratio each frequency runs at its own phase velocity, and
-        frequencies above the cut-off of the first mode are removed. The transform is longer than
-        the samples, so that waves do not come round in its period.
+        In a round bar with a Poisson ratio each frequency runs at its own phase
+        velocity, and frequencies above the cut-off of the first mode are removed. The
+        transform is longer than the samples, so that waves do not come round in its
+        period.
         """
         from scipy import fft
 

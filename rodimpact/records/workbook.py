@@ -56,8 +56,8 @@ def text_of_workbook(file: BinaryIO) -> BinaryIO:
         # The packages have errors of their own, and those of zip files.
         text.close()
         raise FileFormatError(
-            f"is no workbook that {package.__name__} reads ({one_line(str(error))}); save it "
-            "again as .xlsx, or export it as text"
+            f"is no workbook that {package.__name__} reads ({one_line(str(error))}); "
+            "save it again as .xlsx, or export it as text"
         ) from None
     text.seek(0)
     return text
