@@ -41,13 +41,14 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = UNCHECKED) -> Arra
     value : float or array
         The argument, in `unit` or with a unit that converts to it.
     unit, sign : str
-        Those of a `QuantityField`, or `UNCHECKED`. With a sign the magnitude is one that the model
-        may have, so that products do not overflow.
+        Those of a `QuantityField`, or `UNCHECKED`. With a sign the magnitude is one
+        that the model may have, so that products do not overflow.
 
     Raises
     ------
     InvalidModel
-        If the value is not numeric, or a number has another sign or an extreme magnitude.
+        If the value is not numeric, or a number has another sign or an extreme
+        magnitude.
     """
     try:
         numbers = floats(value, unit)
@@ -96,8 +97,8 @@ def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
 def demand(condition: Any, name: str, message: str, *values: Number) -> None:
     """Raise InvalidModel if a condition, an array, does not hold everywhere.
 
-    The error names the argument `name`. The message may show the values at the first place where
-    the condition does not hold, as in `frozen.require`.
+    The error names the argument `name`. The message may show the values at the first
+    place where the condition does not hold, as in `frozen.require`.
     """
     problems: Problems = []
     require(problems, condition, name, message, *values)

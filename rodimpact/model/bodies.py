@@ -120,8 +120,8 @@ class Material(FrozenDataclass):
             )
             frozen.add_problem(problems, "wave_speed", message, wave_speed)
         if problems:
-            # Any modulus will do: the other arguments are checked too, for one error of all.
-            # A problem that is found twice is told once.
+            # Any modulus will do: the other arguments are checked too, for one error of
+            # all. A problem that is found twice is told once.
             modulus = 1.0
         self._set(
             name=name,
@@ -273,8 +273,8 @@ class Segment(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Set the area, and refuse numbers that do not go together.
 
-        The area is that of a diameter, or sampled if it is a function. A taper is refused if a
-        uniform segment of its smallest or largest area would be.
+        The area is that of a diameter, or sampled if it is a function. A taper is
+        refused if a uniform segment of its smallest or largest area would be.
         """
         area = self._checked_area(problems)
         self._set(area=area)
@@ -323,9 +323,9 @@ class Segment(FrozenDataclass):
     def _check_magnitudes(self, area: Number) -> None:
         """Refuse a uniform segment whose impedance, transit time or mass is extreme.
 
-        InvalidModel for Z = rho A c, T = L/c or Z T outside the range of the model, in any
-        member of a family. `area` is the given one, or the one that follows from the
-        diameter.
+        InvalidModel for Z = rho A c, T = L/c or Z T outside the range of the model, in
+        any member of a family. `area` is the given one, or the one that follows from
+        the diameter.
         """
         L = self.length
         c = self.material.wave_speed
@@ -348,8 +348,9 @@ class Segment(FrozenDataclass):
     def _check_lateral_inertia(self, problems: Problems) -> None:
         """Add problems of the lateral inertia, and of numbers that it lacks.
 
-        It is called if a theory or a polar moment is given: one without the other is a problem.
-        A diameter says what "circular" says, so with it the polar moment is set to None.
+        It is called if a theory or a polar moment is given: one without the other is a
+        problem. A diameter says what "circular" says, so with it the polar moment is
+        set to None.
         """
         theory = self.lateral_inertia
         moment = self.polar_moment
@@ -614,7 +615,8 @@ class Rod(Frozen, kind="rod"):
         Initial strain, positive in tension; a function is sampled like that of the
         velocity.
     shaft : Soil or Drag, optional
-        Soil or drag that resists the motion along the rod, for the method "finite-difference".
+        Soil or drag that resists the motion along the rod, for the method
+        "finite-difference".
 
     Raises
     ------
@@ -659,8 +661,8 @@ class Rod(Frozen, kind="rod"):
     ) -> None:
         """Set the segments, and the profiles along the whole rod, which are checked.
 
-        Without `segments` they follow from the shape: one segment, or one for each step of the
-        area. InvalidModel with the mistakes of all arguments.
+        Without `segments` they follow from the shape: one segment, or one for each step
+        of the area. InvalidModel with the mistakes of all arguments.
         """
         problems: Problems = []
         shape = {
@@ -815,7 +817,8 @@ def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ..
 def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments between the jumps of an area that is `Steps`; InvalidModel with all mistakes.
 
-    The shape are the arguments of `Segment`. All segments have them, but for length and area.
+    The shape are the arguments of `Segment`. All segments have them, but for length and
+    area.
     """
     area = shape["area"]
     problems: Problems = []

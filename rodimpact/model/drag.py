@@ -4,8 +4,9 @@ With the drag waves in a rod follow the telegraph equation,
 
     rho A v_t = (E A u_x)_x - d v,     d the drag coefficient per length,
 
-as S. G. Gibbs uses it for pump rods (Predicting the behavior of sucker-rod pumping systems, J.
-Petroleum Technology 15 (1963) 769-778), where d/(rho A) is the damping c in 1/s.
+as S. G. Gibbs uses it for pump rods (Predicting the behavior of sucker-rod pumping
+systems, J. Petroleum Technology 15 (1963) 769-778), where d/(rho A) is the damping c in
+1/s.
 """
 
 from __future__ import annotations
@@ -26,15 +27,16 @@ COEFFICIENT_PER_LENGTH = QuantityField("N s/m^2", "non-negative", along="length"
 class Drag(FrozenDataclass, kind="drag"):
     """Drag that resists the motion of a rod in proportion to its velocity.
 
-    The force on the rod is -d v per length, with the velocity v of the rod, positive to the
-    right: the fluid is at rest. Free motion dies out by exp(-d t/(rho A)), and the amplitude of a
-    wave by half of that rate.
+    The force on the rod is -d v per length, with the velocity v of the rod, positive to
+    the right: the fluid is at rest. Free motion dies out by exp(-d t/(rho A)), and the
+    amplitude of a wave by half of that rate.
 
     Parameters
     ----------
     coefficient : float, array, Steps, Samples or function
-        Drag coefficient: of the whole length of the rod, N s/m, if it is a number, which is
-        spread evenly; or per length, N s/m^2, at the distance from the left end, m.
+        Drag coefficient: of the whole length of the rod, N s/m, if it is a number,
+        which is spread evenly; or per length, N s/m^2, at the distance from the left
+        end, m.
 
     Raises
     ------

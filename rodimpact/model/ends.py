@@ -41,8 +41,8 @@ class Fixed(Frozen, kind="fixed"):
 class Absorbing(Frozen, kind="absorbing"):
     """An absorbing end: the rod goes on for ever, so waves leave and none returns.
 
-    The wave that comes in from outside keeps the value that it has there at t = 0. Under
-    gravity the endless rod outside falls, too: nothing holds it.
+    The wave that comes in from outside keeps the value that it has there at t = 0.
+    Under gravity the endless rod outside falls, too: nothing holds it.
 
     Examples
     --------
@@ -148,7 +148,8 @@ class Moved(_Driven, kind="moved"):
     ) -> None:
         """Set the velocity as given, or the position with the velocity that follows from it.
 
-        InvalidModel unless exactly one of the two is given, and for a position that jumps.
+        InvalidModel unless exactly one of the two is given, and for a position that
+        jumps.
         """
         problems: Problems = []
         if value is None and position is None:

@@ -201,10 +201,10 @@ class QuantityField(NamedTuple):
     def checked(self, problems: Problems, path: str, value: Any) -> Any:
         """Return a value as a float or a read-only array in the unit of the field.
 
-        None, or the word of the field, stays as it is, and a list becomes a tuple, where
-        the field takes them. A mistake is added to `problems` with the path; what is
-        returned then is of no use. -0.0 becomes 0.0, so that equal numbers have equal
-        descriptions.
+        None, or the word of the field, stays as it is, and a list becomes a tuple,
+        where the field takes them. A mistake is added to `problems` with the path; what
+        is returned then is of no use. -0.0 becomes 0.0, so that equal numbers have
+        equal descriptions.
         """
         if value is None and self.default is None:
             return None
@@ -372,9 +372,9 @@ def require(
 ) -> bool:
     """Return whether a condition, an array, holds for every member of a family.
 
-    If not, a problem is added for the first member for which it does not hold. The message
-    may show the values of that member, as ``{0!r}``; the path ends with its index,
-    ``[3,1]``.
+    If not, a problem is added for the first member for which it does not hold. The
+    message may show the values of that member, as ``{0!r}``; the path ends with its
+    index, ``[3,1]``.
     """
     if condition is True or np.all(condition):
         return True
@@ -425,8 +425,8 @@ class Frozen:
     def __init_subclass__(cls, **tag: str) -> None:
         """Set the tag of a class, and take its declared numbers as its `fields`.
 
-        The defaults of the numbers stay as attributes of the class. A constructor of its own
-        answers wrong arguments with those that may be meant.
+        The defaults of the numbers stay as attributes of the class. A constructor of
+        its own answers wrong arguments with those that may be meant.
         """
         if tag:
             cls._tag = tag
@@ -536,7 +536,8 @@ class Frozen:
     @property
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process."""
-        # The outline has shapes in place of arrays; the numbers of these follow as bytes.
+        # The outline has shapes in place of arrays; the numbers of these follow as
+        # bytes.
         with_shapes = self._mapped(lambda array: list(array.shape))
         outline = json.dumps(with_shapes.to_dict(), sort_keys=True)
         sha = hashlib.sha256(outline.encode())
@@ -609,8 +610,8 @@ class Frozen:
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
         """A new object with ``change(array)`` in place of every array of numbers, unchecked.
 
-        Arrays in its parts are changed too; those that all members share stay. Values that are
-        kept for speed, in attributes with an underscore, are left out.
+        Arrays in its parts are changed too; those that all members share stay. Values
+        that are kept for speed, in attributes with an underscore, are left out.
         """
 
         def mapped(value: Any) -> Any:
@@ -652,16 +653,17 @@ class FrozenDataclass(Frozen):
         """
         super().__init_subclass__(**tag)
         dataclass(repr=False, eq=False, frozen=True)(cls)
-        # `dataclass` has just made these two methods. Without them Python finds those of
-        # `Frozen`, whose errors say what to do instead of setting an attribute.
+        # `dataclass` has just made these two methods. Without them Python finds those
+        # of `Frozen`, whose errors say what to do instead of setting an attribute.
         del cls.__setattr__, cls.__delattr__
         _explain_constructor(cls)
 
     def __post_init__(self) -> None:
         """Check all arguments; InvalidModel with all mistakes in it.
 
-        Each declared number becomes what `QuantityField.checked` returns, but profiles, which the
-        class checks itself. Then numbers are checked together: as a family, and by `_check`.
+        Each declared number becomes what `QuantityField.checked` returns, but profiles,
+        which the class checks itself. Then numbers are checked together: as a family,
+        and by `_check`.
         """
         problems: Problems = []
         attributes = self.__dict__

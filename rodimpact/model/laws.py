@@ -722,8 +722,9 @@ class Tabulated(Plastic, law="tabulated"):
         is_elastic = force <= 0 or force >= k * peak_compression * (1 - SLOPE_RTOL)
         if is_elastic:
             return self
-        # Unloading follows k, so the faces have moved by peak_compression - force/k. The new
-        # table is the old one beyond the peak, counted from there, and one line up to the peak.
+        # Unloading follows k, so the faces have moved by peak_compression - force/k.
+        # The new table is the old one beyond the peak, counted from there, and one line
+        # up to the peak.
         elastic_compression = force / k
         new_compressions = [elastic_compression]
         new_forces = [force]
@@ -737,11 +738,11 @@ class Tabulated(Plastic, law="tabulated"):
 class SmithToe(Plastic, law="smith-toe"):
     """Soil below the toe of a pile: F = max(0, S (1 + J d')).
 
-    The static resistance S is k d, k = R_u/q, up to the ultimate resistance R_u, where the soil
-    yields. It unloads along the stiffness k, and the toe has moved for good, as with `Yielding`.
-    The damping makes the force larger while the toe goes down, and smaller on its way back. E. A.
-    L. Smith, Pile-driving analysis by the wave equation, J. Soil Mech. Found. Div. ASCE 86 (1960)
-    35-61. `Soil` is the same along the shaft.
+    The static resistance S is k d, k = R_u/q, up to the ultimate resistance R_u, where
+    the soil yields. It unloads along the stiffness k, and the toe has moved for good,
+    as with `Yielding`. The damping makes the force larger while the toe goes down, and
+    smaller on its way back. E. A. L. Smith, Pile-driving analysis by the wave equation,
+    J. Soil Mech. Found. Div. ASCE 86 (1960) 35-61. `Soil` is the same along the shaft.
 
     Parameters
     ----------
@@ -810,9 +811,9 @@ class SmithToe(Plastic, law="smith-toe"):
 class Cushion(Plastic, law="cushion"):
     """A cushion that gives back a part of its energy: a coefficient of restitution.
 
-    F grows along the stiffness k on loading, and falls along k/e^2 on unloading, so that a body
-    that falls on a cushion on a wall rebounds with the fraction e of its velocity. Loading again
-    follows k/e^2 up to the peak force so far.
+    F grows along the stiffness k on loading, and falls along k/e^2 on unloading, so
+    that a body that falls on a cushion on a wall rebounds with the fraction e of its
+    velocity. Loading again follows k/e^2 up to the peak force so far.
 
     Parameters
     ----------
@@ -878,8 +879,9 @@ class Law(_Law, law="own"):
     """A contact law of your own: a Python function gives the force.
 
     The method "characteristics" solves it. A function that numba has compiled
-    (``numba.njit``) runs compiled if that is faster. Processes and clusters need a named
-    function of a module: a lambda cannot be sent to them. No file can hold a function.
+    (``numba.njit``) runs compiled if that is faster. Processes and clusters need a
+    named function of a module: a lambda cannot be sent to them. No file can hold a
+    function.
 
     Parameters
     ----------

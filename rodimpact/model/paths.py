@@ -48,8 +48,8 @@ class _Slot(NamedTuple):
 def numbers_of(system: System) -> dict[str, Number]:
     """Every number of a system that can vary, by its entry.
 
-    Beside stored numbers there are those that may be given in their place: the wave speed
-    c = sqrt(E/rho) of a material, and the area pi d^2/4 of a round rod.
+    Beside stored numbers there are those that may be given in their place: the wave
+    speed c = sqrt(E/rho) of a material, and the area pi d^2/4 of a round rod.
     """
     stored_numbers = dict(system._numbers())
     numbers = dict(stored_numbers)
@@ -81,7 +81,8 @@ def entries_by_path(system: System) -> dict[str, list[str]]:
 def alternative_of(entry: str) -> str:
     """Entry of the number for which that at an entry stands, see `ALTERNATIVES`.
 
-    "bodies.0.diameter" for "bodies.0.area". An entry that stands for no other is returned.
+    "bodies.0.diameter" for "bodies.0.area". An entry that stands for no other is
+    returned.
     """
     owner, dot, field = entry.rpartition(".")
     return owner + dot + ALTERNATIVES.get(field, field)
@@ -90,9 +91,9 @@ def alternative_of(entry: str) -> str:
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     """System with other numbers at entries; InvalidModel if the model refuses them.
 
-    A wave speed c is set as the modulus E = rho c^2, after the density rho. An area A of a round
-    rod is set as the diameter sqrt(4 A/pi). A negative speed or area is passed on as a negative
-    modulus or diameter, so that the model refuses it.
+    A wave speed c is set as the modulus E = rho c^2, after the density rho. An area A
+    of a round rod is set as the diameter sqrt(4 A/pi). A negative speed or area is
+    passed on as a negative modulus or diameter, so that the model refuses it.
     """
     description = system.to_dict()
     speeds = []  # tables of materials, with the wave speed that each shall have
@@ -130,8 +131,8 @@ def unit_at(system: System, entry: str) -> str:
 def suggestion(path: str, choices: Collection[str]) -> str:
     """Hint at the choice that may be meant by a path: a sentence.
 
-    It names the nearest of the choices that share the longest beginning with the path. If none is
-    near it lists them, or if they are many, their next parts.
+    It names the nearest of the choices that share the longest beginning with the path.
+    If none is near it lists them, or if they are many, their next parts.
     """
     beginning = _shared_beginning(path, choices)
     remainders = []  # of the choices, behind the beginning

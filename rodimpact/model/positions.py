@@ -62,7 +62,8 @@ def _of_lines(position: Samples) -> Any:
 def _of_spline(problems: Problems, position: Samples) -> Any:
     """Velocity of the spline through smooth samples, as `Polynomials`; 0 after the last sample.
 
-    A step that differs from member to member, or too few samples, are a problem; then it is 0.
+    A step that differs from member to member, or too few samples, are a problem; then
+    it is 0.
     """
     from scipy.interpolate import make_interp_spline
 

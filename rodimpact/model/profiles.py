@@ -333,8 +333,8 @@ def _check_inside(
     if not places:
         return
     if isinstance(profile, Steps):
-        # Numbers of steps may be arrays, and the call raises if they do not broadcast with
-        # the length. The numbers of polynomials are the same in all members.
+        # Numbers of steps may be arrays, and the call raises if they do not broadcast
+        # with the length. The numbers of polynomials are the same in all members.
         numbers = [("length", length), *profile._numbers(path)]
         frozen.family_shape(numbers)
     last = places[-1]
@@ -434,8 +434,8 @@ def scaled(profile: Profile, factor: float) -> Profile:
 def flipped(profile: Profile, length: Number) -> Profile:
     """Return the profile along a rod of that length, m, seen from the other end.
 
-    The values come in the opposite order, and places are counted from the other end. A number
-    stays.
+    The values come in the opposite order, and places are counted from the other end. A
+    number stays.
     """
     if isinstance(profile, Samples):
         return profile.replace(values=profile.values[::-1])
@@ -512,8 +512,9 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
     """Mean values of steps between n + 1 edges, m or s, [n]."""
     jumps = np.array(steps.at, dtype=float)
     values = np.array(steps.values, dtype=float)
-    # Index of the first and the last value in each interval: just right of its left edge, and
-    # just left of its right one. A jump on an edge lies inside neither of two intervals.
+    # Index of the first and the last value in each interval: just right of its left
+    # edge, and just left of its right one. A jump on an edge lies inside neither of two
+    # intervals.
     first = np.searchsorted(jumps, edges[:-1], side="right")
     last = np.searchsorted(jumps, edges[1:], side="left")
     means: Floats = values[first]
@@ -562,8 +563,8 @@ def _averages_of_polynomials(
 ) -> Floats:
     """Mean values of polynomials along a rod of that length, m, between n + 1 edges, [n].
 
-    They are differences of the integral from x = 0 on. In an interval of width w that is the
-    integral to its begin plus w/2 times a primitive in y, as dx = w/2 dy.
+    They are differences of the integral from x = 0 on. In an interval of width w that
+    is the integral to its begin plus w/2 times a primitive in y, as dx = w/2 dy.
     """
     borders = np.concatenate(([0.0], profile.inner, [length]))
     widths = np.diff(borders)

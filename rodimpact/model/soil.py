@@ -1,8 +1,9 @@
 """Soil along the shaft of a rod: a pile, a mandrel, an anchor.
 
-The soil resists by its static resistance R and a damping. R is elastic up to the quake, then the
-soil yields, and it unloads as stiffly as it was loaded (E. A. L. Smith, Pile-driving analysis by
-the wave equation, J. Soil Mech. Found. Div. ASCE 86 (1960) 35-61).
+The soil resists by its static resistance R and a damping. R is elastic up to the quake,
+then the soil yields, and it unloads as stiffly as it was loaded (E. A. L. Smith,
+Pile-driving analysis by the wave equation, J. Soil Mech. Found. Div. ASCE 86 (1960)
+35-61).
 """
 
 from __future__ import annotations
@@ -35,27 +36,28 @@ RESISTANCE_PER_LENGTH = QuantityField("N/m", "non-negative", along="length")
 class Soil(FrozenDataclass, kind="soil"):
     """Soil that resists the motion of a rod along its shaft.
 
-    The force on the rod is -(R + J abs(R) v) by the law ``"smith"`` and -(R + J R_u v) by
-    ``"viscous"``, with the velocity v of the rod, positive to the right. Both dampings oppose
-    the motion. R = k u while the soil is elastic, k = R_u/q, u the displacement of the rod; it
-    stays between -R_u and R_u, where the soil yields, and returns along the slope k. The soil
-    at rest does not follow the rod.
+    The force on the rod is -(R + J abs(R) v) by the law ``"smith"`` and -(R + J R_u v)
+    by ``"viscous"``, with the velocity v of the rod, positive to the right. Both
+    dampings oppose the motion. R = k u while the soil is elastic, k = R_u/q, u the
+    displacement of the rod; it stays between -R_u and R_u, where the soil yields, and
+    returns along the slope k. The soil at rest does not follow the rod.
 
     Parameters
     ----------
     resistance : float, array, Steps, Samples or function
-        Ultimate resistance R_u: of the whole length of the rod, N, if it is a number, which is
-        spread evenly; or per length, N/m, at the distance from the left end, m.
+        Ultimate resistance R_u: of the whole length of the rod, N, if it is a number,
+        which is spread evenly; or per length, N/m, at the distance from the left end,
+        m.
     quake : float or array
         Displacement q at which the soil yields, m.
     damping : float or array, optional
         J, s/m.
     law : "smith" or "viscous", optional
-        Whether the damping is in proportion to the static resistance at the moment, or to the
-        ultimate one.
+        Whether the damping is in proportion to the static resistance at the moment, or
+        to the ultimate one.
     mobilised : float, array, Steps, Samples or function, optional
-        Share R/R_u of the resistance that is mobilised at t = 0, from -1 to 1: positive if the
-        soil pushes the rod to the left.
+        Share R/R_u of the resistance that is mobilised at t = 0, from -1 to 1: positive
+        if the soil pushes the rod to the left.
 
     Raises
     ------
@@ -68,7 +70,8 @@ class Soil(FrozenDataclass, kind="soil"):
 
     >>> import rodimpact as ri
     >>> soil = ri.Soil(resistance=400e3, quake=2.5e-3, damping=0.16)
-    >>> pile = ri.Rod(15.0, area=0.0094, material=ri.materials.steel, velocity=2.0, shaft=soil)
+    >>> steel = ri.materials.steel
+    >>> pile = ri.Rod(15.0, area=0.0094, material=steel, velocity=2.0, shaft=soil)
     >>> run = ri.solve(ri.System([pile]), until=30e-3)
     >>> bool(run.mean_velocity(0, 0.0) > 1.9 and abs(run.mean_velocity(0, 30e-3)) < 0.3)
     True

@@ -110,7 +110,8 @@ class System(FrozenDataclass):
             _check_any_moves(problems, bodies, laws)
         given_gaps = _one_per_pair(problems, "gaps", self.gaps, 0.0, n_pairs)
         gaps = []
-        # Lists of the wrong length have a problem by now; the pairs they have are checked.
+        # Lists of the wrong length have a problem by now; the pairs they have are
+        # checked.
         for i, law, gap in zip(range(n_pairs), laws, given_gaps, strict=False):
             # A law that is none has its problem in `_check_contact`.
             is_law = type(law) in _LAWS
@@ -199,16 +200,16 @@ class System(FrozenDataclass):
             message = f"{shown(index)} is no index of the shape {self.shape}: {error}"
             if self.shape == ():
                 message = (
-                    "this system is a single collision, not a family of them; its bodies "
-                    "are system.bodies"
+                    "this system is a single collision, not a family of them; its "
+                    "bodies are system.bodies"
                 )
             raise IndexError(f"index: {message}") from None
 
         def pick(array: Floats) -> Number:
             """Numbers of the chosen members from those of all: an array, or a float for one."""
             view = np.broadcast_to(array, self.shape)[index]
-            # Axes along which the array does not vary are reduced to one value: broadcasting
-            # gave them the stride 0.
+            # Axes along which the array does not vary are reduced to one value:
+            # broadcasting gave them the stride 0.
             first_only = [slice(None)] * view.ndim
             for axis, stride in enumerate(view.strides):
                 if stride == 0:
@@ -390,7 +391,8 @@ def _mirrored_end(end: End) -> End:
     if isinstance(end, Moved) and end.position is not None:
         return Moved(position=negative(end.position))
     if isinstance(end, Moved):
-        # The value has the duration of a function in it: that was sampled when the end was made.
+        # The value has the duration of a function in it: that was sampled when the end
+        # was made.
         return Moved(negative(end.value))
     return end
 
@@ -398,7 +400,8 @@ def _mirrored_end(end: End) -> End:
 def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
     """Make the body, the contact law or the end that `to_dict` described.
 
-    The entry `tag` of the description, "kind" or "law", is the key of its class in `classes`.
+    The entry `tag` of the description, "kind" or "law", is the key of its class in
+    `classes`.
     """
     description = dict(data)
     kind = description.pop(tag)
@@ -430,8 +433,8 @@ def _one_per_pair(
 ) -> Any:
     """Items of the neighbouring pairs: as given, or `default` for each if they are None.
 
-    A list of the wrong length has a problem, and is returned so that its items are checked
-    too. () and a problem if the items are no list.
+    A list of the wrong length has a problem, and is returned so that its items are
+    checked too. () and a problem if the items are no list.
     """
     if items is None:
         return (default,) * n_pairs
@@ -473,8 +476,9 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
 def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
     """Add a problem if nothing can move: the row has no rod, and all masses are bonded to walls.
 
-    Contacts that are not bonded divide the row into one group more than there are of them. Walls
-    stand at the ends, so all groups have a wall if there are more walls than such contacts.
+    Contacts that are not bonded divide the row into one group more than there are of
+    them. Walls stand at the ends, so all groups have a wall if there are more walls
+    than such contacts.
     """
     n_walls = 0
     for body in bodies:
