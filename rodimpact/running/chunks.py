@@ -1,7 +1,7 @@
 """Chunks of a sweep: some members of a family, which are run in one job.
 
-A chunk is a smaller family. Whoever runs it, and in which order, its columns are the same bit for
-bit.
+A chunk is a smaller family. Whoever runs it, and in which order, its columns are the
+same bit for bit.
 """
 
 import contextlib
@@ -46,8 +46,9 @@ class Chunk(NamedTuple):
         With the method that is chosen.
     readings : RequestedReadings
     in_one_call : bool
-        Whether the method runs members of this family in one call. Energies of vibration then
-        differ in their last digits, so all chunks of a family are run in the same way.
+        Whether the method runs members of this family in one call. Energies of
+        vibration then differ in their last digits, so all chunks of a family are run in
+        the same way.
     """
 
     system: System
@@ -65,8 +66,9 @@ def run_jobs(
 ) -> Generator[list[JobResult]]:
     """Run the members that the store does not have, in jobs; yields as `jobs.results_of`.
 
-    There are about eight jobs a worker, or a hundred if the store is on disk. If it is not, a
-    single worker whose method runs many members in one call gets as few jobs as possible.
+    There are about eight jobs a worker, or a hundred if the store is on disk. If it is
+    not, a single worker whose method runs many members in one call gets as few jobs as
+    possible.
     """
     size = math.prod(system.shape)
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
@@ -86,7 +88,8 @@ def run_jobs(
         chunk = Chunk(members, options, readings, in_one_call)
         if pool.stop is None:  # other processes cannot ask whether to stop
             return pool.executor.submit(run_chunk, chunk)
-        # Jobs begin in order: what the store lacks beyond this one follows in this process.
+        # Jobs begin in order: what the store lacks beyond this one follows in this
+        # process.
         later_members = int(np.count_nonzero(~store.done[stop:]))
         return pool.executor.submit(run_chunk, chunk, pool.stop, later_members)
 
@@ -110,7 +113,8 @@ def members_of(system: System, start: int, stop: int) -> System:
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
     are_whole_rows = start % row_size == 0 and stop % row_size == 0
     if are_whole_rows:
-        # In a family of whole rows, numbers that vary along other axes alone stay small.
+        # In a family of whole rows, numbers that vary along other axes alone stay
+        # small.
         return system[start // row_size : stop // row_size]
     members = np.arange(start, stop)
     return system[np.unravel_index(members, system.shape)]
@@ -186,8 +190,8 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
 def _empty_columns(system: System, readings: RequestedReadings) -> Columns:
     """Columns in which all members are refused: ``status`` says so.
 
-    Columns of floats are nan. Those of whole numbers and of truth values are 0, and have whole
-    numbers here; `run_chunk` gives every column the dtype of its layout.
+    Columns of floats are nan. Those of whole numbers and of truth values are 0, and
+    have whole numbers here; `run_chunk` gives every column the dtype of its layout.
     """
     count = math.prod(system.shape)
     columns: Columns = {}
@@ -203,8 +207,8 @@ def _empty_columns(system: System, readings: RequestedReadings) -> Columns:
 def _without_unread_states(options: Options, readings: RequestedReadings) -> Options:
     """Options that keep two states of a grid, unless its other states are read.
 
-    An outcome needs the first and the last state alone. Other methods keep no states, and their
-    options stay as they are.
+    An outcome needs the first and the last state alone. Other methods keep no states,
+    and their options stay as they are.
     """
     reads_fields = len(readings.gauges) > 0 or "largest_stress" in readings.also
     if reads_fields or "snapshots" not in METHODS[options.method].takes:

@@ -1,7 +1,8 @@
 """Columns of a family: their names, and how each is read of a finished member.
 
-A column has one entry a collision. Which columns there are follows from the system, and from what
-was asked for besides: a name of `COLUMNS` for the whole row, ``name.i`` for a body or a contact i.
+A column has one entry a collision. Which columns there are follows from the system, and
+from what was asked for besides: a name of `COLUMNS` for the whole row, ``name.i`` for a
+body or a contact i.
 """
 
 import math
@@ -33,7 +34,8 @@ class ContactColumns(NamedTuple):
     episodes: Any  # how often the contact pressed
 
 
-# How columns are read: the second argument is a body or a contact -----------------------------
+# How columns are read: the second argument is a body or a contact
+# -----------------------------
 
 
 def _restitution(solution: Solution, _: int) -> float:
@@ -108,7 +110,8 @@ def _accuracy(solution: Solution, _: int) -> float:
     return largest_error(solution.accuracy)
 
 
-# Which columns there are ----------------------------------------------------------------------
+# Which columns there are
+# ----------------------------------------------------------------------
 
 
 class Column(NamedTuple):
@@ -117,7 +120,8 @@ class Column(NamedTuple):
     Attributes
     ----------
     owner_kind : str
-        What has one each: "row", "body", "contact", "rod", or "yielding" for contacts that yield.
+        What has one each: "row", "body", "contact", "rod", or "yielding" for contacts
+        that yield.
     read : function
         Reads it of a finished member; the second argument is the index of the owner.
     dtype : type
@@ -165,8 +169,8 @@ class Layout(NamedTuple):
 def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
     """Columns of a family that have these names in `COLUMNS`: what each holds, by its full name.
 
-    A name such as "impulse" has a column for each contact, "impulse.0", "impulse.1"; one that no
-    body or contact has is left out.
+    A name such as "impulse" has a column for each contact, "impulse.0", "impulse.1";
+    one that no body or contact has is left out.
     """
     owners = _owners(system)
     sources = {}

@@ -1,10 +1,10 @@
 """Derivatives on both sides of a point, by Richardson's extrapolation from values at halved steps.
 
-A polynomial through the values at a few consecutive steps is extrapolated to the step 0. Such a
-window of steps has a bound: how far it lies from the window of one step less, and what noise of
-the values may do to it. Windows are taken from the smallest steps to the largest. The first that
-contradicts those before it reaches beyond a kink, and ends the search. The window with the least
-bound is the result.
+A polynomial through the values at a few consecutive steps is extrapolated to the step
+0. Such a window of steps has a bound: how far it lies from the window of one step less,
+and what noise of the values may do to it. Windows are taken from the smallest steps to
+the largest. The first that contradicts those before it reaches beyond a kink, and ends
+the search. The window with the least bound is the result.
 
 C. Brezinski, M. Redivo Zaglia, Extrapolation Methods, North-Holland 1991.
 """
@@ -65,13 +65,15 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     Parameters
     ----------
     below, above : [step, ...] array
-        Values of the function at the point minus and plus each step; nan where it has none.
+        Values of the function at the point minus and plus each step; nan where it has
+        none.
     steps : [step, ...] array
         Each half the one before.
     noise : [...] array
         Bound of the error of the values.
     """
-    # Arguments of neighbouring steps differ by this; the later one is nearer to the point.
+    # Arguments of neighbouring steps differ by this; the later one is nearer to the
+    # point.
     between = steps[:-1] - steps[1:]
     slopes_below = (below[1:] - below[:-1]) / between
     slopes_above = (above[:-1] - above[1:]) / between
@@ -128,9 +130,9 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
 def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
     """Window with the least error of those that begin at each step, the smallest step first.
 
-    `noise` is the bound of the error of `first` by the values, [step, ...]; see `limit`. A
-    window of order n removes the first n terms of the error by n + 1 steps. With the two
-    windows S of order n - 1 in it, Richardson's extrapolation is
+    `noise` is the bound of the error of `first` by the values, [step, ...]; see
+    `limit`. A window of order n removes the first n terms of the error by n + 1 steps.
+    With the two windows S of order n - 1 in it, Richardson's extrapolation is
 
         S(smaller steps) + (S(smaller steps) - S(larger steps))/(ratio^n - 1).
     """

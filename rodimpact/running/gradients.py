@@ -1,8 +1,9 @@
 """gradient(): derivatives of the result of a collision by the numbers of its system.
 
-The system is solved with each number a little smaller and a little larger, and the differences are
-extrapolated to steps of length 0. Both sides are kept apart, since results of collisions have
-kinks: where two events change their order, the derivative differs on both sides.
+The system is solved with each number a little smaller and a little larger, and the
+differences are extrapolated to steps of length 0. Both sides are kept apart, since
+results of collisions have kinks: where two events change their order, the derivative
+differs on both sides.
 """
 
 import math
@@ -64,14 +65,14 @@ PRINTED_RTOL = 1e-8  # relative error of a derivative printed with 8 digits
 class Kink(NamedTuple):
     """A place where the derivative differs on both sides, or exists on one side only.
 
-    Each attribute is a number, or an array of the shape of the family: nan for members without a
-    kink.
+    Each attribute is a number, or an array of the shape of the family: nan for members
+    without a kink.
 
     Attributes
     ----------
     below, above : float
-        Derivatives on the side of smaller and of larger numbers; nan on a side that does not exist,
-        such as below a gap of 0.
+        Derivatives on the side of smaller and of larger numbers; nan on a side that
+        does not exist, such as below a gap of 0.
     jump : float
         Value of the quantity above minus its value below; 0 if it is continuous.
 
@@ -82,7 +83,8 @@ class Kink(NamedTuple):
     >>> import rodimpact as ri
     >>> steel = ri.materials.steel
     >>> rods = [ri.Rod(1.0, area=1e-4, material=steel, velocity=v) for v in (1.0, 0.0)]
-    >>> kink = ri.gradient(ri.System(rods), wrt=["bodies.0.length"]).kinks["bodies.0.length"]
+    >>> slopes = ri.gradient(ri.System(rods), wrt=["bodies.0.length"])
+    >>> kink = slopes.kinks["bodies.0.length"]
     >>> round(float(kink.below), 6), round(float(kink.above), 6)
     (1.0, -1.0)
     """
@@ -108,8 +110,8 @@ class Gradient:
     values : dict of str to float or array
         Derivative by path, where it is the same on both sides; else nan.
     errors : dict of str to float or array
-        Stated error by path: it bounds the error of the derivative, or at a kink the errors of the
-        one-sided derivatives.
+        Stated error by path: it bounds the error of the derivative, or at a kink the
+        errors of the one-sided derivatives.
     one_sided : dict of str to (float or array, float or array)
         Derivatives below and above each number.
     kinks : dict of str to Kink
@@ -126,9 +128,10 @@ class Gradient:
     >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=steel)
     >>> slopes = ri.gradient(ri.System([left, right]), wrt=["bodies.0.length"])
-    >>> round(float(slopes["bodies.0.length"]), 9), slopes.units["bodies.0.length"]     # e = l1/l2
+    >>> path = "bodies.0.length"  # e = l1/l2
+    >>> round(float(slopes[path]), 9), slopes.units[path]
     (1.0, '1/m')
-    >>> bool(slopes.errors["bodies.0.length"] < 1e-9)
+    >>> bool(slopes.errors[path] < 1e-9)
     True
     """
 
@@ -203,52 +206,57 @@ def gradient(
 ) -> Gradient:
     """Derivatives of a result of a collision, by finite differences with a stated error.
 
-    The collision is solved on both sides of each number, at 6 to 24 steps on each side that are
-    halved from one to the next. Derivatives follow by Richardson's extrapolation. If they differ on
-    both sides, or if the quantity jumps, the number has a kink. Steps become smaller as long as a
-    kink seems near, or the error is larger than the accuracy of the solutions makes necessary.
-    Kinks closer to the number than about 1e-7 of it cannot be told from a kink at the number.
+    The collision is solved on both sides of each number, at 6 to 24 steps on each side
+    that are halved from one to the next. Derivatives follow by Richardson's
+    extrapolation. If they differ on both sides, or if the quantity jumps, the number
+    has a kink. Steps become smaller as long as a kink seems near, or the error is
+    larger than the accuracy of the solutions makes necessary. Kinks closer to the
+    number than about 1e-7 of it cannot be told from a kink at the number.
 
     Parameters
     ----------
     system : System
         A single collision or a family.
     of : str
-        ``"restitution"``, ``"velocity_after.1"`` (m/s, of a body), ``"impulse.0"`` (N s),
-        ``"peak_force.0"`` (N) or ``"duration.0"`` (s, of a contact). A body that an absorbing end
-        slows down for ever has no velocity after.
+        ``"restitution"``, ``"velocity_after.1"`` (m/s, of a body), ``"impulse.0"`` (N
+        s), ``"peak_force.0"`` (N) or ``"duration.0"`` (s, of a contact). A body that an
+        absorbing end slows down for ever has no velocity after.
     wrt : sequence of str
-        Paths of numbers as in a case file: ``"bodies.0.length"``, ``"contacts.0.stiffness"``,
-        ``"materials.steel.wave_speed"``.
+        Paths of numbers as in a case file: ``"bodies.0.length"``,
+        ``"contacts.0.stiffness"``, ``"materials.steel.wave_speed"``.
     method, until, max_events
         As for `sweep`. With `until`, all quantities count up to that time.
     rtol : float, optional
-        Relative accuracy of the solutions: by default 1e-10 for "characteristics", and 1e-3 for
-        "finite-difference". "fronts" is exact to round-off and takes none.
+        Relative accuracy of the solutions: by default 1e-10 for "characteristics", and
+        1e-3 for "finite-difference". "fronts" is exact to round-off and takes none.
     workers : int, optional
         Number of threads; default: the processors at hand.
     progress : bool or function
-        Whether a bar may show that long work goes on. A function is called with the number of
-        collisions solved so far, and None: nobody knows how many there will be.
+        Whether a bar may show that long work goes on. A function is called with the
+        number of collisions solved so far, and None: nobody knows how many there will
+        be.
 
     Returns
     -------
     Gradient
-        In SI units. A member without such a quantity, or whose run does not end, has nan.
+        In SI units. A member without such a quantity, or whose run does not end, has
+        nan.
 
     Raises
     ------
     InvalidModel
-        If there is no such quantity, a path is none of the system, or the method lacks something.
+        If there is no such quantity, a path is none of the system, or the method lacks
+        something.
     UndefinedRestitution
         If a single collision has no such number.
 
     Notes
     -----
-    The stated error is the sum of two parts. The truncation error is ten times the change by
-    the last order of the extrapolation. Noise is bounded by the stated errors of the solutions
-    (round-off for "fronts") times the factor by which the differences amplify it. The "accuracy"
-    of a sweep is about velocities and forces; durations count as ten times less accurate.
+    The stated error is the sum of two parts. The truncation error is ten times the
+    change by the last order of the extrapolation. Noise is bounded by the stated errors
+    of the solutions (round-off for "fronts") times the factor by which the differences
+    amplify it. The "accuracy" of a sweep is about velocities and forces; durations
+    count as ten times less accurate.
 
     Examples
     --------
@@ -257,7 +265,8 @@ def gradient(
     >>> import rodimpact as ri
     >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
-    >>> g = ri.gradient(ri.System([left, right]), wrt=["bodies.0.length", "bodies.1.length"])
+    >>> lengths = ["bodies.0.length", "bodies.1.length"]
+    >>> g = ri.gradient(ri.System([left, right]), wrt=lengths)
     >>> print(g)
     restitution = 0.4; its derivative by
       bodies.0.length: 1 1/m
@@ -288,8 +297,8 @@ def _common_options(
 ) -> Options:
     """Options with one method by which the system and all its neighbours can be solved.
 
-    Neighbours, with one of the numbers changed, may have more physics, such as a gravity that is
-    not 0. Methods with more physics come later in `METHODS`.
+    Neighbours, with one of the numbers changed, may have more physics, such as a
+    gravity that is not 0. Methods with more physics come later in `METHODS`.
     """
     methods = [options.method_for(system)]
     for number in numbers:
@@ -372,8 +381,9 @@ class _Result:
     def _size(self, system: System, columns: Mapping[str, Any]) -> Any:
         """The size, in its unit, to which the stated error of the result is relative, of members.
 
-        It is the velocity scale of the row, the largest impulse, peak force or duration of a
-        contact, or that of a restitution. The results of the members are given by column.
+        It is the velocity scale of the row, the largest impulse, peak force or duration
+        of a contact, or that of a restitution. The results of the members are given by
+        column.
         """
         kind, _, _ = self.of.partition(".")
         if kind == "velocity_after":
@@ -394,8 +404,8 @@ class _Result:
     ) -> Any:
         """2 V/closing + e at contact k, with the velocity scale V, of members.
 
-        Each of the two velocities after, in e = parting/closing, may be wrong by a fraction of V.
-        The velocity of closing is parting/e; it counts as V where e = 0.
+        Each of the two velocities after, in e = parting/closing, may be wrong by a
+        fraction of V. The velocity of closing is parting/e; it counts as V where e = 0.
         """
         e = columns["restitution"]
         left_velocity = columns[f"velocity_after.{k}"]
@@ -434,8 +444,8 @@ class _Number(NamedTuple):
     def neighbours(self, changes: Any) -> "_Neighbours":
         """Systems with the number plus each of the changes, [change, ...].
 
-        Changes that the declaration of the number or the system refuses are not made: the number
-        stays there, and `allowed` is false.
+        Changes that the declaration of the number or the system refuses are not made:
+        the number stays there, and `allowed` is false.
         """
         field = field_at(self.system, self.entries[0])  # the declaration
         changes = np.asarray(changes)
@@ -478,9 +488,9 @@ class _Number(NamedTuple):
 def _number(system: System, path: str) -> _Number:
     """The number at a path, with the size by which its changes are measured.
 
-    The size of most numbers is their absolute value, that of a gap at most its natural size. The
-    natural size stands for 0, and for all numbers that are `SCALED_BY_MOTION`. InvalidModel if a
-    number is 0 and has no natural size.
+    The size of most numbers is their absolute value, that of a gap at most its natural
+    size. The natural size stands for 0, and for all numbers that are
+    `SCALED_BY_MOTION`. InvalidModel if a number is 0 and has no natural size.
     """
     entries = entries_by_path(system)[path]
     x = numbers_of(system)[entries[0]]
@@ -504,8 +514,9 @@ def _number(system: System, path: str) -> _Number:
 def _natural_size(system: System, path: str) -> Any:
     """Size that the row gives to the number at a path by its unit; nan without any.
 
-    Let V be the velocity scale of the row, T the longest transit time, c the largest wave speed, Z
-    the largest impedance and E the largest modulus. A gap is V T, a strain V/c, a force Z V.
+    Let V be the velocity scale of the row, T the longest transit time, c the largest
+    wave speed, Z the largest impedance and E the largest modulus. A gap is V T, a
+    strain V/c, a force Z V.
     """
     row = build_row(system)
     V = velocity_scale(system)
@@ -542,8 +553,9 @@ def _largest_of(segments: Sequence[Any], name: str) -> Any:
 def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
     """Derivatives of a result by a number on both sides, from stages of ever smaller steps.
 
-    `value` is the result itself, with its error. Each stage has `STEPS_PER_STAGE` steps. A stage
-    after the first solves only those members that `_unsettled` chooses; others have nan in it.
+    `value` is the result itself, with its error. Each stage has `STEPS_PER_STAGE`
+    steps. A stage after the first solves only those members that `_unsettled` chooses;
+    others have nan in it.
     """
     shape = number.system.shape
     size = np.broadcast_to(number.size, shape)
@@ -570,7 +582,8 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
         steps = np.concatenate([steps, stage_steps])
         below = np.concatenate([below, stage_below])
         above = np.concatenate([above, stage_above])
-        # The number plus a step is rounded, which changes the result by slope times rounding.
+        # The number plus a step is rounded, which changes the result by slope times
+        # rounding.
         rise_above = np.abs(above - value.value)
         rise_below = np.abs(below - value.value)
         slopes = np.fmax(rise_above, rise_below) / steps  # of the steeper side
@@ -587,9 +600,10 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
 def _unsettled(sides: Sides, value: Estimate, noise: Any, next_step: Any) -> Any:
     """Whether smaller steps may tell more of each member: an array of truth values.
 
-    They may if the derivatives on both sides differ by more than noise would then allow, if the
-    values jump, or if the error is much larger than that by noise. `noise` is the bound of the
-    error of values, and `next_step` the largest of further steps.
+    They may if the derivatives on both sides differ by more than noise would then
+    allow, if the values jump, or if the error is much larger than that by noise.
+    `noise` is the bound of the error of values, and `next_step` the largest of further
+    steps.
     """
     from_noise = NOISE_AMPLIFICATION * noise / next_step  # error of a derivative
     bend = np.abs(sides.bend.value)
@@ -615,8 +629,8 @@ class _Column(NamedTuple):
 def _column(sides: Sides, defined: Any) -> _Column:
     """Derivatives by one number: one where both sides agree, else those of both sides.
 
-    Where they agree it is the central one or the mean of both, whichever has the smaller error.
-    `defined` tells of each member whether its result is a number.
+    Where they agree it is the central one or the mean of both, whichever has the
+    smaller error. `defined` tells of each member whether its result is a number.
     """
     smooth = sides.smooth & defined
     mean = (sides.below.value + sides.above.value) / 2
@@ -624,7 +638,8 @@ def _column(sides: Sides, defined: Any) -> _Column:
     take_central = sides.central.error <= mean_error
     value = np.where(take_central, sides.central.value, mean)
     error = np.where(take_central, sides.central.error, mean_error)
-    # The error at a kink is the larger one of the derivatives that exist; nan without any.
+    # The error at a kink is the larger one of the derivatives that exist; nan without
+    # any.
     exists_below = np.isfinite(sides.below.error)
     exists_above = np.isfinite(sides.above.error)
     exists = exists_below | exists_above
@@ -651,7 +666,8 @@ def _column(sides: Sides, defined: Any) -> _Column:
 def lasting_bodies(system: System) -> set[int]:
     """Indices of the bodies that have a velocity after the collision.
 
-    An absorbing end slows the bodies that are bonded to it down for ever: they have none.
+    An absorbing end slows the bodies that are bonded to it down for ever: they have
+    none.
     """
     last = len(system.bodies) - 1
     radiating = set()

@@ -62,8 +62,8 @@ def check_executor(problems: Problems, executor: object, system: System) -> None
     for k, law in enumerate(system.contacts):
         if isinstance(law, Law) and not _is_importable(law.force):
             message = (
-                "is a function that other processes cannot import: define it with def at "
-                "the top of a module, or leave executor out, which takes threads"
+                "is a function that other processes cannot import: define it with def "
+                "at the top of a module, or leave executor out, which takes threads"
             )
             problems.append((f"contacts.{k}", message))
 
@@ -81,8 +81,9 @@ def _is_importable(function: Callable[..., Any]) -> bool:
 def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
     """The given executor, or threads of our own, which are told to stop when the context ends.
 
-    Where no thread can start, jobs are done by the thread that submits them. The number of workers
-    is by default that of the processors, and `WORKERS_OF_EXECUTOR` for a given executor.
+    Where no thread can start, jobs are done by the thread that submits them. The number
+    of workers is by default that of the processors, and `WORKERS_OF_EXECUTOR` for a
+    given executor.
     """
     if executor is not None:
         if workers is None:
@@ -134,15 +135,16 @@ class SerialExecutor(Executor):
 def job_size(members: int, row: int, jobs: int, most: int) -> int:
     """Number of members of a job.
 
-    It is rounded down to whole rows if a job holds a row at least, and stays what it is if not.
+    It is rounded down to whole rows if a job holds a row at least, and stays what it is
+    if not.
 
     Parameters
     ----------
     members : int
         All that are to be run.
     row : int
-        Members with one index of the first axis. Numbers that vary along other axes alone are
-        the same in every row, so a job of whole rows has them once.
+        Members with one index of the first axis. Numbers that vary along other axes
+        alone are the same in every row, so a job of whole rows has them once.
     jobs : int
         How many there shall be, about.
     most : int
@@ -187,8 +189,8 @@ def results_of(
     Yields
     ------
     list of JobResult
-        Jobs that have ended, with their results; twice a second or more often, so that it
-        may be empty.
+        Jobs that have ended, with their results; twice a second or more often, so that
+        it may be empty.
     """
     waiting = deque(jobs)
     running: dict[Future[Any], Span] = {}  # members of each job that was handed over

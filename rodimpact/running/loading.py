@@ -21,10 +21,11 @@ NPZ_START = b"PK"
 def load(path: PathLike) -> Any:
     """Load a file that `Solution.save` or `SweepResult.save` wrote.
 
-    A family is read as it was saved. A solution is solved again from its case, and its outcome is
-    compared with the stored one. Velocities, impulses, peak forces, force durations and times may
-    differ by the sum of the stated errors of both runs; energies, relative to their sum, by twice
-    that of velocities and impulses. The same version on the same machine finds the same numbers.
+    A family is read as it was saved. A solution is solved again from its case, and its
+    outcome is compared with the stored one. Velocities, impulses, peak forces, force
+    durations and times may differ by the sum of the stated errors of both runs;
+    energies, relative to their sum, by twice that of velocities and impulses. The same
+    version on the same machine finds the same numbers.
 
     Parameters
     ----------
@@ -45,8 +46,8 @@ def load(path: PathLike) -> Any:
     InvalidModel
         If a case has mistakes, with all of them, or no stored outcome.
     FileFormatError
-        If an NPZ file was not saved by rodimpact, is damaged, holds a single solution, as files of
-        earlier versions do, or is of a newer version.
+        If an NPZ file was not saved by rodimpact, is damaged, holds a single solution,
+        as files of earlier versions do, or is of a newer version.
     FileNotFoundError, IsADirectoryError, OSError
         If the file cannot be read at all.
     MemoryError
@@ -78,8 +79,8 @@ def _solve_again(name: str) -> Solution:
     case = read_case(name)
     if case.result is None:
         message = (
-            "has no table [result], so it is no saved solution; read_case(path) reads the case, "
-            "and solve(case.system, **case.solve) solves it"
+            "has no table [result], so it is no saved solution; read_case(path) reads "
+            "the case, and solve(case.system, **case.solve) solves it"
         )
         raise invalid_argument(name, message)
     solution = solve(case.system, **case.solve)

@@ -38,8 +38,8 @@ def check_readings(
 ) -> RequestedReadings:
     """Check the arguments `gauges` and `times` of `sweep`, and return them as readings.
 
-    Mistakes are added to the problems. Without gauges, or with mistakes that leave none, the
-    readings are empty. `check_also` checks the further columns.
+    Mistakes are added to the problems. Without gauges, or with mistakes that leave
+    none, the readings are empty. `check_also` checks the further columns.
     """
     is_sequence = isinstance(gauges, Sequence | np.ndarray)
     has_items = getattr(gauges, "ndim", 1) > 0  # a single number as an array has none

@@ -43,37 +43,42 @@ def solve(
     system : System
         A single collision, of shape ().
     until : float, optional
-        End of the run, s. By default the run ends one round trip of the longest rod after the proof
-        that no contact can happen again.
+        End of the run, s. By default the run ends one round trip of the longest rod
+        after the proof that no contact can happen again.
     method : str
-        ``"fronts"``: exact wave-front tracking. ``"characteristics"``: waves are polynomial pieces
-        in time, and there is no time step; has rigid masses, compliant contacts, joints, gravity,
-        smooth initial states and drives. ``"finite-difference"``: a staggered grid; has damping,
-        tapered rods and lateral inertia as well. ``"auto"`` takes the first that can do the job.
+        ``"fronts"``: exact wave-front tracking. ``"characteristics"``: waves are
+        polynomial pieces in time, and there is no time step; has rigid masses,
+        compliant contacts, joints, gravity, smooth initial states and drives.
+        ``"finite-difference"``: a staggered grid; has damping, tapered rods and lateral
+        inertia as well. ``"auto"`` takes the first that can do the job.
     max_events : int
-        Cap on the work. If it is reached, `Solution.status` says so. "fronts" counts arrivals at
-        ends, "characteristics" the steps of contacts and ends. "finite-difference" counts time
-        steps times contacts and ends, if `until` is not given.
+        Cap on the work. If it is reached, `Solution.status` says so. "fronts" counts
+        arrivals at ends, "characteristics" the steps of contacts and ends.
+        "finite-difference" counts time steps times contacts and ends, if `until` is not
+        given.
     dt : float, optional
-        Time step of "finite-difference", s. It is shortened if `until` is no multiple of it. By
-        default it is chosen, and divided until the outcome no longer changes.
+        Time step of "finite-difference", s. It is shortened if `until` is no multiple
+        of it. By default it is chosen, and divided until the outcome no longer changes.
     rtol : float, optional
-        Relative accuracy: 1e-8 by default for "characteristics", 1e-3 for "finite-difference", of
-        velocities and impulses. "fronts" is exact to round-off and takes no rtol, so "auto" chooses
-        "characteristics" if it is given. `Solution.accuracy` states the errors that were reached.
+        Relative accuracy: 1e-8 by default for "characteristics", 1e-3 for
+        "finite-difference", of velocities and impulses. "fronts" is exact to round-off
+        and takes no rtol, so "auto" chooses "characteristics" if it is given.
+        `Solution.accuracy` states the errors that were reached.
     cells : int, optional
-        For "finite-difference": cells of the segment with the longest transit time. The cells of
-        each other segment follow from the time step. By default the number is doubled until the
-        outcome no longer changes.
+        For "finite-difference": cells of the segment with the longest transit time. The
+        cells of each other segment follow from the time step. By default the number is
+        doubled until the outcome no longer changes.
     snapshots : int or array_like, optional
-        For "finite-difference": the largest number of states to keep, at equal intervals, or the
-        times at which to keep them, s. Fields are interpolated between states; energies are those
-        of the nearest state. By default all steps are kept, up to 64 MB. `dt`, `cells` and
-        `snapshots` do not choose the method: if "auto" takes another one, they are refused.
+        For "finite-difference": the largest number of states to keep, at equal
+        intervals, or the times at which to keep them, s. Fields are interpolated
+        between states; energies are those of the nearest state. By default all steps
+        are kept, up to 64 MB. `dt`, `cells` and `snapshots` do not choose the method:
+        if "auto" takes another one, they are refused.
     progress : bool or function
-        Whether a bar may show how far a long run is: after two seconds of work, on a terminal or in
-        a notebook. A function is called with the number of steps (events of "fronts") that are done
-        and an estimate of all, None where that is not known; what it raises ends the run.
+        Whether a bar may show how far a long run is: after two seconds of work, on a
+        terminal or in a notebook. A function is called with the number of steps (events
+        of "fronts") that are done and an estimate of all, None where that is not known;
+        what it raises ends the run.
 
     Returns
     -------
@@ -82,8 +87,9 @@ def solve(
     Raises
     ------
     InvalidModel
-        If the system is a family or cannot be put on one clock, or an argument is wrong or missing:
-        a row with driven ends, or gravity and something that holds it, needs `until`.
+        If the system is a family or cannot be put on one clock, or an argument is wrong
+        or missing: a row with driven ends, or gravity and something that holds it,
+        needs `until`.
 
     Examples
     --------
@@ -109,8 +115,8 @@ def solve(
     check_progress(problems, progress)
     if system.shape != ():
         message = (
-            f"is a family of shape {system.shape}; solve all by sweep(system), or one by "
-            "solve(system[index]). Values along a rod are Steps(values, at)"
+            f"is a family of shape {system.shape}; solve all by sweep(system), or one "
+            "by solve(system[index]). Values along a rod are Steps(values, at)"
         )
         problems.append(("system", message))
     raise_if_problems(problems)

@@ -64,10 +64,10 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
     Yields
     ------
     str
-        Lines of an object with ``schema_version``, ``method``, ``shape``, ``varied`` and
-        ``columns``. A column is a number that varies or a result: a list with one entry a
-        collision, the last axis fastest, in SI units and full precision, with null for a number
-        that does not exist.
+        Lines of an object with ``schema_version``, ``method``, ``shape``, ``varied``
+        and ``columns``. A column is a number that varies or a result: a list with one
+        entry a collision, the last axis fastest, in SI units and full precision, with
+        null for a number that does not exist.
     """
     axes = []
     for path, values, unit in varied:
@@ -112,9 +112,9 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
 def _members(result: SweepResult, varied: Varied, more: str) -> str:
     """Table of all collisions of a small family, of evenly spread ones of a large one.
 
-    Its columns: what varies, then totals of the only contact that can open or else velocities of
-    the bodies, energy of vibration, and what was asked for besides. If only some are listed, a line
-    below says so, with `more`.
+    Its columns: what varies, then totals of the only contact that can open or else
+    velocities of the bodies, energy of vibration, and what was asked for besides. If
+    only some are listed, a line below says so, with `more`.
     """
     system = result.system
     count = result.restitution.size
@@ -214,8 +214,8 @@ def _numbered(name: str, count: int, numbers: dict[str, Any]) -> list[Any]:
 def _energy_scale(result: SweepResult, members: Any, numbers: dict[str, Any]) -> Any:
     """Scale of energies below which digits are round-off, J, [member].
 
-    (sum of m) (spread of v)^2/2 + (sum of J)^2/(2 smallest m), with the impulses J: no less
-    than the energy of the motion of the bodies relative to each other.
+    (sum of m) (spread of v)^2/2 + (sum of J)^2/(2 smallest m), with the impulses J: no
+    less than the energy of the motion of the bodies relative to each other.
     """
     bodies = result.system.bodies
     masses = []
@@ -247,7 +247,8 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
     """Sentences on members without e: how many, and why the first of each kind has none.
 
-    Members of a kind have the same status, and have or have not met. "" if all have an e.
+    Members of a kind have the same status, and have or have not met. "" if all have an
+    e.
     """
     missing = np.isnan(result.restitution)
     episodes: Any = 0

@@ -1,7 +1,7 @@
 """What became of a family of collisions: arrays of its shape, tables, files.
 
-A column has one entry a collision; which columns there are follows from the system and what was
-read at gauges.
+A column has one entry a collision; which columns there are follows from the system and
+what was read at gauges.
 """
 
 from __future__ import annotations
@@ -51,7 +51,8 @@ class Axis(NamedTuple):
     Examples
     --------
     >>> import numpy as np, rodimpact as ri
-    >>> left = ri.Rod(np.array([0.2, 0.4]), area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> lengths = np.array([0.2, 0.4])
+    >>> left = ri.Rod(lengths, area=1e-4, material=ri.materials.steel, velocity=1.0)
     >>> (axis,) = ri.sweep(ri.System([left, ri.Wall()])).axes
     >>> axis.name, axis.values.tolist()
     ('bodies.0.length', [0.2, 0.4])
@@ -73,26 +74,31 @@ class SweepResult(Shown, OnlyContact[Any]):
     options : Options
         How each member was solved, by which method.
     columns : dict of str to array
-        By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N s),
-        ``peak_force.K`` (N), ``duration.K`` (force duration, s) and ``episodes.K`` of contact K;
-        ``vibration``, the vibration energy, J; ``final``; ``status``. Totals count
-        up to the end of the run: `until`, the proof that the collision is over, or what stopped it
-        before. A number that does not exist is nan. If `sweep` was asked for them (`also`), there
-        are ``dissipated``, energy lost in contacts, J; ``set.K``, how far contact K has yielded for
-        good, m; ``displacement.I`` of the centre of mass of body I at the end of the run, m; and
-        ``largest_stress.I``, the largest absolute stress anywhere in rod I at any time, Pa, as
-        `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated error of velocities,
-        impulses and peak forces, relative to the largest of each.
+        By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N
+        s), ``peak_force.K`` (N), ``duration.K`` (force duration, s) and ``episodes.K``
+        of contact K; ``vibration``, the vibration energy, J; ``final``; ``status``.
+        Totals count up to the end of the run: `until`, the proof that the collision is
+        over, or what stopped it before. A number that does not exist is nan. If `sweep`
+        was asked for them (`also`), there are ``dissipated``, energy lost in contacts,
+        J; ``set.K``, how far contact K has yielded for good, m; ``displacement.I`` of
+        the centre of mass of body I at the end of the run, m; and ``largest_stress.I``,
+        the largest absolute stress anywhere in rod I at any time, Pa, as
+        `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated error of
+        velocities, impulses and peak forces, relative to the largest of each.
     readings : RequestedReadings
-        The `gauges`, the `times` at which they are read, and what was asked for in `also`.
+        The `gauges`, the `times` at which they are read, and what was asked for in
+        `also`.
     strain : array or None
-        At the gauges, of the family's shape + (gauge, time); nan after the end of a member's run.
+        At the gauges, of the family's shape + (gauge, time); nan after the end of a
+        member's run.
 
     Examples
     --------
     >>> import numpy as np, rodimpact as ri
-    >>> left = ri.Rod(np.array([0.2, 0.4, 0.8]), area=1e-4, material=ri.materials.steel, velocity=1)
-    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> steel = ri.materials.steel
+    >>> lengths = np.array([0.2, 0.4, 0.8])
+    >>> left = ri.Rod(lengths, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
     >>> ri.sweep(ri.System([left, right])).restitution.round(12)
     array([0.2, 0.4, 0.8])
     """
@@ -135,7 +141,8 @@ class SweepResult(Shown, OnlyContact[Any]):
         axes = []
         for dimension, size in enumerate(self.shape):
             axes.append(Axis(f"axis {dimension}", np.arange(size)))
-        # Of several numbers that vary along an axis the first one names it: it comes last here.
+        # Of several numbers that vary along an axis the first one names it: it comes
+        # last here.
         for path, values in reversed(self.parameters.items()):
             varies = np.greater(values.shape, 1)  # [axis of the values]
             if np.count_nonzero(varies) == 1:
@@ -302,8 +309,9 @@ class SweepResult(Shown, OnlyContact[Any]):
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` - 1 in C order, by name.
 
-        Each is an array with an entry a member; strains are left out. A status is a word. Indices
-        below 0 count from the end; InvalidModel if they are no whole numbers.
+        Each is an array with an entry a member; strains are left out. A status is a
+        word. Indices below 0 count from the end; InvalidModel if they are no whole
+        numbers.
         """
         if not is_integer(start) or not (stop is None or is_integer(stop)):
             message = f"must be whole numbers, got {shown(start)} and {shown(stop)}"
@@ -348,7 +356,8 @@ class SweepResult(Shown, OnlyContact[Any]):
         --------
         >>> import rodimpact as ri
         >>> steel = ri.materials.steel
-        >>> left = ri.Rod([[0.2], [0.4]], area=[1e-4, 2e-4], material=steel, velocity=1.0)
+        >>> lengths = [[0.2], [0.4]]
+        >>> left = ri.Rod(lengths, area=[1e-4, 2e-4], material=steel, velocity=1.0)
         >>> right = ri.Rod(1.0, area=1e-4, material=steel)
         >>> frame = ri.sweep(ri.System([left, right])).to_dataframe()
         >>> best = frame.loc[frame.groupby("bodies.0.area")["restitution"].idxmax()]
@@ -365,16 +374,18 @@ class SweepResult(Shown, OnlyContact[Any]):
     def to_xarray(self) -> Any:
         """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis.
 
-        Strains have the dimensions ``gauge`` and ``time`` besides. Every variable has its
-        ``long_name`` and its ``units``.
+        Strains have the dimensions ``gauge`` and ``time`` besides. Every variable has
+        its ``long_name`` and its ``units``.
 
         Examples
         --------
         >>> import rodimpact as ri
-        >>> left = ri.Rod([0.2, 0.4], area=1e-4, material=ri.materials.steel, velocity=1.0)
-        >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+        >>> steel = ri.materials.steel
+        >>> left = ri.Rod([0.2, 0.4], area=1e-4, material=steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=steel)
         >>> data = ri.sweep(ri.System([left, right])).to_xarray()
-        >>> data["impulse.0"].attrs["units"], data["status"].sel({"bodies.0.length": 0.4}).item()
+        >>> status = data["status"].sel({"bodies.0.length": 0.4})
+        >>> data["impulse.0"].attrs["units"], status.item()
         ('N s', 'final')
         """
         names = [axis.name for axis in self.axes]

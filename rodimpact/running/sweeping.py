@@ -1,7 +1,7 @@
 """sweep(): every collision of a family, on any executor.
 
-Its members are run in chunks, which are smaller families; a chunk's result is a table of columns,
-one row a collision.
+Its members are run in chunks, which are smaller families; a chunk's result is a table
+of columns, one row a collision.
 """
 
 from __future__ import annotations
@@ -55,18 +55,19 @@ def sweep(
     Parameters
     ----------
     system : System
-        Of any shape: numbers of the model that are arrays make a family, as NumPy broadcasts them.
-        ``read_case("case.toml", vary={"bodies.0.length": "0.05:1:20"}).system`` is that of a case.
+        Of any shape: numbers of the model that are arrays make a family, as NumPy
+        broadcasts them. ``read_case("case.toml", vary={"bodies.0.length":
+        "0.05:1:20"}).system`` is that of a case.
     method : str
         As for `solve`; one for all members.
     executor : concurrent.futures.Executor, optional
-        Executor that runs the chunks; by default threads of this process. Processes, a cluster by
-        ``dask.distributed.Client.get_executor()`` or ``mpi4py.futures.MPIPoolExecutor``. The result
-        is the same bit for bit.
+        Executor that runs the chunks; by default threads of this process. Processes, a
+        cluster by ``dask.distributed.Client.get_executor()`` or
+        ``mpi4py.futures.MPIPoolExecutor``. The result is the same bit for bit.
     until : float, optional
-        Time to which each member runs, s; by default to the proof that its collision is over. Where
-        drives or gravity act there is none, and chains that touch again and again may have none for
-        a long time.
+        Time to which each member runs, s; by default to the proof that its collision is
+        over. Where drives or gravity act there is none, and chains that touch again and
+        again may have none for a long time.
     max_events, dt, rtol, cells
         Of each member, as for `solve`.
     gauges : sequence of (int, float), optional
@@ -74,20 +75,21 @@ def sweep(
     times : array_like, optional
         Times at which the strain at the gauges is wanted, s, for all members; [time].
     also : sequence of str, optional
-        What else is wanted, which takes longer: ``"dissipated"``, the energy lost in contacts;
-        ``"largest_stress"`` in each rod; ``"set"``, how far each yielding contact has yielded for
-        good, such as the set of a pile; ``"displacement"``, how far each body has moved at
-        `until`; ``"accuracy"``, the stated error of each member. See `SweepResult`.
+        What else is wanted, which takes longer: ``"dissipated"``, the energy lost in
+        contacts; ``"largest_stress"`` in each rod; ``"set"``, how far each yielding
+        contact has yielded for good, such as the set of a pile; ``"displacement"``, how
+        far each body has moved at `until`; ``"accuracy"``, the stated error of each
+        member. See `SweepResult`.
     workers : int, optional
-        Number of threads, by default the processors at hand; beside an executor the number of its
-        workers, by default 64.
+        Number of threads, by default the processors at hand; beside an executor the
+        number of its workers, by default 64.
     progress : bool or function
-        Whether a bar may show how far the sweep is: after two seconds of work, on a terminal or in
-        a notebook. A function is called with the number of collisions done and of all, twice a
-        second or more often; what it raises ends the sweep.
+        Whether a bar may show how far the sweep is: after two seconds of work, on a
+        terminal or in a notebook. A function is called with the number of collisions
+        done and of all, twice a second or more often; what it raises ends the sweep.
     checkpoint : path, optional
-        Directory for finished chunks, strains included. A sweep that was interrupted continues
-        from there.
+        Directory for finished chunks, strains included. A sweep that was interrupted
+        continues from there.
 
     Returns
     -------
@@ -96,25 +98,29 @@ def sweep(
     Raises
     ------
     InvalidModel
-        If an argument is wrong or missing, or the method lacks something that the system has.
+        If an argument is wrong or missing, or the method lacks something that the
+        system has.
     FileFormatError, OSError
         If the checkpoint directory holds something else, or cannot be written.
 
     Warns
     -----
     DamagedChunks
-        If the checkpoint has files that are not what was written; their members are run again.
+        If the checkpoint has files that are not what was written; their members are run
+        again.
 
     Notes
     -----
-    A member that cannot be solved, or that the cap on events or the clock stops, keeps its `status`
-    and the results that are known; `SweepResult.incomplete` and `SweepResult.explain` tell more.
+    A member that cannot be solved, or that the cap on events or the clock stops, keeps
+    its `status` and the results that are known; `SweepResult.incomplete` and
+    `SweepResult.explain` tell more.
 
-    Each of several workers gets about eight jobs, with a checkpoint a hundred, at most two at a
-    time. An interrupt cancels jobs that wait. Jobs that run end within seconds, or with their
-    present member.
+    Each of several workers gets about eight jobs, with a checkpoint a hundred, at most
+    two at a time. An interrupt cancels jobs that wait. Jobs that run end within
+    seconds, or with their present member.
 
-    Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures program.py``::
+    Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures
+    program.py``::
 
         with ProcessPoolExecutor() as pool:  # under if __name__ == "__main__":
             result = ri.sweep(family, executor=pool)
@@ -125,8 +131,8 @@ def sweep(
         with MPIPoolExecutor() as pool:
             result = ri.sweep(family, executor=pool)
 
-    Under SLURM, ``sbatch --array=0-99`` starts a hundred programs, each with members of its own; a
-    checkpoint each lets them go on where they were::
+    Under SLURM, ``sbatch --array=0-99`` starts a hundred programs, each with members of
+    its own; a checkpoint each lets them go on where they were::
 
         task = int(os.environ["SLURM_ARRAY_TASK_ID"])
         ri.sweep(family[task::100], checkpoint=f"part-{task}").save(f"part-{task}.npz")
@@ -137,7 +143,8 @@ def sweep(
 
     >>> import numpy as np, rodimpact as ri
     >>> steel = ri.materials.steel
-    >>> striker = ri.Rod(np.array([0.1, 0.2, 0.4]), area=1e-4, material=steel, velocity=10.0)
+    >>> lengths = np.array([0.1, 0.2, 0.4])
+    >>> striker = ri.Rod(lengths, area=1e-4, material=steel, velocity=10.0)
     >>> bar = ri.Rod(2.0, area=1e-4, material=steel)
     >>> pulses = ri.sweep(ri.System([striker, bar]), until=5e-4, gauges=[(1, 1.0)],
     ...                   times=np.linspace(0, 5e-4, 6))

@@ -22,9 +22,9 @@ WARMING_CELLS = 8  # cells of the grid with which its kernels are run
 def warm() -> float:
     """Compile everything that can run compiled, and keep it on disk.
 
-    Machine code that is there already is loaded. Without `warm` a long run or a large family
-    compiles the kernels that it needs when it begins. ``dask.distributed.Client.run(ri.warm)``
-    does it on each worker of a cluster.
+    Machine code that is there already is loaded. Without `warm` a long run or a large
+    family compiles the kernels that it needs when it begins.
+    ``dask.distributed.Client.run(ri.warm)`` does it on each worker of a cluster.
 
     Returns
     -------
@@ -57,8 +57,8 @@ def warm() -> float:
 def warm_method(name: str) -> None:
     """Run each kernel of the method of that name once, compiled.
 
-    Two small families have all of them: two rods, and a mass with a spring before a rod. A method
-    that cannot do one of them leaves it out.
+    Two small families have all of them: two rods, and a mass with a spring before a
+    rod. A method that cannot do one of them leaves it out.
     """
     method = METHODS[name]
     cells = None
@@ -72,7 +72,8 @@ def warm_method(name: str) -> None:
     ]
     with kernels.forced(True):
         for family in families:
-            # What the system needs, such as compliant contacts, and the method does not have
+            # What the system needs, such as compliant contacts, and the method does not
+            # have
             lacking = method.lacking(needs(family))
             if not lacking:
                 _run_kernels(family, name, cells)
