@@ -29,7 +29,8 @@ MAX_CASE_BYTES = 10**7
 class GaugePlace(NamedTuple):
     """A strain gauge on a rod.
 
-    body; fraction of its length, from the left end; name : of its column or channel, or "".
+    body; fraction of its length, from the left end; name : of its column or channel, or
+    "".
     """
 
     body: int
@@ -45,10 +46,11 @@ class Case:
     Attributes
     ----------
     system : System
-        Of shape (), or where numbers are varied of shape (n_0, n_1, ...), one axis a grid.
+        Of shape (), or where numbers are varied of shape (n_0, n_1, ...), one axis a
+        grid.
     solve : dict
-        Options for ``ri.solve`` that were given: some of `until` (s), `method`, `max_events`, `dt`
-        (s), `rtol`, `cells` and `snapshots`.
+        Options for ``ri.solve`` that were given: some of `until` (s), `method`,
+        `max_events`, `dt` (s), `rtol`, `cells` and `snapshots`.
     output : dict of str
         Names of files that were given: `plot` and `save`.
     path : str
@@ -56,8 +58,8 @@ class Case:
     varied : tuple of Varied
         What varies along each axis; the system holds the same numbers in its own terms.
     gauges : tuple of GaugePlace
-        Strain gauges that the page of ``rodimpact explore`` shows, ``run --gauges`` writes and
-        ``compare`` lays beside a record.
+        Strain gauges that the page of ``rodimpact explore`` shows, ``run --gauges``
+        writes and ``compare`` lays beside a record.
     result : SavedResult or None
         Outcome of a saved solution, which is compared when the case is solved again.
 
@@ -76,7 +78,8 @@ class Case:
     path: str = ""
     varied: tuple[Varied, ...] = field(default=(), compare=False)
     gauges: tuple[GaugePlace, ...] = ()
-    # not compared: a nan, such as the first force of a contact without any, equals nothing
+    # not compared: a nan, such as the first force of a contact without any, equals
+    # nothing
     result: SavedResult | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:

@@ -1,8 +1,8 @@
 """The tables of a case file become a `Case`.
 
-Each table names a class of the model by its `kind` or `law`, and gives the numbers that this class
-declares. An object with mistakes is replaced by a stand-in, so that all mistakes of the file are
-found at once; then the file is refused.
+Each table names a class of the model by its `kind` or `law`, and gives the numbers that
+this class declares. An object with mistakes is replaced by a stand-in, so that all
+mistakes of the file are found at once; then the file is refused.
 """
 
 import math
@@ -150,8 +150,8 @@ def check_schema(top: Table) -> None:
 def read_materials(group: Table) -> Materials:
     """Materials by name, those of the library too; steel stands in for one with mistakes.
 
-    `group` holds a table for each material of the file, by its key. A damped material has the
-    viscosity that gives it its loss factor.
+    `group` holds a table for each material of the file, by its key. A damped material
+    has the viscosity that gives it its loss factor.
     """
     library = dict(materials.TABLE)
     for name in group.data:
@@ -203,7 +203,8 @@ def read_damping(table: Table) -> dict[str, Any]:
 def read_material(table: Table, library: Materials, key: str = "material") -> Material:
     """The material that an entry names; steel stands in for an unknown one.
 
-    Its numbers may vary: in the library, for all bodies of this material, and in this body alone.
+    Its numbers may vary: in the library, for all bodies of this material, and in this
+    body alone.
     """
     if isinstance(table.get(key), dict):
         message = (
@@ -215,7 +216,8 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
     name = table.word(key, library)
     if name is None:
         return materials.steel
-    # The table of a material has been read. An empty one at its path has the grids alone.
+    # The table of a material has been read. An empty one at its path has the grids
+    # alone.
     in_library = Table(table.reading, f"materials.{name}", {})
     material = with_grids(in_library, library[name])
     if key == "material":  # it may also vary in this body alone
@@ -227,7 +229,8 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
 def with_grids(table: Table, material: Material) -> Material:
     """The material with arrays for the numbers that vary, by their paths in this table.
 
-    The table has no entries of its own. A wave speed that varies makes a modulus that does.
+    The table has no entries of its own. A wave speed that varies makes a modulus that
+    does.
     """
     changes = {}
     for key, field in Material.fields.items():
@@ -275,7 +278,8 @@ def read_body(table: Table, library: Materials) -> Body | None:
 def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
     """Arguments of a rod for its shape: its segments, or else those of a single one.
 
-    A segment with mistakes is None. Segments beside keys of a single one are noted as a mistake.
+    A segment with mistakes is None. Segments beside keys of a single one are noted as a
+    mistake.
     """
     if not table.has("segments"):
         return read_segment(table, library)
@@ -362,7 +366,8 @@ def read_contacts(
 ) -> Contacts:
     """Gaps and contact laws, as the constructor of a system takes them.
 
-    Without tables of contacts all of them are rigid and have no gap, but a grid may say otherwise.
+    Without tables of contacts all of them are rigid and have no gap, but a grid may say
+    otherwise.
     """
     tables = top.tables("contacts")
     if not top.has("contacts"):
@@ -383,8 +388,9 @@ def read_contacts(
 def read_law(table: Table, pair: list[Body | None], library: Materials) -> ContactLaw:
     """The law of a contact, or a stand-in that goes between any bodies if it has mistakes.
 
-    A Hertz contact may have the radii of its faces in place of its stiffness. `pair` has the left
-    and the right body, None for one with mistakes; it is shorter if the case has too few bodies.
+    A Hertz contact may have the radii of its faces in place of its stiffness. `pair`
+    has the left and the right body, None for one with mistakes; it is shorter if the
+    case has too few bodies.
     """
     name = table.word("law", CONTACT_LAWS, Rigid.law)
     if name is None:
@@ -417,8 +423,8 @@ def read_faces(
 ) -> dict[str, Any]:
     """Radii and materials of a Hertz contact, arguments of `Hertz.from_radii`.
 
-    A radius that is not given is infinite, for a flat face. A material that is not given is that of
-    the rod there, and None, for a rigid face, if there is no rod.
+    A radius that is not given is infinite, for a flat face. A material that is not
+    given is that of the rod there, and None, for a rigid face, if there is no rod.
     """
     faces: dict[str, Any] = {}
     bodies = [*pair, None, None]  # None for a body that is missing
@@ -442,8 +448,8 @@ def read_faces(
 def read_ends(sides: Table) -> list[End]:
     """The left and the right end of the row; a free one stands in for one with mistakes.
 
-    An end that is not given is free. A mistake names the kinds of `ENDS`, not those that earlier
-    versions wrote.
+    An end that is not given is free. A mistake names the kinds of `ENDS`, not those
+    that earlier versions wrote.
     """
     ends: list[End] = []
     for side in SIDES:
@@ -518,8 +524,9 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
 def check_grids(top: Table, system: System | None) -> None:
     """Note grids of unknown numbers, and grids that change nothing.
 
-    They are all those that were given for this file. The grid of a number has had its values
-    since the number was read; that of a variable gets them here, in `Grid.varied`.
+    They are all those that were given for this file. The grid of a number has had its
+    values since the number was read; that of a variable gets them here, in
+    `Grid.varied`.
     """
     reading = top.reading
     # With a wrong kind or law a table is not read, and its numbers are not known.

@@ -1,8 +1,8 @@
 """Tables of a case file: numbers, words and tables by their keys, and every mistake with its path.
 
-A class of the model declares its numbers in `fields`: unit, sign, default. A table is read by these
-declarations, so a new field or class needs no line here. A number with a mistake becomes nan, and
-reading goes on.
+A class of the model declares its numbers in `fields`: unit, sign, default. A table is
+read by these declarations, so a new field or class needs no line here. A number with a
+mistake becomes nan, and reading goes on.
 """
 
 from __future__ import annotations
@@ -21,8 +21,10 @@ from ..units import shown
 from .grids import Grid, Tie
 
 PROFILES = {  # how a profile is written along a rod, and in time
-    "length": " A profile is written {values = [...], at = [...]} or {samples = [...]};",
-    "time": " A profile is written {values = [...], at = [...]} or {samples = [...], step = ...};",
+    "length": " A profile is written {values = [...], at = [...]} or "
+    "{samples = [...]};",
+    "time": " A profile is written {values = [...], at = [...]} or "
+    "{samples = [...], step = ...};",
 }
 SAMPLE_KEYS = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
 """Keys of a profile of samples, where the model has other names: pattern and replacement."""
@@ -126,8 +128,8 @@ class Table:
     def given_numbers(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
         """Numbers of the fields of a class that are given, and of those that must be, by key.
 
-        A number that must be given and is not is nan, and noted. Fields `without` which the object
-        can be made are not among them.
+        A number that must be given and is not is nan, and noted. Fields `without` which
+        the object can be made are not among them.
         """
         numbers = {}
         for key, field in kind.fields.items():
@@ -170,7 +172,8 @@ class Table:
     def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
         """Float of a number or a text with unit, array of a grid or a tie; nan of anything else.
 
-        Then the mistake is noted; if the number can vary, `hint` and how to vary it follow.
+        Then the mistake is noted; if the number can vary, `hint` and how to vary it
+        follow.
         """
         try:
             if isinstance(value, Grid | Tie):
@@ -189,7 +192,8 @@ class Table:
     def number_list(self, key: str, dimension: str, vary: bool = True) -> Any:
         """A list of numbers; with `vary` a grid or a tie may be given in place of an item.
 
-        An item with a mistake is nan. Anything but a list is None; all mistakes are noted.
+        An item with a mistake is nan. Anything but a list is None; all mistakes are
+        noted.
         """
         values = self.get(key)
         if not isinstance(values, list):
@@ -211,7 +215,8 @@ class Table:
     def profile(self, key: str, field: QuantityField) -> Any:
         """`Steps` or `Samples`, or `Polynomials` along a rod; 1 if they have mistakes.
 
-        The entry ``samples`` or ``polynomials`` tells which it is; without them it is steps.
+        The entry ``samples`` or ``polynomials`` tells which it is; without them it is
+        steps.
         """
         table = self.table(key)
         if table.has("samples"):
@@ -291,7 +296,8 @@ class Table:
     def read_object(self, kind: Any, **entries: Any) -> Any:
         """The object that this table describes, with these entries besides its numbers.
 
-        It is of the class `kind`; None if it has mistakes, which are noted, as unknown keys are.
+        It is of the class `kind`; None if it has mistakes, which are noted, as unknown
+        keys are.
         """
         numbers = self.given_numbers(kind)
         numbers.update(entries)
@@ -304,7 +310,8 @@ class Table:
     ) -> Any:
         """An object of the model; None, with its mistakes noted here, if they allow none.
 
-        Keys that the model calls otherwise are in `names`: patterns of paths, and replacements.
+        Keys that the model calls otherwise are in `names`: patterns of paths, and
+        replacements.
         """
         try:
             return kind(**entries)

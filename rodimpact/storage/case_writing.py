@@ -22,7 +22,8 @@ MAX_ITEMS_PER_LINE = 6
 def format_case(case: Case | System) -> str:
     """Return the text of the case file of a case, or just of a system.
 
-    Every material is spelt out, so that the file means the same whatever the table says later.
+    Every material is spelt out, so that the file means the same whatever the table says
+    later.
 
     Parameters
     ----------
@@ -36,8 +37,8 @@ def format_case(case: Case | System) -> str:
     Raises
     ------
     InvalidModel
-        For a family, for an object that is no case, for laws that are functions, and for names
-        that UTF-8 cannot hold.
+        For a family, for an object that is no case, for laws that are functions, and
+        for names that UTF-8 cannot hold.
 
     Examples
     --------
@@ -129,8 +130,8 @@ def write_case(path: PathLike, case: Case | System, *, force: bool = False) -> N
     Raises
     ------
     InvalidModel
-        As `format_case`; also if the name does not end in ``.toml``, and if the file would have
-        more than `MAX_CASE_BYTES`.
+        As `format_case`; also if the name does not end in ``.toml``, and if the file
+        would have more than `MAX_CASE_BYTES`.
     FileExistsError
         If the file is there and `force` is false.
     OSError
@@ -152,8 +153,8 @@ def write_case(path: PathLike, case: Case | System, *, force: bool = False) -> N
     if len(data) > MAX_CASE_BYTES:
         message = (
             f"has too many numbers for a case file: {len(data)} bytes, and at most "
-            f"{MAX_CASE_BYTES} are read. Give profiles of fewer samples; instead of a later "
-            "state save the solution that has it"
+            f"{MAX_CASE_BYTES} are read. Give profiles of fewer samples; instead of a "
+            "later state save the solution that has it"
         )
         raise invalid_argument("system", message)
     write_bytes(path, data, force=force)
@@ -170,7 +171,8 @@ def check_case_name(path: PathLike) -> None:
 def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Material]:
     """Name the materials in the tables of rods by keys; return the materials by their keys.
 
-    A key is the name of the material, with a number behind if another material has that name.
+    A key is the name of the material, with a number behind if another material has that
+    name.
     """
     named: dict[str, Material] = {}
     keys: dict[int, str] = {}  # keys by the id of the object, which many segments share
@@ -193,7 +195,8 @@ def _free_key(named: dict[str, Material], material: Material) -> str:
     """
     key = material.name
     number = 1
-    # A free key is given to the material; a taken one belongs to an equal one, or to another.
+    # A free key is given to the material; a taken one belongs to an equal one, or to
+    # another.
     while named.setdefault(key, material) != material:
         number += 1
         key = f"{material.name} {number}"

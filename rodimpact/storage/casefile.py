@@ -7,7 +7,7 @@
     kind = "rod"
     length = "400 mm"        # a number in SI units, or text with a unit
     area = 1e-4              # or a profile, or the `diameter` of a round rod
-    material = "steel"       # of `rodimpact.materials`, or a [materials.NAME] of this file
+    material = "steel"       # of `rodimpact.materials`, or [materials.NAME] of the file
     velocity = 1.0           # or a profile; so is `strain`
 
     [[bodies]]
@@ -18,7 +18,7 @@
     [[bodies]]
     kind = "wall"            # takes `velocity` only
 
-    [[contacts]]             # entry i lies between body i and i + 1; leave all out for touching
+    [[contacts]]             # entry i lies between body i and i + 1; touching if left out
     gap = "50 um"
     law = "rigid"            # or another of `rodimpact.model.laws`
 
@@ -28,38 +28,44 @@
 
     [ends.left]              # of the row; free if left out
     kind = "pushed"          # or "moved", "incoming", "fixed", "absorbing", "free"
-    value = "1 kN"           # or a profile in time; for "pushed", "moved" and "incoming" only
+    value = "1 kN"           # or a profile in time; for "pushed", "moved", "incoming"
 
-    [solve]                  # until, method, max_events, dt, rtol, cells, snapshots: as for
-                             # `rodimpact.solve`; all but the last for `rodimpact.sweep` too
+    [solve]                  # until, method, max_events, dt, rtol, cells, snapshots:
+                             # as for `rodimpact.solve`; all but the last for
+                             # `rodimpact.sweep`
+                             too
     [output]                 # plot, save: names of files to write
 
-    [[gauges]]               # a strain gauge of `rodimpact explore`, `run --gauges`, `compare`
+    [[gauges]]               # a strain gauge of `rodimpact explore`, `run --gauges` and
+                             # `compare`
     body = 0
     fraction = 0.5           # of the rod's length, from its left end
     name = "incident"        # its column, or the channel of the record; may be left out
 
     [result]                 # of a saved solution: its outcome, see `SavedResult`
 
-A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on, takes the
-numbers of its class, under their names; Hertz contact a stiffness, or left_radius and right_radius.
+A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on, takes
+the numbers of its class, under their names; Hertz contact a stiffness, or left_radius
+and right_radius.
 
-A [materials.NAME] takes youngs_modulus or wave_speed, density, poisson_ratio and viscosity, or for
-the latter a loss_factor and the loss_frequency at which it is that; a stepped rod takes
-[[bodies.segments]] with length, area and material each. Rods and segments take a lateral_inertia,
-"rayleigh-love" or "mindlin-herrmann", and, where they have no diameter, a polar_moment for it, a
-number or "circular". Mistakes bear the path of the entry, such as `bodies.0.length`.
+A [materials.NAME] takes youngs_modulus or wave_speed, density, poisson_ratio and
+viscosity, or for the latter a loss_factor and the loss_frequency at which it is that; a
+stepped rod takes [[bodies.segments]] with length, area and material each. Rods and
+segments take a lateral_inertia, "rayleigh-love" or "mindlin-herrmann", and, where they
+have no diameter, a polar_moment for it, a number or "circular". Mistakes bear the path
+of the entry, such as `bodies.0.length`.
 
-A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samples = [...]}, at
-equal distances from end to end. In time `at` are times, and samples have a `step` between them.
+A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samples =
+[...]}, at equal distances from end to end. In time `at` are times, and samples have a
+`step` between them.
 
-A radius left out, or "inf", is that of a flat face. The faces of a Hertz contact are of the
-material of their rods; those of a mass or a wall are rigid, unless left_material or
+A radius left out, or "inf", is that of a flat face. The faces of a Hertz contact are of
+the material of their rods; those of a mass or a wall are rigid, unless left_material or
 right_material names what they are made of.
 
-Any number but samples may be varied: the grid given for its path stands in for the entry, which
-may then be absent, and the case becomes a family with one axis a grid. Numbers that are tied to
-another one follow it along its axis.
+Any number but samples may be varied: the grid given for its path stands in for the
+entry, which may then be absent, and the case becomes a family with one axis a grid.
+Numbers that are tied to another one follow it along its axis.
 """
 
 import difflib
@@ -102,7 +108,8 @@ def read_case(
     Raises
     ------
     InvalidModel
-        If the file cannot be read, is no TOML, or describes no collision; with all its mistakes.
+        If the file cannot be read, is no TOML, or describes no collision; with all its
+        mistakes.
 
     Examples
     --------
@@ -165,12 +172,13 @@ def parse_case(
         Name of the text in messages.
     vary : mapping of str to str, optional
         For each number to vary its path, such as ``bodies.0.length`` or
-        ``materials.NAME.density``, and the text of a grid: ``start:stop:count`` for equal steps,
-        ``start:stop:count:log`` for equal ratios, both with both ends, or a list ``a,b,c``. Each
-        number may have a unit. The k-th of them becomes axis k of the family. A number may be
-        tied to another one that varies, ``FACTOR*PATH`` or ``FACTOR*PATH/DIVISOR``, and has no axis
-        of its own; factors may have units, too. Several numbers may be tied to a variable: a name
-        of your own, such as ``R``, with a grid.
+        ``materials.NAME.density``, and the text of a grid: ``start:stop:count`` for
+        equal steps, ``start:stop:count:log`` for equal ratios, both with both ends, or
+        a list ``a,b,c``. Each number may have a unit. The k-th of them becomes axis k
+        of the family. A number may be tied to another one that varies, ``FACTOR*PATH``
+        or ``FACTOR*PATH/DIVISOR``, and has no axis of its own; factors may have units,
+        too. Several numbers may be tied to a variable: a name of your own, such as
+        ``R``, with a grid.
 
     Returns
     -------
@@ -186,8 +194,8 @@ def parse_case(
     >>> case = parse_case('''
     ... schema = 1
     ... bodies = [
-    ...     {kind = "rod", length = "40 cm", area = "1 cm^2", material = "steel", velocity = 1},
-    ...     {kind = "wall"},
+    ... {kind = "rod", length = "40 cm", area = 1e-4, material = "steel", velocity = 1},
+    ... {kind = "wall"},
     ... ]
     ... ''')
     >>> case.system.bodies[0].length, case.system.gaps
@@ -195,7 +203,8 @@ def parse_case(
     >>> family = parse_case(format_case(case), vary={"bodies.0.length": "50 mm:1 m:20"})
     >>> family.system.shape, family.system[19].bodies[0].length
     ((20,), 1.0)
-    >>> tied = {"L": "50 mm:1 m:20", "bodies.0.length": "L", "bodies.0.velocity": "2 1/s*L"}
+    >>> lengths = {"L": "50 mm:1 m:20", "bodies.0.length": "L"}
+    >>> tied = {**lengths, "bodies.0.velocity": "2 1/s*L"}
     >>> parse_case(format_case(case), vary=tied).system[19].bodies[0].velocity
     2.0
     """
@@ -210,7 +219,8 @@ def parse_case(
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        # A number of 5000 digits is a plain ValueError, with a hint at a setting of Python.
+        # A number of 5000 digits is a plain ValueError, with a hint at a setting of
+        # Python.
         reason, _, _ = str(error).partition("; use sys.")
         message = f"is not valid TOML: {reason}"
         if not source.endswith(".toml"):

@@ -1,7 +1,7 @@
 """A sweep on disk: files of members that are done, each of which knows whose members they are.
 
-A file is there as a whole or not at all, so a process may be killed at any moment; the next one
-goes on with what is missing, or is no longer what it was.
+A file is there as a whole or not at all, so a process may be killed at any moment; the
+next one goes on with what is missing, or is no longer what it was.
 """
 
 from __future__ import annotations
@@ -65,7 +65,8 @@ class Checkpoint:
     Warns
     -----
     DamagedChunks
-        If a file is not what was written; it is put aside, and its members are not done.
+        If a file is not what was written; it is put aside, and its members are not
+        done.
 
     Raises
     ------
@@ -137,7 +138,8 @@ class Checkpoint:
             files.append(file)
             if not file.match(FILE_NAME.format("*")):
                 raise FileFormatError(
-                    f"{self.path}: is no checkpoint of a sweep, it holds {file.name!r}; name a "
+                    f"{self.path}: is no checkpoint of a sweep, it holds "
+                    f"{file.name!r}; name a "
                     "new or an empty directory"
                 )
         return files
@@ -166,7 +168,8 @@ class Checkpoint:
                 different.append(key)
         if different:
             raise FileFormatError(
-                f"{self.path}: holds another sweep, with another {' and '.join(different)}; name "
+                f"{self.path}: holds another sweep, with another "
+                f"{' and '.join(different)}; name "
                 "a new directory"
             )
         return _Chunk(document["start"], columns)
@@ -176,7 +179,8 @@ class Checkpoint:
         self._take(start, stop, part)
         self._unsaved[start:stop] = True
         now = time.monotonic()
-        # The longer the sweep runs, the rarer it saves: each time it writes takes a while.
+        # The longer the sweep runs, the rarer it saves: each time it writes takes a
+        # while.
         interval = max(SAVE_INTERVAL, SAVE_TIME_RATIO * (now - self._began))
         if now - self._saved >= interval:
             self._save()

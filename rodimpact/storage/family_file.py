@@ -1,7 +1,8 @@
 """A family in a file: a document of its system, and columns of the arrays that the system holds.
 
-An object of the model becomes its class and the parameters of its constructor. The constructor
-checks them again when the file is read. An array becomes its place in the column of its type.
+An object of the model becomes its class and the parameters of its constructor. The
+constructor checks them again when the file is read. An array becomes its place in the
+column of its type.
 """
 
 import math
@@ -48,8 +49,8 @@ class _Describer:
     def describe(self, value: Any) -> Any:
         """Description of a number, a text, a list, a mapping, an array or an object.
 
-        Numbers that JSON does not have are words, tuples are lists, mappings and objects have their
-        class.
+        Numbers that JSON does not have are words, tuples are lists, mappings and
+        objects have their class.
         """
         if isinstance(value, np.ndarray):
             return self.place_of(value)

@@ -1,8 +1,8 @@
 """Numbers of a case that vary: the text "0.1:1:200" becomes an array along an axis of its own.
 
-A number may be tied to another one that varies, by a factor: "2.5 mm*contacts.1.stiffness". It has
-no axis of its own. A name that is no number of the case, such as R, is a variable if another number
-is tied to it.
+A number may be tied to another one that varies, by a factor: "2.5
+mm*contacts.1.stiffness". It has no axis of its own. A name that is no number of the
+case, such as R, is a variable if another number is tied to it.
 """
 
 import re
@@ -30,8 +30,8 @@ SPACED = re.compile(
 class Varied(NamedTuple):
     """A number of a case, or a variable, that runs through a grid.
 
-    path : such as ``bodies.0.length``, or the name of a variable; values : array of shape (n,), in
-    `unit`; unit : of SI, "" for a pure number.
+    path : such as ``bodies.0.length``, or the name of a variable; values : array of
+    shape (n,), in `unit`; unit : of SI, "" for a pure number.
     """
 
     path: str
@@ -125,7 +125,8 @@ class TieParts(NamedTuple):
 def _split_at(text: str, name: str) -> TieParts | None:
     """Parts of a text around the name of another number; None if it is no product with it.
 
-    The text is "factor*name", "name*operand", "name/operand" or both; one of them may be missing.
+    The text is "factor*name", "name*operand", "name/operand" or both; one of them may
+    be missing.
     """
     pattern = (
         rf"\s*(?:(?P<factor>[^*]+)\*)?\s*{re.escape(name)}"
@@ -162,7 +163,8 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
 def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
     """Return grids and ties by their paths, from their texts; InvalidModel for anything else.
 
-    The k-th grid runs along axis k; a tie runs along the axis of its source, which must be a grid.
+    The k-th grid runs along axis k; a tie runs along the axis of its source, which must
+    be a grid.
     """
     texts: Any = vary
     if vary is None:

@@ -1,7 +1,8 @@
 """Files are read here: nothing is unpacked that the file's own document does not announce.
 
-An NPZ is opened at its document. Only if that is one of rodimpact's are the arrays read that it
-names, and each must have the size, type, shape and checksum that it had when it was written.
+An NPZ is opened at its document. Only if that is one of rodimpact's are the arrays read
+that it names, and each must have the size, type, shape and checksum that it had when it
+was written.
 """
 
 import errno
@@ -34,9 +35,10 @@ ADVICE = "load it on a larger machine"
 BYTES_PER_CHARACTER = 24
 """Memory that Python takes for a character of a document, at most: one of brackets alone."""
 OLD_SOLUTION = (
-    "holds the arrays of a single solution, as an earlier version of rodimpact saved them. A "
-    'solution is saved as its case now: solve its system again, and save("run.toml"). Without the '
-    "system, load the file with the version that saved it, and write solution.system as a case file"
+    "holds the arrays of a single solution, as an earlier version of rodimpact saved "
+    "them. A solution is saved as its case now: solve its system again, and "
+    'save("run.toml"). Without the system, load the file with the version that saved '
+    "it, and write solution.system as a case file"
 )
 COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """Compressions of arrays; others expand without bounds."""
@@ -122,8 +124,8 @@ def read_npz(
         except MemoryError:
             raise
         except Exception as error:
-            # zipfile, zlib and numpy raise a dozen kinds for a damaged file; some of the messages
-            # repeat the data
+            # zipfile, zlib and numpy raise a dozen kinds for a damaged file; some of
+            # the messages repeat the data
             reason = f"{type(error).__name__}: {error}"[:200]
             message = (
                 f"is not a whole NPZ file of plain arrays that fit together ({reason})"
@@ -155,9 +157,9 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         raise FileFormatError(OLD_SOLUTION)
     if not is_readable:
         raise FileFormatError(
-            f"is a {kind!r} of schema {schema!r}, saved by rodimpact {version}; this is rodimpact "
-            f"{__version__}, which reads schema {FILE_SCHEMA}. Load it with the version that saved "
-            "it"
+            f"is a {kind!r} of schema {schema!r}, saved by rodimpact {version}; this "
+            f"is rodimpact {__version__}, which reads schema {FILE_SCHEMA}. Load it "
+            "with the version that saved it"
         )
     return document  # type: ignore[no-any-return]
 
@@ -165,8 +167,8 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
 def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     """The arrays that the document names, each as it was written.
 
-    FileFormatError if an array is missing, is not named, or differs from its entry: type, shape
-    and checksum.
+    FileFormatError if an array is missing, is not named, or differs from its entry:
+    type, shape and checksum.
     """
     sizes = {}  # bytes
     expected_names = {"document.npy"}
@@ -189,7 +191,8 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
 def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
     """An array of at most so many bytes, or ValueError.
 
-    The header is read before the numbers, to be sure that they are no more than it says.
+    The header is read before the numbers, to be sure that they are no more than it
+    says.
     """
     packed = archive.getinfo(f"{name}.npy")
     if packed.compress_type not in COMPRESSIONS:

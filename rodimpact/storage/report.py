@@ -50,7 +50,8 @@ def outcome_table(outcome: Any) -> str:
     Returns
     -------
     str
-        Bodies, contacts, energy, restitution and balances, and the sentences that go with them.
+        Bodies, contacts, energy, restitution and balances, and the sentences that go
+        with them.
 
     Examples
     --------
@@ -180,11 +181,12 @@ def solution_json(solution: Any) -> str:
     Returns
     -------
     str
-        An object with ``schema_version``, ``system``, ``method``, ``outcome``, ``episodes`` of each
-        contact, and how the run went, as the attributes of `Solution` say: ``final``,
-        ``stopped_by``, ``status``, ``t_end``, ``t_final``, ``t_proved``, ``events`` and
-        ``transit_error``. Numbers that do not exist or are infinite are null. In the outcome
-        ``restitution_undefined`` is the reason why there is no restitution, else null.
+        An object with ``schema_version``, ``system``, ``method``, ``outcome``,
+        ``episodes`` of each contact, and how the run went, as the attributes of
+        `Solution` say: ``final``, ``stopped_by``, ``status``, ``t_end``, ``t_final``,
+        ``t_proved``, ``events`` and ``transit_error``. Numbers that do not exist or are
+        infinite are null. In the outcome ``restitution_undefined`` is the reason why
+        there is no restitution, else null.
     """
     episodes = []
     for contact in solution.contacts:

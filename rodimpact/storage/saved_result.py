@@ -1,7 +1,7 @@
 """The [result] of a case file: how the run of a saved solution ended, and its outcome.
 
-A saved solution is its case. When the file is loaded the case is solved again, and this record says
-what came out when it was saved.
+A saved solution is its case. When the file is loaded the case is solved again, and this
+record says what came out when it was saved.
 """
 
 from collections.abc import Collection, Mapping
@@ -67,8 +67,8 @@ class SavedResult(NamedTuple):
     final : bool
         Whether it is proved that no contact can happen again.
     numbers : dict of str to float
-        Numbers of the outcome, SI: ``"velocity_after.I"`` of body I, ``"impulse.K"`` of contact K,
-        and so on, and the `OUTCOME_ENERGIES`.
+        Numbers of the outcome, SI: ``"velocity_after.I"`` of body I, ``"impulse.K"`` of
+        contact K, and so on, and the `OUTCOME_ENERGIES`.
     accuracy : dict of str to float
         Stated relative errors, as `Solution.accuracy` has them.
     """
@@ -167,8 +167,8 @@ def _read_numbers(
 ) -> dict[str, float]:
     """Numbers of the table of this name in [result]; they may be infinite or nan.
 
-    Mistakes are added to `problems`: keys that are not allowed or missing, and values that are no
-    numbers. {} if there is no such table.
+    Mistakes are added to `problems`: keys that are not allowed or missing, and values
+    that are no numbers. {} if there is no such table.
     """
     group = table.get(name)
     if not isinstance(group, dict):

@@ -1,7 +1,7 @@
 """Numbers as text: tables for people, JSON for programs.
 
-A table gives six digits with units, a dash where there is no such number, and 0 where only
-round-off is left.
+A table gives six digits with units, a dash where there is no such number, and 0 where
+only round-off is left.
 """
 
 import html
@@ -94,9 +94,9 @@ def misnamed(column: object) -> str:
         if _NAME.fullmatch(column) and not is_time:
             return ""
     return (
-        "a column is named by letters, digits, single blanks and _ . : ( ) / -, a letter or digit "
-        f"first, no _ or / last, {MAX_COLUMN_NAME} at most, and not as times are; got "
-        f"{shown(column)}"
+        "a column is named by letters, digits, single blanks and _ . : ( ) / -, a "
+        f"letter or digit first, no _ or / last, {MAX_COLUMN_NAME} at most, and not as "
+        f"times are; got {shown(column)}"
     )
 
 

@@ -1,7 +1,8 @@
 """Files appear whole or not at all.
 
-A file is written under a passing name beside its target and moved into place when it is complete.
-What is to be loaded again is an NPZ of plain arrays, with everything else in one JSON document.
+A file is written under a passing name beside its target and moved into place when it is
+complete. What is to be loaded again is an NPZ of plain arrays, with everything else in
+one JSON document.
 """
 
 import contextlib
@@ -65,8 +66,9 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
     InvalidModel
         If `path` is no name of a file.
     OSError
-        The subclass that fits (`IsADirectoryError`, `NotADirectoryError`, `FileNotFoundError` for a
-        missing directory, `PermissionError`): where no file can be.
+        The subclass that fits (`IsADirectoryError`, `NotADirectoryError`,
+        `FileNotFoundError` for a missing directory, `PermissionError`): where no file
+        can be.
     """
     path = file_name(path)
     check_flag("force", force)
@@ -114,7 +116,8 @@ def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
     FileExistsError
         If the file is there and `force` is false.
     OSError
-        Or a subclass, with a sentence, if the file cannot be written; an existing one is unharmed.
+        Or a subclass, with a sentence, if the file cannot be written; an existing one
+        is unharmed.
     """
     with open_for_writing(path, force=force) as file:
         file.write(data)
@@ -201,7 +204,10 @@ def write_npz(
     text = json.dumps(content, allow_nan=False)
     # NumPy keeps a text with four bytes a character.
     if 4 * len(text) > MAX_DOCUMENT_BYTES:
-        message = f"cannot write {os.fspath(path)!r}: the row has too many numbers for one file"
+        message = (
+            f"cannot write {os.fspath(path)!r}: the row has too many numbers for one "
+            "file"
+        )
         raise OSError(message)
     with open_for_writing(path, force=force) as file:
         np.savez_compressed(file, document=np.array(text), **arrays)
