@@ -9,7 +9,8 @@ INTERRUPTED = 130  # exit status after Ctrl-C, as shells have it
 def main() -> int:
     """Run the command and return its exit status; after Ctrl-C, end at once.
 
-    Threads that still run would keep the process alive: it ends without waiting for them.
+    Threads that still run would keep the process alive: it ends without waiting for
+    them.
     """
     try:
         from . import cli

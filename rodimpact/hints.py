@@ -203,8 +203,8 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
 class MissingAttribute(AttributeError):
     """The error of an attribute that an object does not have.
 
-    The hint is looked for when the error is shown: `getattr` with a default, and `hasattr`, make
-    this error and never show it.
+    The hint is looked for when the error is shown: `getattr` with a default, and
+    `hasattr`, make this error and never show it.
     """
 
     def __init__(self, owner: Any, name: str) -> None:
@@ -222,8 +222,9 @@ class MissingAttribute(AttributeError):
 def _attribute_hint(owner: Any, name: str) -> str:
     """Hint at the attribute of an object, or of one of its parts, that is meant.
 
-    The name itself in a part comes first, then synonyms, then names that are spelt alike: those of
-    the object before those of its parts. If there are none, attributes of the object are listed.
+    The name itself in a part comes first, then synonyms, then names that are spelt
+    alike: those of the object before those of its parts. If there are none, attributes
+    of the object are listed.
     """
     own_names = _public_names(owner)
     paths: dict[str, str] = {}  # of attributes of the parts, the uppermost first
@@ -258,8 +259,8 @@ def _public_names(owner: Any) -> list[str]:
 def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
     """Parts of an object with their paths: first its own ones, then theirs.
 
-    They are the attributes that `explain_missing` was given for its class; of a tuple of parts the
-    first one. Parts go down to `MOST_LEVELS`.
+    They are the attributes that `explain_missing` was given for its class; of a tuple
+    of parts the first one. Parts go down to `MOST_LEVELS`.
     """
     parts = []
     for attribute in getattr(owner, "_deeper", ()):
@@ -359,7 +360,9 @@ def _refusal(
     called = function.__qualname__.removesuffix(".__init__")
     for keyword in keywords:
         if keyword not in parameters:
-            return f"{called}() has no argument {keyword!r}; {nearest(keyword, parameters)}"
+            return (
+                f"{called}() has no argument {keyword!r}; {nearest(keyword, parameters)}"
+            )
     by_position = []
     by_name = []
     for name, parameter in parameters.items():

@@ -86,7 +86,8 @@ class Progress:
     def __enter__(self) -> Report:
         """Begin the call; return the function to which it reports how far it is.
 
-        That is the user's function, the bar of the outermost call, or one that does nothing.
+        That is the user's function, the bar of the outermost call, or one that does
+        nothing.
         """
         global _outermost
         self._is_outermost = False
@@ -95,7 +96,8 @@ class Progress:
                 _outermost = self
                 self._is_outermost = True
             elif _outermost._name == self._name:
-                # A call inside another of the same name goes on with the bar of that one.
+                # A call inside another of the same name goes on with the bar of that
+                # one.
                 return _outermost._report
         if callable(self._progress):
             return self._report

@@ -31,8 +31,8 @@ MOST_SHOWN_OF_PATH = 240
 ROUNDING_GUARD = 1e-9
 """Error of a decimal logarithm, so that a power of ten has its own exponent."""
 
-# US customary units by their definitions: foot and pound of 1959, and the standard gravity
-# of 9.80665 m/s^2.
+# US customary units by their definitions: foot and pound of 1959, and the standard
+# gravity of 9.80665 m/s^2.
 FOOT = Fraction("0.3048")
 INCH = FOOT / 12
 POUND = Fraction("0.45359237")
@@ -326,8 +326,8 @@ def conversion(unit: str) -> Conversion | None:
     Parameters
     ----------
     unit : str
-        A unit of one of the dimensions of `UNITS`, or another spelling of it; "" and "1"
-        stand for pure numbers.
+        A unit of one of the dimensions of `UNITS`, or another spelling of it; "" and
+        "1" stand for pure numbers.
 
     Returns
     -------

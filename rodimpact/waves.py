@@ -372,14 +372,14 @@ def mindlin_herrmann(
 ) -> tuple[Number, Number]:
     """Phase velocities of both branches by Mindlin and Herrmann, c/c0.
 
-    The squares x = c^2/c0^2 are the roots of a quadratic equation, with G = 2 pi a/l and
-    the moduli of the theory divided by E::
+    The squares x = c^2/c0^2 are the roots of a quadratic equation, with G = 2 pi a/l
+    and the moduli of the theory divided by E::
 
         (x - axial) (x - shear/m - 2 radial/(m G^2)) = 2 coupling^2/(m G^2)
 
     The slow branch approximates `first_mode`. The fast branch starts at a cut-off
-    frequency; its motion is mostly radial. See `rodimpact.model.lateral_inertia` for the
-    theory and its source.
+    frequency; its motion is mostly radial. See `rodimpact.model.lateral_inertia` for
+    the theory and its source.
 
     Parameters
     ----------
@@ -467,8 +467,8 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
 def _rayleigh_speed(nu: float) -> float:
     """c/c0 of surface waves for one Poisson ratio.
 
-    With r = (c/c2)^2 and kappa = (c2/c1)^2, Rayleigh's equation squared and divided by r
-    is r^3 - 8 r^2 + (24 - 16 kappa) r + 16 (kappa - 1) = 0.
+    With r = (c/c2)^2 and kappa = (c2/c1)^2, Rayleigh's equation squared and divided by
+    r is r^3 - 8 r^2 + (24 - 16 kappa) r + 16 (kappa - 1) = 0.
     """
     kappa = (1 - 2 * nu) / (2 - 2 * nu)
     linear = 24.0 - 16.0 * kappa
@@ -545,8 +545,9 @@ def _lowest_roots(
 def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -> Array:
     """Lowest roots x of some waves, [wave]; arguments as for `_lowest_roots`.
 
-    The equation is computed at speeds in a row. The first change of its sign brackets the root,
-    and Brent's method finds it. Without a change the root stays 1, as for long waves.
+    The equation is computed at speeds in a row. The first change of its sign brackets
+    the root, and Brent's method finds it. Without a change the root stays 1, as for
+    long waves.
     """
     roots = np.ones(numbers.size)
     # All waves are faster than surface waves.
@@ -579,8 +580,8 @@ def _equation_of_wave(
 def _equation(G: Any, x: Any, nu: Any) -> Any:
     """Left-hand side of the equation of frequencies, at the head of this module, at c = x c0.
 
-    It is divided by G^4, so that A^2 becomes A2 = (A/G)^2 = c^2/c1^2 - 1, and B^2 becomes B2. It is
-    also divided by the growth of the functions I.
+    It is divided by G^4, so that A^2 becomes A2 = (A/G)^2 = c^2/c1^2 - 1, and B^2
+    becomes B2. It is also divided by the growth of the functions I.
     """
     A2 = x * x * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1
     B2 = x * x * (2 + 2 * nu) - 1
@@ -605,7 +606,8 @@ class _Bessel(NamedTuple):
 def _bessel(x: Any, square: Any) -> _Bessel:
     """Bessel functions at the root of a square, where x is its absolute value.
 
-    If the square is negative, its root is imaginary, and the functions are the modified ones.
+    If the square is negative, its root is imaginary, and the functions are the modified
+    ones.
     """
     is_imaginary = square < 0
     is_small = x < SERIES_LIMIT
