@@ -361,7 +361,8 @@ def _refusal(
     for keyword in keywords:
         if keyword not in parameters:
             return (
-                f"{called}() has no argument {keyword!r}; {nearest(keyword, parameters)}"
+                f"{called}() has no argument {keyword!r}; "
+                f"{nearest(keyword, parameters)}"
             )
     by_position = []
     by_name = []

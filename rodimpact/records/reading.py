@@ -84,12 +84,12 @@ def read_signals(
     in quotes: ``0,"1,5"``. The text is UTF-8, UTF-16 with a byte order mark, or
     Latin-1. Any lines may precede the numbers. A unit is part of the head,
     ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident / mV``, or is in
-    a separate line below; the values are converted to SI units. In files of LabVIEW (.lvm),
-    Tektronix, Rigol, LeCroy, Yokogawa, Keysight and catman, separate lines with units
-    and time steps are read, too. If the last line of heads repeats a name, the names
-    are those of the line above. Other lines before the table are ignored: give a time
-    step or a unit from there as an argument. A channel that ends with blank cells is
-    shorter than the others.
+    a separate line below; the values are converted to SI units. In files of LabVIEW
+    (.lvm), Tektronix, Rigol, LeCroy, Yokogawa, Keysight and catman, separate lines with
+    units and time steps are read, too. If the last line of heads repeats a name, the
+    names are those of the line above. Other lines before the table are ignored: give a
+    time step or a unit from there as an argument. A channel that ends with blank cells
+    is shorter than the others.
 
     A workbook (.xlsx, .xlsm, .xls; extra ``excel``) has the table in its first sheet.
     Channels of a TDMS file (extra ``tdms``) have their times and units in properties.

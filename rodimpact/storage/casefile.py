@@ -18,7 +18,7 @@
     [[bodies]]
     kind = "wall"            # takes `velocity` only
 
-    [[contacts]]             # entry i lies between body i and i + 1; touching if left out
+    [[contacts]]             # entry i: between body i and i + 1; touching if left out
     gap = "50 um"
     law = "rigid"            # or another of `rodimpact.model.laws`
 
