@@ -1,4 +1,4 @@
-"""Displacement of a body's centre of mass over a whole run, from the forces on its faces."""
+"""Displacement of a body's centre of mass over a run, from the forces on its faces."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,10 @@ from .fields import Fields
 
 
 class FacePushes(NamedTuple):
-    """Forces on the two faces of a body, N, positive in compression; None at a free end."""
+    """Forces on the two faces of a body, N; None at a free end.
+
+    Compression is positive.
+    """
 
     left: Pieces | None
     right: Pieces | None
@@ -40,7 +43,10 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
 
 
 def pushes_on(run: Run, body: int) -> FacePushes:
-    """Forces on the left and the right face of a body: of a contact, or at an end of the row."""
+    """Forces on the left and the right face of a body.
+
+    Each is the force of a contact, or of an end of the row.
+    """
     signals = run.signals
     # What acts on the ends of the row: a wall, a drive or an absorbing end, or None.
     left_action, right_action = signals.boundary_actions

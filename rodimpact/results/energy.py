@@ -1,4 +1,4 @@
-"""Where the energy is, and what brought it there: at any times, and over a whole run."""
+"""Where the energy is, and what brought it there, at any time of a run."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ class BondedGroups(NamedTuple):
 
     @property
     def vibration(self) -> Floats:
-        """Vibrational kinetic energy and strain energy of each body, J, [body, time]."""
+        """Vibrational kinetic energy plus strain energy, J, [body, time]."""
         return self.vibrational_kinetic + self.strain
 
 
@@ -131,10 +131,11 @@ class ShaftWorks(NamedTuple):
 
 
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
-    """Velocities and energies of the groups at ticks [time] at which energies are known.
+    """Velocities and energies of the groups at ticks [time].
 
-    The velocity of a group is its momentum over its mass. A group in which no body can
-    move, such as a wall alone, has the velocity 0, and no mass or energy.
+    The ticks are some at which energies are known. The velocity of a group is its
+    momentum over its mass. A group in which no body can move, such as a wall alone, has
+    the velocity 0, and no mass or energy.
     """
     clock = fields.clock
     times = ticks * clock.tick
@@ -304,10 +305,11 @@ def ledger(
 
 
 def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
-    """Integrals of push times speed from t = 0 to each tick, J, by the kind of what is outside.
+    """Integrals of push times speed from t = 0 to each tick, J.
 
-    Pushes point into the row and speeds to the right, so the power has the sign
-    `INWARD`: 1 at the left end, -1 at the right end.
+    They are taken apart by the kind of what is outside. Pushes point into the row and
+    speeds to the right, so the power has the sign `INWARD`: 1 at the left end, -1 at
+    the right end.
     """
     works: dict[str, Floats] = {}
     for kind in BoundaryWorks._fields:
@@ -334,10 +336,10 @@ def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
 
 
 def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
-    """g times the integral of the momentum over time: work of gravity since t = 0, J [time].
+    """Work of gravity since t = 0, J [time].
 
-    The integral is (p0 + m g t/2) t + the impulses from outside integrated over time,
-    with the momentum p0 at t = 0.
+    It is g times the integral of the momentum over time. The integral is (p0 + m g t/2)
+    t + the impulses from outside integrated over time, with the momentum p0 at t = 0.
     """
     clock = fields.clock
     ticks = states.ticks
@@ -360,7 +362,7 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
-    """Totals of a finished run from its fields: the ledger at its beginning and its end.
+    """Totals of a finished run: the ledger at its beginning and its end.
 
     Velocities that the method itself has found, `run.motion`, take the place of those
     of the fields. The residuals of momentum and energy are relative to their scales.
@@ -427,7 +429,7 @@ def _energy_scale(
 
 
 def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
-    """Momentum that is missing in the balance at the end of the run, relative to a scale.
+    """Missing momentum in the balance at the end of the run, relative to a scale.
 
     That is the momentum gained, less the impulse from outside and m g t. The scale is
     the momentum of all masses at the velocity scale, and all impulses of contacts.
@@ -468,7 +470,7 @@ def _motion_at(
 
 
 def _impulse_from_outside(fields: Fields, tick: int) -> float:
-    """Impulse to the right on the row from t = 0 to a tick, N s, but for that of gravity.
+    """Impulse to the right on the row from t = 0 to a tick, N s, without gravity.
 
     What gives it acts on the two ends of the row, or is soil or drag along shafts.
     """

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from ..hints import explain_missing
 
 EQUAL_STRESS_RTOL = 1e-12
-"""Stresses that differ by less, relative to the larger one, are equal but for round-off."""
+"""Relative difference of stresses below which they are equal but for round-off."""
 
 
 @explain_missing()
@@ -43,7 +43,7 @@ NO_STRESS = StressPeak(0.0, float("nan"), float("nan"))
 
 @explain_missing("tension")
 class ExtremeStress(NamedTuple):
-    """Largest tension and largest compression in a rod, at any place and time of the run.
+    """Largest tension and compression in a rod, at any place and time of the run.
 
     Attributes
     ----------

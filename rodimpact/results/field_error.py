@@ -23,10 +23,10 @@ The difference of two meshes changes its sign over time, and may be 0 at one tim
 
 @explain_missing()
 class FieldError(NamedTuple):
-    """Stated errors of field values at some times, anywhere in the row; arrays like the times.
+    """Stated errors of field values anywhere in the row, at some times.
 
-    The error is inf where no mesh determines the value: at a steep jump velocity and
-    stress have no single value.
+    They are arrays of the shape of the times. The error is inf where no mesh determines
+    the value: at a steep jump velocity and stress have no single value.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class CoarserSolution(NamedTuple):
 
 
 def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> FieldError:
-    """Stated errors of the fields of a solution, from the same collision on coarser meshes.
+    """Stated errors of the fields of a solution, by comparison with coarser meshes.
 
     Parameters
     ----------

@@ -65,10 +65,11 @@ class Location(NamedTuple):
 
 
 def to_side(ticks: Ints, side: Side) -> Ints:
-    """Ticks that were rounded from times, moved just after ("right") or before a jump there.
+    """Ticks moved just after ("right") or before the jumps there.
 
-    They move by the round-off of a time, ticks/2^51: a float cannot name a single tick
-    beyond 2^51 of them. InvalidModel for any other side.
+    The ticks were rounded from times. They move by the round-off of a time, ticks/2^51:
+    a float cannot name a single tick beyond 2^51 of them. InvalidModel for any other
+    side.
     """
     one_of("side", side, ("right", "left"))
     round_off = ticks >> 51  # ticks/2^51, rounded down: 0 for most runs
@@ -78,7 +79,7 @@ def to_side(ticks: Ints, side: Side) -> Ints:
 
 
 class Fields(Protocol):
-    """What a solution asks of the state of a row: at any place and time, and of whole bodies.
+    """State of a row, as a solution asks for it: at any place and time, and of bodies.
 
     Parameters
     ----------
@@ -104,7 +105,10 @@ class Fields(Protocol):
     rods: dict[int, Rod]  # by body
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        """Keep the arguments, the motion, the shortest time that is resolved, and the rods."""
+        """Keep the arguments, and find what the fields need of the run.
+
+        They need the motion, the shortest time that is resolved, and the rods.
+        """
         self.clock = clock
         self.end = end
         self.signals = signals
@@ -121,13 +125,16 @@ class Fields(Protocol):
         return False
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
-        """Velocity in a rod, m/s, without the velocity that the frame gains by gravity."""
+        """Velocity in a rod, m/s, less the velocity that the frame gains by gravity."""
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
         """Strain in a rod, positive in tension."""
 
     def rod_strain_rate(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Strain rate in a rod, 1/s; 0 but on a grid, which alone takes viscous material."""
+        """Strain rate in a rod, 1/s.
+
+        It is 0 but on a grid, which alone takes viscous material.
+        """
         return 0.0 * self.rod_strain(body, x, ticks, "right")
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
@@ -137,7 +144,7 @@ class Fields(Protocol):
         """
 
     def averaged(self, body: int, x: Floats, t: Floats) -> MeanState:
-        """Mean velocity and strain at points x, m [point], in the intervals between times t, s.
+        """Mean velocity and strain at points x, m [point], between times t, s.
 
         They are the differences of displacements, and of integrals of the strain, over
         durations. The n times increase, and have n - 1 intervals: the means are [point,
@@ -164,7 +171,10 @@ class Fields(Protocol):
         """Momentum of a rod at times t in s, kg m/s."""
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
-        """Energy of a rod at a tick; the kinetic energy is relative to `velocity`, m/s."""
+        """Energy of a rod at a tick.
+
+        The kinetic energy is relative to `velocity`, m/s.
+        """
 
     def extreme_stress(self, body: int) -> ExtremeStress:
         """Largest tension and compression in a rod, with place and time."""
@@ -173,11 +183,17 @@ class Fields(Protocol):
         """State just after `tick`, in pieces of constant velocity and strain."""
 
     def nearest_energy_ticks(self, ticks: Ints) -> Ints:
-        """The nearest ticks at which energies are known: on a grid those of its states."""
+        """The nearest ticks at which energies are known.
+
+        On a grid these are the ticks of its states.
+        """
         return ticks
 
     def mobilised(self, body: int, tick: int) -> Steps | float:  # noqa: ARG002
-        """Share of the resistance of soil that is mobilised along a rod; grids have soil."""
+        """Share of the resistance of soil that is mobilised along a rod.
+
+        Only grids have soil.
+        """
         return 0.0
 
     def viscous_loss(self, ticks: Ints) -> Floats:
@@ -187,9 +203,10 @@ class Fields(Protocol):
     # Where and when -----------------------------------------------------------------
 
     def to_ticks(self, t: ArrayLike) -> Ints:
-        """Nearest ticks of times in s, the last tick at most; ValueError outside the solution.
+        """Nearest ticks of times in s, the last tick at most.
 
-        A time may lie beyond the end by a tick, since times are rounded.
+        ValueError for times outside the solution. A time may lie beyond the end by a
+        tick, since times are rounded.
         """
         t = array("t", t, "s")
         end = self.end * self.clock.tick
@@ -214,10 +231,11 @@ class Fields(Protocol):
         return np.array([0.0, *accumulate(lengths)])
 
     def locate(self, body: int, x: ArrayLike) -> Location:
-        """Segments in which points x of a rod lie, m, and their distances from its left end.
+        """Segments in which points x, m, of a rod lie, and the places in them.
 
-        A point between two segments lies in the right one. ValueError for a body that
-        is no rod, and for points outside of the rod.
+        A place is the distance from the left end of the segment, m. A point between two
+        segments lies in the right one. ValueError for a body that is no rod, and for
+        points outside of the rod.
         """
         self._check_rod(body)
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
@@ -248,7 +266,10 @@ class Fields(Protocol):
     # Velocity of the frame ----------------------------------------------------------
 
     def frame_velocity(self, tick: int) -> float:
-        """Velocity of the clock's frame at a tick, m/s: its velocity at t = 0 plus g t."""
+        """Velocity of the clock's frame at a tick, m/s.
+
+        It is the velocity at t = 0 plus g t.
+        """
         clock = self.clock
         return clock.frame + clock.gravity * tick * clock.tick
 
@@ -264,7 +285,10 @@ class Fields(Protocol):
         return last_segment > 0
 
     def _is_wall(self, body: int) -> bool:
-        """Whether a body keeps its velocity whatever pushes it: no rod, and no mass that moves."""
+        """Whether a body keeps its velocity whatever pushes it.
+
+        A rod and a mass that can move do not.
+        """
         return not self._is_rod(body) and body not in self.signals.masses
 
     def _wall_velocity(self, body: int) -> float:
@@ -284,7 +308,7 @@ class Fields(Protocol):
         )
 
     def _rigid_ticks(self, body: int, x: Array, ticks: Ints) -> Ints:
-        """Ticks in the shape to which they broadcast with points x of a rigid mass or a wall.
+        """Ticks broadcast with the points x of a rigid mass or a wall.
 
         InvalidModel unless all points are 0, as the body has no length.
         """

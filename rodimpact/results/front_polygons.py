@@ -1,4 +1,4 @@
-"""Waves between fronts in plain lists, and the polygons of constant state that they cut.
+"""Waves between fronts in plain lists, and the polygons of constant state between them.
 
 For figures and, as JavaScript, for the page. A wave is a table of lists: `tick` of its
 fronts, `value` from each of them on, m/s in a frame, and `passed`, its integral from
@@ -77,7 +77,7 @@ def integral_to(wave: Any, tick: int) -> Any:
 
 
 def edges_of(wave: Any, start: int, stop: int) -> list[int]:
-    """The tick `start`, ticks of the fronts of a wave between it and `stop`, and `stop`."""
+    """The tick `start`, the fronts of a wave up to `stop`, and `stop`, in ticks."""
     inside = [tick for tick in wave["tick"] if start < tick < stop]
     return [start, *inside, stop]
 
@@ -125,7 +125,7 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
 def region(
     p_range: tuple[int, int], q_range: tuple[int, int], T: int, start: int, stop: int
 ) -> list[Corner]:
-    """Corners (p, q) of the part of a rectangle that lies in the segment and the interval.
+    """Corners (p, q) of the part of a rectangle in the segment and the interval.
 
     That is where |q - p| <= T and 2 start <= p + q + T <= 2 stop.
     """
@@ -166,11 +166,11 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
 
 
 def crossing(start: int, stop: int, here: int, there: int) -> int:
-    """Tick at which a linear depth is 0 that is `here` at the tick `start`, `there` at `stop`.
+    """Tick at which a linear depth is 0.
 
-    Both divisions are exact, since the cut lies at a whole tick, see `clip`. The
-    quotient comes first, since products may exceed 2^53, up to which JavaScript has
-    every whole number.
+    The depth is `here` at the tick `start`, and `there` at `stop`. Both divisions are
+    exact, since the cut lies at a whole tick, see `clip`. The quotient comes first,
+    since products may exceed 2^53, up to which JavaScript has every whole number.
     """
     if start == stop:
         return start
@@ -179,9 +179,10 @@ def crossing(start: int, stop: int, here: int, there: int) -> int:
 
 
 def count_of_regions(rods: Any, start: int, stop: int, limit: float) -> int:
-    """Number of regions of constant state of rods, see `polygons_of`, between two ticks.
+    """Number of regions of constant state in rods between two ticks.
 
-    If there are more than `limit`, counting stops at some number above it.
+    For the rods see `polygons_of`. If there are more than `limit`, counting stops at
+    some number above it.
     """
     count = 0
     for rod in rods:

@@ -103,7 +103,7 @@ class Gauge:
 
     @property
     def strain_rate(self) -> Floats:
-        """Mean strain rate from each time to the next, 1/s, without the jumps at the times.
+        """Mean strain rate from each time to the next, 1/s, without jumps at the times.
 
         (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] - t[i]).
         """
@@ -117,7 +117,7 @@ class Gauge:
         return rates
 
     def _ticks(self, t: Floats, side: Side = "right") -> Ints:
-        """Ticks nearest to times in s, moved just after ("right") or before a jump there."""
+        """Ticks nearest to times in s, just after ("right") or before jumps there."""
         nearest = np.rint(t / self.tick).astype(np.int64)
         return to_side(nearest, side)
 
@@ -161,12 +161,13 @@ class Gauge:
         return Signal(np.concatenate(samples), times, name=name)
 
     def _spline_means(self, step: float, rows: Ints) -> Floats:
-        """Means of the strain about the times row * step, ticks, of n consecutive rows, [n].
+        """Means of the strain about the times of n consecutive rows, [n].
 
-        They are weighted by a parabolic spline over three cells, each a step long, with
-        the row in the middle. With u from 0 to 1 in each cell, the weights are u^2/2,
-        1/2 + u - u^2 and (1 - u)^2/2. So a mean is made of the integrals over cells of
-        the strain, of u times the strain, and of u^2 times the strain.
+        The row r has the time r * step, ticks. They are weighted by a parabolic spline
+        over three cells, each a step long, with the row in the middle. With u from 0 to
+        1 in each cell, the weights are u^2/2, 1/2 + u - u^2 and (1 - u)^2/2. So a mean
+        is made of the integrals over cells of the strain, of u times the strain, and of
+        u^2 times the strain.
         """
         # The row r has the cells from r - 1.5 to r + 1.5 steps, so n rows have n + 2
         # cells.
@@ -200,9 +201,10 @@ class Gauge:
         return means
 
     def _cell_parts(self, bounds: Floats) -> CellParts:
-        """Cut cells between increasing bounds, ticks, where the strain has another polynomial.
+        """Cells cut where the strain has another polynomial.
 
-        A cell without such a break in it is one part.
+        The cells lie between increasing bounds, ticks. A cell without such a break in
+        it is one part.
         """
         all_breaks = self.record.breaks
         first, stop = all_breaks.searchsorted(bounds[[0, -1]])
@@ -217,7 +219,9 @@ class Gauge:
         return CellParts(cuts, cell)
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
-        """Write time, strain, rightward and leftward strain and velocity, one row an entry.
+        """Write a table of strain and velocity, one row an entry.
+
+        The columns are time, strain, rightward strain, leftward strain and velocity.
 
         Raises
         ------
@@ -252,10 +256,11 @@ def gauges_to_csv(
     interval: float | None = None,
     force: bool = False,
 ) -> None:
-    """Write strains of several gauges at equal intervals: a column of times, then one a gauge.
+    """Write strains of several gauges at equal intervals as one table.
 
-    With the two gauges ``incident`` and ``transmitted`` this is the table of three
-    columns that programs for split Hopkinson bars take.
+    It has a column of times, then one for each gauge. With the two gauges ``incident``
+    and ``transmitted`` this is the table of three columns that programs for split
+    Hopkinson bars take.
 
     Parameters
     ----------
@@ -308,7 +313,7 @@ def gauges_to_csv(
 
 
 def _table_blocks(records: list[Gauge], sampling: Sampling) -> Iterator[list[Floats]]:
-    """Blocks of rows of a table, each as columns: times, s, and the strain of each record."""
+    """Blocks of rows of a table, each as columns: times, s, and all strains."""
     for rows in _blocks(sampling.sample_count):
         times = sampling.step * rows
         columns = [times]
@@ -328,10 +333,10 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
 
 
 def _sampling(interval: Any, end: float) -> Sampling:
-    """Samples at this interval, s, of a record that ends at `end`, s; None: `DEFAULT_SAMPLES`.
+    """Samples at this interval, s, of a record that ends at `end`, s.
 
-    InvalidModel for an interval that is not positive, or gives more than
-    `MAX_TABLE_ROWS`.
+    There are `DEFAULT_SAMPLES` if the interval is None. InvalidModel for an interval
+    that is not positive, or gives more than `MAX_TABLE_ROWS`.
     """
     if interval is not None:
         step = scalar("interval", interval, "s", "positive")

@@ -141,9 +141,9 @@ class GridFields(Fields):
     # ----------------------------------------------------------------------------
 
     def _segment_places(self, body: int) -> list[Floats]:
-        """Places of the nodes of each segment of a rod, m from its left end, [segment][node].
+        """Places of the nodes of a rod by segment, m, [segment][node].
 
-        Two neighbouring segments share a node.
+        They count from the left end of the rod. Two neighbouring segments share a node.
         """
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
         # Counts have no entry for what lies left of the row: that of segment 1 has the
@@ -159,7 +159,10 @@ class GridFields(Fields):
         return places
 
     def _node_places(self, body: int) -> Floats:
-        """Places of the nodes of a rod, m from its left end, each once [node of the rod]."""
+        """Places of the nodes of a rod, m from its left end, [node of the rod].
+
+        A node that two segments share has one entry.
+        """
         return np.unique(np.concatenate(self._segment_places(body)))
 
     def _span(self, body: int) -> Span:
@@ -290,12 +293,15 @@ class GridFields(Fields):
         return self._interpolated(body, x, ticks, self._strain_tables.rate[body])
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Displacement, m, without the way that the frame falls; x, m, and ticks broadcast."""
+        """Displacement, m, less the way that the frame falls.
+
+        x, m, and ticks broadcast.
+        """
         in_frame = self._interpolated(body, x, ticks, self._displacement_tables[body])
         return in_frame + self.clock.frame * (ticks * self.clock.tick)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the strain over time from t = 0 to each tick at points x, m, [point, tick].
+        """Integral of the strain from t = 0 to each tick at points x, m, [point, tick].
 
         Its unit is the tick. Between states the strain is a straight line.
         """
@@ -345,7 +351,10 @@ class GridFields(Fields):
         return np.asarray(in_frame + span.mass.sum() * frame_velocity)
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
-        """Energy of a rod in the state at `tick`; kinetic energy relative to a velocity, m/s."""
+        """Energy of a rod in the state at `tick`.
+
+        The kinetic energy is relative to a velocity, m/s.
+        """
         clock = self.clock
         span = self._span(body)
         step_number = tick // STEP_TICKS
@@ -356,7 +365,10 @@ class GridFields(Fields):
         return RodEnergy(*energies)
 
     def viscous_loss(self, ticks: Ints) -> Floats:
-        """Energy lost in damped material from t = 0 to each tick, J; ticks are those of states."""
+        """Energy lost in damped material from t = 0 to each tick, J.
+
+        The ticks are those of states.
+        """
         step_numbers = ticks // STEP_TICKS
         states = np.searchsorted(self.motion.when, step_numbers)
         energy_in_steps = self.motion.lost[states]  # W times steps
@@ -416,7 +428,7 @@ class GridFields(Fields):
     # -------------------------------------------------------------------------------
 
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """The largest of the stresses in kept states, and of those by the forces on ends."""
+        """The largest stresses, from kept states and from the forces on ends."""
         tensions = []
         compressions = []
         for peak in (*self._state_peaks(body), *self._end_peaks(body)):
@@ -427,7 +439,7 @@ class GridFields(Fields):
         return ExtremeStress(strongest(tensions), strongest(compressions))
 
     def _state_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Highest and lowest stress E eps + eta d(eps)/dt in a rod at the states that are kept."""
+        """Highest and lowest stress E eps + eta d(eps)/dt in a rod at kept states."""
         youngs_moduli = []
         viscosities = []
         segments = self.rods[body].segments
@@ -447,7 +459,7 @@ class GridFields(Fields):
             yield StressPeak(float(stress[state, point]), x, t)
 
     def _end_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Stress by the largest push and the largest pull on each end of a rod, of all time steps.
+        """Stress by the largest push and pull on each end of a rod, of all time steps.
 
         Free ends are left out, and those where lateral inertia takes a share of the
         force.
@@ -465,9 +477,10 @@ class GridFields(Fields):
                 yield StressPeak(stress, end.x, t)
 
     def _loaded_ends(self, body: int) -> tuple[LoadedEnd, LoadedEnd]:
-        """The left and the right end of a rod, with the force of a contact or at the row's end.
+        """The two ends of a rod, left and right, with the forces on them.
 
-        The forces are means over each time step, N; None at a free end.
+        A force is that of a contact, or of an end of the row. The forces are means over
+        each time step, N; None at a free end.
         """
         contacts = self.signals.contacts
         left_action, right_action = self.signals.boundary_actions

@@ -1,8 +1,8 @@
-"""Strains in the cells of a grid, and at the ends of segments, where they follow from momentum.
+"""Strains in the cells of a grid, and at the ends of segments.
 
-At an end the stress follows from the momentum of the node there: it is 0 at a free end,
-that of the contact force where rods touch, and gives the same force on both sides of a
-step.
+Strains at ends follow from momentum. At an end the stress follows from the momentum of
+the node there: it is 0 at a free end, that of the contact force where rods touch, and
+gives the same force on both sides of a step.
 """
 
 from typing import NamedTuple
@@ -69,12 +69,15 @@ def end_areas(segment: Segment) -> EndAreas:
 
 
 def cell_strains(motion: GridMotion, step: float) -> Floats:
-    """Strains of all cells, elongation over width, [state, cell]; the time step is in s."""
+    """Strains of all cells, [state, cell].
+
+    A strain is the elongation over the width. The time step is in s.
+    """
     return np.asarray(motion.stretches(step) / motion.cells.width)
 
 
 def cell_states(motion: GridMotion, strain: Floats, velocity: Floats) -> CellStates:
-    """State of all cells, from their strains [state, cell] and velocities of nodes, m/s.
+    """State of all cells, from their strains [state, cell] and node velocities, m/s.
 
     The strain rate is the difference of the velocities of both nodes over the width.
     The tension is the elastic force plus eta A times the rate.
@@ -140,7 +143,7 @@ def _right_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
 
 
 def _extrapolated(values: Floats, end: SegmentEnd) -> Floats:
-    """Values of cells [state, cell] extrapolated to an end, half a cell away, [state]."""
+    """Values of cells [state, cell] extrapolated by half a cell to an end, [state]."""
     near = values[:, end.cell]
     behind = values[:, end.second_cell]
     return np.asarray(1.5 * near - 0.5 * behind)
@@ -174,7 +177,10 @@ def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
 
 
 class SoilForces(NamedTuple):
-    """Forces of soil at the end of a segment, N, to the right [state]; 0 where there is none."""
+    """Forces of soil at the end of a segment, N, to the right, [state].
+
+    They are 0 where there is no soil.
+    """
 
     on_node: Floats | float
     on_half_cell: Floats | float  # the part on the half cell of the segment
@@ -202,10 +208,11 @@ def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
 
 
 def _push_on(motion: GridMotion, node: int) -> Floats:
-    """Force to the right on a node from outside its piece, N [state]; [1] if there is none.
+    """Force to the right on a node from outside its piece, N [state].
 
-    Forces are kept as means over steps. At a state between two steps the force is the
-    mean of both, at the first and the last it is extrapolated by half a step.
+    It has the shape [1] if there is none. Forces are kept as means over steps. At a
+    state between two steps the force is the mean of both, at the first and the last it
+    is extrapolated by half a step.
     """
     step_means = motion.pushes.get(node, np.zeros(1))
     if len(step_means) == 0:  # nothing moves: no step was made

@@ -1,4 +1,4 @@
-"""Velocities of the nodes of a grid, without the motion that viscosity leaves in its mesh.
+"""Velocities of the nodes of a grid, less the motion that viscosity leaves in its mesh.
 
 In damped rods these are the rates at which displacements change over two steps,
 
@@ -63,10 +63,11 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
 
 
 def _one_sided_mean(velocity: Floats) -> Floats:
-    """The mean at the first of four states in a row, from one side, with the same error.
+    """Mean at the first of four states in a row, from one side.
 
-    The mean is v + (second difference about it)/4. Here that is taken two steps later,
-    where motion that changes its sign from step to step has the same sign again.
+    It has the same error as the mean from both sides. The mean is v + (second
+    difference about it)/4. Here that is taken two steps later, where motion that
+    changes its sign from step to step has the same sign again.
     """
     first, second, third, fourth = velocity
     return np.asarray(first + (second - 2 * third + fourth) / 4)

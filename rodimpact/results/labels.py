@@ -1,4 +1,4 @@
-"""Names and units of the numbers of a family and of a solution: what varies, and what comes out.
+"""Names and units of the numbers of a family and of a solution.
 
 A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset
 says of it.
@@ -57,11 +57,13 @@ _RESULTS = {
     "kind": Quantity("kind of body", "1"),
     "law": Quantity("contact law", "1"),
 }
-"""Quantities of results, fields and coordinates, by their names in columns and Datasets."""
+"""Quantities of results, fields and coordinates, by name in columns and Datasets."""
 
 
 def quantity_of_parameter(system: System, path: str) -> Quantity:
-    """Name and unit of the number of a system at this path; an unknown path is its own name.
+    """Name and unit of the number of a system at a path.
+
+    A path that is not known is its own name.
 
     Examples
     --------
@@ -80,7 +82,10 @@ def quantity_of_parameter(system: System, path: str) -> Quantity:
 
 
 def _of_path(system: System, path: str) -> Quantity:
-    """Name and unit of the number at a path; LookupError or ValueError for some unknown ones."""
+    """Name and unit of the number at a path.
+
+    LookupError or ValueError for some paths that are not known.
+    """
     # Indices in paths count from 0, names of bodies and their parts from 1.
     match path.split("."):
         case ["gravity"]:
@@ -174,7 +179,10 @@ def dataset(
 
 
 def _labelled(system: System, variables: dict[str, Any]) -> dict[str, Any]:
-    """Variables with labels: (dimensions, values, attributes) by name, from the first two."""
+    """Variables with labels, by name, from variables of dimensions and values.
+
+    A variable with labels is (dimensions, values, attributes).
+    """
     labelled = {}
     for name, variable in variables.items():
         dimensions, values = variable

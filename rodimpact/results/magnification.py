@@ -16,9 +16,10 @@ BLOCK = 0.05  # largest width of a mass in the picture, in lengths of all rods
 
 
 def drifts(reach: float, relative: float) -> bool:
-    """Whether a row moves much farther than its bodies do against each other, and these do.
+    """Whether a row moves much farther than its bodies do against each other.
 
-    `reach` is the farthest movement of all, and `relative` that within the row, m.
+    False if the bodies do not move against each other. `reach` is the farthest movement
+    of all, and `relative` that within the row, m.
     """
     return INNER_MOVEMENT_RTOL * reach < relative < reach / MAX_DRIFT_RATIO
 

@@ -1,4 +1,7 @@
-"""What a notebook shows of a result; the package sets who draws it, for pictures lie above."""
+"""What a notebook shows of a result.
+
+The package sets the function that draws it, since pictures lie above results.
+"""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a collision did: velocities of the bodies before and after, impulse, restitution, energy.
+"""What a collision did: velocities before and after, impulses, restitution, energies.
 
 Bodies joined together move, for an outcome, with their common velocity.
 """
@@ -41,14 +41,20 @@ class UndefinedRestitution(ValueError):
 
 
 class OnlyContact(Generic[Number]):
-    """Totals of the only contact that can open, of one collision or of each of a family."""
+    """Totals of the only contact that can open.
+
+    Each is a number of one collision, or an array of a family.
+    """
 
     contacts: Any  # totals by contact
     unilateral: Any  # indices of the contacts that can open
     _several = "this row has {} contacts that can open, not 1; use outcome.contacts"
 
     def _only_contact(self) -> Any:
-        """Totals of the only contact that can open; ValueError where there are several."""
+        """Totals of the only contact that can open.
+
+        ValueError where there are several.
+        """
         if len(self.unilateral) != 1:
             raise ValueError(self._several.format(len(self.unilateral)))
         return self.contacts[self.unilateral[0]]
@@ -186,7 +192,7 @@ class Outcome(OnlyContact[float]):
         return float(e)
 
     def why_no_restitution(self) -> str:
-        """Return the sentence that says why `restitution` is undefined, empty if it is defined."""
+        """Return why `restitution` is undefined, as a sentence; "" if it is defined."""
         return no_restitution(
             self.unilateral,
             self.velocities_before,
@@ -237,7 +243,10 @@ class Outcome(OnlyContact[float]):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All entries by name, those of contacts too, in JSON's terms; nan stays a float."""
+        """All entries by name, with those of contacts, in JSON's terms.
+
+        A nan stays a float.
+        """
         entries: dict[str, Any] = {}
         for name, value in vars(self).items():
             entries[name] = json_ready(value)
@@ -316,7 +325,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
 
 
 def _balance_warning(momentum: float, energy: float) -> str:
-    """Sentence that warns of relative residuals of momentum and energy; "" if both are small."""
+    """Warning of large relative residuals of momentum and energy; "" if small."""
     missing = []
     residuals = {"momentum": abs(momentum), "energy": abs(energy)}
     for name, residual in residuals.items():

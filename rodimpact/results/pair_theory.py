@@ -1,4 +1,4 @@
-"""The closed form of `rodimpact.theory` that holds for a collision, or a family of them.
+"""The closed form of `rodimpact.theory` that holds for a collision or a family of them.
 
 There is one for two bodies that meet rigidly, two uniform rods or one and a wall or a
 rigid mass, which do not vibrate before and on which nothing else acts.
@@ -18,7 +18,7 @@ from ..theory import PairCollision, mass_on_rod, rod_on_wall, saint_venant
 
 
 class PairTheory(NamedTuple):
-    """A family of two bodies, the left and the right one, whose collision has a closed form.
+    """A family of two bodies, left and right, whose collision has a closed form.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class PairTheory(NamedTuple):
         return PairTheory(*changed)
 
     def interpolated(self, members: Floats, wanted: Floats) -> PairTheory:
-        """The family, which has one axis, at other values of the parameter of this axis.
+        """The family at other values of the parameter of its one axis.
 
         Parameters
         ----------
@@ -109,7 +109,10 @@ class PairTheory(NamedTuple):
 
 
 def _velocity_after(family: PairTheory, pair: PairCollision, body: int) -> Floats:
-    """v - J/m of the left body (0), v + J/m of the right one (1), with the impulse J; m/s."""
+    """Velocity of the left body (0) or the right one (1) after the impulse J, m/s.
+
+    It is v - J/m of the left body, and v + J/m of the right one.
+    """
     change = pair.impulse / family.mass[body]
     if body == 0:
         change = -change
@@ -156,7 +159,10 @@ def pair_theory(system: System) -> PairTheory | None:
 
 
 class _BodyNumbers(NamedTuple):
-    """Numbers of one body, as `PairTheory` has them of both; each a float or an array."""
+    """Numbers of one body, as `PairTheory` has them of both.
+
+    Each is a float or an array.
+    """
 
     impedance: Any  # kg/s; infinite for a wall or a rigid mass
     transit_time: Any  # s; 0 for a wall or a rigid mass

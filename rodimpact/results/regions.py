@@ -141,7 +141,9 @@ def nothing_to_draw(solution: Solution) -> str:
 
 
 def readable_until(solution: Solution, limit: int) -> float:
-    """Latest of the times t_end, t_end/2, t_end/4, ..., s, with up to `limit` regions from 0 to it.
+    """Latest time, s, up to which there are at most `limit` regions.
+
+    It is one of t_end, t_end/2, t_end/4 and so on; the regions count from t = 0.
 
     Raises
     ------

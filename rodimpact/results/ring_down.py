@@ -1,4 +1,4 @@
-"""What becomes of the vibration that a collision leaves: it dies out in damped material.
+"""Decay of the vibration that a collision leaves, in damped material.
 
 The energy of a row falls from that after the impact to that of the rigid motion of its
 bodies, whose momentum stays. A mode of angular frequency omega in a rod of one
@@ -144,7 +144,7 @@ def _slowest_mode(fields: Fields) -> RodMode:
 
 
 def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
-    """Largest change of the momentum of the row over the momenta of all bodies together.
+    """Largest change of the row's momentum over the momenta of all bodies together.
 
     The momentum of a body of mass m is taken to be sqrt(2 m E) = m sqrt(2 E/m), as if
     it had all the energy E of motion and vibration, J [time], at its largest: this
@@ -163,11 +163,11 @@ def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) ->
 
 
 def _decay_time(times: Floats, vibration: Floats, round_off: float) -> float:
-    """Time, s, in which vibration falls to 1/e; inf if it does not, or that is not known.
+    """Time, s, in which the vibration falls to 1/e.
 
-    A straight line, log(vibration) = constant - rate t, is fitted in the last third of
-    the record; the time is 1/rate. Energies [time] of no more than `round_off`, J, are
-    left out.
+    It is inf if the vibration does not fall, or the time is not known. A straight line,
+    log(vibration) = constant - rate t, is fitted in the last third of the record; the
+    time is 1/rate. Energies [time] of no more than `round_off`, J, are left out.
     """
     is_known = vibration > round_off
     t = times[is_known]

@@ -1,9 +1,9 @@
-"""A saved solution is its case with its outcome, which is compared when the case is solved again.
+"""A saved solution is its case and its outcome.
 
-Two runs of one case agree to the sum of their stated errors. Velocities, impulses, peak
-forces, force durations and times of contacts have stated errors. Energies have none:
-since they are quadratic in velocities, they are compared to twice the error of
-velocities and impulses.
+The outcome is compared when the case is solved again. Two runs of one case agree to the
+sum of their stated errors. Velocities, impulses, peak forces, force durations and times
+of contacts have stated errors. Energies have none: since they are quadratic in
+velocities, they are compared to twice the error of velocities and impulses.
 """
 
 import math
@@ -60,7 +60,7 @@ def case_of(solution: Any) -> Case:
 
 
 def result_of(solution: Any) -> SavedResult:
-    """The numbers of the outcome of a solution that its file holds, with their stated errors.
+    """The numbers of the outcome in the file of a solution, with their stated errors.
 
     Numbers of bodies and contacts have names with their index, such as ``impulse.0``.
     """

@@ -26,7 +26,10 @@ class SquaredWaves(NamedTuple):
 
 
 class SegmentWaves(NamedTuple):
-    """A segment and its two waves; p and q are the ticks at which parts of them left."""
+    """A segment and its two waves.
+
+    Parts of the waves left its ends at the ticks p and q.
+    """
 
     segment: int  # number in the row, counted from 1
     transit: int  # transit time T, ticks
@@ -57,10 +60,11 @@ class SegmentWaves(NamedTuple):
         return (B.at(q, side) - A.at(p, side)) * per_difference + 0.0  # no -0.0
 
     def displacement(self, p: Ints, q: Ints, frame: float) -> Floats:
-        """(integral of A from 0 to p + integral of B from -T to q)/2 + frame t, m/s ticks.
+        """Displacement where the parts that left at p and q meet, m/s ticks.
 
-        It counts from the displacement of the left end at t = 0. `frame` is the
-        velocity of the clock's frame, m/s, and 2 t = p + q + T.
+        It is (integral of A from 0 to p + integral of B from -T to q)/2 + frame t. It
+        counts from the displacement of the left end at t = 0. `frame` is the velocity
+        of the clock's frame, m/s, and 2 t = p + q + T.
         """
         A = self.rightward
         B = self.leftward
@@ -68,9 +72,10 @@ class SegmentWaves(NamedTuple):
         return (A.integral(0, p) + B.integral(-T, q) + frame * (p + q + T)) / 2
 
     def strain_integral(self, p: Ints, q: Ints) -> Floats:
-        """Integral of the strain over time at one place, ticks, up to a constant of that place.
+        """Integral of the strain over time at one place, ticks, up to a constant.
 
-        (integral of B from 0 to q - integral of A from 0 to p)/(2 c).
+        The constant differs from place to place. The integral is (integral of B from 0
+        to q - integral of A from 0 to p)/(2 c).
         """
         A = self.rightward
         B = self.leftward
@@ -87,11 +92,12 @@ class SegmentWaves(NamedTuple):
         return float(twice) / 2
 
     def velocity_integral(self, ticks: Ints) -> Floats:
-        """Integral of v over the segment at `ticks`, over its time of travel, m/s ticks.
+        """Integral of v over the segment at `ticks`, m/s ticks.
 
-        All parts of the waves in the segment at the tick t left its ends from t - T to
-        t. So this is half the integral of A + B from t - T to t, in the frame of the
-        clock. Times the impedance it is the momentum.
+        The variable of the integral is the time of travel. All parts of the waves in
+        the segment at the tick t left its ends from t - T to t. So this is half the
+        integral of A + B from t - T to t, in the frame of the clock. Times the
+        impedance it is the momentum.
         """
         A = self.rightward
         B = self.leftward
@@ -100,11 +106,12 @@ class SegmentWaves(NamedTuple):
         return twice / 2
 
     def squared_integrals(self, tick: int, velocity: float) -> SquaredWaves:
-        """Integrals of (A + B)^2 and (A - B)^2 over the segment at `tick`, over its time of travel.
+        """Integrals of (A + B)^2 and (A - B)^2 over the segment at `tick`.
 
-        Both waves are taken less a velocity, m/s, to which the kinetic energy is
-        relative. The part of A that left at `time` meets the part of B that left at
-        start + tick - `time`, so B is taken backwards.
+        The variable of the integrals is the time of travel. Both waves are taken less a
+        velocity, m/s, to which the kinetic energy is relative. The part of A that left
+        at `time` meets the part of B that left at start + tick - `time`, so B is taken
+        backwards.
         """
         start = tick - self.transit
         rightward = self.rightward.within(start, tick)
@@ -148,7 +155,7 @@ class SegmentWaves(NamedTuple):
         return np.concatenate(([0], bounds[is_inside], [T]))
 
     def smooth_bounds(self, tick: int) -> Ints:
-        """Bounds of n parts in which both waves at `tick` are single polynomials, [n + 1].
+        """Bounds of n parts in which both waves at `tick` are polynomials, [n + 1].
 
         They are times of travel from the left end, ticks, from 0 to T; see
         `piece_bounds`.

@@ -44,7 +44,7 @@ from .state_profiles import state_profiles
 from .wave_fields import WaveFields
 
 _ALLOW_UNDERFLOW = np.errstate(under="ignore")
-"""Squares of round-off and of very slow motion may vanish, and strains ahead of waves."""
+"""Squares of round-off, of slow motion and of strains ahead of waves may vanish."""
 
 PROFILES_IN_TIME = (Steps, Samples, Polynomials)
 """What the value of an end is where it varies in time."""
@@ -116,7 +116,7 @@ class Solution(Shown):
     """
 
     def __init__(self, run: Run, options: Options) -> None:
-        """Take over what the run says of itself; fields and outcome follow when asked for."""
+        """Keep what the run says of itself; fields and outcome are found on demand."""
         self.options = options
         self.run = run
         self.system = run.system
@@ -211,7 +211,10 @@ class Solution(Shown):
     def stress(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
+        """Stress E eps + eta d(eps)/dt in Pa, positive in tension.
+
+        The arguments are those of `velocity`.
+        """
         strain = self.strain(body, x, t, side)
         stress = strain * self._property_along(body, x, "youngs_modulus")
         viscosity = self._property_along(body, x, "viscosity")
@@ -231,7 +234,7 @@ class Solution(Shown):
 
     @_ALLOW_UNDERFLOW
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """Largest tension and largest compression in a rod, at any place and time of the run.
+        """Largest tension and compression in a rod, at any place and time of the run.
 
         The waves of the methods "fronts" and "characteristics" are constants and
         polynomials of time, whose extremes are found exactly. On a grid the extremes
@@ -278,7 +281,7 @@ class Solution(Shown):
 
     @_ALLOW_UNDERFLOW
     def field_error(self, t: ArrayLike) -> FieldError:
-        """Stated errors of velocity, stress and displacement anywhere in the row at times t in s.
+        """Stated errors of velocity, stress and displacement anywhere at times t in s.
 
         A grid whose mesh was searched for compares its fields with those of coarser
         meshes. In the first steps after a jump the error is as large as the jump. The
@@ -316,9 +319,10 @@ class Solution(Shown):
 
     @cached_property
     def _coarser(self) -> list[CoarserSolution]:
-        """Solutions of the same collision on coarser meshes; none unless the mesh was searched for.
+        """Solutions of the same collision on coarser meshes.
 
-        They are run here, as the search keeps no fields.
+        There are none unless the mesh was searched for. They are run here, as the
+        search keeps no fields.
         """
         solutions = []
         for mesh in self.run.coarser:
@@ -335,9 +339,10 @@ class Solution(Shown):
         return self.fields.displacement(self._index(body), x, t)
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`.
+        """Place in the laboratory in m.
 
-        It is the place of the left end at t = 0 without strain, plus x, plus the
+        The left end of the row starts at 0. The arguments are those of `velocity`. It
+        is the place of the left end at t = 0 without strain, plus x, plus the
         displacement.
         """
         left_end = self.fields.positions[self._index(body)]
@@ -348,7 +353,7 @@ class Solution(Shown):
 
     @_ALLOW_UNDERFLOW
     def soil(self, body: int, t: float) -> SoilProfile:
-        """Soil along the shaft of a rod at time t in s: what it bears, and how far it yielded.
+        """Soil along the shaft of a rod at time t in s: its forces and its plastic set.
 
         Parameters
         ----------
@@ -491,9 +496,10 @@ class Solution(Shown):
         )
 
     def _inside(self, x: Array) -> list[Any]:
-        """Whether each of the points x, m from the left end of a body, lies in it, [body][point].
+        """Whether points x lie in each of the bodies, [body][point].
 
-        InvalidModel for points that lie in no body.
+        A point is in m from the left end of a body. InvalidModel for points that lie in
+        no body.
         """
         longest = 0.0
         inside = []
@@ -522,7 +528,10 @@ class Solution(Shown):
         return values
 
     def _at_contacts(self, name: str, t: Floats) -> Floats:
-        """Values at times t, s, of `ContactHistory.force` or `gap`, by name, [contact, time]."""
+        """Values of `ContactHistory.force` or `gap`, by name, [contact, time].
+
+        The times t are in s.
+        """
         values = np.empty((len(self.contacts), t.size))
         for k, contact in enumerate(self.contacts):
             values[k] = getattr(contact, name)(t)
@@ -547,7 +556,7 @@ class Solution(Shown):
 
     @_ALLOW_UNDERFLOW
     def ring_down(self) -> RingDown:
-        """How the vibration that the collision left dies out, until the end of the solution.
+        """Decay of the vibration that the collision left, to the end of the solution.
 
         Solve with `until` well beyond the collision: the energy of the lowest mode of a
         rod falls to 1/e in E/(eta omega^2).
@@ -637,7 +646,7 @@ class Solution(Shown):
     # -------------------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
-        """Write the case and its outcome as a case file, which `rodimpact.load` solves again.
+        """Write the case and its outcome as a case file, which `rodimpact.load` solves.
 
         The file holds the system, the options that were given, and in the table
         [result] the outcome with its stated errors. ``rodimpact run`` reads it, too.
@@ -709,7 +718,7 @@ def check_solution(value: Any) -> None:
 
 
 def check_has_rod(value: Any) -> None:
-    """Raise ValueError for what is no solution, or has no rod whose waves could be drawn."""
+    """Raise ValueError for what is no solution, or has no rod to draw waves of."""
     check_solution(value)
     if "rod" not in value.system.kinds:
         message = (

@@ -80,12 +80,12 @@ def _largest_waves(fields: WaveFields, body: int, tick: int) -> WaveSizes:
 def _polynomials(
     fields: WaveFields, body: int, tick: int, error: float
 ) -> StateProfiles:
-    """Velocity and strain of a rod at `tick` as `Polynomials`, with the error of velocities, m/s.
+    """Velocity and strain of a rod at `tick`, as `Polynomials`.
 
-    Their intervals are those in which both waves are single polynomials. In each
-    interval a profile has as many values as the longest polynomial has coefficients, at
-    Chebyshev-Lobatto points. v = (A + B)/2 and strain = (B - A)/(2 c), see
-    `SegmentWaves`.
+    The velocity has its error, m/s. Their intervals are those in which both waves are
+    single polynomials. In each interval a profile has as many values as the longest
+    polynomial has coefficients, at Chebyshev-Lobatto points. v = (A + B)/2 and strain =
+    (B - A)/(2 c), see `SegmentWaves`.
     """
     frame = fields.frame_velocity(tick)
     segments = list(fields.waves_along(body))

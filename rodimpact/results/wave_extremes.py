@@ -25,12 +25,17 @@ from .extreme_stress import EQUAL_STRESS_RTOL
 from .segment_waves import SegmentWaves
 
 SLIVER_TICKS = 64
-"""Pieces that last no longer come of the rounding of transit times, and do not count."""
+"""Duration, ticks, up to which pieces come from rounded transit times.
+
+Such pieces do not count.
+"""
 INSIDE_TICKS = 16
 """Distance from the end of a piece at which its last value is taken to be."""
 NEGLIGIBLE_COEFFICIENT = 2.0**-33
-"""Coefficients of a derivative below this share of the largest one do not move its zeros
-by more than round-off moves the value there."""
+"""Bounds the coefficients of a derivative, over the largest one, that are left out.
+
+Smaller ones do not move its zeros by more than round-off moves the value there.
+"""
 
 Mask = NDArray[np.bool_]
 
@@ -154,7 +159,7 @@ def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
 
 
 def _sides(domain: Domain) -> list[Side]:
-    """The four sides: the left and the right end of the segment, the states at t = 0 and the end.
+    """The four sides: both ends of the segment, and the states at t = 0 and at the end.
 
     At the left end p = t and q = t - T, at the right end p = t - T and q = t. A state
     at the tick t is taken over the time p at which A left, with q = 2 t - T - p.
@@ -208,7 +213,7 @@ def _largest_on_side(side: Side) -> Meeting | None:
 
 
 def _largest_inside(domain: Domain, least: float) -> Meeting | None:
-    """The earliest meeting with the largest d at breaks and turning points of both waves.
+    """Earliest meeting with the largest d, at breaks and turning points of both waves.
 
     None if d is nowhere as large as `least`.
     """
@@ -234,9 +239,10 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
 
 
 def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
-    """For each of the ticks p those of the ticks q, which are in order, with which it meets.
+    """For each tick p the ticks q with which it meets.
 
-    They lie in the domain: |q - p| <= T and 0 <= p + q + T < 2 end.
+    The ticks q are in order. They lie in the domain: |q - p| <= T and 0 <= p + q + T <
+    2 end.
     """
     T = domain.T
     earliest_q = np.maximum(p - T, -T - p)
@@ -258,11 +264,12 @@ def _range_maxima(values: Floats, ranges: Ranges, chosen: Ints) -> Floats:
 def _earliest(
     low: Samples, high: Samples, partners: Ranges, chosen: Ints, least: float, T: int
 ) -> Meeting | None:
-    """The earliest meeting of the chosen samples of A with d >= `least`; None if none is chosen.
+    """Earliest meeting of the chosen samples of A with d >= `least`.
 
-    `low` has the samples of A and `high` those of B, both in order of time, and d =
-    B(q) - A(p). Each chosen sample has at least one such meeting. The tick of a meeting
-    is (p + q + T)/2, so that the earliest one has the least p + q.
+    None if no sample is chosen. `low` has the samples of A and `high` those of B, both
+    in order of time, and d = B(q) - A(p). Each chosen sample has at least one such
+    meeting. The tick of a meeting is (p + q + T)/2, so that the earliest one has the
+    least p + q.
     """
     earliest: Meeting | None = None
     for k in chosen:
@@ -292,7 +299,10 @@ def _between(signal: Pieces, first: int, last: int) -> Pieces:
 
 
 def _bounds(signal: Pieces) -> Bounds:
-    """A lower and an upper bound of each piece: no Chebyshev polynomial exceeds 1 in it."""
+    """A lower and an upper bound of each piece.
+
+    No Chebyshev polynomial exceeds 1 in a piece.
+    """
     middle = signal.coefficients[:, 0]  # that of the constant polynomial
     swing = _sum_of_sizes(signal.coefficients[:, 1:])
     return Bounds(middle - swing, middle + swing)
@@ -310,7 +320,10 @@ def _exceeds_sliver(signal: Pieces) -> Mask:
 
 
 def _candidates(signal: Pieces, chosen: Mask) -> Samples:
-    """Edges and turning points of the chosen pieces that are no slivers, in order of time."""
+    """Edges and turning points of the chosen pieces, in order of time.
+
+    Slivers are left out.
+    """
     chosen = chosen & _exceeds_sliver(signal)
     edges = _edges(signal, chosen)
     turning = _turning_points(signal, chosen)
@@ -327,7 +340,10 @@ def _joined(first: Samples, second: Samples) -> Samples:
 
 
 def _edges(signal: Pieces, chosen: Mask) -> Samples:
-    """The first values of the chosen pieces, then their last ones unless the signal is constant."""
+    """First values of the chosen pieces, then their last ones.
+
+    A constant signal has no last ones.
+    """
     starts = signal.ticks[chosen]
     first_values = Samples(starts, signal.values[chosen])
     if signal.size == 1:

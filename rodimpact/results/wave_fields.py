@@ -1,4 +1,4 @@
-"""Fields from the signals that leave the ends of rods: see `segment_waves` for the formulae.
+"""Fields from the signals that leave the ends of rods, by formulae of `segment_waves`.
 
 Times are rounded to the nearest tick, so that one-sided limits are defined.
 """
@@ -75,14 +75,17 @@ class WaveFields(Fields):
 
     @cached_property
     def constant_between_fronts(self) -> bool:
-        """Whether each wave is constant between its fronts, so that velocity and strain are."""
+        """Whether all waves are constant between fronts, as velocity and strain are."""
         # There is no wave where a line is None; a constant wave has one coefficient.
         return all(wave is None or wave.size == 1 for wave in self.motion.lines)
 
     # Fields at points and times -----------------------------------------------------
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
-        """(A(p) + B(q))/2 + frame, m/s; of the shape to which x, m, and ticks broadcast."""
+        """Velocity (A(p) + B(q))/2 + frame, m/s.
+
+        x, m, and ticks broadcast, and the result has their shape.
+        """
         frame = self.clock.frame
 
         def velocity(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
@@ -101,10 +104,10 @@ class WaveFields(Fields):
         return self._one_sided_values(body, x, ticks, side, strain)
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Displacement, m, without the way that the frame falls; x, m, and ticks broadcast.
+        """Displacement, m, less the way that the frame falls.
 
-        It is that of the left end of the segment at t = 0 plus
-        `SegmentWaves.displacement`.
+        x, m, and ticks broadcast. It is that of the left end of the segment at t = 0
+        plus `SegmentWaves.displacement`.
         """
         frame = self.clock.frame
         tick = self.clock.tick
@@ -117,7 +120,7 @@ class WaveFields(Fields):
         return self._values(body, x, ticks, displacement)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the strain over time at points x, m, up to each tick, [point, tick].
+        """Integral of the strain at points x, m, up to each tick, [point, tick].
 
         Its unit is the tick. It counts from another tick at each point.
         """
@@ -125,10 +128,11 @@ class WaveFields(Fields):
 
     @cached_property
     def _initial_displacements(self) -> list[float]:
-        """Displacement of the left end of each segment at t = 0, m, from the initial strain.
+        """Initial displacement of the left end of each segment, m.
 
-        The index is the number of the segment in the row, counted from 1: entry 0 is
-        not used. The left end of each rod has the displacement 0.
+        It follows from the strain at t = 0. The index is the number of the segment in
+        the row, counted from 1: entry 0 is not used. The left end of each rod has the
+        displacement 0.
         """
         displacements = [0.0]
         for body in range(len(self.clock.spans)):
@@ -150,10 +154,10 @@ class WaveFields(Fields):
     def _one_sided_values(
         self, body: int, x: Floats, ticks: Ints, side: Side, formula: Formula
     ) -> Floats:
-        """Values of a field just after ("right") or before `ticks`; x in m and ticks broadcast.
+        """Values of a field just after ("right") or before `ticks`.
 
-        A formula gives values of that side. On a grid, those of the right side are
-        found faster.
+        x in m and ticks broadcast. A formula gives values of that side. On a grid,
+        those of the right side are found faster.
         """
         # A field that is constant between fronts has the value of each front from it
         # on.
@@ -163,7 +167,10 @@ class WaveFields(Fields):
         return self._values(body, x, ticks, formula)
 
     def _values(self, body: int, x: Floats, ticks: Ints, formula: Formula) -> Floats:
-        """Values of a field by its formula, segment by segment; x in m and ticks broadcast."""
+        """Values of a field by its formula, segment by segment.
+
+        x in m and ticks broadcast.
+        """
         points = self._points(body, x)
         values = np.empty(self._broadcast_shape(points.offset, ticks))
         segments, offsets, all_ticks = np.broadcast_arrays(*points, ticks)
@@ -181,10 +188,10 @@ class WaveFields(Fields):
     def _grid_values(
         self, body: int, x: Floats, ticks: Ints, formula: Formula
     ) -> Floats:
-        """Values [point, tick] on a grid, see `_is_grid`, of a field constant between fronts.
+        """Values [point, tick] on a grid of a field that is constant between fronts.
 
-        The formula gives one value for each front, which is repeated for the ticks up
-        to the next.
+        For the grid see `_is_grid`. The formula gives one value for each front, which
+        is repeated for the ticks up to the next.
         """
         points = self._points(body, x)
         values = []
@@ -256,10 +263,10 @@ class WaveFields(Fields):
         return RodEnergy(kinetic, strain)
 
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """The largest of the peaks of all segments: E/(2 c) times the extremes of B - A.
+        """The largest of the stress peaks of all segments.
 
-        Each peak has its stress, place and time; tension and compression are found
-        apart.
+        They are E/(2 c) times the extremes of B - A. Each peak has its stress, place
+        and time; tension and compression are found apart.
         """
         tensions = []
         compressions = []
@@ -279,7 +286,7 @@ class WaveFields(Fields):
     def _peak(
         self, body: int, waves: SegmentWaves, meeting: Meeting, per_difference: float
     ) -> StressPeak:
-        """Stress, place and time where two parts of the waves meet in a segment of a rod.
+        """Stress, place and time where parts of the two waves of a segment meet.
 
         `per_difference` is E/(2 c), Pa s/m: stress over the difference of the waves.
         """
@@ -298,7 +305,7 @@ class WaveFields(Fields):
         return StressPeak(stress, x, tick * self.clock.tick)
 
     def profile(self, body: int, tick: int) -> Profile:
-        """State of a rod just after `tick`: means of velocity and strain over its pieces.
+        """State of a rod just after `tick`: means of velocity and strain over pieces.
 
         v = (A + B)/2 and strain = (B - A)/(2 c), with the wave A that left the left end
         of a segment and B that left its right end. A front that leaves an end at `tick`
@@ -330,7 +337,7 @@ class WaveFields(Fields):
 
 
 def _is_grid(x: Floats, ticks: Ints) -> bool:
-    """Whether places are a column [point, 1], and ticks a row [tick] that does not decrease."""
+    """Whether places are a column [point, 1] and ticks a row [tick] in order."""
     is_column = np.ndim(x) == 2 and np.size(x) > 0 and np.shape(x)[1] == 1
     if not is_column or ticks.ndim != 1:
         return False
