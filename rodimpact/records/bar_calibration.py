@@ -244,10 +244,11 @@ class _Pair(NamedTuple):
 
 
 def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pair:
-    """Both records with a first estimate of bar speed and gain; InvalidModel without a pulse.
+    """Both records with a first estimate of bar speed and gain.
 
-    The first record, moved by the speed of the given bar, is shifted against the second
-    one by up to `SEARCHED_SPEED_RTOL` of the travel time, to where it fits best.
+    InvalidModel without a pulse. The first record, moved by the speed of the given bar,
+    is shifted against the second one by up to `SEARCHED_SPEED_RTOL` of the travel time,
+    to where it fits best.
     """
     travel = distance / bar.wave_speed
     slack = SEARCHED_SPEED_RTOL * travel

@@ -43,9 +43,10 @@ class BarGauge(FrozenDataclass):
     gain: float = quantity("", default=1.0, scalar=True)
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem of a record with a unit but no gain; raise one of what is no Signal.
+        """Add a problem of a record with a unit but no gain.
 
-        Both records of a pair must have the same times and unit.
+        InvalidModel at once for a record that is no Signal. Both records of a pair must
+        have the same times and unit.
         """
         of_kind("signal", self.signal, Signal, SIGNAL_EXAMPLE)
         if self.opposite is not None:
@@ -70,7 +71,10 @@ class BarGauge(FrozenDataclass):
 
     @property
     def bending(self) -> Signal | None:
-        """Bending strain: half the difference of both sides; None if only one side has a gauge."""
+        """Bending strain: half the difference of both sides.
+
+        None if only one side has a gauge.
+        """
         if self.opposite is None:
             return None
         return ((self.signal - self.opposite) / 2 * self.gain).replace(unit="")

@@ -1,4 +1,7 @@
-"""Check the bars and gauges of a shot, and sample all gauges of a bar at the same times."""
+"""Check the bars and gauges of a shot, and sample the gauges of a bar together.
+
+All gauges of a bar then have the same times.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +22,14 @@ from .signal import Signal
 
 Compression: TypeAlias = Literal["negative", "positive"]
 SIGN_OF_COMPRESSION = {"negative": -1.0, "positive": 1.0}
-"""Factor from a record to compressive strain, by the sign of compressions in the record."""
+"""Factor from a record to compressive strain, by the sign of compression there."""
 MIN_REST_SAMPLES = 16
 """Samples before the pulse, at least, from which baseline and noise are taken."""
 SMOOTHED_SAMPLES = 5
-"""Samples of a mean by which the first pulse is found: one sample of noise is no pulse."""
+"""Samples of the mean by which the first pulse is found.
+
+One sample of noise is no pulse.
+"""
 FIRST_PULSE_RATIO = 0.4
 """Bounds the strain of the first pulse over the largest strain of the record."""
 
@@ -86,7 +92,10 @@ def rods_of(bars: Any) -> Rods:
 
 
 def _is_uniform(rod: Any) -> bool:
-    """Whether it is a single rod, not a family of them, of one section and one material."""
+    """Whether a rod is a single one, of one section and one material.
+
+    A family of rods is not.
+    """
     if not isinstance(rod, Rod) or len(rod.segments) != 1:
         return False
     is_family = bool(System([rod]).shape)
@@ -94,7 +103,7 @@ def _is_uniform(rod: Any) -> bool:
 
 
 class _Record(NamedTuple):
-    """One gauge, its first pulse, and its compressive strain at the times of its bar."""
+    """One gauge, its first pulse, and its compressive strain at the bar's times."""
 
     gauge: BarGauge
     first_pulse: Pulse
@@ -141,10 +150,11 @@ def _instrumented_bar(
 
 
 def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
-    """The bar with records that begin before the pulse is at the face, by more rest before them.
+    """The bar with records that begin before the pulse is at the face.
 
-    The wave in the output bar is at the face before it is at a gauge. The added samples
-    are those at rest again and again, so that level and noise stay the same.
+    More rest is put before its records. The wave in the output bar is at the face
+    before it is at a gauge. The added samples are those at rest again and again, so
+    that level and noise stay the same.
     """
     if not bar.is_output:
         return bar
@@ -212,9 +222,10 @@ def _common_times(name: str, strains: list[Signal]) -> _Times:
 
 
 def _rest_samples(name: str, times: _Times, first: _Record) -> int:
-    """Number of samples at rest before the first pulse of a bar; InvalidModel if they are few.
+    """Number of samples at rest before the first pulse of a bar.
 
-    `first` is the record of the gauge at which the pulse arrives first.
+    InvalidModel if they are too few. `first` is the record of the gauge at which the
+    pulse arrives first.
     """
     level = np.median(first.strain[:MIN_REST_SAMPLES])
     end = rest_end(times.values, first.strain - level, first.first_pulse)

@@ -60,7 +60,7 @@ class Bridge(FrozenDataclass):
     poisson_ratio: float | None = quantity("", "[0, 0.5]", default=None, scalar=True)
 
     def _check(self, problems: Problems) -> None:
-        """Add problems of a gain of 0, and of a Poisson ratio that is missing or has no use.
+        """Add problems of a gain of 0, and of a Poisson ratio missing or useless.
 
         An unknown kind is an error at once.
         """

@@ -1,4 +1,4 @@
-"""Calibration by a shot without a specimen: wave speeds, gains, reflection, bending, noise.
+"""Calibration by a shot without a specimen: wave speeds, gains, reflection, bending.
 
 The pulse of the striker runs through both bars and back from the far end of the output
 bar. The time from the first passage of the output gauge to the second gives c0 of that
@@ -34,12 +34,18 @@ TRAVEL_RANGE_RTOL = 0.1
 PULSE_THRESHOLD = 0.15
 """Smallest strain that counts to a pulse, over its largest."""
 SPEED_ITERATIONS = 3
-"""Steps to a wave speed: dispersion, which predicts the pulse, depends on the wave speed."""
+"""Iterations for a wave speed.
+
+The dispersion that predicts the pulse depends on the wave speed.
+"""
 
 
 REFLECTED_LIMIT = 0.03
-"""Bounds the difference of the reflected strain from the one that the impedances tell, over the
-incident strain: faces that are clean and aligned reflect 1 or 2 % more."""
+"""Bounds the difference of the reflected strain from that of the impedances.
+
+It is relative to the incident strain. Faces that are clean and aligned reflect 1 or 2 %
+more than the impedances tell.
+"""
 
 
 class DoubtfulCalibration(UserWarning):
@@ -122,7 +128,10 @@ class Calibration:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Where the records contradict the bars: a sentence with number, limit and remedy."""
+        """Contradictions between records and bars, as sentences.
+
+        Each has its number, its limit and a remedy.
+        """
         if abs(self.reflected - self.expected) <= REFLECTED_LIMIT:
             return ()
         doubt = (
@@ -135,7 +144,7 @@ class Calibration:
         return (doubt,)
 
     def __str__(self) -> str:
-        """Table with a column for each bar, the reflection at the joint, and the doubts."""
+        """Table with a column for each bar, reflection at the joint, and doubts."""
         rows = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
         for k, title in enumerate(("input bar", "output bar")):
             speed = self.bars[k].segments[0].wave_speed
@@ -336,7 +345,10 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
     passing = _passing(output_bar)
 
     def returned(bar: InstrumentedBar) -> Floats:
-        """The pulse as it comes back to the gauge: a free end turns the sign of the strain."""
+        """The pulse as it comes back to the gauge.
+
+        A free end turns the sign of the strain.
+        """
         return -bar.propagated(passing, path)
 
     return _fit_wave_speed(
@@ -345,7 +357,7 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
 
 
 def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
-    """Time the pulse from the input gauge through the rest of both bars to the output gauge.
+    """Time the pulse from the input gauge through the joint to the output gauge.
 
     The result is the input bar with the wave speed that this time gives. The error of
     the speed has two independent parts: of the arrival, and of the travel time in the
@@ -454,7 +466,7 @@ def _noise(bar: InstrumentedBar) -> float:
 
 
 def _at_output_gauge(input_bar: InstrumentedBar, output_bar: InstrumentedBar) -> Floats:
-    """The incident pulse as it would pass the output gauge, if the joint transmitted all."""
+    """The incident pulse at the output gauge, if the joint transmitted all of it."""
     passing = _passing(input_bar)
     pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
     same_steps = input_bar._replace(dt=output_bar.dt)
@@ -508,7 +520,10 @@ def _plateau_error(bar: InstrumentedBar) -> float:
 
 
 def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
-    """Sums of values, [sample], over blocks that last the rise time of the pulse, [block]."""
+    """Sums of values, [sample], over blocks, [block].
+
+    A block lasts the rise time of the pulse.
+    """
     block_samples = max(1, round(bar.first_pulse.rise / bar.dt))
     starts = np.arange(0, len(values), block_samples)
     sums: Floats = np.add.reduceat(values, starts)
@@ -524,7 +539,7 @@ def _passing(bar: InstrumentedBar) -> Floats:
 
 
 def _bending(gauge: BarGauge, bar: InstrumentedBar) -> float | None:
-    """Largest bending strain while the pulse passes, over the plateau of the mean strain.
+    """Largest bending strain while the pulse passes, over the plateau of the mean.
 
     The pulse, its plateau and the time in which it passes are those of the first gauge
     of the bar.

@@ -14,9 +14,12 @@ Range: TypeAlias = tuple[float, float]
 """Lower and upper bound."""
 
 MAX_GRID_SAMPLES = 1 << 16
-"""Samples of a record and its shifts, at most, among which the best shifts are sought."""
+"""Largest number of samples of a record and its shifts in the search for shifts."""
 NEGLIGIBLE_POWER_RTOL = 1e-12
-"""Bounds the power of a shifted model over that of the whole model: less is round-off."""
+"""Bounds the power of a shifted model, over that of the whole model.
+
+Less is round-off.
+"""
 REFINED_SHIFTS = 4
 """Number of the best shifts by whole samples that are refined."""
 AT_BOUND_RTOL = 1e-3
@@ -66,7 +69,7 @@ class Misfit(NamedTuple):
 
 
 def gain_unit(measured: str, predicted: str) -> str:
-    """Unit of the factor from the prediction to the record; "" if both have the same unit.
+    """Unit of the factor from the prediction to the record; "" if the units are equal.
 
     Examples
     --------
@@ -160,7 +163,10 @@ class _Comparison:
 
 
 def _grid_step(record: TimeSeries, model: TimeSeries, span: float) -> float:
-    """The shorter time step of both, s; longer if a span of shifts has too many of them."""
+    """The shorter time step of record and model, s.
+
+    It is longer if a span of shifts has too many of them.
+    """
     shortest = min(np.diff(record.times).min(), np.diff(model.times).min())
     length = record.times[-1] - record.times[0]
     return float(max(shortest, (length + span) / MAX_GRID_SAMPLES))

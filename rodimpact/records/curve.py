@@ -1,4 +1,4 @@
-"""Stress, strain, forces and velocities of a specimen over time, from the waves at its faces."""
+"""Stress, strain, forces and velocities of a specimen, from the waves at its faces."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -14,7 +14,10 @@ from .specimen import Specimen
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Columns that are linear in the gauge strains, shape (n,) each, and what follows from them."""
+    """Stress, strain, forces and velocities over time, and what follows from them.
+
+    Its columns, of shape (n,), are linear in the gauge strains.
+    """
 
     times: Floats
     strain: Floats
@@ -32,7 +35,10 @@ class Curve:
 
     @property
     def energy(self) -> Floats:
-        """Energy absorbed by the specimen, the integral of F1 v1 - F2 v2, J, shape (n,)."""
+        """Energy absorbed by the specimen, J, shape (n,).
+
+        It is the integral of F1 v1 - F2 v2 over time.
+        """
         power = (
             self.input_force * self.input_velocity
             - self.output_force * self.output_velocity
@@ -72,7 +78,10 @@ class Curve:
 
 
 class Faces(NamedTuple):
-    """Forces and velocities of both faces of a specimen, [time]; compression positive."""
+    """Forces and velocities of both faces of a specimen, [time].
+
+    Compression is positive.
+    """
 
     input_force: Floats  # N
     output_force: Floats

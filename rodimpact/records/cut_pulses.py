@@ -21,11 +21,14 @@ from .signal import Signal
 
 CLOCKS = ("common", "own")
 MIN_LEVEL_SAMPLES = 4
-"""Samples at rest before a cut pulse, at least, from which its level is taken; else it is 0."""
+"""Least number of samples at rest for the level of a cut pulse.
+
+With fewer samples the level is 0.
+"""
 ADDED_REST_SAMPLES = 64
 """Samples at rest that are put before the incident and the transmitted pulse."""
 MAX_END_RATIO = 0.2
-"""Last strain of the incident pulse over its plateau, at most, of a pulse that is over."""
+"""Largest last strain of an incident pulse that is over, relative to its plateau."""
 
 
 class CutPulses(FrozenDataclass):
@@ -97,7 +100,7 @@ class _Pulse(NamedTuple):
 
 
 class GaugePair(NamedTuple):
-    """The gauge of the input bar and that of the output bar, with the pulses in one record each."""
+    """Gauges of the input and the output bar, with the pulses in one record each."""
 
     input: BarGauge
     output: BarGauge
@@ -207,7 +210,10 @@ def _joined(first: Signal, second: Signal) -> Signal:
 
 
 def _with_rest(signal: Signal, rest_strain: Floats) -> Signal:
-    """The record with more rest before it: its own samples at rest again and again, or zeros."""
+    """The record with more rest before it.
+
+    The rest consists of its own samples at rest again and again, or of zeros.
+    """
     dt = signal.dt
     times = signal.start - dt * np.arange(ADDED_REST_SAMPLES, 0, -1)
     values = np.zeros(ADDED_REST_SAMPLES)

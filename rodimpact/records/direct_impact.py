@@ -91,7 +91,7 @@ class DirectImpactShot:
         return guide.speed * (leaving_strain + returned_strain)
 
     def with_noise_alone(self, rng: np.random.Generator) -> DirectImpactShot:
-        """The shot with a gauge that records nothing but noise, and a striker at rest."""
+        """The shot with a gauge that records noise alone, and a striker at rest."""
         return replace(
             self,
             output=noise_of_bar(self.output, rng),
@@ -109,7 +109,7 @@ class DirectImpactShot:
         return replace(self, output=later)
 
     def sentence(self) -> str:
-        """How the velocity of the input face follows, and how well its start is known."""
+        """Origin of the velocity of the input face, and error of its start."""
         kind = "a rigid mass"
         if isinstance(self.striker, Rod):
             kind = "a rod with a free far end"
@@ -122,9 +122,10 @@ class DirectImpactShot:
 
 
 def start_of_impact(bar: InstrumentedBar) -> float:
-    """Time of the impact, s: the rise of equal forces on both faces, extrapolated to zero.
+    """Time of the impact, s.
 
-    The first wave away from the face has the strain F/(E A).
+    The rise of equal forces on both faces is extrapolated to zero. The first wave away
+    from the face has the strain F/(E A).
     """
     force_strain = waves_at_face(bar).away
     pulse = first_part(bar.times, force_strain)
@@ -132,7 +133,7 @@ def start_of_impact(bar: InstrumentedBar) -> float:
 
 
 def timing_error_of(bar: InstrumentedBar) -> float:
-    """Error of the time of the impact, s: a sample, or part of a period of the cut-off."""
+    """Error of the time of the impact, s: one sample, or part of the cut-off period."""
     return max(bar.dt, TIMING_PERIODS / bar.guide.cut_off)
 
 

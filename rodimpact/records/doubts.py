@@ -27,7 +27,7 @@ MIN_COMPARED_SAMPLES = 16
 """Samples at which two records of a pulse are compared, at least."""
 
 MIN_OPPOSITE_RATIO = 0.6
-"""Bounds the strain of a gauge over that of the gauge opposite to it, on average over a pulse.
+"""Bounds the strain of a gauge over that of the opposite gauge, averaged over a pulse.
 
 Bending of a tenth of the axial strain leaves 0.8; a bridge or gain that is wrong by a
 factor of two leaves 0.5, a dead gauge 0.
@@ -38,32 +38,44 @@ MIN_STATION_RATIO = 0.8
 Such gauges differ by some percent, and by a tenth each if bending is not cancelled.
 """
 TRAVEL_RTOL = 0.05
-"""Bounds the difference of an arrival from its prediction, over the predicted travel time.
+"""Bounds the error of a predicted arrival, over the predicted travel time.
 
 Wave speeds from tables are off by 2 or 3 %, and distances by 1 % with the length of a
 gauge.
 """
 SLOWEST_SPECIMEN_SPEED = 500.0
-"""Bounds the time of a wave in the specimen: a foam has some 500 m/s, every metal is faster."""
+"""Bounds the time of a wave in the specimen.
+
+A foam has some 500 m/s, and every metal is faster.
+"""
 MIN_REFLECTED_RATIO = 0.1
-"""Bounds the reflected over the incident strain: a weaker wave does not stand out of the ringing
-that follows a pulse in a bar."""
+"""Bounds the reflected over the incident strain.
+
+A weaker wave does not stand out of the ringing that follows a pulse in a bar.
+"""
 ECHO_RTOL = 0.01
-"""Bounds the difference of a bar speed from that by which a pulse comes back from the far end."""
+"""Bounds the difference of a bar speed from that of a pulse back from the far end."""
 ECHO_MISFIT = 0.1
-"""Misfit of a pulse that came back, over its plateau, at most: else it is another wave."""
+"""Largest misfit of a pulse that came back, over its plateau.
+
+A larger one shows another wave.
+"""
 ECHO_SEARCH_RTOL = 0.1
-"""Bounds the difference of bar speeds that is searched for the pulse that comes back."""
+"""Bounds the difference of bar speeds in the search for the pulse that comes back."""
 MIN_WORSE_IMBALANCE = 0.05
 """Imbalance over all loading after an alignment, at least, to call it worse."""
 WORSE_IMBALANCE_RATIO = 1.5
-"""Imbalance over all loading after an alignment over that before, above which it is worse."""
+"""Ratio of imbalances after and before an alignment that makes it worse.
+
+They are taken over all loading.
+"""
 SHIFT_LIMIT_RTOL = 0.01
 """Bounds the distance of a shift from the limit of its search, over that limit."""
 IMBALANCE_LIMIT = 0.15
-"""Bounds the median of |F1 - F2| over the plateau, over that of (|F1| + |F2|)/2, so 2 is the most.
+"""Bounds the median of abs(F1 - F2) over the plateau, relative to the mean force.
 
-Shots in equilibrium stay below a tenth.
+The mean force is the median of (abs(F1) + abs(F2))/2, so 2 is the most. Shots in
+equilibrium stay below a tenth.
 """
 INPUT_FORCE_RTOL = 0.02
 """Bounds the error of F1 over the incident force, which adds to `IMBALANCE_LIMIT`.
@@ -74,7 +86,7 @@ a soft specimen it is much smaller than either of them.
 
 
 class DoubtfulReduction(UserWarning):
-    """The records of a shot contradict the distances, wave speeds or gains that were given.
+    """The records of a shot contradict distances, wave speeds or gains that were given.
 
     `Reduction.doubts` holds the same sentences.
 
@@ -262,7 +274,10 @@ def _alone_at_second_gauge(bar: InstrumentedBar) -> float:
 
 
 class _Onset(NamedTuple):
-    """Times between which a pulse began, s; at the latest it is a tenth of its plateau."""
+    """Times between which a pulse began, s.
+
+    The latest is that at a tenth of its plateau.
+    """
 
     earliest: float
     latest: float
@@ -313,7 +328,7 @@ def _delay(before: _Onset, after: _Onset) -> _Delay:
 
 
 def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
-    """Compare the time from the first gauge of a bar to the second with their distance."""
+    """Compare the time from the first to the second gauge with their distance."""
     if len(bar.distances) < 2:
         return
     apart = abs(float(bar.distances[1] - bar.distances[0]))
@@ -330,7 +345,7 @@ def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
-    """Compare the time from the incident to the reflected wave at a single input gauge."""
+    """Compare the time from the incident to the reflected wave at one input gauge."""
     if len(bar.distances) > 1:
         return
     reflected = _reflected_onset(bar)
@@ -352,7 +367,7 @@ def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
-    """Onset of the first wave at the input gauge before one returns from the struck end.
+    """Onset of the first wave at the input gauge, before the struck end returns one.
 
     None without a wave that stands out, or if the record cuts it off.
     """
@@ -379,7 +394,7 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
 
 
 def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterator[str]:
-    """Compare the time from the input gauge to the output gauge with their distances."""
+    """Compare the time from the input to the output gauge with their distances."""
     before = float(bars.input.distances[0])
     behind = float(bars.output.distances[0])
     input_speed = bars.input.speed
@@ -422,11 +437,11 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _speed_of_echo(bar: InstrumentedBar) -> float | None:
-    """Speed of the first pulse on its way to the far end and back, m/s; None if it is not seen.
+    """Speed of the first pulse to the far end and back, m/s.
 
-    The pulse, propagated there and back with its sign turned, is shifted against the
-    record. It is not seen if the record is too short, or what comes back does not fit
-    it.
+    None if the pulse is not seen to come back. The pulse, propagated there and back
+    with its sign turned, is shifted against the record. It is not seen if the record is
+    too short, or what comes back does not fit it.
     """
     path = 2 * (float(bar.rod.length) - float(bar.distances[0]))
     travel = path / bar.speed

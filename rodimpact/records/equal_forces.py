@@ -1,4 +1,6 @@
-"""A shot with one gauge a bar, whose waves overlap: equal forces on both faces separate them.
+"""A shot with one gauge a bar, whose overlapping waves are separated by equal forces.
+
+The forces on both faces of the specimen are assumed equal.
 
 In the first mode a wave that runs on by x is multiplied by T(x). Let z be the distance
 of a gauge from the specimen, L the length of the output bar, whose far end is free.
@@ -81,7 +83,7 @@ class EqualForceShot:
         return replace(self, bars=self.bars._replace(output=output))
 
     def sentence(self) -> str:
-        """For how long the waves are separated, and what an offset of the record does by then."""
+        """Duration of the separation of waves, and effect of an offset by then."""
         input_bar = self.bars.input
         duration = self.times[-1] - self.times[0]
         period = 2 * float(input_bar.distances[0]) / input_bar.speed
@@ -118,11 +120,11 @@ def waves_with_free_end(bar: InstrumentedBar) -> Waves:
 
 
 def _incident_wave(bar: InstrumentedBar, face_strain: Floats) -> Floats:
-    """Incident wave i at the face of an input bar with one gauge; `face_strain` s is i + r.
+    """Incident wave i at the face of an input bar with one gauge.
 
-    With the distance z of the gauge and the effect T(x) of a way x, the gauge has the
-    strain e = T(-z) i + T(z) (s - i), so that i = T(z) e - T(2 z) s + T(2 z) i: a sum
-    of passages.
+    The strain s at the face, `face_strain`, is i + r. With the distance z of the gauge
+    and the effect T(x) of a way x, the gauge has the strain e = T(-z) i + T(z) (s - i),
+    so that i = T(z) e - T(2 z) s + T(2 z) i: a sum of passages.
     """
     distance = float(bar.distances[0])
     strain = from_pulse(bar, 0)

@@ -1,4 +1,4 @@
-"""Effects of gauges, amplifiers and bars on a pulse: linear filters at equal time steps.
+"""Linear filters at equal time steps: gauges, amplifiers and bars as pulses see them.
 
 Before the record its first value holds, after the record its last value.
 """
@@ -17,9 +17,15 @@ from ..units import format_si
 MAX_SAMPLES = 10**7
 """Samples of a record with its margins, at most."""
 MIN_FREQUENCY_STEP = 1e-9
-"""Frequency of a low pass times the time step, at least: a lower one ends in round-off."""
+"""Least frequency of a low pass times the time step.
+
+A lower one ends in round-off.
+"""
 DISPERSION_TAIL = 3
-"""Duration of the response of a bar in travel times; its slowest waves are 1.15 late at most."""
+"""Duration of the response of a bar in travel times.
+
+Its slowest waves are 1.15 travel times late at most.
+"""
 MIN_MEAN_STEPS = 1e-6
 """Duration of a mean over a step, at least; round-off would dominate shorter means."""
 
@@ -48,9 +54,10 @@ def blurred(values: Floats, dt: float, deviation: float) -> Floats:
 
 
 def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats:
-    """Response of a Butterworth amplifier at rest before, exact for lines between samples.
+    """Response of a Butterworth amplifier that is at rest before.
 
-    The gain is 1/sqrt(2) at the frequency, Hz; the order is 1 or 2.
+    It is exact for straight lines between samples. The gain is 1/sqrt(2) at the
+    frequency, Hz; the order is 1 or 2.
     """
     from scipy import signal
 
@@ -76,10 +83,10 @@ LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
 
 
 def averaged(values: Floats, times: Floats, duration: float) -> Floats:
-    """Means over a duration, s, centred at each sample, exact for straight lines between samples.
+    """Means over a duration, s, centred at each sample.
 
-    Steps may differ. Means over a duration of next to nothing are the values
-    themselves.
+    They are exact for straight lines between samples. Steps may differ. Means over a
+    duration of next to nothing are the values themselves.
     """
     if duration < MIN_MEAN_STEPS * np.diff(times).min():
         return values
@@ -96,7 +103,10 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
 
 
 def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
-    """The pulse after a distance, m, along a `waves.Bar`, without the travel time of long waves."""
+    """The pulse after a distance, m, along a `waves.Bar`.
+
+    The travel time of long waves is left out.
+    """
     duration = DISPERSION_TAIL * abs(distance) / bar.wave_speed
     tail = math.ceil(min(duration / dt, MAX_SAMPLES))
 
@@ -107,9 +117,10 @@ def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
 
 
 def first_mode(f: Floats, distance: float, bar: Any) -> Any:
-    """Complex gain of a distance, m, along a `waves.Bar`, at evenly spaced frequencies from 0 on.
+    """Complex gain of a distance, m, along a `waves.Bar`.
 
-    Delays count from the arrival of long waves; no wave above the cut-off goes on.
+    The frequencies are evenly spaced from 0 on. Delays count from the arrival of long
+    waves; no wave above the cut-off goes on.
     """
     # A frequency stands for a band around it, as wide as a step: the share below the
     # cut-off.
@@ -123,11 +134,11 @@ def first_mode(f: Floats, distance: float, bar: Any) -> Any:
 def _filter(
     values: Floats, dt: float, gain: Callable[[Floats], Any], tail: int
 ) -> Floats:
-    """Values after a filter with a gain over frequency, whose response lasts `tail` samples.
+    """Values after a filter with a gain over frequency.
 
-    The transform is periodic. A smooth curve leads from the last value back to the
-    first one, out of reach of the record. InvalidModel if the record is longer than
-    `MAX_SAMPLES` with this way back.
+    The response of the filter lasts `tail` samples. The transform is periodic. A smooth
+    curve leads from the last value back to the first one, out of reach of the record.
+    InvalidModel if the record is longer than `MAX_SAMPLES` with this way back.
     """
     from scipy import fft
 

@@ -155,10 +155,10 @@ def _last_heads(rows: list[list[str]]) -> list[Head]:
 
 
 def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
-    """Heads with times and a line of units below them, above other lines; else those given.
+    """Heads with times and a line of units below, above other lines.
 
-    The recorder catman writes two dozen lines about each channel: its name, its unit,
-    and so on.
+    Without them the result is the heads that are given. The recorder catman writes two
+    dozen lines about each channel: its name, its unit, and so on.
     """
     # Lines at the end are left out, one more each time.
     for count in range(len(rows) - 1, 1, -1):
@@ -169,9 +169,10 @@ def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
 
 
 def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
-    """Heads whose units are in a line of their own; None if the last line is no such line.
+    """Heads whose units are in a line of their own.
 
-    All cells of that line must be known units; the line above it has the names.
+    None if the last line is no line of units. All cells of that line must be known
+    units; the line above it has the names.
     """
     if len(rows) < 2:
         return None

@@ -18,10 +18,11 @@ from .waveguide import Waveguide
 
 
 class InstrumentedBar(NamedTuple):
-    """One bar with its gauges: compressive strains at equal time steps, all at the same times.
+    """One bar with its gauges: compressive strains at equal time steps.
 
-    The gauges are in the order in which the first pulse arrives. It runs towards the
-    specimen in the input bar, away from it in the output bar.
+    All gauges have the same times. The gauges are in the order in which the first pulse
+    arrives. It runs towards the specimen in the input bar, away from it in the output
+    bar.
     """
 
     rod: Rod
@@ -61,7 +62,10 @@ class InstrumentedBar(NamedTuple):
 
     @property
     def pulse_start(self) -> float:
-        """Begin of the pulse at the first gauge, s: one rise time before a tenth of the plateau."""
+        """Begin of the pulse at the first gauge, s.
+
+        It is one rise time before a tenth of the plateau.
+        """
         return self.first_pulse.start - self.first_pulse.rise
 
     @property

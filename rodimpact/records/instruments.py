@@ -166,7 +166,7 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
             break
 
     def table_line(index: int, line: str) -> str:
-        """The row with its time before it; "" of a line above the rows, or a blank one."""
+        """The row with its time before it; "" for a blank line or one above rows."""
         if index < first_row:
             return ""
         values = line.strip().removeprefix(",")
@@ -205,9 +205,10 @@ def _keysight_entries(lines: list[str]) -> Entries:
 
 
 def _keysight_layout(first_line: str, entries: Entries) -> Layout:
-    """Layout of a file of one channel: its name in the first line, its units among the entries.
+    """Layout of a file of one channel.
 
-    With several channels or segments there is a pair of columns for each.
+    The name is in the first line, the units are among the entries. With several
+    channels or segments there is a pair of columns for each.
     """
     starts = [text for text in entries["xorg"] if text]  # of each channel or segment
     if len(starts) > 1:
@@ -228,10 +229,10 @@ def _keysight_layout(first_line: str, entries: Entries) -> Layout:
 def _labview_layout(
     head_index: int, names: list[str], entries: Entries, mark: str
 ) -> Layout:
-    """Layout of a file whose table stands below the line of names; `mark` ends each cell.
+    """Layout of a file whose table stands below the line of names.
 
-    If the file has no times, the time is put before each row. FileFormatError if it has
-    a column of times for each channel.
+    `mark` ends each cell. If the file has no times, the time is put before each row.
+    FileFormatError if it has a column of times for each channel.
     """
     columns = first_value(entries, "x_columns", "One").casefold()
     if columns not in ("one", "no"):
@@ -268,7 +269,10 @@ def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
     sign = first_value(entries, "decimal_separator", ".")
 
     def table_line(index: int, line: str) -> str:
-        """The row with its time before it; lines up to the heads as they are, a blank one ""."""
+        """The row with its time before it; "" for a blank line.
+
+        The lines up to the heads stay as they are.
+        """
         if index <= head_index:
             return line
         if not line.strip():
@@ -282,7 +286,7 @@ def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
 
 
 def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
-    """Layout of a file whose table stands below its entries, or beside them: to their right."""
+    """Layout of a file whose table stands below its entries, or to their right."""
     time_unit = first_value(entries, "horizontal units", "")
     units = entries.get("vertical units", [])
     if "time" in entries:  # this entry is the row of heads

@@ -58,7 +58,7 @@ class MeanCurve(NamedTuple):
     shots: int
 
     def __str__(self) -> str:
-        """Number of shots and peak of the mean stress, then a table at round strains."""
+        """Number of shots, peak of the mean stress, and a table at round strains."""
         peak = int(self.stress.argmax())
         at_peak = float(self.strain[peak])
         strains = table_strains(at_peak, float(self.strain[-1]))

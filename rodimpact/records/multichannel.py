@@ -34,7 +34,7 @@ from .signal import Signal
 def write_signals(
     path: PathLike, signals: Mapping[str, Signal], *, force: bool = False
 ) -> None:
-    """Write signals as one table: times, then a column for each signal, with units in the heads.
+    """Write signals as a table: times, and a column for each signal, with units.
 
     Parameters
     ----------
@@ -110,7 +110,9 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
 
 @explain_arguments
 def signals_from_xarray(data: Any) -> dict[str, Signal]:
-    """Make a signal from each variable of a Dataset; variables and times have ``units``.
+    """Make a signal from each variable of a Dataset.
+
+    The variables and their times have ``units``.
 
     Parameters
     ----------

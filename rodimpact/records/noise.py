@@ -1,4 +1,4 @@
-"""Noise of the gauges of a shot, drawn at random from their records before the pulse."""
+"""Noise of the gauges of a shot, drawn at random from the records before the pulse."""
 
 import math
 

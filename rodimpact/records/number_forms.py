@@ -16,7 +16,10 @@ from .text_file import Survey
 FIRST_ROWS = 3
 """Rows of equally many numbers with which a table begins."""
 _NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
-"""A number, with the fraction {0} behind whole digits, or {1} alone; nan and inf, too."""
+"""A number with the fraction {0} behind whole digits, or {1} alone.
+
+nan and inf are numbers, too.
+"""
 _NUMBERS = {
     ".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
     ",": re.compile(_NUMBER.format(r",\d+", r",\d+")),
@@ -31,7 +34,10 @@ class NumberForm(NamedTuple):
 
     @property
     def to_points(self) -> dict[int, int]:
-        """For `str.translate`: commas and points change places if the comma is the decimal sign."""
+        """Table for `str.translate` from this form to decimal points.
+
+        Commas and points change places if the comma is the decimal sign.
+        """
         if self.decimal == ",":
             return str.maketrans(",.", ".,")
         return {}
@@ -135,9 +141,10 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
 def _forms_from(
     lines: list[str], start: int, forms: list[NumberForm]
 ) -> list[NumberForm]:
-    """Forms by which the first `FIRST_ROWS` rows from a line on have equally many numbers.
+    """Forms in which the first rows from a line on have equally many numbers.
 
-    Blank lines between them do not count; there may be fewer rows, if the lines end.
+    The rows are `FIRST_ROWS`. Blank lines between them do not count; there may be fewer
+    rows, if the lines end.
     """
     # A blank line may stand below each row.
     nearest = lines[start : start + 2 * FIRST_ROWS]
@@ -153,11 +160,12 @@ def _forms_from(
 
 
 def _first_row(lines: list[str], start: int, form: NumberForm) -> int:
-    """Index of the first row of the table, whose form is that of the rows from `start` on.
+    """Index of the first row of the table.
 
-    It is the first row of as many numbers as that at `start`, two or more: below it may
-    stand rows of other lengths, such as one without some channels. A line of words ends
-    the search: what is above it belongs to the head. A blank line does not.
+    Its form is that of the rows from `start` on. It is the first row of as many numbers
+    as that at `start`, two or more: below it may stand rows of other lengths, such as
+    one without some channels. A line of words ends the search: what is above it belongs
+    to the head. A blank line does not.
     """
     count = form.count_numbers(lines[start])
     if count == 1:
@@ -176,11 +184,11 @@ def _first_row(lines: list[str], start: int, form: NumberForm) -> int:
 def _chosen(
     matching: list[NumberForm], lines: list[str], start: int, survey: Survey
 ) -> NumberForm:
-    """One of the forms that match the first rows; FileFormatError if they leave it open.
+    """One of the forms that match the first rows.
 
-    A form that finds several numbers goes before one that finds a single one. If whole
-    numbers fit both decimal signs, it is a comma if one stands in the table, else a
-    point.
+    FileFormatError if the rows leave the form open. A form that finds several numbers
+    goes before one that finds a single one. If whole numbers fit both decimal signs, it
+    is a comma if one stands in the table, else a point.
     """
     line = lines[start]
     # A line of one number is that number only if no form finds more.

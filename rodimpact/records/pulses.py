@@ -10,7 +10,10 @@ from ..model.quantities import Floats
 PLATEAU_RATIO = 0.7
 """Smallest part of the largest sample that belongs to the plateau of a pulse."""
 MIN_FIRST_PART_RATIO = 0.4
-"""Largest strain of the first part of a wave over that of all, at least: less may be ringing."""
+"""Least ratio of the largest strain of the first part of a wave to that of all.
+
+A smaller part may be ringing.
+"""
 START_RATIO = 0.1
 """Part of its plateau at which `Pulse.start` is."""
 ONSET_RATIO = 0.01
@@ -24,8 +27,11 @@ RISE_END_RATIO = 0.6
 MIN_RISE_SAMPLES = 8
 """Samples between these parts, at least, of a rise that is extrapolated."""
 FOOT_TIME_RATIO = 2.5
-"""Bounds the time from the begin of a pulse to a tenth of its plateau, over that from there to a
-fifth: a straight rise needs 1, one with the square of time 2.4."""
+"""Bounds the time from the begin of a pulse to a tenth of its plateau.
+
+It is relative to the time from there to a fifth: a straight rise needs 1, one with the
+square of time 2.4.
+"""
 
 
 @explain_missing()
@@ -60,9 +66,9 @@ class Pulse(NamedTuple):
 
 
 def pulse_of(times: Floats, values: Floats) -> Pulse:
-    """Timing of the pulse with the largest sample; ValueError if the record cuts the pulse off.
+    """Timing of the pulse with the largest sample.
 
-    Between samples the values are linear.
+    ValueError if the record cuts the pulse off. Between samples the values are linear.
     """
     sign = _sign_of(values)
     # Beyond the ends there are samples below any level. A pulse that ends there has no
@@ -93,7 +99,7 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
 
 
 class _Stretch(NamedTuple):
-    """Samples of a pulse above a level, and the times at which it passes the level, s."""
+    """Samples of a pulse above a level, and the times at which it passes that, s."""
 
     samples: slice
     rises: float
@@ -114,7 +120,10 @@ def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:
 
 
 def plateau(values: Floats) -> float:
-    """Absolute median of the samples above 0.7 of the largest; ValueError if all samples are 0."""
+    """Absolute median of the samples above 0.7 of the largest.
+
+    ValueError if all samples are 0.
+    """
     height = _sign_of(values) * values
     largest = height.max()
     if largest <= 0:
@@ -130,9 +139,10 @@ def _sign_of(values: Floats) -> float:
 
 
 def first_part(times: Floats, values: Floats) -> Pulse:
-    """Timing of the first pulse, where another one of the other sign may follow; as `pulse_of`.
+    """Timing of the first pulse, which a pulse of the other sign may follow.
 
-    As a specimen unloads, the second part of the reflected wave may be the larger one.
+    The result and the errors are those of `pulse_of`. As a specimen unloads, the second
+    part of the reflected wave may be the larger one.
     """
     size = np.abs(values)
     first = int(np.argmax(size >= MIN_FIRST_PART_RATIO * size.max()))
@@ -157,7 +167,7 @@ def rest_end(times: Floats, values: Floats, pulse: Pulse) -> float:
 
 
 def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float:
-    """Last time before a tenth of the plateau at which a pulse is not above its noise, s.
+    """Last time before a tenth of the plateau at which a pulse is within its noise, s.
 
     It is not above a hundredth of the plateau, or three standard deviations of the
     noise.
@@ -172,7 +182,10 @@ def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float
 
 
 def line_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
-    """Begin of a steep pulse, s: the line through a tenth and a fifth of the plateau, at zero."""
+    """Begin of a steep pulse, s.
+
+    The line through a tenth and a fifth of the plateau is zero there.
+    """
     until_fifth = _time_at_fifth(times, values, pulse) - pulse.start
     return float(pulse.start - until_fifth)
 
@@ -205,7 +218,7 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
 
 
 def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:
-    """Time at which a pulse exceeds a fifth of its plateau after it exceeds a tenth, s."""
+    """Time at which a pulse, after a tenth of its plateau, passes a fifth of it, s."""
     size = np.sign(pulse.plateau) * values  # positive in the pulse
     fifth = 2 * START_RATIO * abs(pulse.plateau)
     is_above = (times > pulse.start) & (size >= fifth)

@@ -39,7 +39,7 @@ from .workbook import is_workbook, text_of_workbook
 MIN_CLIPPED_SAMPLES = 8
 """Equal samples in a row at the largest value, at least, of a recorder at its limit."""
 MIN_CLIPPED_RATIO = 4
-"""Equal samples in a row at the largest value, over those at any other value, at least."""
+"""Least ratio of equal samples in a row at the largest value to those at others."""
 BLOCK_SAMPLES = 1 << 16
 """Samples that are searched for runs of equal ones at a time."""
 MEMORY_RATIO = 4
@@ -206,7 +206,10 @@ class ColumnTable(Protocol):
 def _table_in(
     file: BinaryIO, decimal: str | None, report: Report, opened: ExitStack
 ) -> ColumnTable:
-    """Columns of a text, a workbook or a TDMS file; the text of a workbook is added to `opened`."""
+    """Columns of a text, a workbook or a TDMS file.
+
+    The text of a workbook is added to `opened`.
+    """
     if os.fspath(file.name).casefold().endswith(TDMS_ENDING):
         return read_tdms(file)
     if is_workbook(file):
@@ -304,7 +307,7 @@ def _time_column(table: ColumnTable, time: str | None) -> int:
 
 
 def _first_increasing(table: ColumnTable) -> str:
-    """Name of the column of times without heads: the first one that increases throughout.
+    """Name of the first column that increases throughout: the times, without heads.
 
     Some scopes write the values before the times. Without such a column it is the
     first.
@@ -316,7 +319,10 @@ def _first_increasing(table: ColumnTable) -> str:
 
 
 def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
-    """Units of channels that the user gave, by name; InvalidModel for an unknown channel."""
+    """Units of channels that the user gave, by name.
+
+    InvalidModel for an unknown channel.
+    """
     if not isinstance(units, Mapping):
         return dict.fromkeys(channels, units)
     for name in units:
@@ -331,10 +337,10 @@ def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
 def _take_in_si(
     table: ColumnTable, column: int, unit: Any, option: str
 ) -> tuple[Floats, str]:
-    """Take a column out of the table: its numbers in SI units, read-only, and their SI unit.
+    """Take a column out of the table: its numbers in SI units and their SI unit.
 
-    The table keeps an empty column. FileFormatError for an unknown unit; it names
-    `option`, the argument that gives another one.
+    The numbers are read-only. The table keeps an empty column. FileFormatError for an
+    unknown unit; it names `option`, the argument that gives another one.
     """
     numbers = table.columns[column]
     try:
@@ -348,9 +354,10 @@ def _take_in_si(
 
 
 def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
-    """Times in s, as `checked_times` has them; FileFormatError if their unit is none of time.
+    """Times in s, as `checked_times` has them.
 
-    `unit` is the one that the user gave, if any. The column leaves the table.
+    FileFormatError if their unit is none of time. `unit` is the one that the user gave,
+    if any. The column leaves the table.
     """
     name = shown(table.names[column])
     if not unit:
@@ -365,7 +372,7 @@ def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
 
 
 def _clipping(table: ColumnTable, column: int) -> str:
-    """A sentence if a channel stays long at its largest or smallest value, and at no other.
+    """A sentence if a channel stays long at its largest or smallest value alone.
 
     "" otherwise. A channel may rest long at its first value.
     """

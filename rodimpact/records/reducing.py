@@ -1,4 +1,4 @@
-"""Reduce a shot: from the gauges of two bars to stress, strain and energy of the specimen."""
+"""Reduce a shot: from gauges of bars to stress, strain and energy of the specimen."""
 
 from __future__ import annotations
 
@@ -339,10 +339,10 @@ def _reduction(
     alignment: Alignment | None = None,
     strain_error: Floats | float = 0.0,
 ) -> Reduction:
-    """The curve of a shot with its bands; `bars` are those with gauges, the output bar last.
+    """The curve of a shot with its bands.
 
-    `strain_error` is an error of the strain that the noise does not show; it joins its
-    band.
+    `bars` are those with gauges, the output bar last. `strain_error` is an error of the
+    strain that the noise does not show; it joins its band.
     """
     # The bar of the incident wave; the output bar in a direct impact, which has no
     # other

@@ -1,4 +1,4 @@
-"""Stress and strain of a specimen over time, with error bands, as a table, file or Dataset."""
+"""Stress and strain of a specimen with error bands, as a table, file or Dataset."""
 
 from __future__ import annotations
 
@@ -29,13 +29,15 @@ TABLE_COLUMNS = {
 }
 """Columns of the printed table, with their heads."""
 MIN_TOTAL_FORCE_RATIO = 1e-2
-"""Bounds |F1 + F2| over its largest value: the balance of smaller forces is not given."""
+"""Least ratio of F1 + F2 to its largest value at which the balance is given."""
 
 
 @explain_missing()
 @dataclass(frozen=True, eq=False)
 class Reduction(Curve):
-    """Stress and strain of a specimen over time, compression positive; made by `reduce`.
+    """Stress and strain of a specimen over time; made by `reduce`.
+
+    Compression is positive.
 
     Attributes
     ----------
@@ -120,7 +122,10 @@ class Reduction(Curve):
 
     @property
     def equilibrium(self) -> Floats:
-        """Difference of the forces over their mean, 2 (F1 - F2)/(F1 + F2); nan without force."""
+        """Difference of the forces over their mean, 2 (F1 - F2)/(F1 + F2).
+
+        It is nan without force.
+        """
         total = self.input_force + self.output_force
         is_small = np.abs(total) < MIN_TOTAL_FORCE_RATIO * np.abs(total).max()
         total[is_small] = np.nan
@@ -128,13 +133,19 @@ class Reduction(Curve):
 
     @property
     def true_strain(self) -> Floats:
-        """-ln(1 - strain), shape (n,); ValueError unless the specimen is incompressible."""
+        """-ln(1 - strain), shape (n,).
+
+        ValueError unless the specimen is incompressible.
+        """
         self._require_constant_volume()
         return -np.log1p(-self.strain)
 
     @property
     def true_stress(self) -> Floats:
-        """Stress (1 - strain), Pa, shape (n,); ValueError unless the specimen is incompressible."""
+        """Stress (1 - strain), Pa, shape (n,).
+
+        ValueError unless the specimen is incompressible.
+        """
         self._require_constant_volume()
         return self.stress * (1 - self.strain)
 
@@ -182,7 +193,7 @@ class Reduction(Curve):
         return signals_to_xarray(self.signals)
 
     def __str__(self) -> str:
-        """The verdict and the doubts, a table of stress at several strains, and the method."""
+        """The verdict and the doubts, a table of stress over strain, and the method."""
         lines = list(self.verdict.sentences)
         lines += [f"doubtful: {doubt}" for doubt in self.doubts]
         if self.alignment is not None:

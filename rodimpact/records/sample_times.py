@@ -1,4 +1,7 @@
-"""The times of the samples of a table: they increase, no sample is missing, and none is rounded."""
+"""The times of the samples of a table, checked.
+
+They increase, no sample is missing, and none is rounded.
+"""
 
 import warnings
 from collections.abc import Callable
@@ -14,13 +17,17 @@ from .signal import EQUAL_STEP_RTOL
 MIN_GAP_RATIO = 1.5
 """Smallest time step between which samples are missing, over the usual step."""
 MIN_UNEVEN_RATIO = 0.1
-"""Smallest part of the steps that differ from the usual one if times are uneven on purpose or
-rounded."""
+"""Least share of steps unlike the usual one by which times count as uneven or rounded.
+
+With fewer such steps, the unlike ones are gaps.
+"""
 MIN_ROUNDED_SAMPLES = 16
 """Samples of a record whose times can be seen to be rounded, at least."""
 MAX_ROUNDING_RATIO = 0.6
-"""Distance of rounded times from equal steps over the last digit, at most; half of it but for the
-line through the times."""
+"""Largest distance of rounded times from equal steps, over the last digit.
+
+It would be half a digit but for the line through the times.
+"""
 DIGIT_RTOL = 1e-3
 """Bounds the distance of steps from whole last digits, over the last digit."""
 

@@ -22,8 +22,11 @@ from .signal import Signal
 NOISE_DRAWS = 24
 """Number of draws of the noise."""
 STANDARD_ERRORS = 2.36
-"""Half width of a 95 % band in standard errors, by Student with 7 degrees of freedom: one less
-than the blocks of noise."""
+"""Half width of a 95 % band in standard errors.
+
+This is Student's distribution with 7 degrees of freedom, one less than the blocks of
+noise.
+"""
 
 
 class Shot(Protocol):
@@ -57,9 +60,10 @@ class Bands(NamedTuple):
 
 
 def one_sample_of(shot: Shot, curve: Curve, dt: float) -> Floats:
-    """Largest change of the stress at equal strain, Pa, if the output record is shifted by `dt`, s.
+    """Change of the stress at equal strain by a shift of the output record, Pa.
 
-    The record is taken later, and earlier, by one sample.
+    It is the largest change if the record is shifted by `dt`, s. The record is taken
+    later, and earlier, by one sample.
     """
     stresses = []
     for delay in (dt, -dt):
@@ -76,7 +80,7 @@ def bands_of(
     resolution: Resolution,
     report: Report,
 ) -> Bands:
-    """Bands of 95 %: from noise, from errors of a calibration, and from lost frequencies.
+    """Bands of 95 %: noise, errors of a calibration, and lost frequencies.
 
     The noise goes through the reduction alone, since that is linear. `report` is told
     how many draws of it are done.

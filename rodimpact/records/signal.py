@@ -39,9 +39,12 @@ from .comparison import Bounds, Misfit, Range, TimeSeries, misfit_of
 from .pulses import Pulse, pulse_of
 
 EQUAL_STEP_RTOL = 0.05
-"""Bounds the distance of times from equal steps, over a step: times are rounded in files."""
+"""Bounds the distance of times from equal steps, over a step.
+
+Times are rounded in files.
+"""
 RECORD_END_RTOL = 1e-9
-"""Bounds the distance of a time beyond an end of a record, over the length of the record."""
+"""Bounds the distance of a time beyond the end of a record, over its length."""
 
 
 class Signal(Frozen):
@@ -182,10 +185,10 @@ class Signal(Frozen):
         return len(self.values)
 
     def at(self, t: ArrayLike) -> Number:
-        """Values at times in s, linear between samples; ValueError outside of the record.
+        """Values at times in s, linear between samples.
 
-        A time beyond an end by no more than round-off, `RECORD_END_RTOL`, has the value
-        there.
+        ValueError outside of the record. A time beyond an end by no more than
+        round-off, `RECORD_END_RTOL`, has the value there.
         """
         t = array("t", t, "s")
         slack = RECORD_END_RTOL * (self.end - self.start)
@@ -201,7 +204,7 @@ class Signal(Frozen):
     def resampled(
         self, dt: float | None = None, *, times: ArrayLike | None = None
     ) -> Signal:
-        """Return the signal at steps of `dt`, s, from its start on, or at the given times.
+        """Return the signal at steps of `dt`, s, from its start, or at given times.
 
         The new samples are interpolated linearly. Before you increase the time step,
         remove the frequencies above half of the new sampling rate with `low_pass`.
@@ -230,15 +233,19 @@ class Signal(Frozen):
         return self.replace(times=self.times + scalar("delay", delay, "s"))
 
     def window(self, start: float, end: float) -> Signal:
-        """Return the samples from start to end, s; ValueError if there are fewer than two."""
+        """Return the samples from start to end, s.
+
+        ValueError if there are fewer than two.
+        """
         inside = self._within(start, end)
         return self.replace(values=self.values[inside], times=self.times[inside])
 
     def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
-        """Return the signal longer by these times, s: first value before it, last value after it.
+        """Return the signal longer by these times, s.
 
-        Extend a record that begins just before its pulse: `low_pass` and `propagated`
-        widen the pulse beyond the record.
+        It has its first value before the record, and its last value after it. Extend a
+        record that begins just before its pulse: `low_pass` and `propagated` widen the
+        pulse beyond the record.
 
         Raises
         ------
@@ -415,7 +422,9 @@ class Signal(Frozen):
         return signal * scalar("scale", scale, "") + scalar("offset", offset, self.unit)
 
     def pulse(self) -> Pulse:
-        """Timing of the pulse with the largest sample; cut other pulses off with `window`.
+        """Timing of the pulse with the largest sample.
+
+        Cut other pulses off with `window`.
 
         Raises
         ------
@@ -484,7 +493,10 @@ class Signal(Frozen):
         )
 
     def _require_same_unit(self, other: Signal, what_cannot_be: str) -> None:
-        """Raise ValueError unless both have one unit; it ends with ``cannot be ...``."""
+        """Raise ValueError unless both have one unit.
+
+        Its message ends with ``cannot be ...``.
+        """
         if self.unit != other.unit:
             raise ValueError(
                 f"{self._title} is in {_unit_text(self.unit)} and {other._title} in "
@@ -578,7 +590,9 @@ class Signal(Frozen):
 
     @classmethod
     def from_xarray(cls, data: Any) -> Signal:
-        """Make a signal from a DataArray over time; values and times have an attribute ``units``.
+        """Make a signal from a DataArray over time.
+
+        Its values and times have an attribute ``units``.
 
         Raises
         ------

@@ -7,7 +7,7 @@ ROUND_STRAINS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5)
 
 
 def table_strains(at_peak: float, largest: float) -> Sequence[float]:
-    """Round strains up to the largest, the strain at the peak stress, and the largest."""
+    """Round strains, the strain at the peak stress, and the largest strain."""
     strains = {at_peak, largest}
     for strain in ROUND_STRAINS:
         if strain < largest:

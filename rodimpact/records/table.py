@@ -82,7 +82,10 @@ class Table:
             self._check_decimal()
 
     def place_of(self, row: int) -> str:
-        """The line in which the row of that index stands, such as "line 12", from 1 on."""
+        """Name of the line of a row, such as "line 12".
+
+        Rows count from 0, and lines from 1.
+        """
         number, _ = next(islice(self._rows(), row, None))
         return f"line {number}"
 
@@ -96,7 +99,10 @@ class Table:
                 yield index + 1, row
 
     def _read_columns(self, report: Report) -> list[Floats]:
-        """Numbers of each column, read in blocks of rows; `report` is told how far that is."""
+        """Numbers of each column, read in blocks of rows.
+
+        `report` is told how far the reading is.
+        """
         survey = self._text.survey
         most_rows = survey.lines - self._first
         columns = [np.empty(most_rows) for _ in range(self._count)]
@@ -117,9 +123,10 @@ class Table:
         return columns
 
     def _cut_blank_ends(self, columns: list[Floats]) -> None:
-        """End each column before its blank cells; FileFormatError if numbers come after them.
+        """End each column before its blank cells.
 
-        The columns are changed in place.
+        FileFormatError if numbers come after blank cells. The columns are changed in
+        place.
         """
         for name, column in zip(self.names, columns, strict=True):
             is_blank = np.isnan(column)
@@ -158,10 +165,11 @@ class Table:
         return numbers
 
     def _checked(self, line: int, row: str) -> list[float]:
-        """Numbers of a row, NaN for a blank cell; FileFormatError for a cell that is no number.
+        """Numbers of a row, NaN for a blank cell.
 
-        Missing cells at the end are blank; more cells than columns are an error, too.
-        `_has_blanks` keeps that a cell is blank.
+        FileFormatError for a cell that is no number. Missing cells at the end are
+        blank; more cells than columns are an error, too. `_has_blanks` keeps that a
+        cell is blank.
         """
         cells = self._form.cells(row)
         if len(cells) > self._count:

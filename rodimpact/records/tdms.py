@@ -1,4 +1,4 @@
-"""Channels of TDMS files, which LabVIEW writes, with the times that their properties state."""
+"""Channels of TDMS files, which LabVIEW writes, with times from their properties."""
 
 from __future__ import annotations
 
@@ -37,9 +37,10 @@ class _Clock(NamedTuple):
 
 
 def read_tdms(file: BinaryIO) -> ChannelTable:
-    """Channels of a TDMS file; times come from ``wf_start_offset`` and ``wf_increment``.
+    """Channels of a TDMS file.
 
-    Channels without these properties are columns alone. Needs the extra ``tdms``.
+    Times come from ``wf_start_offset`` and ``wf_increment``. Channels without these
+    properties are columns alone. Needs the extra ``tdms``.
 
     Raises
     ------
@@ -78,7 +79,7 @@ def read_tdms(file: BinaryIO) -> ChannelTable:
 
 
 def _names_of(channels: list[Any]) -> list[str]:
-    """Names of channels; those that several groups have begin with the group: ``group/name``."""
+    """Names of channels, as ``group/name`` where several groups have the name."""
     names = [str(channel.name) for channel in channels]
     full_names = []
     for name, channel in zip(names, channels, strict=True):
@@ -89,9 +90,10 @@ def _names_of(channels: list[Any]) -> list[str]:
 
 
 def _common_clock(names: list[str], channels: list[Any]) -> _Clock | None:
-    """The clock of all channels, None without one; FileFormatError if there are several.
+    """The clock of all channels; None without one.
 
-    The properties of a channel tell its time step and its start; a step of 0 is none.
+    FileFormatError if there are several clocks. The properties of a channel tell its
+    time step and its start; a step of 0 is none.
     """
     clocks = []
     for channel in channels:

@@ -10,7 +10,10 @@ from ..storage.reading import FileFormatError
 
 NO_TEXT = "is not text (it contains the character NUL); export it as text, in UTF-8"
 BLOCK = 1 << 17
-"""Characters read at a time: the most above a table, and between two reports of progress."""
+"""Number of characters read at a time.
+
+It is also the most above a table, and between two reports of progress.
+"""
 QUOTED_COMMA = re.compile(r'"[+-]?\d*,\d+(?:[eE][+-]?\d+)?"')
 """A number with a decimal comma, in quotes."""
 MINUS = "\N{MINUS SIGN}"

@@ -1,4 +1,4 @@
-"""A shot between two bars whose gauges separate all waves, and the alignment of its waves.
+"""A shot between two bars whose gauges separate all waves, and its alignment.
 
 With the strains of the waves at the two faces, compression positive (incident i,
 reflected r, transmitted t)::
@@ -44,7 +44,7 @@ NO_SHIFTS = Shifts()
 
 @dataclass(frozen=True)
 class TwoBarShot:
-    """Both bars of a shot, the times at which both faces are known, and the alignment."""
+    """Both bars of a shot, the times with both faces known, and the alignment."""
 
     bars: InstrumentedBars
     specimen: Specimen
@@ -88,11 +88,11 @@ class TwoBarShot:
         return sampled
 
     def aligned(self, limit: float, report: Report) -> TwoBarShot:
-        """The shot with the shifts, up to a limit in s, that balance the forces at its start.
+        """The shot with shifts that balance the forces at its start.
 
-        The start goes up to half of the largest stress. If the specimen has a Young's
-        modulus, the shifts also make the start elastic. `report` is told how many
-        curves are done.
+        The shifts, s, lie within a limit. The start goes up to half of the largest
+        stress. If the specimen has a Young's modulus, the shifts also make the start
+        elastic. `report` is told how many curves are done.
         """
         from scipy.optimize import least_squares
 
@@ -104,7 +104,7 @@ class TwoBarShot:
         curves = 0
 
         def residuals(shifts: Floats) -> Floats:
-            """Imbalance of forces, and distance from the elastic line, over the stress."""
+            """Imbalance of forces and distance from the elastic line, over stress."""
             nonlocal curves
             curves += 1
             report(curves, None)  # nobody knows how many there will be

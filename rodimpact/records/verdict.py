@@ -1,7 +1,8 @@
-"""The verdict on a shot: equilibrium, peak stress, strain rate and energy, in a few sentences.
+"""The verdict on a shot in a few sentences.
 
-A specimen is in equilibrium where the forces on its two faces are equal. Before that,
-the stress from one face is no property of its material.
+It tells of equilibrium, peak stress, strain rate and energy. A specimen is in
+equilibrium where the forces on its two faces are equal. Before that, the stress from
+one face is no property of its material.
 """
 
 import math
@@ -22,13 +23,16 @@ Bools: TypeAlias = NDArray[np.bool_]
 EQUILIBRIUM_RTOL = 0.05
 """Bounds |F1 - F2| over the mean of both forces, in equilibrium."""
 MIN_BALANCED_RATIO = 0.5
-"""Part of the plateau with balanced forces, at least, of a shot that reaches equilibrium."""
+"""Least part of the plateau with balanced forces for equilibrium of a shot."""
 SMOOTHING_RATIO = 0.25
-"""Duration of the means by which forces are compared, over the rise time of the incident wave."""
+"""Duration of the means of compared forces, over the rise time of the incident wave."""
 SMALLEST_SHOWN_RATIO = 1e-4
 """Ratio below which the sentences give no digits."""
 EQUILIBRIUM_TRANSITS = 4.0
-"""Transit times of the specimen until its forces are nearly equal: 3 to 5 for most rise times."""
+"""Transit times of the specimen until its forces are nearly equal.
+
+They are 3 to 5 for most rise times.
+"""
 
 
 @explain_missing()

@@ -13,7 +13,7 @@ from ..model.quantities import Floats
 from . import filters
 
 SLOW_WAVE_RATIO = 3
-"""Travel time of the slowest waves that a transform has room for, over that of long waves."""
+"""Travel time of the slowest waves in a transform, over that of long waves."""
 
 
 class Waveguide(NamedTuple):
@@ -74,9 +74,10 @@ class Waveguide(NamedTuple):
         return TransferFunctions(size, factors)
 
     def propagated(self, strain: Floats, distance: float) -> Floats:
-        """The strain, at rest before, after a distance, m, along the bar, at the same times.
+        """The strain after a distance, m, along the bar, at the same times.
 
-        A negative distance gives the strain as it was before.
+        The bar is at rest before. A negative distance gives the strain as it was
+        before.
         """
         from scipy import fft
 

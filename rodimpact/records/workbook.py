@@ -19,11 +19,17 @@ from ..units import one_line
 OLD_ENDING = ".xls"
 ENDINGS = (".xlsx", ".xlsm", OLD_ENDING)
 OLD_SIGNATURES = (b"\xd0\xcf\x11\xe0", b"\x09\x00", b"\x09\x02", b"\x09\x04")
-"""First bytes of a workbook called .xls; instruments call tables of text by this name, too."""
+"""First bytes of a workbook called .xls.
+
+Instruments call tables of text by this name, too.
+"""
 
 
 def is_workbook(file: BinaryIO) -> bool:
-    """Whether an open file is a workbook, by its name and, if that is .xls, its first bytes."""
+    """Whether an open file is a workbook.
+
+    The name tells it, and if that ends in .xls the first bytes.
+    """
     ending = _ending(file)
     if ending == OLD_ENDING:
         file.seek(0)
