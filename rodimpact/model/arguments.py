@@ -106,7 +106,10 @@ def demand(condition: Any, name: str, message: str, *values: Number) -> None:
 
 
 def of_kind(name: str, value: Any, kind: type, example: str) -> None:
-    """Raise InvalidModel if an argument is not of the class `kind`; `example` is shown as one."""
+    """Raise InvalidModel if an argument is not of the class `kind`.
+
+    The message shows `example` as one that is.
+    """
     if isinstance(value, kind):
         return
     article = "a"

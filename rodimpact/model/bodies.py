@@ -102,7 +102,7 @@ class Material(FrozenDataclass):
         viscosity: ArrayLike = 0.0,
         wave_speed: ArrayLike | None = None,
     ) -> None:
-        """Set the numbers, with rho c^2 as the modulus if a wave speed is given in its place.
+        """Set the numbers; a wave speed in place of the modulus E gives E = rho c^2.
 
         InvalidModel with the mistakes of all arguments.
         """
@@ -138,7 +138,10 @@ class Material(FrozenDataclass):
         frozen.raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Add problems of a name that is no text, and of a wave speed sqrt(E/rho) out of range."""
+        """Add problems of a name that is no text, and of an extreme wave speed.
+
+        The wave speed is sqrt(E/rho).
+        """
         if not isinstance(self.name, str) or not self.name:
             # The name comes first in the constructor, so in the message too.
             problems.insert(0, ("name", f"must be a word, got {shown(self.name)}"))
@@ -292,9 +295,9 @@ class Segment(FrozenDataclass):
         self._check_magnitudes(area)
 
     def _checked_area(self, problems: Problems) -> Any:
-        """Area as given, or pi d^2/4 of the diameter, m^2; a mistake is added to `problems`.
+        """Area as given, or pi d^2/4 of the diameter, m^2.
 
-        A function of the place becomes `Samples`.
+        A mistake is added to `problems`. A function of the place becomes `Samples`.
         """
         area: Any = self.area
         if self.diameter is not None:
@@ -381,7 +384,7 @@ class Segment(FrozenDataclass):
             self._set(polar_moment=None)
 
     def _check_poisson_ratio(self, problems: Problems) -> None:
-        """Add a problem of a Poisson ratio that the theory of lateral inertia cannot take."""
+        """Add a problem of a Poisson ratio that lateral inertia cannot take."""
         material = self.material
         path = "material.poisson_ratio"
         if material.poisson_ratio is None:
@@ -762,9 +765,9 @@ class Rod(Frozen, kind="rod"):
 def _checked_shaft(
     problems: Problems, shaft: Any, length: Number | None
 ) -> Shaft | None:
-    """Soil or drag along a rod of this length, m, with its profiles checked; None for none.
+    """Soil or drag along a rod of this length, m, with its profiles checked.
 
-    Mistakes are added to `problems`.
+    None if none is given. Mistakes are added to `problems`.
     """
     if shaft is None:
         return None
@@ -794,9 +797,10 @@ def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
 
 
 def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments as given, as a tuple; InvalidModel if they are none, or if a shape is given too.
+    """Segments as given, as a tuple.
 
-    The shape are the arguments of `Segment` that `Rod` was given.
+    InvalidModel if they are none, or if a shape is given too. The shape are the
+    arguments of `Segment` that `Rod` was given.
     """
     if any(value is not None for value in shape.values()):
         message = (
@@ -815,10 +819,10 @@ def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ..
 
 
 def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments between the jumps of an area that is `Steps`; InvalidModel with all mistakes.
+    """Segments between the jumps of an area that is `Steps`.
 
-    The shape are the arguments of `Segment`. All segments have them, but for length and
-    area.
+    InvalidModel with all mistakes. The shape are the arguments of `Segment`. All
+    segments have them, but for length and area.
     """
     area = shape["area"]
     problems: Problems = []

@@ -1,4 +1,4 @@
-"""Drag along a rod in proportion to its velocity: a pump rod in a fluid, a rod in grease.
+"""Drag along a rod in proportion to its velocity, as of a pump rod in a fluid.
 
 With the drag waves in a rod follow the telegraph equation,
 
@@ -62,7 +62,10 @@ class Drag(FrozenDataclass, kind="drag"):
     )
 
     def _check(self, problems: Problems) -> None:
-        """Check and set a coefficient that is a number; a profile is checked with its rod."""
+        """Check and set a coefficient that is a number.
+
+        A profile is checked with its rod.
+        """
         value = self.coefficient
         if not is_profile(value):
             field = self.fields["coefficient"]

@@ -146,7 +146,7 @@ class Moved(_Driven, kind="moved"):
         position: "ProfileLike | None" = None,
         duration: float | None = None,
     ) -> None:
-        """Set the velocity as given, or the position with the velocity that follows from it.
+        """Set the velocity as given, or the position with the velocity that follows.
 
         InvalidModel unless exactly one of the two is given, and for a position that
         jumps.

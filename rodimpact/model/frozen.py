@@ -363,7 +363,10 @@ def vanishes(value: Number) -> bool:
 
 
 def in_range(value: Number) -> Any:
-    """Boolean array: True where a derived positive quantity is from `SMALLEST` to `LARGEST`."""
+    """Whether a derived positive quantity is from `SMALLEST` to `LARGEST`.
+
+    The result is a Boolean array.
+    """
     return (value >= SMALLEST) & (value <= LARGEST)
 
 
@@ -563,9 +566,10 @@ class Frozen:
         return f"{type(self).__name__}({', '.join(parameters)})"
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Every parameter of the object with its path in a case file; items of tuples one by one.
+        """Every parameter of the object with its path in a case file.
 
-        The items of ``values`` have the paths ``"values.0"``, ``"values.1"``.
+        The items of tuples have paths of their own. The items of ``values`` have the
+        paths ``"values.0"``, ``"values.1"``.
         """
         for name, value in self._parameters().items():
             if isinstance(value, tuple):
@@ -608,10 +612,11 @@ class Frozen:
                 yield item_path, item
 
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
-        """A new object with ``change(array)`` in place of every array of numbers, unchecked.
+        """A new object with ``change(array)`` in place of every array, unchecked.
 
-        Arrays in its parts are changed too; those that all members share stay. Values
-        that are kept for speed, in attributes with an underscore, are left out.
+        The arrays are those of numbers. Arrays in its parts are changed too; those that
+        all members share stay. Values that are kept for speed, in attributes with an
+        underscore, are left out.
         """
 
         def mapped(value: Any) -> Any:
@@ -636,7 +641,7 @@ class Frozen:
 
 
 def _explain_constructor(kind: Any) -> None:
-    """Let the constructor of a class answer wrong arguments with those that are meant."""
+    """Let the constructor of a class answer wrong arguments with the ones meant."""
     if not hasattr(kind.__init__, "__wrapped__"):
         kind.__init__ = explain_arguments(kind.__init__)
 
@@ -684,9 +689,10 @@ class FrozenDataclass(Frozen):
         raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Add problems to the list, or raise them; a class may check its numbers together here.
+        """Add problems to the list, or raise them.
 
-        The numbers have been checked one by one, and `problems` has their mistakes.
+        A class may check its numbers together here. The numbers have been checked one
+        by one, and `problems` has their mistakes.
         """
 
 
@@ -698,7 +704,10 @@ def defaults_of(kind: Any) -> dict[str, Any]:
 
 
 def short(value: Any) -> str:
-    """A value as short text for a repr: an array by its shape, an object by its name."""
+    """A value as short text for a repr.
+
+    An array is shown by its shape, an object by its name.
+    """
     if isinstance(value, np.ndarray):
         return f"array{value.shape}"
     name = getattr(value, "name", None)
@@ -708,7 +717,10 @@ def short(value: Any) -> str:
 
 
 def json_ready(value: Any) -> Any:
-    """A number, array, tuple or `Frozen` as numbers, lists and dictionaries for JSON."""
+    """A value as numbers, lists and dictionaries for JSON.
+
+    The value is a number, an array, a tuple or a `Frozen`.
+    """
     if isinstance(value, Frozen):
         return value.to_dict()
     if isinstance(value, np.ndarray):

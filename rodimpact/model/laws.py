@@ -406,9 +406,10 @@ class _Face(NamedTuple):
 
 
 def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> _Face:
-    """Face of a Hertz contact, from the radius and the material of one side, "left" or "right".
+    """Face of a Hertz contact, from radius and material of one side.
 
-    Mistakes are added to `problems`. The compliance is (1 - nu^2)/E, 0 of a rigid face.
+    The side is "left" or "right". Mistakes are added to `problems`. The compliance is
+    (1 - nu^2)/E, 0 of a rigid face.
     """
     radius_path = f"{side}_radius"
     material_path = f"{side}_material"
@@ -607,7 +608,7 @@ class Tabulated(Plastic, law="tabulated"):
     unloading: NumericOrNone = quantity("N/m", "positive", default=None)
 
     def _check(self, problems: Problems) -> None:
-        """Refuse tables of unequal lengths, that do not increase, or with too soft an unloading."""
+        """Refuse tables of unequal length, not increasing, or too soft in unloading."""
         if problems:
             return
         n_compressions = len(self.compression)
@@ -667,9 +668,10 @@ class Tabulated(Plastic, law="tabulated"):
 
     @property
     def knots(self) -> list[Number]:
-        """Forces at which the second and later lines of the table begin, N, in `KNOTS` places.
+        """Forces at which the second and later lines of the table begin, N.
 
-        Places that are not used have a force that is never reached.
+        The list has `KNOTS` places. Places that are not used have a force that is never
+        reached.
         """
         knots = super().knots
         for j in range(len(self.slopes) - 1):
@@ -678,7 +680,10 @@ class Tabulated(Plastic, law="tabulated"):
 
     @property
     def shares(self) -> list[Number]:
-        """Slopes along the lines from `knots` on, over the stiffness, in `KNOTS` places."""
+        """Slopes of the lines from `knots` on, over the stiffness.
+
+        The list has `KNOTS` places.
+        """
         shares = super().shares
         for j, slope in enumerate(self.slopes[1:]):
             shares[j] = slope / self.stiffness
@@ -914,7 +919,10 @@ class Law(_Law, law="own"):
     force: Callable[[float, float], float]
 
     def _check(self, problems: Problems) -> None:
-        """Refuse a force that is no function, or whose values at `TRIAL_STATES` are not sound."""
+        """Refuse a force that is no function, or has unsound values.
+
+        The values are those at `TRIAL_STATES`.
+        """
         force: Any = self.force
         if not is_function(force):
             add_problem(problems, "force", "must be a function of d and d'", force)

@@ -65,7 +65,10 @@ def numbers_of(system: System) -> dict[str, Number]:
 
 
 def entries_by_path(system: System) -> dict[str, list[str]]:
-    """Entries of every path of a number that can vary: itself, or those of a material."""
+    """Entries of every path of a number that can vary.
+
+    A path has itself as the only entry, or those of a material.
+    """
     entries: dict[str, list[str]] = {}
     description = system.to_dict()
     for entry in numbers_of(system):
@@ -150,7 +153,10 @@ def suggestion(path: str, choices: Collection[str]) -> str:
 
 
 def _shared_beginning(path: str, choices: Collection[str]) -> str:
-    """Longest beginning of whole parts that a path shares with any choice: "bodies.0."."""
+    """Longest beginning that a path shares with any choice, such as "bodies.0.".
+
+    Only whole parts of the path count.
+    """
     parts = path[: 2 * MOST_SHOWN].split(".")[:-1]
     for n in range(len(parts), 0, -1):
         beginning = ".".join(parts[:n]) + "."
@@ -161,7 +167,10 @@ def _shared_beginning(path: str, choices: Collection[str]) -> str:
 
 
 def _slot(description: Any, entry: str) -> _Slot:
-    """Table and key at which a description, ``System.to_dict()``, holds the number at an entry."""
+    """Table and key at which a description holds the number at an entry.
+
+    The description is that of ``System.to_dict()``.
+    """
     *steps, last = entry.split(".")
     table = description
     for step in steps:

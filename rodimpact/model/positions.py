@@ -1,4 +1,7 @@
-"""Velocity of an end whose position is prescribed: the derivative, exact for the curve it has."""
+"""Velocity of an end whose position is prescribed.
+
+It is the derivative, which is exact for the curve of the position.
+"""
 
 from typing import Any
 
@@ -8,7 +11,10 @@ from .frozen import Problems, add_problem
 from .profiles import SPLINE_DEGREE, Polynomials, Profile, Samples, Steps
 
 VALUES_PER_INTERVAL = SPLINE_DEGREE
-"""Values of the velocity in an interval, a polynomial of one degree less than the position."""
+"""Number of values of the velocity in an interval.
+
+The velocity is a polynomial of one degree less than the position.
+"""
 SHARES = (
     1 - np.cos(np.pi * np.arange(VALUES_PER_INTERVAL) / (VALUES_PER_INTERVAL - 1))
 ) / 2
@@ -60,10 +66,10 @@ def _of_lines(position: Samples) -> Any:
 
 
 def _of_spline(problems: Problems, position: Samples) -> Any:
-    """Velocity of the spline through smooth samples, as `Polynomials`; 0 after the last sample.
+    """Velocity of the spline through smooth samples, as `Polynomials`.
 
-    A step that differs from member to member, or too few samples, are a problem; then
-    it is 0.
+    It is 0 after the last sample. A step that differs from member to member, or too few
+    samples, are a problem; then it is 0.
     """
     from scipy.interpolate import make_interp_spline
 

@@ -132,7 +132,7 @@ class Samples(FrozenDataclass):
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "error")
 
     def _check(self, problems: Problems) -> None:
-        """Add problems of values that are no list, and of the smoothness and the error."""
+        """Add problems of values that are no list, of smoothness and of the error."""
         is_list = np.ndim(self.values) == 1 and len(self.values) > 1
         if not problems and not is_list:
             wanted = "must be a list of at least two numbers"
@@ -197,7 +197,10 @@ class Polynomials(FrozenDataclass):
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "at", "error")
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem unless borders increase, and all intervals have equally many values."""
+        """Add a problem of borders that do not increase, or of unequal intervals.
+
+        All intervals must have the same number of values.
+        """
         self._set(error=ERROR.checked(problems, "error", self.error))
         if problems:
             return
@@ -252,7 +255,10 @@ class Polynomials(FrozenDataclass):
 
 
 def _renamed(description: dict[str, Any], key: str) -> dict[str, Any]:
-    """Description of a profile with `key` in place of "values"; it is taken from the given one."""
+    """Description of a profile with `key` in place of "values".
+
+    That is taken from the given description.
+    """
     renamed = {key: description.pop("values")}
     renamed.update(description)
     return renamed
@@ -397,7 +403,7 @@ def in_time(
 
 
 def latest_border(profile: Any) -> float:
-    """Time of the last border between the polynomials of a profile in time, s; else 0."""
+    """Time of the last border between polynomials of a profile in time, s; else 0."""
     if isinstance(profile, Polynomials):
         return max(profile.inner, default=0.0)
     return 0.0
@@ -463,9 +469,10 @@ def flipped(profile: Profile, length: Number) -> Profile:
 
 
 def extremes(profile: Profile) -> list[Any]:
-    """Smallest and largest value of a profile, [smallest, largest], of each member of a family.
+    """Smallest and largest value of a profile, [smallest, largest].
 
-    Polynomials may be a little beyond them between the places of their values.
+    Each is an array of the members of a family. Polynomials may be a little beyond them
+    between the places of their values.
     """
     if isinstance(profile, Samples | Polynomials):
         smallest = float(np.min(profile.values))
@@ -531,11 +538,12 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
 
 
 def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floats:
-    """Mean values of lines between samples, between n + 1 edges, [n]; ends hold on outside.
+    """Mean values of lines between samples, between n + 1 edges, [n].
 
-    Every interval is cut where samples lie in it, and the trapezia of its parts are
-    added. So a small value is exact beside one that is 1e20 times as large, as a
-    difference of integrals from the first sample is not.
+    The first and the last sample hold outside. Every interval is cut where samples lie
+    in it, and the trapezia of its parts are added. So a small value is exact beside one
+    that is 1e20 times as large, as a difference of integrals from the first sample is
+    not.
     """
     if len(edges) < 2:
         return np.zeros(0)
@@ -561,10 +569,11 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
 def _averages_of_polynomials(
     profile: Polynomials, edges: Floats, length: float
 ) -> Floats:
-    """Mean values of polynomials along a rod of that length, m, between n + 1 edges, [n].
+    """Mean values of polynomials along a rod between n + 1 edges, [n].
 
-    They are differences of the integral from x = 0 on. In an interval of width w that
-    is the integral to its begin plus w/2 times a primitive in y, as dx = w/2 dy.
+    The length of the rod is in m. They are differences of the integral from x = 0 on.
+    In an interval of width w that is the integral to its begin plus w/2 times a
+    primitive in y, as dx = w/2 dy.
     """
     borders = np.concatenate(([0.0], profile.inner, [length]))
     widths = np.diff(borders)
@@ -584,9 +593,10 @@ def _averages_of_polynomials(
 
 
 def profile_from(data: Any) -> Any:
-    """Make the profile that `to_dict` described; data that describe none are returned as such.
+    """Make the profile that `to_dict` described.
 
-    The key "polynomials", "samples" or "values" tells the kind.
+    Data that describe no profile are returned as they are. The key "polynomials",
+    "samples" or "values" tells the kind.
     """
     if not isinstance(data, dict):
         return data
@@ -670,7 +680,10 @@ def _values_of(
 def _values_one_by_one(
     function: Callable[[Any], Any], places: Floats, field: QuantityField
 ) -> Floats:
-    """Values of a function that takes single numbers, at places; ValueError says why it fails."""
+    """Values at places of a function that takes single numbers.
+
+    ValueError says why the function fails.
+    """
     try:
         returned = [function(x) for x in places.tolist()]
     except Exception as error:

@@ -78,7 +78,10 @@ def floats(value: Any, unit: str) -> Floats:
 
 
 def is_integer(value: Any) -> bool:
-    """Whether a value is a whole number: truth values and time spans of NumPy are none."""
+    """Whether a value is a whole number.
+
+    Truth values and time spans of NumPy are none.
+    """
     if isinstance(value, bool | np.timedelta64):
         return False
     return isinstance(value, Integral)

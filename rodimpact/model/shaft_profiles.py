@@ -1,4 +1,7 @@
-"""An amount along the shaft of a rod: a number for the whole rod, or a profile per length."""
+"""An amount along the shaft of a rod.
+
+It is a number for the whole rod, or a profile per length.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +30,9 @@ def checked_along(
     field: QuantityField,
     length: Number | None,
 ) -> Any:
-    """A value along a rod of this length, m; mistakes of a profile are added to `problems`.
+    """A value along a rod of this length, m.
 
-    A number is returned as it is.
+    Mistakes of a profile are added to `problems`. A number is returned as it is.
     """
     if not is_profile(value):
         return value

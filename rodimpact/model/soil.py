@@ -132,7 +132,7 @@ def resistances(soil: Soil, edges: Any, length: float) -> Floats:
 
 
 def mobilised_shares(soil: Soil, edges: Any, length: float) -> Floats:
-    """Share of the resistance that is mobilised at t = 0 between neighbouring places [n]."""
+    """Share of resistance mobilised at t = 0 between neighbouring places [n]."""
     return profiles.averages(soil.mobilised, edges, length)
 
 

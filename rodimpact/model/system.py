@@ -101,7 +101,10 @@ class System(FrozenDataclass):
     _shape: ClassVar[tuple[int, ...]] = ()
 
     def _check(self, problems: Problems) -> None:
-        """Check bodies, laws, gaps and ends together; set them as tuples, and the shape."""
+        """Check bodies, laws, gaps and ends together; set them, as tuples.
+
+        The shape of the family is set, too.
+        """
         bodies: Any = self.bodies
         _check_bodies(problems, bodies)
         n_pairs = len(bodies) - 1
@@ -162,7 +165,10 @@ class System(FrozenDataclass):
         return NamedItems(varied)
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Parts with their paths: gaps stand with their contacts, and ends bear their sides."""
+        """Parts with their paths.
+
+        Gaps stand with their contacts, and ends have the names of their sides.
+        """
         for path, value in super()._parts():
             kind, _, index = path.partition(".")
             if kind == "gaps":
@@ -206,7 +212,10 @@ class System(FrozenDataclass):
             raise IndexError(f"index: {message}") from None
 
         def pick(array: Floats) -> Number:
-            """Numbers of the chosen members from those of all: an array, or a float for one."""
+            """Numbers of the chosen members, as an array, or a float for one.
+
+            They are taken from the numbers of all members.
+            """
             view = np.broadcast_to(array, self.shape)[index]
             # Axes along which the array does not vary are reduced to one value:
             # broadcasting gave them the stride 0.
@@ -387,7 +396,10 @@ def _mirrored_body(body: Body) -> Body:
 
 
 def _mirrored_end(end: End) -> End:
-    """End with left and right exchanged: a motion changes its sign, a push stays inwards."""
+    """End with left and right exchanged.
+
+    A motion changes its sign, and a push stays inwards.
+    """
     if isinstance(end, Moved) and end.position is not None:
         return Moved(position=negative(end.position))
     if isinstance(end, Moved):
@@ -431,10 +443,11 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
 def _one_per_pair(
     problems: Problems, name: str, items: Any, default: Any, n_pairs: int
 ) -> Any:
-    """Items of the neighbouring pairs: as given, or `default` for each if they are None.
+    """Items of the neighbouring pairs, as given.
 
-    A list of the wrong length has a problem, and is returned so that its items are
-    checked too. () and a problem if the items are no list.
+    Each is `default` if the items are None. A list of the wrong length has a problem,
+    and is returned so that its items are checked too. () and a problem if the items are
+    no list.
     """
     if items is None:
         return (default,) * n_pairs
@@ -474,11 +487,11 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
 
 
 def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
-    """Add a problem if nothing can move: the row has no rod, and all masses are bonded to walls.
+    """Add a problem if nothing can move.
 
-    Contacts that are not bonded divide the row into one group more than there are of
-    them. Walls stand at the ends, so all groups have a wall if there are more walls
-    than such contacts.
+    Then the row has no rod, and all masses are bonded to walls. Contacts that are not
+    bonded divide the row into one group more than there are of them. Walls stand at the
+    ends, so all groups have a wall if there are more walls than such contacts.
     """
     n_walls = 0
     for body in bodies:
@@ -498,7 +511,10 @@ def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
 def _check_contact(
     problems: Problems, i: int, law: Any, gap: Number, pair: Any
 ) -> None:
-    """Add a problem of contact i if its law is none, or does not go with its gap or its bodies."""
+    """Add a problem of contact i if its law or gap is wrong.
+
+    The law may be none, or may not go with the gap or the bodies.
+    """
     if type(law) not in _LAWS:
         message = f"must be a contact law itself, one of {_class_names(_LAWS)}"
         add_problem(problems, f"contacts.{i}", message, law)
