@@ -64,11 +64,11 @@ def run_jobs(
     store: Checkpoint,
     pool: Pool,
 ) -> Generator[list[JobResult]]:
-    """Run the members that the store does not have, in jobs; yields as `jobs.results_of`.
+    """Run the members that the store does not have, in jobs.
 
-    There are about eight jobs a worker, or a hundred if the store is on disk. If it is
-    not, a single worker whose method runs many members in one call gets as few jobs as
-    possible.
+    The results are yielded as by `jobs.results_of`. There are about eight jobs a
+    worker, or a hundred if the store is on disk. If it is not, a single worker whose
+    method runs many members in one call gets as few jobs as possible.
     """
     size = math.prod(system.shape)
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
@@ -107,7 +107,7 @@ def run_jobs(
 
 
 def members_of(system: System, start: int, stop: int) -> System:
-    """Members of a family from `start` to `stop - 1` in C order, as a smaller family."""
+    """Members `start` to `stop - 1` of a family in C order, as a smaller family."""
     if stop - start == math.prod(system.shape):
         return system
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
@@ -121,9 +121,10 @@ def members_of(system: System, start: int, stop: int) -> System:
 
 
 def needs_solutions(options: Options, readings: RequestedReadings) -> bool:
-    """Whether the readings need the solution of each member: the method alone has no such columns.
+    """Whether the readings need the solution of each member.
 
-    These are gauges, and names of `also` that the method does not find itself.
+    Then the method alone does not have all columns. These are gauges, and names of
+    `also` that the method does not find itself.
     """
     if readings.gauges:
         return True
@@ -172,7 +173,10 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     columns = _empty_columns(system, readings)
 
     def raise_if_stopped(*_: Any) -> None:
-        """Raise Stopped if the sweep shall give up; as the progress function of a run."""
+        """Raise Stopped if the sweep shall give up.
+
+        It serves as the progress function of a run.
+        """
         if should_stop():
             raise Stopped
 
@@ -217,7 +221,10 @@ def _without_unread_states(options: Options, readings: RequestedReadings) -> Opt
 
 
 def _in_one_call(chunk: Chunk, should_stop: Callable[[], bool], later: int) -> Columns:
-    """Columns of members that the method runs in one call, by name; arguments as `run_chunk`."""
+    """Columns of members that the method runs in one call, by name.
+
+    The arguments are those of `run_chunk`.
+    """
     options = chunk.options
     method = METHODS[options.method]
     assert method.family is not None

@@ -167,10 +167,10 @@ class Layout(NamedTuple):
 
 
 def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
-    """Columns of a family that have these names in `COLUMNS`: what each holds, by its full name.
+    """Columns of a family with these names in `COLUMNS`, by their full names.
 
-    A name such as "impulse" has a column for each contact, "impulse.0", "impulse.1";
-    one that no body or contact has is left out.
+    The result says what each column holds. A name such as "impulse" has a column for
+    each contact, "impulse.0", "impulse.1"; one that no body or contact has is left out.
     """
     owners = _owners(system)
     sources = {}
@@ -203,7 +203,10 @@ def _owners(system: System) -> dict[str, list[int]]:
 
 
 def layout_of(system: System, readings: RequestedReadings) -> dict[str, Layout]:
-    """How the columns of a family are stored, by name; "strain" is that of the gauges."""
+    """How the columns of a family are stored, by name.
+
+    "strain" is the column of the gauges.
+    """
     layout = {}
     for column, source in columns_of(system, (*ALWAYS, *readings.also)).items():
         layout[column] = Layout(COLUMNS[source.name].dtype, member_shape=())

@@ -1,10 +1,11 @@
-"""Derivatives on both sides of a point, by Richardson's extrapolation from values at halved steps.
+"""Derivatives on both sides of a point, by Richardson's extrapolation.
 
-A polynomial through the values at a few consecutive steps is extrapolated to the step
-0. Such a window of steps has a bound: how far it lies from the window of one step less,
-and what noise of the values may do to it. Windows are taken from the smallest steps to
-the largest. The first that contradicts those before it reaches beyond a kink, and ends
-the search. The window with the least bound is the result.
+It starts from values at halved steps. A polynomial through the values at a few
+consecutive steps is extrapolated to the step 0. Such a window of steps has a bound: how
+far it lies from the window of one step less, and what noise of the values may do to it.
+Windows are taken from the smallest steps to the largest. The first that contradicts
+those before it reaches beyond a kink, and ends the search. The window with the least
+bound is the result.
 
 C. Brezinski, M. Redivo Zaglia, Extrapolation Methods, North-Holland 1991.
 """
@@ -33,7 +34,10 @@ def _difference(below: Estimate, above: Estimate) -> Estimate:
 
 
 class Sides(NamedTuple):
-    """A function at a point: derivatives and values on both sides, and its central derivative."""
+    """A function at a point: derivatives and values on both sides.
+
+    The central derivative is here, too.
+    """
 
     below: Estimate  # derivative on the side of smaller arguments
     above: Estimate  # derivative on the side of larger arguments
@@ -92,7 +96,7 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
 
 
 def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estimate:
-    """Limit of a sequence at steps that are halved: that of the window with the least error.
+    """Limit of a sequence at halved steps, by the window with the least error.
 
     Parameters
     ----------
@@ -128,11 +132,12 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
 
 
 def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
-    """Window with the least error of those that begin at each step, the smallest step first.
+    """Window with the least error of those that begin at each step.
 
-    `noise` is the bound of the error of `first` by the values, [step, ...]; see
-    `limit`. A window of order n removes the first n terms of the error by n + 1 steps.
-    With the two windows S of order n - 1 in it, Richardson's extrapolation is
+    The smallest step comes first. `noise` is the bound of the error of `first` by the
+    values, [step, ...]; see `limit`. A window of order n removes the first n terms of
+    the error by n + 1 steps. With the two windows S of order n - 1 in it, Richardson's
+    extrapolation is
 
         S(smaller steps) + (S(smaller steps) - S(larger steps))/(ratio^n - 1).
     """

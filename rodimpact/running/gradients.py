@@ -39,9 +39,15 @@ from .solving import solve
 from .sweeping import sweep
 
 SMOOTH_RTOL = 1e-10
-"""Tolerance of the method "characteristics": finer runs cost more and are hardly more accurate."""
+"""Tolerance of the method "characteristics".
+
+Finer runs cost more and are hardly more accurate.
+"""
 FRONTS_RTOL = 2.0**-48
-"""Round-off of a run by fronts, relative to the largest velocity, impulse or duration."""
+"""Relative round-off of a run by fronts.
+
+It is relative to the largest velocity, impulse or duration.
+"""
 DURATION_ERROR_RATIO = 10.0  # error of durations over the stated error of forces
 STEPS_PER_STAGE = 6  # steps on each side, halved from one to the next
 MAX_STAGES = 4
@@ -51,12 +57,15 @@ LARGEST_STEP = {
     "characteristics": 2.0**-6,
     "finite-difference": 2.0**-3,
 }
-"""Largest step over the number, by method: the less accurate its results, the longer."""
+"""Largest step over the number, by method.
+
+The less accurate the results of a method are, the longer is the step.
+"""
 PROBING_CHANGE = 2.0**-6  # change over the number that shows what physics others take
 NOISE_AMPLIFICATION = 16.0  # error of a derivative, times the step, over that of values
 MAX_ERROR_OVER_NOISE = 10.0  # stated error over that by noise at which steps are kept
 SCALED_BY_MOTION = {"velocity", "strain", "value", "position"}
-"""Words in paths of numbers whose changes are measured by the motion of the row alone."""
+"""Words in paths of numbers whose changes are measured by the row's motion alone."""
 NUMBER_RTOL = 2.0**-52  # round-off of a number of the system
 PRINTED_RTOL = 1e-8  # relative error of a derivative printed with 8 digits
 
@@ -204,14 +213,15 @@ def gradient(
     workers: int | None = None,
     progress: bool | ProgressFunction = True,
 ) -> Gradient:
-    """Derivatives of a result of a collision, by finite differences with a stated error.
+    """Derivatives of a result of a collision, with stated errors.
 
-    The collision is solved on both sides of each number, at 6 to 24 steps on each side
-    that are halved from one to the next. Derivatives follow by Richardson's
-    extrapolation. If they differ on both sides, or if the quantity jumps, the number
-    has a kink. Steps become smaller as long as a kink seems near, or the error is
-    larger than the accuracy of the solutions makes necessary. Kinks closer to the
-    number than about 1e-7 of it cannot be told from a kink at the number.
+    They are found by finite differences. The collision is solved on both sides of each
+    number, at 6 to 24 steps on each side that are halved from one to the next.
+    Derivatives follow by Richardson's extrapolation. If they differ on both sides, or
+    if the quantity jumps, the number has a kink. Steps become smaller as long as a kink
+    seems near, or the error is larger than the accuracy of the solutions makes
+    necessary. Kinks closer to the number than about 1e-7 of it cannot be told from a
+    kink at the number.
 
     Parameters
     ----------
@@ -311,7 +321,10 @@ def _common_options(
 
 
 def _why_undefined(system: System, of: str, options: Options) -> str:
-    """Sentence on why a single collision has no result of that name; the collision is solved."""
+    """Why a single collision has no result of that name, as a sentence.
+
+    The collision is solved.
+    """
     solution = solve(
         system,
         until=options.until,
@@ -379,11 +392,11 @@ class _Result:
         return Estimate(value, accuracy * self._size(system, columns))
 
     def _size(self, system: System, columns: Mapping[str, Any]) -> Any:
-        """The size, in its unit, to which the stated error of the result is relative, of members.
+        """Size to which the stated error of the result is relative, of members.
 
-        It is the velocity scale of the row, the largest impulse, peak force or duration
-        of a contact, or that of a restitution. The results of the members are given by
-        column.
+        It is in the unit of the result. It is the velocity scale of the row, the
+        largest impulse, peak force or duration of a contact, or that of a restitution.
+        The results of the members are given by column.
         """
         kind, _, _ = self.of.partition(".")
         if kind == "velocity_after":
@@ -470,7 +483,10 @@ class _Number(NamedTuple):
         return True
 
     def _changed(self, change: Any) -> System:
-        """The system with the number plus a change; a family if the change is an array."""
+        """The system with the number plus a change.
+
+        It is a family if the change is an array.
+        """
         value = self.x + change
         if np.ndim(value) == 0:
             value = float(value)
@@ -551,11 +567,11 @@ def _largest_of(segments: Sequence[Any], name: str) -> Any:
 
 
 def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
-    """Derivatives of a result by a number on both sides, from stages of ever smaller steps.
+    """Derivatives of a result by a number on both sides.
 
-    `value` is the result itself, with its error. Each stage has `STEPS_PER_STAGE`
-    steps. A stage after the first solves only those members that `_unsettled` chooses;
-    others have nan in it.
+    They are found in stages of ever smaller steps. `value` is the result itself, with
+    its error. Each stage has `STEPS_PER_STAGE` steps. A stage after the first solves
+    only those members that `_unsettled` chooses; others have nan in it.
     """
     shape = number.system.shape
     size = np.broadcast_to(number.size, shape)
@@ -733,7 +749,10 @@ def _is_list_of_text(value: Any) -> bool:
 def _gradient(
     system: System, of: str, wrt: tuple[str, ...], value: Any, columns: list[_Column]
 ) -> Gradient:
-    """The result of `gradient`, from the value of `of` and a column for each path of `wrt`."""
+    """The result of `gradient`, from the value of `of` and columns by path.
+
+    Each path of `wrt` has a column.
+    """
     unit = quantity_of_column(system, of).unit
     values = {}
     errors = {}
@@ -768,7 +787,7 @@ def _gradient(
 
 
 def _per(unit: str, other: str) -> str:
-    """Unit of a derivative of a quantity by another, from their units; "" if it has none."""
+    """Unit of a derivative, from the units of both quantities; "" if it has none."""
     if unit == other or (unit == "1" and other == ""):
         return ""
     if other in ("", "1"):

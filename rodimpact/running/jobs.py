@@ -51,7 +51,10 @@ class Pool(NamedTuple):
 
 
 def check_executor(problems: Problems, executor: object, system: System) -> None:
-    """Add problems of an executor that is none, and of laws that it cannot hand to processes."""
+    """Add problems of an executor that is none, or of laws that it cannot take.
+
+    Some laws cannot be handed to processes.
+    """
     if executor is None:
         return
     if not isinstance(executor, Executor):
@@ -79,11 +82,11 @@ def _is_importable(function: Callable[..., Any]) -> bool:
 
 @contextlib.contextmanager
 def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
-    """The given executor, or threads of our own, which are told to stop when the context ends.
+    """The given executor, or threads of our own.
 
-    Where no thread can start, jobs are done by the thread that submits them. The number
-    of workers is by default that of the processors, and `WORKERS_OF_EXECUTOR` for a
-    given executor.
+    The threads are told to stop when the context ends. Where no thread can start, jobs
+    are done by the thread that submits them. The number of workers is by default that
+    of the processors, and `WORKERS_OF_EXECUTOR` for a given executor.
     """
     if executor is not None:
         if workers is None:
@@ -126,7 +129,10 @@ class SerialExecutor(Executor):
     def submit(
         self, job: Callable[..., Any], /, *arguments: Any, **named: Any
     ) -> Future[Any]:
-        """Do a job, and return a future that has its result; errors of the job are raised here."""
+        """Do a job, and return a future with its result.
+
+        Errors of the job are raised here.
+        """
         future: Future[Any] = Future()
         future.set_result(job(*arguments, **named))
         return future
@@ -158,9 +164,10 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
 
 
 def cut(spans: Iterable[Span], size: int) -> Iterator[Span]:
-    """Cut spans of members at multiples of a size, so that each part lies between two of them.
+    """Cut spans of members at multiples of a size.
 
-    A span goes from `start` to `stop` - 1.
+    Each part lies between two neighbouring multiples. A span goes from `start` to
+    `stop` - 1.
     """
     for start, stop in spans:
         while start < stop:

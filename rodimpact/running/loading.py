@@ -1,4 +1,4 @@
-"""Saved results: a solution is solved again from its case, a family is read as it was."""
+"""Saved results: a solution is solved again from its case, a family is read."""
 
 import warnings
 from typing import Any
@@ -72,9 +72,10 @@ def load(path: PathLike) -> Any:
 
 
 def _solve_again(name: str) -> Solution:
-    """Solve the case of a file; warn where the outcome differs from the one that it stores.
+    """Solve the case of a file.
 
-    InvalidModel if it stores no outcome.
+    A warning tells where the outcome differs from the stored one. InvalidModel if it
+    stores no outcome.
     """
     case = read_case(name)
     if case.result is None:

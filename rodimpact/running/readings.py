@@ -1,4 +1,7 @@
-"""What a sweep reads of each member beside its outcome: gauges, times, and further columns."""
+"""Readings of each member of a sweep beside its outcome.
+
+They are gauges, times, and further columns.
+"""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -69,9 +72,10 @@ def check_readings(
 def _check_gauge(
     problems: Problems, system: System, path: str, gauge: Any
 ) -> tuple[int, float] | None:
-    """Body of a gauge, and its place in m from the left end; None and a problem if it is faulty.
+    """Body of a gauge, and its place in m from the left end.
 
-    It must lie in a rod of every member. A place that is no number has a problem, too.
+    None and a problem if the gauge is faulty. It must lie in a rod of every member. A
+    place that is no number has a problem, too.
     """
     try:
         body, x = gauge
@@ -100,9 +104,10 @@ def _check_gauge(
 
 
 def check_also(problems: Problems, names: Any, until: float | None) -> tuple[str, ...]:
-    """Check the argument `also` of `sweep`; return its names, each once, in the order of `ALSO`.
+    """Check the argument `also` of `sweep`, and return its names.
 
-    Mistakes are added to the problems; () if it is no list. Displacements need `until`.
+    Each name is returned once, in the order of `ALSO`. Mistakes are added to the
+    problems; () if it is no list. Displacements need `until`.
     """
     choices = ", ".join(f'"{name}"' for name in ALSO)
     if isinstance(names, str | bytes) or not isinstance(names, Sequence):

@@ -19,7 +19,7 @@ SAMPLED_MEMBERS = 12  # members that are listed of a larger family
 MAX_LISTED_BODIES = 8  # bodies whose velocities are listed for each member
 
 Varied = Sequence[tuple[str, Any, str]]
-"""For each axis of a family: the path of what varies along it, its values, and their unit."""
+"""For each axis of a family: the path of what varies, its values, and their unit."""
 TextColumns = dict[str, list[str]]
 """Columns of a table by their heads: an entry for each member that is listed."""
 
@@ -92,7 +92,7 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
 
 
 def _extremes(result: SweepResult, varied: Varied) -> str:
-    """Table of the number of collisions, and of the smallest and largest e with its place."""
+    """Table of the number of collisions, and of extreme e with their places."""
     where = ""
     if result.shape:
         where = f"in a grid of {' x '.join(map(str, result.shape))}"
@@ -147,7 +147,10 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
 
 
 def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextColumns:
-    """Columns of what varies along each axis, for members given by their places in C order."""
+    """Columns of what varies along each axis.
+
+    The members are given by their places in C order.
+    """
     shape = result.shape
     if not shape:  # a single collision is a table of one line
         shape = (1,)
@@ -161,7 +164,10 @@ def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextCo
 
 
 def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
-    """Columns of text on contact k, the only one that can open, from numbers by column [member]."""
+    """Columns of text on contact k, from numbers by column [member].
+
+    It is the only contact that can open.
+    """
     impulses = numbers[f"impulse.{k}"]
     episode_counts = numbers[f"episodes.{k}"]
     episodes = []
@@ -183,7 +189,7 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
 
 
 def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
-    """Columns of text with the velocities of the bodies, from numbers by column [member].
+    """Columns of text with velocities of bodies, from numbers by column [member].
 
     Of more than `MAX_LISTED_BODIES` bodies only the first and the last ones are listed.
     """
@@ -245,10 +251,10 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 
 
 def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
-    """Sentences on members without e: how many, and why the first of each kind has none.
+    """Sentences on members without e.
 
-    Members of a kind have the same status, and have or have not met. "" if all have an
-    e.
+    They tell how many these are, and why the first of each kind has none. Members of a
+    kind have the same status, and have or have not met. "" if all have an e.
     """
     missing = np.isnan(result.restitution)
     episodes: Any = 0

@@ -44,9 +44,10 @@ LINES_PER_BLOCK = 4096  # lines of a table that are made at a time
 
 @explain_missing()
 class Axis(NamedTuple):
-    """One dimension of a family: the path of the number that varies along it alone, and its values.
+    """One axis of a family, with the path and the values of the number that varies.
 
-    Where there is no such number, the name is ``"axis 0"`` and the values count from 0.
+    Only this number varies along the axis. Where there is no such number, the name is
+    ``"axis 0"`` and the values count from 0.
 
     Examples
     --------
@@ -153,7 +154,10 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def restitution(self) -> Any:
-        """Effective coefficient of restitution e; nan where undefined, see `explain`."""
+        """Effective coefficient of restitution e.
+
+        It is nan where undefined, see `explain`.
+        """
         return self.columns["restitution"]
 
     @property
@@ -181,7 +185,10 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def incomplete(self) -> Any:
-        """Whether the cap on events or the clock stopped each run before its end, or it failed."""
+        """Whether each run was stopped before its end, or failed.
+
+        The cap on events or the clock stops a run.
+        """
         return ~np.isin(self.columns["status"], ENDED)
 
     @cached_property
@@ -220,7 +227,10 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def displacements(self) -> dict[int, Any]:
-        """Displacements of the centres of mass at the end, m, by body; ValueError as above."""
+        """Displacements of the centres of mass at the end, m, by body.
+
+        ValueError as above.
+        """
         return self._requested("displacement")
 
     @property
@@ -229,9 +239,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         return self._requested("largest_stress")
 
     def _requested(self, name: str) -> dict[int, Any]:
-        """Columns that have that name, by the index of their body or contact, 0 for the whole row.
+        """Columns that have that name, by the index of their body or contact.
 
-        InvalidModel unless the name was asked for in `also`.
+        The index is 0 for the whole row. InvalidModel unless the name was asked for in
+        `also`.
         """
         if name not in self.readings.also:
             raise invalid_argument(
@@ -243,7 +254,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         return by_owner
 
     def explain(self, index: Any) -> str:
-        """Sentence on one member: why it ended, or why it has no restitution if that is known.
+        """Why one member ended, or why it has no restitution, as a sentence.
 
         The member is solved again.
 
@@ -307,11 +318,11 @@ class SweepResult(Shown, OnlyContact[Any]):
         return cls(system, Options(**options), NamedItems(columns), readings, strain)
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
-        """Varied numbers and results of the members `start` to `stop` - 1 in C order, by name.
+        """Varied numbers and results of the members `start` to `stop` - 1, by name.
 
-        Each is an array with an entry a member; strains are left out. A status is a
-        word. Indices below 0 count from the end; InvalidModel if they are no whole
-        numbers.
+        The members are in C order. Each is an array with an entry a member; strains are
+        left out. A status is a word. Indices below 0 count from the end; InvalidModel
+        if they are no whole numbers.
         """
         if not is_integer(start) or not (stop is None or is_integer(stop)):
             message = f"must be whole numbers, got {shown(start)} and {shown(stop)}"
@@ -329,7 +340,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         return table
 
     def csv_lines(self) -> Iterator[str]:
-        """Lines of a table of all members, names first: every digit, an empty cell for nan."""
+        """Lines of a table of all members, names first.
+
+        Numbers have every digit, and nan is an empty cell.
+        """
         yield ",".join([*self.parameters, *self.columns])
         for start in range(0, math.prod(self.shape), LINES_PER_BLOCK):
             table = self.table(start, start + LINES_PER_BLOCK)
