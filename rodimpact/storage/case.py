@@ -1,4 +1,4 @@
-"""What a case file describes: a collision, or a family of them, and what to do with it."""
+"""A case file's content: a collision or a family of them, and what to do with it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,7 +23,10 @@ CASE_SCHEMA = 1
 """Version of the case files; readers refuse others."""
 OUTPUTS = ("plot", "save")
 MAX_CASE_BYTES = 10**7
-"""Size of a case file, at most. Python takes up to a hundred bytes of memory for each."""
+"""Largest size of a case file, bytes.
+
+Python takes up to a hundred bytes of memory for each of them.
+"""
 
 
 class GaugePlace(NamedTuple):
@@ -41,7 +44,7 @@ class GaugePlace(NamedTuple):
 @explain_missing("system")
 @dataclass(frozen=True)
 class Case:
-    """A collision or a family, with options, outputs and gauges: the content of a case file.
+    """Content of a case file: a collision or a family, options, outputs and gauges.
 
     Attributes
     ----------
@@ -83,7 +86,7 @@ class Case:
     result: SavedResult | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
-        """Raise InvalidModel with all that is wrong, before anything is solved or written."""
+        """Raise InvalidModel with all mistakes, before any solution or file is made."""
         of_kind("system", self.system, System, "System([rod, Wall()])")
         problems: Problems = []
         _check_options(problems, self.solve)
@@ -104,7 +107,7 @@ class Case:
 
 
 def _check_options(problems: Problems, options: Any) -> None:
-    """Add problems of options that are no arguments of `solve`, or have wrong values."""
+    """Add problems of options that `solve` does not have, or of wrong values."""
     if not isinstance(options, Mapping):
         add_problem(problems, "solve", "must be arguments of ri.solve by name", options)
         return

@@ -148,10 +148,11 @@ def check_schema(top: Table) -> None:
 
 
 def read_materials(group: Table) -> Materials:
-    """Materials by name, those of the library too; steel stands in for one with mistakes.
+    """Materials by name, with those of the library.
 
-    `group` holds a table for each material of the file, by its key. A damped material
-    has the viscosity that gives it its loss factor.
+    Steel stands in for a material with mistakes. `group` holds a table for each
+    material of the file, by its key. A damped material has the viscosity that gives it
+    its loss factor.
     """
     library = dict(materials.TABLE)
     for name in group.data:
@@ -171,7 +172,10 @@ def read_materials(group: Table) -> Materials:
 
 
 def read_elasticity(table: Table) -> dict[str, Any]:
-    """Numbers of a material, with its wave speed where that is given for the modulus."""
+    """Numbers of a material.
+
+    Its wave speed is among them where it is given for the modulus.
+    """
     if not table.has(SPEED):
         return table.given_numbers(Material)
     without = []
@@ -183,9 +187,10 @@ def read_elasticity(table: Table) -> dict[str, Any]:
 
 
 def read_damping(table: Table) -> dict[str, Any]:
-    """Arguments of `Material.damped`; empty if neither loss factor nor its frequency is given.
+    """Arguments of `Material.damped`, empty if there is no damping.
 
-    If one of them is missing, or a viscosity is given too, that is noted as a mistake.
+    Then neither the loss factor nor its frequency is given. If one of them is missing,
+    or a viscosity is given too, that is noted as a mistake.
     """
     has_factor = table.has_or_varies("loss_factor")
     has_frequency = table.has_or_varies("loss_frequency")
@@ -247,7 +252,10 @@ def with_grids(table: Table, material: Material) -> Material:
 
 
 def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
-    """The material with other numbers; unchanged, with the mistakes noted, if they allow none."""
+    """The material with other numbers.
+
+    It is unchanged, with the mistakes noted, if they allow none.
+    """
     changed = table.make_or_note(material.replace, **numbers)
     if changed is None:
         return material
@@ -255,7 +263,10 @@ def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
 
 
 def read_body(table: Table, library: Materials) -> Body | None:
-    """The body, or a stand-in of its kind if it has mistakes; None if the kind is unknown."""
+    """The body, or a stand-in of its kind if it has mistakes.
+
+    None if the kind is unknown.
+    """
     kind = table.word("kind", BODIES)
     if kind is None:
         return None
@@ -386,11 +397,11 @@ def read_contacts(
 
 
 def read_law(table: Table, pair: list[Body | None], library: Materials) -> ContactLaw:
-    """The law of a contact, or a stand-in that goes between any bodies if it has mistakes.
+    """The law of a contact, or a stand-in if it has mistakes.
 
-    A Hertz contact may have the radii of its faces in place of its stiffness. `pair`
-    has the left and the right body, None for one with mistakes; it is shorter if the
-    case has too few bodies.
+    The stand-in goes between any bodies. A Hertz contact may have the radii of its
+    faces in place of its stiffness. `pair` has the left and the right body, None for
+    one with mistakes; it is shorter if the case has too few bodies.
     """
     name = table.word("law", CONTACT_LAWS, Rigid.law)
     if name is None:
@@ -446,10 +457,10 @@ def read_faces(
 
 
 def read_ends(sides: Table) -> list[End]:
-    """The left and the right end of the row; a free one stands in for one with mistakes.
+    """The left and the right end of the row.
 
-    An end that is not given is free. A mistake names the kinds of `ENDS`, not those
-    that earlier versions wrote.
+    A free end stands in for one with mistakes. An end that is not given is free. A
+    mistake names the kinds of `ENDS`, not those that earlier versions wrote.
     """
     ends: list[End] = []
     for side in SIDES:

@@ -1,8 +1,9 @@
-"""Tables of a case file: numbers, words and tables by their keys, and every mistake with its path.
+"""Tables of a case file, with every mistake noted by its path.
 
-A class of the model declares its numbers in `fields`: unit, sign, default. A table is
-read by these declarations, so a new field or class needs no line here. A number with a
-mistake becomes nan, and reading goes on.
+A table has numbers, words and tables by their keys. A class of the model declares its
+numbers in `fields`: unit, sign, default. A table is read by these declarations, so a
+new field or class needs no line here. A number with a mistake becomes nan, and reading
+goes on.
 """
 
 from __future__ import annotations
@@ -27,7 +28,10 @@ PROFILES = {  # how a profile is written along a rod, and in time
     "{samples = [...], step = ...};",
 }
 SAMPLE_KEYS = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
-"""Keys of a profile of samples, where the model has other names: pattern and replacement."""
+"""Keys of a profile of samples that the model calls otherwise.
+
+Each is a pattern and its replacement.
+"""
 SAMPLE_STEP = Samples.fields["step"]._replace(default=REQUIRED)
 POLYNOMIAL_KEYS = {
     r"^values\[(\d+)\]": r"polynomials.\1",
@@ -115,18 +119,24 @@ class Table:
         return self.data.get(key, default)
 
     def grid_or_tie(self, key: str) -> Grid | Tie | None:
-        """The grid or the tie in place of this number; its path is noted as one that can vary."""
+        """The grid or the tie in place of this number.
+
+        Its path is noted as one that can vary.
+        """
         path = self.where(key)
         self.reading.numbers[path] = None
         return self.reading.grids.get(path)
 
     def has_or_varies(self, key: str) -> bool:
-        """Whether this number is in the file, or a grid or a tie in its place; it can vary."""
+        """Whether this number is in the file, or a grid or a tie in its place.
+
+        Its path is noted as one that can vary.
+        """
         varying = self.grid_or_tie(key)
         return self.has(key) or varying is not None
 
     def given_numbers(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
-        """Numbers of the fields of a class that are given, and of those that must be, by key.
+        """Numbers of a class that are given, and of those that must be, by key.
 
         A number that must be given and is not is nan, and noted. Fields `without` which
         the object can be made are not among them.
@@ -143,7 +153,7 @@ class Table:
         return numbers
 
     def number(self, key: str, field: QuantityField) -> Any:
-        """A number, an array where it varies, a profile, or the word that may stand there.
+        """A number, an array where it varies, a profile, or the word allowed there.
 
         It is nan, and a mistake is noted, if it is missing or none of these.
         """
@@ -170,7 +180,7 @@ class Table:
         return self.quantity(key, value, field.dimension, hint)
 
     def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
-        """Float of a number or a text with unit, array of a grid or a tie; nan of anything else.
+        """Float of a number or a text with unit, array of a grid or a tie; else nan.
 
         Then the mistake is noted; if the number can vary, `hint` and how to vary it
         follow.
@@ -190,10 +200,10 @@ class Table:
             return math.nan
 
     def number_list(self, key: str, dimension: str, vary: bool = True) -> Any:
-        """A list of numbers; with `vary` a grid or a tie may be given in place of an item.
+        """A list of numbers.
 
-        An item with a mistake is nan. Anything but a list is None; all mistakes are
-        noted.
+        With `vary` a grid or a tie may be given in place of an item. An item with a
+        mistake is nan. Anything but a list is None; all mistakes are noted.
         """
         values = self.get(key)
         if not isinstance(values, list):
@@ -252,9 +262,10 @@ class Table:
     def word(
         self, key: str, choices: Collection[str], default: str | None = None
     ) -> str | None:
-        """The word at a key, one of the choices; None, with a mistake noted, for anything else.
+        """The word at a key, one of the choices.
 
-        The default stands in for a missing one.
+        It is None, with a mistake noted, for anything else. The default stands in for a
+        missing one.
         """
         value = self.get(key, default)
         if isinstance(value, str) and value in choices:
@@ -266,7 +277,10 @@ class Table:
         return None
 
     def table(self, key: str) -> Table:
-        """The table of that name; an empty one, in which nothing is missing, for anything else."""
+        """The table of that name.
+
+        It is an empty one, in which nothing is missing, for anything else.
+        """
         data = self.get(key, {})
         if isinstance(data, dict):
             return Table(self.reading, self.where(key), data)
@@ -308,10 +322,10 @@ class Table:
     def make_or_note(
         self, kind: Any, names: Mapping[str, str] = SAME_NAMES, /, **entries: Any
     ) -> Any:
-        """An object of the model; None, with its mistakes noted here, if they allow none.
+        """An object of the model.
 
-        Keys that the model calls otherwise are in `names`: patterns of paths, and
-        replacements.
+        It is None, with its mistakes noted here, if they allow none. Keys that the
+        model calls otherwise are in `names`: patterns of paths, and replacements.
         """
         try:
             return kind(**entries)

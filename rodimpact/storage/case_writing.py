@@ -1,4 +1,4 @@
-"""A case is written as the text of a case file: what the model says of itself, as TOML."""
+"""Write a case as the text of a case file: the model's descriptions, as TOML."""
 
 import json
 import re
@@ -169,7 +169,7 @@ def check_case_name(path: PathLike) -> None:
 
 
 def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Material]:
-    """Name the materials in the tables of rods by keys; return the materials by their keys.
+    """Name the materials in the tables of rods by keys, and return them by key.
 
     A key is the name of the material, with a number behind if another material has that
     name.
@@ -189,9 +189,9 @@ def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Mate
 
 
 def _free_key(named: dict[str, Material], material: Material) -> str:
-    """Key of a material among those that are named, which it joins: ``"steel"``, ``"steel 2"``.
+    """Key of a material among those that are named, such as ``"steel 2"``.
 
-    Equal materials have one key.
+    The material joins those that are named. Equal materials have one key.
     """
     key = material.name
     number = 1

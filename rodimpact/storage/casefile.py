@@ -1,4 +1,4 @@
-"""Case files: a collision written down in TOML, read with every mistake reported at once.
+"""Case files: a collision written down in TOML, and every mistake in it at once.
 
     schema = 1
     gravity = "9.81 m/s^2"   # to the right; 0 if left out
@@ -147,7 +147,7 @@ def read_case(
 
 
 def _similar_file(name: str) -> str:
-    """Hint at the file of the same folder whose name is spelt like one that is missing."""
+    """Hint at a file of the same folder with a name spelt like the missing one."""
     path = Path(name)
     files = []
     with suppress(OSError):  # there is no such folder, or it may not be read

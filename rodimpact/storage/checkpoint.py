@@ -1,7 +1,8 @@
-"""A sweep on disk: files of members that are done, each of which knows whose members they are.
+"""A sweep on disk: files of members that are done.
 
-A file is there as a whole or not at all, so a process may be killed at any moment; the
-next one goes on with what is missing, or is no longer what it was.
+Each file knows whose members it has. A file is there as a whole or not at all, so a
+process may be killed at any moment; the next one goes on with what is missing, or is no
+longer what it was.
 """
 
 from __future__ import annotations
@@ -145,8 +146,9 @@ class Checkpoint:
         return files
 
     def _read(self, file: Path) -> _Chunk | None:
-        """Members in a file; None, with a warning, if it is damaged: then it is put aside.
+        """Members in a file.
 
+        None, with a warning, if the file is damaged; then the file is put aside.
         FileFormatError if they are of another sweep.
         """
 
@@ -175,7 +177,7 @@ class Checkpoint:
         return _Chunk(document["start"], columns)
 
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
-        """Take the results of the members from `start` to `stop`, and save now and then."""
+        """Take the results of the members `start` to `stop - 1`; save now and then."""
         self._take(start, stop, part)
         self._unsaved[start:stop] = True
         now = time.monotonic()
@@ -190,7 +192,10 @@ class Checkpoint:
         self._save()
 
     def _save(self) -> None:
-        """Save the members that are not on the disk; without a directory nothing is written."""
+        """Save the members that are not on the disk.
+
+        Without a directory nothing is written.
+        """
         if self.path is not None:
             for start, stop in spans(self._unsaved):
                 self._write(self.path / FILE_NAME.format(f"{start:08}"), start, stop)

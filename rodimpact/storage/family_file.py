@@ -1,4 +1,4 @@
-"""A family in a file: a document of its system, and columns of the arrays that the system holds.
+"""A family in a file: a document of its system, and columns of the arrays in it.
 
 An object of the model becomes its class and the parameters of its constructor. The
 constructor checks them again when the file is read. An array becomes its place in the
@@ -68,7 +68,10 @@ class _Describer:
         return value
 
     def describe_object(self, value: Frozen) -> dict[str, Any]:
-        """Description of an object of the model: its class, and the parameters that make it."""
+        """Description of an object of the model: its class and its parameters.
+
+        The parameters are those that make the object.
+        """
         if isinstance(value, System):
             value.check_file()  # raises for a law that is a function
         described: dict[str, Any] = {"class": type(value).__name__}

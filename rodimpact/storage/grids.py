@@ -1,8 +1,8 @@
-"""Numbers of a case that vary: the text "0.1:1:200" becomes an array along an axis of its own.
+"""Numbers of a case that vary: the text "0.1:1:200" becomes an array.
 
-A number may be tied to another one that varies, by a factor: "2.5
-mm*contacts.1.stiffness". It has no axis of its own. A name that is no number of the
-case, such as R, is a variable if another number is tied to it.
+The array lies along an axis of its own. A number may be tied to another one that
+varies, by a factor: "2.5 mm*contacts.1.stiffness". It has no axis of its own. A name
+that is no number of the case, such as R, is a variable if another number is tied to it.
 """
 
 import re
@@ -59,9 +59,10 @@ class Grid:
         self._shape = shape
 
     def array(self, dimension: str) -> Number:
-        """Values of the number along the axis of this grid, in the SI unit of the dimension.
+        """Values of the number along the axis of this grid.
 
-        They are kept in `varied`. ValueError if the text is no grid.
+        They are in the SI unit of the dimension. They are kept in `varied`. ValueError
+        if the text is no grid.
         """
         values = grid_values(self.text, dimension)
         self.varied = Varied(self.path, values, units.si_unit(dimension))
@@ -72,7 +73,10 @@ class Grid:
         return values.reshape(self._shape)
 
     def amounts(self) -> Varied:
-        """Values of the grid by the units that its text has; ValueError if it is no grid."""
+        """Values of the grid, by the units that its text has.
+
+        ValueError if the text is no grid.
+        """
         first, *_ = re.split("[:,]", self.text, maxsplit=1)
         unit = units.read_amount(first).unit
         values = grid_values(self.text, units.dimension_of(unit))
@@ -95,7 +99,7 @@ class Tie:
         self._text = text
 
     def array(self, dimension: str) -> Number:  # noqa: ARG002
-        """Values of the number along the axis of its source: those of the source times factors.
+        """Values along the axis of the source: those of the source times factors.
 
         ValueError for a factor that cannot be read, or a divisor of 0.
         """
@@ -115,7 +119,10 @@ class Tie:
 
 
 class TieParts(NamedTuple):
-    """Parts of the text of a tie, factor * name operator operand; "" where one is missing."""
+    """Parts of the text of a tie, factor * name operator operand.
+
+    A part that is missing is "".
+    """
 
     factor: str
     operator: str
@@ -123,10 +130,10 @@ class TieParts(NamedTuple):
 
 
 def _split_at(text: str, name: str) -> TieParts | None:
-    """Parts of a text around the name of another number; None if it is no product with it.
+    """Parts of a text around the name of another number.
 
-    The text is "factor*name", "name*operand", "name/operand" or both; one of them may
-    be missing.
+    None if the text is no product with it. The text is "factor*name", "name*operand",
+    "name/operand" or both; one of them may be missing.
     """
     pattern = (
         rf"\s*(?:(?P<factor>[^*]+)\*)?\s*{re.escape(name)}"
@@ -161,10 +168,10 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
 
 
 def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
-    """Return grids and ties by their paths, from their texts; InvalidModel for anything else.
+    """Return grids and ties by their paths, from their texts.
 
-    The k-th grid runs along axis k; a tie runs along the axis of its source, which must
-    be a grid.
+    InvalidModel for anything else. The k-th grid runs along axis k; a tie runs along
+    the axis of its source, which must be a grid.
     """
     texts: Any = vary
     if vary is None:
@@ -211,7 +218,10 @@ def variables_of(grids: Mapping[str, Grid | Tie], numbers: Collection[str]) -> s
 
 
 def grid_values(text: Any, dimension: str) -> Floats:
-    """All values of a grid, shape (n,), in SI units; ValueError unless a text in `FORM`."""
+    """All values of a grid, shape (n,), in SI units.
+
+    ValueError for anything but a text in `FORM`.
+    """
     if isinstance(text, str) and ":" not in text:
         return np.array([units.parse(number, dimension) for number in text.split(",")])
     spaced = None

@@ -1,4 +1,4 @@
-"""Files are read here: nothing is unpacked that the file's own document does not announce.
+"""Reading of files: nothing is unpacked that the file's document does not announce.
 
 An NPZ is opened at its document. Only if that is one of rodimpact's are the arrays read
 that it names, and each must have the size, type, shape and checksum that it had when it
@@ -33,7 +33,10 @@ MAX_HEADER_BYTES = 1 << 12
 """Bytes before the numbers of an array, at most; usually 128."""
 ADVICE = "load it on a larger machine"
 BYTES_PER_CHARACTER = 24
-"""Memory that Python takes for a character of a document, at most: one of brackets alone."""
+"""Largest memory that Python takes for a character of a document, bytes.
+
+A document of brackets alone takes most.
+"""
 OLD_SOLUTION = (
     "holds the arrays of a single solution, as an earlier version of rodimpact saved "
     "them. A solution is saved as its case now: solve its system again, and "
@@ -61,7 +64,7 @@ class FileFormatError(ValueError):
     """
 
     def __init__(self, message: str, path: str = "") -> None:
-        """Keep the message, and put the path of the file before it in the text of the error."""
+        """Keep the message, and put the path of the file before it in the text."""
         text("message", message, "is empty")
         text("path", path, "run.toml")
         self.problems = [(path, message)]

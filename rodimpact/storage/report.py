@@ -104,7 +104,10 @@ def _is_in_soil(system: Any) -> bool:
 
 
 def _pile_table(solution: Any) -> str:
-    """Permanent set of the toe, and the largest stresses in each rod with place and time."""
+    """Permanent set of the toe, and the largest stresses with place and time.
+
+    The stresses are those in each rod.
+    """
     system = solution.system
     rows = []
     names = contact_names(system.kinds)
@@ -172,7 +175,7 @@ def _duration(seconds: float) -> str:
 
 
 def solution_json(solution: Any) -> str:
-    """What a collision did and how the run went, for programs: SI units, full precision.
+    """Results and course of a collision for programs: SI units, full precision.
 
     Parameters
     ----------
@@ -266,7 +269,10 @@ def _contacts_table(outcome: Any) -> str:
 
 
 def _energy_table(outcome: Any) -> str:
-    """Energies before and after, and the works and losses between; those of 0 are left out."""
+    """Energies before and after, with works and losses between.
+
+    Those of 0 are left out.
+    """
     vibration = ENERGY_LABELS["inner"]
     pairs: dict[str, tuple[float, float]] = {
         ENERGY_LABELS["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
@@ -361,7 +367,7 @@ def _then(outcome: Any) -> str:
 
 
 def _vibration_scale(outcome: Any) -> Any:
-    """Energy of the motion of the bodies relative to each other, and of vibration before, J."""
+    """Energy before of the bodies' relative motion and of vibration, J."""
     velocities = outcome.velocities_before
     spread = max(velocities) - min(velocities)
     mass = sum(mass for mass in outcome.masses if mass < math.inf)
@@ -369,7 +375,10 @@ def _vibration_scale(outcome: Any) -> Any:
 
 
 def _outcome_entries(outcome: Any) -> dict[str, Any]:
-    """Entries of an outcome for JSON, by name; bodies and contacts are lists of their entries."""
+    """Entries of an outcome for JSON, by name.
+
+    Bodies and contacts are lists of their entries.
+    """
     bodies = []
     for i, kind in enumerate(outcome.bodies):
         body = {

@@ -26,8 +26,10 @@ JSON_SCHEMA = 1
 """Version of the JSON for programs."""
 
 ZERO_IN_TABLE_RTOL = 2.0**-44
-"""A table shows values below this fraction of their scale as 0. A wave is known to 2^-48 of the
-velocities for each end it has passed."""
+"""Bounds the values, over their scale, that a table shows as 0.
+
+A wave is known to 2^-48 of the velocities for each end it has passed.
+"""
 
 
 def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
@@ -66,7 +68,7 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
 
 
 def clean(value: float, scale: float) -> float:
-    """A value for a table: 0 if it is only round-off beside `scale`, else the value itself.
+    """A value for a table: 0 if it is only round-off beside `scale`, else itself.
 
     Beside an infinite scale nothing is round-off.
     """
@@ -88,7 +90,10 @@ def as_html(text: str) -> str:
 
 
 def misnamed(column: object) -> str:
-    """Say why a column cannot have this name: it would not be read as it was written."""
+    """Why a column cannot have this name.
+
+    A column of this name would not be read as it was written.
+    """
     if isinstance(column, str):
         is_time = TIMES.fullmatch(column)
         if _NAME.fullmatch(column) and not is_time:
@@ -101,7 +106,9 @@ def misnamed(column: object) -> str:
 
 
 def heading(column: str, unit: str) -> str:
-    """Head of a column with its unit; InvalidModel if it cannot have this name or this unit.
+    """Head of a column with its unit.
+
+    InvalidModel if the column cannot have this name or this unit.
 
     Examples
     --------
@@ -129,7 +136,10 @@ def write_table(
     *,
     force: bool = False,
 ) -> None:
-    """Write a table of numbers with all their digits, as CSV; rows come in blocks of columns."""
+    """Write a table of numbers with all digits, as CSV.
+
+    The rows come in blocks of columns.
+    """
     write_lines(path, _lines_of_table(heads, blocks), force=force)
 
 
@@ -151,7 +161,10 @@ def joules(value: float, scale: float) -> str:
 
 
 def versioned_json(**entries: Any) -> str:
-    """A JSON document for programs: the entries after `JSON_SCHEMA`; null for nan and inf."""
+    """A JSON document for programs: entries after `JSON_SCHEMA`.
+
+    nan and inf become null.
+    """
     document = {"schema_version": JSON_SCHEMA} | finite(entries)
     return json.dumps(document, indent=2)
 

@@ -36,7 +36,10 @@ EXISTS = "it exists already; give force=True to replace it"
 
 
 def file_name(path: Any) -> str:
-    """A path as text; InvalidModel for what is none, such as the number of an open file."""
+    """A path as text.
+
+    InvalidModel for what is none, such as the number of an open file.
+    """
     name = None
     if isinstance(path, str | os.PathLike):
         name = os.fspath(path)
@@ -46,7 +49,9 @@ def file_name(path: Any) -> str:
 
 
 def check_target(path: PathLike, *, force: bool = False) -> Path:
-    """Make sure that a file may be written at `path`; worth asking before a long computation.
+    """Make sure that a file may be written at `path`.
+
+    It is worth asking before a long computation.
 
     Parameters
     ----------
@@ -125,9 +130,10 @@ def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
 
 @contextlib.contextmanager
 def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
-    """Open a file to be written piece by piece; it appears when all is written, or not at all.
+    """Open a file to be written piece by piece.
 
-    Parameters and errors are those of `write_bytes`.
+    It appears when all is written, or not at all. Parameters and errors are those of
+    `write_bytes`.
     """
     target = check_target(path, force=force)
     passing = target.with_name(PASSING + secrets.token_hex(8))
@@ -153,9 +159,10 @@ def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryI
 
 
 def _place(passing: Path, target: Path) -> None:
-    """Give a file its name; FileExistsError if someone else has made one of that name meanwhile.
+    """Give a file its name.
 
-    A link leaves the name `passing` too, which the caller removes.
+    FileExistsError if someone else has made a file of that name meanwhile. A link
+    leaves the name `passing` too, which the caller removes.
     """
     try:
         os.link(passing, target)
@@ -186,9 +193,10 @@ def write_npz(
     *,
     force: bool = False,
 ) -> None:
-    """Write arrays and a JSON document as one compressed NPZ that `read_npz` knows by its `kind`.
+    """Write arrays and a JSON document as one compressed NPZ.
 
-    The document says what each array is, so that no reader unpacks anything else.
+    `read_npz` knows the file by its `kind`. The document says what each array is, so
+    that no reader unpacks anything else.
     """
     content: dict[str, Any] = {
         "format": FORMAT,
