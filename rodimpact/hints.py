@@ -321,7 +321,7 @@ def missing_name(
 
 
 def explain_arguments(function: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: a call with wrong arguments is refused with the ones that may be meant.
+    """Decorator that refuses wrong arguments of a call with those that may be meant.
 
     The error is a TypeError, as Python's own.
     """

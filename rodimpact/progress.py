@@ -112,7 +112,10 @@ class Progress:
         error: BaseException | None,
         where: TracebackType | None,
     ) -> None:
-        """End the call; the outermost one erases its bar, full unless an error ends the call."""
+        """End the call; the outermost one erases its bar.
+
+        The bar is full unless an error ends the call.
+        """
         global _outermost
         if not self._is_outermost:
             return
@@ -123,9 +126,10 @@ class Progress:
             self._close()
 
     def _report(self, done: int, total: int | None) -> None:
-        """Call the user's function, or show the bar, with the work that is done and all of it.
+        """Call the user's function, or show the bar.
 
-        The bar appears at the first report after two seconds, if somebody can see it.
+        Both tell the work that is done, and all of it. The bar appears at the first
+        report after two seconds, if somebody can see it.
         """
         if total is not None:
             total = max(done, total)

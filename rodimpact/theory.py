@@ -584,7 +584,7 @@ def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
 
 
 def pair_restitution(numbers: PairNumbers) -> Array:
-    """Coefficient of restitution e, by the formulae and with the letters of `saint_venant`.
+    """Coefficient of restitution e, by the formulae and letters of `saint_venant`.
 
     With p = 1 - abs(q), e = abs(q) + p x for Z_long >= Z_short, else
     e = (1 + q) x g - q^K (1 - p f), with g = (1 - q^K)/p + q^K f.
@@ -607,7 +607,10 @@ def pair_restitution(numbers: PairNumbers) -> Array:
 
 
 def _collision(**entries: Any) -> PairCollision:
-    """PairCollision of these arrays, by name; an array without dimensions becomes a float."""
+    """PairCollision of these arrays, by name.
+
+    An array without dimensions becomes a float.
+    """
     values = {}
     for name, entry in entries.items():
         values[name] = float_or_array(np.asarray(entry))
@@ -615,7 +618,10 @@ def _collision(**entries: Any) -> PairCollision:
 
 
 def _checked(**arguments: ArrayLike) -> tuple[Array, ...]:
-    """Arguments as arrays of one shape, in the order given, each checked by its `RULES`."""
+    """Arguments as arrays of one shape, in the order given.
+
+    Each is checked by its `RULES`.
+    """
     with_rules = {}
     for name, value in arguments.items():
         unit, sign = RULES[name.rstrip("_012")]  # "impedance" of "impedance_1"

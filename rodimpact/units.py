@@ -146,7 +146,10 @@ UNITS: dict[str, UnitFactors] = {
     },
     "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3", "s/ft": 1 / FOOT},
 }
-"""Units of each dimension, each with its exact value in the SI unit, a fraction or its text."""
+"""Units of each dimension, each with its exact value in the SI unit.
+
+The value is a fraction or its text.
+"""
 
 DIMENSION_OF_UNIT: dict[str, str] = {}
 """Dimension of each unit."""
@@ -285,9 +288,10 @@ def _exact_value(text: Any, units: UnitFactors) -> float:
 
 
 def _fraction(text: str, units: UnitFactors) -> Fraction:
-    """Exact value of a text with one of these units, in the SI unit; ValueError gives the reason.
+    """Exact value of a text with one of these units, in the SI unit.
 
-    A bare number is in the SI unit already.
+    ValueError gives the reason why there is none. A bare number is in the SI unit
+    already.
     """
     if len(text) > MOST_CHARACTERS:
         raise ValueError(f"it is longer than {MOST_CHARACTERS} characters")
@@ -433,7 +437,10 @@ def si_unit(dimension: str) -> str:
 
 
 def _spelt(unit: str) -> str:
-    """A unit in the spelling of `UNITS`, which has no Greek letters, superscripts or dots."""
+    """A unit in the spelling of `UNITS`.
+
+    That has no Greek letters, superscripts or dots.
+    """
     spelt = " ".join(unit.translate(_SPELLINGS).split())
     return _ALIASES.get(spelt, spelt)
 
@@ -578,7 +585,10 @@ def format_power(exponent: int) -> str:
 
 
 def format_factor(number: float) -> str:
-    """Write a factor as it is, or to three digits times a power of ten, without a lead of 1."""
+    """Write a factor as it is, or to three digits times a power of ten.
+
+    A lead of 1 is left out.
+    """
     if 1e-3 <= number < 1e5:
         return f"{number:g}"
     exponent = math.floor(math.log10(number) + ROUNDING_GUARD)

@@ -312,7 +312,10 @@ class Bar(FrozenDataclass):
         return _lowest_roots(_wavenumber_of_frequency, W, poisson_ratios)
 
     def _scaled_frequency(self, G: Array) -> Any:
-        """omega a/c0 of the first mode at dimensionless wave numbers G = k a = 2 pi a/l."""
+        """omega a/c0 of the first mode at dimensionless wave numbers G.
+
+        G is k a = 2 pi a/l.
+        """
         radius_over_wavelength = G / (2 * math.pi)
         return G * first_mode(radius_over_wavelength, self.poisson_ratio)
 
@@ -578,10 +581,11 @@ def _equation_of_wave(
 
 
 def _equation(G: Any, x: Any, nu: Any) -> Any:
-    """Left-hand side of the equation of frequencies, at the head of this module, at c = x c0.
+    """Left-hand side of the equation of frequencies, at c = x c0.
 
-    It is divided by G^4, so that A^2 becomes A2 = (A/G)^2 = c^2/c1^2 - 1, and B^2
-    becomes B2. It is also divided by the growth of the functions I.
+    The equation is at the head of this module. It is divided by G^4, so that A^2
+    becomes A2 = (A/G)^2 = c^2/c1^2 - 1, and B^2 becomes B2. It is also divided by the
+    growth of the functions I.
     """
     A2 = x * x * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1
     B2 = x * x * (2 + 2 * nu) - 1

@@ -222,20 +222,26 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def sets(self) -> dict[int, Any]:
-        """Permanent sets of yielding contacts, m, by contact; ValueError as above."""
+        """Permanent sets of yielding contacts, m, by contact.
+
+        ValueError where they were not asked for.
+        """
         return self._requested("set")
 
     @property
     def displacements(self) -> dict[int, Any]:
         """Displacements of the centres of mass at the end, m, by body.
 
-        ValueError as above.
+        ValueError where they were not asked for.
         """
         return self._requested("displacement")
 
     @property
     def largest_stresses(self) -> dict[int, Any]:
-        """Largest absolute stress in each rod, Pa, by body; ValueError as above."""
+        """Largest absolute stress in each rod, Pa, by body.
+
+        ValueError where they were not asked for.
+        """
         return self._requested("largest_stress")
 
     def _requested(self, name: str) -> dict[int, Any]:
