@@ -59,9 +59,9 @@ class RadialModuli(NamedTuple):
 def radial_moduli(youngs_modulus: Any, poisson_ratio: Any) -> RadialModuli:
     """Moduli of the theory of Mindlin and Herrmann from E and nu.
 
-    With the moduli lambda and mu of the theory, 4 (lambda + mu) is 2 E/((1 + nu)
-    (1 - 2 nu)), 2 lambda is nu times this, lambda + 2 mu is E + nu^2 times this, and mu
-    is E/(2 (1 + nu)).
+    With the moduli lambda and mu of the theory, 4 (lambda + mu) is
+    2 E/((1 + nu) (1 - 2 nu)), 2 lambda is nu times this, lambda + 2 mu is E + nu^2
+    times this, and mu is E/(2 (1 + nu)).
 
     Parameters
     ----------

@@ -14,8 +14,8 @@ from .two_bar_shot import Shifts
 class Alignment(NamedTuple):
     """Search for the shifts that balance the forces while the start is elastic.
 
-    The imbalance over all loading is the mean of abs(F1 - F2) over the mean of (F1 +
-    F2)/2.
+    The imbalance over all loading is the mean of abs(F1 - F2) over the mean of
+    (F1 + F2)/2.
 
     Attributes
     ----------

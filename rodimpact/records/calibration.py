@@ -3,8 +3,8 @@
 The pulse of the striker runs through both bars and back from the far end of the output
 bar. The time from the first passage of the output gauge to the second gives c0 of that
 bar; the time from the input gauge to the output gauge then gives c0 of the input bar. A
-striker of the same material and cross-section with the speed V causes the strain V/(2
-c0).
+striker of the same material and cross-section with the speed V causes the strain
+V/(2 c0).
 """
 
 from __future__ import annotations

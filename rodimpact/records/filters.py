@@ -1,4 +1,4 @@
-"""Linear filters at equal time steps: gauges, amplifiers and bars as pulses see them.
+"""Linear filters at equal time steps: the effects of gauges, amplifiers and bars.
 
 Before the record its first value holds, after the record its last value.
 """
@@ -46,8 +46,8 @@ def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
 def blurred(values: Floats, dt: float, deviation: float) -> Floats:
     """Gaussian filter of this standard deviation, s.
 
-    Its gain exp(-(2 pi f deviation)^2/2) is 1/sqrt(2) where 2 pi f deviation = sqrt(ln
-    2).
+    Its gain exp(-(2 pi f deviation)^2/2) is 1/sqrt(2) where
+    2 pi f deviation = sqrt(ln 2).
     """
     frequency = math.sqrt(math.log(2)) / (2 * math.pi * deviation)
     return gaussian(values, dt, frequency)

@@ -1,9 +1,9 @@
 """A bar with the strains of its gauges, and how waves run along it.
 
-A gauge at the distance d from the face of the bar at the specimen records e(t) = i(t +
-d/c) + r(t - d/c). The wave i runs towards the face, the wave r away from it; i and r
-are the strains at the face. Each frequency f runs at its own phase velocity c(f).
-Strains are positive in compression here.
+A gauge at the distance d from the face of the bar at the specimen records
+e(t) = i(t + d/c) + r(t - d/c). The wave i runs towards the face, the wave r away from
+it; i and r are the strains at the face. Each frequency f runs at its own phase velocity
+c(f). Strains are positive in compression here.
 """
 
 from __future__ import annotations

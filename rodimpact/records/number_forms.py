@@ -143,8 +143,8 @@ def _forms_from(
 ) -> list[NumberForm]:
     """Forms in which the first rows from a line on have equally many numbers.
 
-    The rows are `FIRST_ROWS`. Blank lines between them do not count; there may be fewer
-    rows, if the lines end.
+    There are `FIRST_ROWS` of them. Blank lines between them do not count; there may be
+    fewer rows, if the lines end.
     """
     # A blank line may stand below each row.
     nearest = lines[start : start + 2 * FIRST_ROWS]

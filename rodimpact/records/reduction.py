@@ -29,7 +29,7 @@ TABLE_COLUMNS = {
 }
 """Columns of the printed table, with their heads."""
 MIN_TOTAL_FORCE_RATIO = 1e-2
-"""Least ratio of F1 + F2 to its largest value at which the balance is given."""
+"""Least ratio of abs(F1 + F2) to its largest value for which the balance is given."""
 
 
 @explain_missing()

@@ -140,8 +140,8 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
 def _equal_steps(times: Floats) -> Floats:
     """Times with equal steps nearest to the times, by least squares, s.
 
-    With the numbers n of the samples about their mean it is mean(t) + n sum(n
-    t)/sum(n^2).
+    With the numbers n of the samples about their mean it is
+    mean(t) + n sum(n t)/sum(n^2).
     """
     count = len(times)
     numbers: Floats = np.arange(count, dtype=float) - (count - 1) / 2

@@ -24,8 +24,8 @@ NOISE_DRAWS = 24
 STANDARD_ERRORS = 2.36
 """Half width of a 95 % band in standard errors.
 
-This is Student's distribution with 7 degrees of freedom, one less than the blocks of
-noise.
+It is that of Student's distribution with 7 degrees of freedom, one less than the blocks
+of noise.
 """
 
 

@@ -243,7 +243,7 @@ class Signal(Frozen):
     def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
         """Return the signal longer by these times, s.
 
-        It has its first value before the record, and its last value after it. Extend a
+        The first value is added before the record, the last value after it. Extend a
         record that begins just before its pulse: `low_pass` and `propagated` widen the
         pulse beyond the record.
 

@@ -12,7 +12,7 @@ NO_TEXT = "is not text (it contains the character NUL); export it as text, in UT
 BLOCK = 1 << 17
 """Number of characters read at a time.
 
-It is also the most above a table, and between two reports of progress.
+It is also the largest number above a table, and between two reports of progress.
 """
 QUOTED_COMMA = re.compile(r'"[+-]?\d*,\d+(?:[eE][+-]?\d+)?"')
 """A number with a decimal comma, in quotes."""

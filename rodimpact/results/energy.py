@@ -307,9 +307,9 @@ def ledger(
 def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
     """Integrals of push times speed from t = 0 to each tick, J.
 
-    They are taken apart by the kind of what is outside. Pushes point into the row and
-    speeds to the right, so the power has the sign `INWARD`: 1 at the left end, -1 at
-    the right end.
+    Each kind of what is outside has an integral of its own. Pushes point into the row
+    and speeds to the right, so the power has the sign `INWARD`: 1 at the left end, -1
+    at the right end.
     """
     works: dict[str, Floats] = {}
     for kind in BoundaryWorks._fields:
@@ -338,8 +338,8 @@ def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
 def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
     """Work of gravity since t = 0, J [time].
 
-    It is g times the integral of the momentum over time. The integral is (p0 + m g t/2)
-    t + the impulses from outside integrated over time, with the momentum p0 at t = 0.
+    It is g times the integral of the momentum over time, which is (p0 + m g t/2) t plus
+    the integral of the impulses from outside, with the momentum p0 at t = 0.
     """
     clock = fields.clock
     ticks = states.ticks

@@ -244,9 +244,9 @@ def add_segment(
 ) -> None:
     """Add the polygons of a segment to lists by the names of `Regions`.
 
-    Where the wave a that left at p meets the wave b that left at q, velocity = (a +
-    b)/2 + frame, strain = (b - a)/(2 c), x = (q - p + T)/(2 T) length and t = (p + q +
-    T)/2. The displacement is the integral of the velocity, as in
+    Where the wave a that left at p meets the wave b that left at q, the velocity is
+    (a + b)/2 + frame and the strain (b - a)/(2 c), at x = (q - p + T)/(2 T) length and
+    t = (p + q + T)/2. The displacement is the integral of the velocity, as in
     `SegmentWaves.displacement`.
     """
     a = piece["rightward"]

@@ -163,11 +163,11 @@ class Gauge:
     def _spline_means(self, step: float, rows: Ints) -> Floats:
         """Means of the strain about the times of n consecutive rows, [n].
 
-        The row r has the time r * step, ticks. They are weighted by a parabolic spline
-        over three cells, each a step long, with the row in the middle. With u from 0 to
-        1 in each cell, the weights are u^2/2, 1/2 + u - u^2 and (1 - u)^2/2. So a mean
-        is made of the integrals over cells of the strain, of u times the strain, and of
-        u^2 times the strain.
+        The row r has the time r * step, ticks. The means are weighted by a parabolic
+        spline over three cells, each a step long, with the row in the middle. With u
+        from 0 to 1 in each cell, the weights are u^2/2, 1/2 + u - u^2 and (1 - u)^2/2.
+        So a mean is made of the integrals over cells of the strain, of u times the
+        strain, and of u^2 times the strain.
         """
         # The row r has the cells from r - 1.5 to r + 1.5 steps, so n rows have n + 2
         # cells.

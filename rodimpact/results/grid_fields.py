@@ -99,8 +99,7 @@ class GridFields(Fields):
         middles = (states[1:] + states[:-1]) / 2
         return states[np.searchsorted(middles, ticks, side="right")]
 
-    # Between states and between nodes
-    # -------------------------------------------------------------
+    # Between states and between nodes -------------------------------------------------
 
     def _between_states(self, values: Floats, columns: Any, ticks: Ints) -> Floats:
         """Interpolate values [state, column] in time: in those columns, at ticks.
@@ -137,8 +136,7 @@ class GridFields(Fields):
         value_right = self._between_states(table.values, left + 1, ticks)
         return np.asarray(value_left * (1 - share) + value_right * share)
 
-    # The mesh of a rod
-    # ----------------------------------------------------------------------------
+    # The mesh of a rod ----------------------------------------------------------------
 
     def _segment_places(self, body: int) -> list[Floats]:
         """Places of the nodes of a rod by segment, m, [segment][node].
@@ -178,8 +176,7 @@ class GridFields(Fields):
         mass = np.append(half, 0.0) + np.append(0.0, half)
         return Span(nodes, cells, mass)
 
-    # Tables of fields
-    # -----------------------------------------------------------------------------
+    # Tables of fields -----------------------------------------------------------------
 
     @cached_property
     def _node_velocity(self) -> Floats:
@@ -261,8 +258,7 @@ class GridFields(Fields):
             tables[body] = Table(self._node_places(body), displacement)
         return tables
 
-    # Fields
-    # ----------------------------------------------------------------------------------
+    # Fields ---------------------------------------------------------------------------
 
     def rod_velocity(
         self,
@@ -336,8 +332,7 @@ class GridFields(Fields):
             wave_speed=c,
         )
 
-    # Integrals over bodies
-    # ------------------------------------------------------------------------
+    # Integrals over bodies ------------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         """Sum of m v over the nodes of a rod at times t in s, kg m/s, interpolated."""
@@ -424,8 +419,7 @@ class GridFields(Fields):
             strain=self._between_states(self._cell_strain, span.cells, at_tick),
         )
 
-    # Extreme stress
-    # -------------------------------------------------------------------------------
+    # Extreme stress -------------------------------------------------------------------
 
     def extreme_stress(self, body: int) -> ExtremeStress:
         """The largest stresses, from kept states and from the forces on ends."""

@@ -163,8 +163,8 @@ def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
 
     The node of mass m has the acceleration a = (force on the node)/m, and with it the
     half cell of mass m_cell/2. Its forces are those of the inner part of the cell, of
-    the soil on it, and of what is beyond the end: the end tension = tension - inward (a
-    m_cell/2 - force of the soil).
+    the soil on it, and of what is beyond the end: the tension of the end is
+    tension - inward (a m_cell/2 - force of the soil).
     """
     node = end.node
     force = tension[:, node + 1] - tension[:, node] + _push_on(motion, node)

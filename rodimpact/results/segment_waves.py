@@ -74,8 +74,8 @@ class SegmentWaves(NamedTuple):
     def strain_integral(self, p: Ints, q: Ints) -> Floats:
         """Integral of the strain over time at one place, ticks, up to a constant.
 
-        The constant differs from place to place. The integral is (integral of B from 0
-        to q - integral of A from 0 to p)/(2 c).
+        The constant differs from place to place. The integral over time is
+        (integral of B from 0 to q - integral of A from 0 to p)/(2 c).
         """
         A = self.rightward
         B = self.leftward

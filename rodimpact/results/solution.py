@@ -168,8 +168,7 @@ class Solution(Shown):
             histories.append(ContactHistory(i, self.fields, self.run))
         return tuple(histories)
 
-    # Fields
-    # ----------------------------------------------------------------------------------
+    # Fields ---------------------------------------------------------------------------
 
     @_ALLOW_UNDERFLOW
     def velocity(
@@ -341,8 +340,8 @@ class Solution(Shown):
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m.
 
-        The left end of the row starts at 0. The arguments are those of `velocity`. It
-        is the place of the left end at t = 0 without strain, plus x, plus the
+        The left end of the row starts at 0. The arguments are those of `velocity`. The
+        place is that of the left end at t = 0 without strain, plus x, plus the
         displacement.
         """
         left_end = self.fields.positions[self._index(body)]
@@ -537,8 +536,7 @@ class Solution(Shown):
             values[k] = getattr(contact, name)(t)
         return values
 
-    # Energy and state
-    # ---------------------------------------------------------------------------
+    # Energy and state -----------------------------------------------------------------
 
     @_ALLOW_UNDERFLOW
     def energy(self, t: ArrayLike) -> EnergyLedger:
@@ -642,8 +640,7 @@ class Solution(Shown):
             contacts.append(contact.law_at(time))
         return self.system.replace(bodies=bodies, gaps=gaps, contacts=contacts)
 
-    # Files and pictures
-    # -------------------------------------------------------------------------
+    # Files and pictures ---------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the case and its outcome as a case file, which `rodimpact.load` solves.
@@ -682,8 +679,7 @@ class Solution(Shown):
             f"stopped by {self.stopped_by}>"
         )
 
-    # Bodies
-    # ----------------------------------------------------------------------------------
+    # Bodies ---------------------------------------------------------------------------
 
     def _index(self, body: int) -> int:
         """Return the index of a body; InvalidModel unless the row has such a body."""

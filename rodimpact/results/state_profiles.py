@@ -82,10 +82,10 @@ def _polynomials(
 ) -> StateProfiles:
     """Velocity and strain of a rod at `tick`, as `Polynomials`.
 
-    The velocity has its error, m/s. Their intervals are those in which both waves are
+    `error` is that of velocities, m/s. The intervals are those in which both waves are
     single polynomials. In each interval a profile has as many values as the longest
-    polynomial has coefficients, at Chebyshev-Lobatto points. v = (A + B)/2 and strain =
-    (B - A)/(2 c), see `SegmentWaves`.
+    polynomial has coefficients, at Chebyshev-Lobatto points. The velocity is
+    (A + B)/2, and the strain (B - A)/(2 c), see `SegmentWaves`.
     """
     frame = fields.frame_velocity(tick)
     segments = list(fields.waves_along(body))

@@ -241,8 +241,8 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
 def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
     """For each tick p the ticks q with which it meets.
 
-    The ticks q are in order. They lie in the domain: |q - p| <= T and 0 <= p + q + T <
-    2 end.
+    The ticks q are in order. They lie in the domain: abs(q - p) <= T and
+    0 <= p + q + T < 2 end.
     """
     T = domain.T
     earliest_q = np.maximum(p - T, -T - p)
@@ -267,7 +267,7 @@ def _earliest(
     """Earliest meeting of the chosen samples of A with d >= `least`.
 
     None if no sample is chosen. `low` has the samples of A and `high` those of B, both
-    in order of time, and d = B(q) - A(p). Each chosen sample has at least one such
+    in order of time, and d is B(q) - A(p). Each chosen sample has at least one such
     meeting. The tick of a meeting is (p + q + T)/2, so that the earliest one has the
     least p + q.
     """

@@ -106,8 +106,8 @@ class WaveFields(Fields):
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
         """Displacement, m, less the way that the frame falls.
 
-        x, m, and ticks broadcast. It is that of the left end of the segment at t = 0
-        plus `SegmentWaves.displacement`.
+        x, m, and ticks broadcast. The displacement is that of the left end of the
+        segment at t = 0 plus `SegmentWaves.displacement`.
         """
         frame = self.clock.frame
         tick = self.clock.tick

@@ -34,8 +34,7 @@ class ContactColumns(NamedTuple):
     episodes: Any  # how often the contact pressed
 
 
-# How columns are read: the second argument is a body or a contact
-# -----------------------------
+# How columns are read: the second argument is a body or a contact ---------------------
 
 
 def _restitution(solution: Solution, _: int) -> float:
@@ -110,8 +109,7 @@ def _accuracy(solution: Solution, _: int) -> float:
     return largest_error(solution.accuracy)
 
 
-# Which columns there are
-# ----------------------------------------------------------------------
+# Which columns there are --------------------------------------------------------------
 
 
 class Column(NamedTuple):

@@ -228,9 +228,9 @@ def gradient(
     system : System
         A single collision or a family.
     of : str
-        ``"restitution"``, ``"velocity_after.1"`` (m/s, of a body), ``"impulse.0"`` (N
-        s), ``"peak_force.0"`` (N) or ``"duration.0"`` (s, of a contact). A body that an
-        absorbing end slows down for ever has no velocity after.
+        ``"restitution"``, ``"velocity_after.1"`` (m/s, of a body), ``"impulse.0"``
+        (N s), ``"peak_force.0"`` (N) or ``"duration.0"`` (s, of a contact). A body that
+        an absorbing end slows down for ever has no velocity after.
     wrt : sequence of str
         Paths of numbers as in a case file: ``"bodies.0.length"``,
         ``"contacts.0.stiffness"``, ``"materials.steel.wave_speed"``.

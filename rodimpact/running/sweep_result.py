@@ -75,9 +75,9 @@ class SweepResult(Shown, OnlyContact[Any]):
     options : Options
         How each member was solved, by which method.
     columns : dict of str to array
-        By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N
-        s), ``peak_force.K`` (N), ``duration.K`` (force duration, s) and ``episodes.K``
-        of contact K; ``vibration``, the vibration energy, J; ``final``; ``status``.
+        By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K``
+        (N s), ``peak_force.K`` (N), ``duration.K`` (force duration, s) and
+        ``episodes.K`` of contact K; ``vibration``, the vibration energy, J; ``final``; ``status``.
         Totals count up to the end of the run: `until`, the proof that the collision is
         over, or what stopped it before. A number that does not exist is nan. If `sweep`
         was asked for them (`also`), there are ``dissipated``, energy lost in contacts,

@@ -56,8 +56,8 @@ def sweep(
     ----------
     system : System
         Of any shape: numbers of the model that are arrays make a family, as NumPy
-        broadcasts them. ``read_case("case.toml", vary={"bodies.0.length":
-        "0.05:1:20"}).system`` is that of a case.
+        broadcasts them. That of a case is
+        ``read_case("case.toml", vary={"bodies.0.length": "0.05:1:20"}).system``.
     method : str
         As for `solve`; one for all members.
     executor : concurrent.futures.Executor, optional
@@ -119,8 +119,8 @@ def sweep(
     two at a time. An interrupt cancels jobs that wait. Jobs that run end within
     seconds, or with their present member.
 
-    Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures
-    program.py``::
+    Processes, dask, and MPI, started by
+    ``mpiexec -n 65 python -m mpi4py.futures program.py``::
 
         with ProcessPoolExecutor() as pool:  # under if __name__ == "__main__":
             result = ri.sweep(family, executor=pool)

@@ -55,9 +55,9 @@ segments take a lateral_inertia, "rayleigh-love" or "mindlin-herrmann", and, whe
 have no diameter, a polar_moment for it, a number or "circular". Mistakes bear the path
 of the entry, such as `bodies.0.length`.
 
-A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samples =
-[...]}, at equal distances from end to end. In time `at` are times, and samples have a
-`step` between them.
+A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or
+{samples = [...]}, at equal distances from end to end. In time `at` are times, and
+samples have a `step` between them.
 
 A radius left out, or "inf", is that of a flat face. The faces of a Hertz contact are of
 the material of their rods; those of a mass or a wall are rigid, unless left_material or
