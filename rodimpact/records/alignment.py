@@ -57,7 +57,7 @@ def alignment_sentence(alignment: Alignment, shifts: Shifts) -> str:
 
 
 def loading_imbalance(curve: Curve) -> float:
-    """Mean of |F1 - F2| over the mean of (F1 + F2)/2, while loading."""
+    """Mean of abs(F1 - F2) over the mean of (F1 + F2)/2, while loading."""
     input_force = curve.input_force[curve.loading]
     output_force = curve.output_force[curve.loading]
     difference = np.abs(input_force - output_force).mean()

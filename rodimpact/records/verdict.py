@@ -21,7 +21,7 @@ from .pulses import PLATEAU_RATIO
 Bools: TypeAlias = NDArray[np.bool_]
 
 EQUILIBRIUM_RTOL = 0.05
-"""Bounds |F1 - F2| over the mean of both forces, in equilibrium."""
+"""Bounds abs(F1 - F2) over the mean of both forces, in equilibrium."""
 MIN_BALANCED_RATIO = 0.5
 """Least part of the plateau with balanced forces for equilibrium of a shot."""
 SMOOTHING_RATIO = 0.25

@@ -7,8 +7,8 @@ see `polygons_of`.
 
 With p and q the ticks at which the waves seen at (x, t) left the left and the right end
 of a segment of transit time T, t = (p + q + T)/2. A region of constant state is a
-rectangle in (p, q), cut by the ends of the segment, |q - p| <= T, and of the interval
-of time.
+rectangle in (p, q), cut by the ends of the segment, abs(q - p) <= T, and of the
+interval of time.
 """
 
 from bisect import bisect_left, bisect_right
@@ -108,8 +108,8 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
     first = []
     after_last = []
     for k in range(len(p) - 1):
-        # Bounds of q: in the segment |q - p| <= T, in the interval 2 start <= p + q + T
-        # <= 2 stop.
+        # Bounds of q: in the segment abs(q - p) <= T, in the interval
+        # 2 start <= p + q + T <= 2 stop.
         earliest = start - T + (start - p[k + 1])
         latest = stop - T + (stop - p[k])
         low = max(p[k] - T, earliest)
@@ -127,7 +127,7 @@ def region(
 ) -> list[Corner]:
     """Corners (p, q) of the part of a rectangle in the segment and the interval.
 
-    That is where |q - p| <= T and 2 start <= p + q + T <= 2 stop.
+    That is where abs(q - p) <= T and 2 start <= p + q + T <= 2 stop.
     """
     p0, p1 = p_range
     q0, q1 = q_range

@@ -1,17 +1,17 @@
 """Where the two waves in a segment differ most: the exact extreme of the stress.
 
 The waves A and B leave the left and the right end of a segment of transit time T. A
-part of A that left at p meets a part of B that left at q if |q - p| <= T: at the time
-(p + q + T)/2, at the distance c (q - p + T)/2 from the left end. The stress there is
-E/(2 c) times
+part of A that left at p meets a part of B that left at q if abs(q - p) <= T: at the
+time (p + q + T)/2, at the distance c (q - p + T)/2 from the left end. The stress there
+is E/(2 c) times
 
     d(p, q) = B(q) - A(p).
 
-A run from t = 0 to `end` sees the convex domain |q - p| <= T, 0 <= p + q + T <= 2 end.
-A and B are polynomials between breaks, and d is the difference of two functions of one
-variable each. So d is largest either on one of the four sides of the domain, where it
-is a polynomial of one variable between breaks, or inside, at turning points or breaks
-of both waves. All times are in ticks.
+A run from t = 0 to `end` sees the convex domain with abs(q - p) <= T and
+0 <= p + q + T <= 2 end. A and B are polynomials between breaks, and d is the difference
+of two functions of one variable each. So d is largest either on one of the four sides
+of the domain, where it is a polynomial of one variable between breaks, or inside, at
+turning points or breaks of both waves. All times are in ticks.
 """
 
 from typing import NamedTuple

@@ -77,15 +77,15 @@ class SweepResult(Shown, OnlyContact[Any]):
     columns : dict of str to array
         By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K``
         (N s), ``peak_force.K`` (N), ``duration.K`` (force duration, s) and
-        ``episodes.K`` of contact K; ``vibration``, the vibration energy, J; ``final``; ``status``.
-        Totals count up to the end of the run: `until`, the proof that the collision is
-        over, or what stopped it before. A number that does not exist is nan. If `sweep`
-        was asked for them (`also`), there are ``dissipated``, energy lost in contacts,
-        J; ``set.K``, how far contact K has yielded for good, m; ``displacement.I`` of
-        the centre of mass of body I at the end of the run, m; and ``largest_stress.I``,
-        the largest absolute stress anywhere in rod I at any time, Pa, as
-        `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated error of
-        velocities, impulses and peak forces, relative to the largest of each.
+        ``episodes.K`` of contact K; ``vibration``, the vibration energy, J; ``final``;
+        ``status``. Totals count up to the end of the run: `until`, the proof that the
+        collision is over, or what stopped it before. A number that does not exist is
+        nan. If `sweep` was asked for them (`also`), there are ``dissipated``, energy
+        lost in contacts, J; ``set.K``, how far contact K has yielded for good, m;
+        ``displacement.I`` of the centre of mass of body I at the end of the run, m; and
+        ``largest_stress.I``, the largest absolute stress anywhere in rod I at any time,
+        Pa, as `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated
+        error of velocities, impulses and peak forces, relative to the largest of each.
     readings : RequestedReadings
         The `gauges`, the `times` at which they are read, and what was asked for in
         `also`.
