@@ -96,8 +96,7 @@ class Progress:
                 _outermost = self
                 self._is_outermost = True
             elif _outermost._name == self._name:
-                # A call inside another of the same name goes on with the bar of that
-                # one.
+                # A call inside another of the same name goes on with its bar.
                 return _outermost._report
         if callable(self._progress):
             return self._report

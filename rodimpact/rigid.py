@@ -230,14 +230,12 @@ def collide(
             "allow_energy_release=True if that is meant"
         )
         demand(np.abs(e) <= 1, "restitution", message, e)
-    # With the reduced mass M = m1 m2/(m1 + m2), m1/(m1 + m2) is M/m2: 1 if m1 is
-    # infinite.
+    # With M = m1 m2/(m1 + m2), m1/(m1 + m2) is M/m2: 1 if m1 is infinite.
     M = np.asarray(reduced_mass(M1, M2))
     mass_fraction_1 = M / M2  # m1/(m1 + m2)
     mass_fraction_2 = M / M1  # m2/(m1 + m2)
     V_cm = mass_fraction_1 * V1 + mass_fraction_2 * V2
-    # Velocities of body 2 relative to body 1, and from these W1 and W2 after the
-    # collision
+    # Velocities of body 2 relative to body 1; they give W1 and W2 after the collision
     before = V2 - V1
     after = -e * before
     W1 = V_cm - mass_fraction_2 * after

@@ -539,8 +539,7 @@ class Frozen:
     @property
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process."""
-        # The outline has shapes in place of arrays; the numbers of these follow as
-        # bytes.
+        # The outline has the shapes of arrays; their numbers follow as bytes.
         with_shapes = self._mapped(lambda array: list(array.shape))
         outline = json.dumps(with_shapes.to_dict(), sort_keys=True)
         sha = hashlib.sha256(outline.encode())

@@ -113,8 +113,7 @@ class System(FrozenDataclass):
             _check_any_moves(problems, bodies, laws)
         given_gaps = _one_per_pair(problems, "gaps", self.gaps, 0.0, n_pairs)
         gaps = []
-        # Lists of the wrong length have a problem by now; the pairs they have are
-        # checked.
+        # A list of the wrong length has a problem by now; its pairs are checked.
         for i, law, gap in zip(range(n_pairs), laws, given_gaps, strict=False):
             # A law that is none has its problem in `_check_contact`.
             is_law = type(law) in _LAWS

@@ -332,8 +332,7 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
         scaled: Floats = np.stack(columns, axis=1) * units
         return scaled
 
-    # Of the variables that of nu alone is bounded: 1 + nu - its start, as its unit is
-    # 1.
+    # Of the variables only that of nu is bounded: 1 + nu - its start (unit 1).
     low = np.full(len(start), -np.inf)
     high = np.full(len(start), np.inf)
     nu_index = _Numbers._fields.index("nu")

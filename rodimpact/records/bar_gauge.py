@@ -57,8 +57,7 @@ class BarGauge(FrozenDataclass):
                 ("signal", f"{message}; give bridge.strain(volts), or a gain")
             )
         if not problems:
-            # Finding the strain adds both records, which refuses other times or another
-            # unit.
+            # The strain adds both records, which refuses other times or another unit.
             _ = self.strain
 
     @property

@@ -208,8 +208,8 @@ def _best_shifts_on_grid(
     times = comparison.record.times
     n = int((times[-1] - times[0]) / step) + 1
     n_shifts = int((high - low) / step) + 1
-    # With the shift high - j step the model is m[j : j + n], and power[j] sums its
-    # squares.
+    # For the shift high - j step the model is m[j : j + n], and power[j] is the sum of
+    # its squares.
     y = comparison.record.at(times[0] + step * np.arange(n))
     m = comparison.model.at(times[0] - high + step * np.arange(n + n_shifts - 1))
     size = 1 << (len(m) - 1).bit_length()  # a power of two, no less than len(m)

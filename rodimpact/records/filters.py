@@ -122,8 +122,7 @@ def first_mode(f: Floats, distance: float, bar: Any) -> Any:
     The frequencies are evenly spaced from 0 on. Delays count from the arrival of long
     waves; no wave above the cut-off goes on.
     """
-    # A frequency stands for a band around it, as wide as a step: the share below the
-    # cut-off.
+    # A frequency stands for a band as wide as a step: its share below the cut-off.
     step = f[1]
     share_below = np.clip((bar.cut_off - f) / step + 0.5, 0.0, 1.0)
     carried = np.minimum(f, bar.cut_off)

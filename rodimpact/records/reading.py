@@ -174,8 +174,7 @@ def read_signals(
             "cut it into shorter records",
         )
         try:
-            # The text of a workbook is read again for messages, so it stays open to the
-            # end.
+            # Messages read the text of a workbook again, so it stays open to the end.
             with ExitStack() as opened:
                 with Progress(progress, "reading", "characters") as report:
                     table = _table_in(file, decimal, report, opened)

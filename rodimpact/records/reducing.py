@@ -222,8 +222,7 @@ def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reducti
     """
     recorded = records.bars
     input_bar = recorded.input
-    # The curve lasts from the arrival at the specimen as long as the waves are
-    # separated.
+    # The curve lasts from the arrival at the specimen while waves are separated.
     end = min(separated_until(bar) for bar in recorded)
     times = _times_between(records.arrival, end, input_bar.dt, "input_gauges")
     shot = TwoBarShot(records.corrected, records.specimen, times)
@@ -270,8 +269,7 @@ def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
     times = _times_between(records.arrival, end, input_bar.dt, "output_gauges")
     shot = EqualForceShot(records.corrected, records.specimen, times)
     curve = shot.curve()
-    # Clocks of two records agree to a sample; on the input bar each passage adds this
-    # error.
+    # Clocks agree to a sample; each passage of the input bar adds this error.
     later = shot.with_later_output(recorded.output.dt).curve()
     return _reduction(
         shot,
@@ -344,8 +342,7 @@ def _reduction(
     `bars` are those with gauges, the output bar last. `strain_error` is an error of the
     strain that the noise does not show; it joins its band.
     """
-    # The bar of the incident wave; the output bar in a direct impact, which has no
-    # other
+    # The bar of the incident wave; in a direct impact the output bar, the only one
     first = bars[0]
     half_sampling_rate = 0.5 / first.dt  # Hz
     cut_off = min(first.guide.cut_off, half_sampling_rate)

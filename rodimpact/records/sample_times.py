@@ -114,8 +114,7 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
     """
     if len(times) < MIN_ROUNDED_SAMPLES:
         return False
-    # If the times are rounded, the longest step exceeds the shortest one by the last
-    # digit.
+    # Of rounded times the longest step exceeds the shortest by the last digit.
     shortest = float(steps.min())
     last_digit = float(steps.max()) - shortest
     has_repeats = shortest == 0  # neighbouring times were rounded to one

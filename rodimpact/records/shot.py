@@ -105,8 +105,7 @@ def bands_of(
             difference = getattr(changed_curve, name) - column
             calibration_variance = calibration_variance + difference**2
         variance += calibration_variance
-        # The column has lost as much as it has at high frequencies, without the noise
-        # there.
+        # At high frequencies the column has lost as much as it has, without noise.
         powers = [high_frequency_power(noise, resolution) for noise in noises]
         power = high_frequency_power(column, resolution)
         lost = np.maximum(power - np.mean(powers, axis=0), 0.0)

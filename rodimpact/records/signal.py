@@ -371,8 +371,7 @@ class Signal(Frozen):
             waves.Bar,
             "waves.Bar(wave_speed=5000, poisson_ratio=0.3, radius=0.01)",
         )
-        # The values change their shape, and the times have the travel time of long
-        # waves.
+        # The values change their shape; the times get the travel time of long waves.
         values = filters.dispersed(self.values, self.dt, z, bar)
         return self.replace(values=values, times=self.times + z / bar.wave_speed)
 

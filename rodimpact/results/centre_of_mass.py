@@ -30,8 +30,7 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
     if body not in fields.rods:
         return float(fields.displacement(body, 0.0, time))
     impulse_integral = 0.0  # N s^2
-    # A push acts to the right on the left face, to the left on the right face: 1 and
-    # -1.
+    # A push acts to the right on the left face (1), to the left on the right (-1).
     for push, sign in zip(pushes_on(run, body), INWARD, strict=True):
         if push is not None:
             in_ticks = float(push.integrated_twice(last_tick))  # N ticks^2

@@ -169,8 +169,7 @@ class Gauge:
         So a mean is made of the integrals over cells of the strain, of u times the
         strain, and of u^2 times the strain.
         """
-        # The row r has the cells from r - 1.5 to r + 1.5 steps, so n rows have n + 2
-        # cells.
+        # Row r has the cells from r - 1.5 to r + 1.5 steps: n rows have n + 2 cells.
         following = rows[-1] + np.arange(1, 4)
         bounds_in_steps = np.append(rows, following) - 1.5
         bounds = step * bounds_in_steps

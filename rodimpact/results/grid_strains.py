@@ -105,8 +105,7 @@ def segment_strain(
     E, eta = moduli(segment)
     first_node = motion.first[number]
     last_node = motion.last[number]
-    # The cells from first_node + 1 to last_node, and a column at either side for the
-    # ends.
+    # The cells first_node + 1 to last_node, and a column at either side for the ends
     columns = slice(first_node, last_node + 2)
     strain = cells.strain[:, columns].copy()
     rate = cells.rate[:, columns].copy()

@@ -26,8 +26,7 @@ def node_velocities(motion: GridMotion) -> Floats:
     is_damped = viscosity[:-1] + viscosity[1:] > 0  # whether a cell beside a node is
     if not is_damped.any() or len(motion.when) < 3:
         return velocity
-    # Means are made in the span of nodes that are damped, and copied to damped nodes
-    # alone.
+    # Means are made in the span of damped nodes, and copied to these nodes alone.
     damped_nodes = np.flatnonzero(is_damped)
     first = int(damped_nodes[0])
     last = int(damped_nodes[-1])

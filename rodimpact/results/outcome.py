@@ -186,8 +186,7 @@ class Outcome(OnlyContact[float]):
         k = self.unilateral[0]
         before = self.velocities_before[k : k + 2]
         after = self.velocities_after[k : k + 2]
-        # The collision is final, and the contact pressed once at least: no reason is
-        # left.
+        # The collision is final, and the contact pressed: no reason is left.
         e = effective_restitution(final=True, episodes=1, before=before, after=after)
         return float(e)
 
@@ -250,8 +249,7 @@ class Outcome(OnlyContact[float]):
         entries: dict[str, Any] = {}
         for name, value in vars(self).items():
             entries[name] = json_ready(value)
-        # The loop has made a contact a list of its totals; here each total has its
-        # name.
+        # The loop has made a contact a list of totals; here each has its name.
         contacts = []
         for tally in self.contacts:
             contacts.append(tally._asdict())

@@ -140,8 +140,7 @@ def _allowed_differences(
     for measure in MEASURES:
         stored_error = saved.accuracy.get(measure, 0.0)
         errors[measure] = stored_error + now.accuracy.get(measure, 0.0)
-    # An energy is a square of velocities or impulses: its relative error is twice
-    # theirs.
+    # An energy is a square of velocities or impulses: its relative error doubles.
     errors[ENERGY] = 2 * max(errors[VELOCITY], errors[IMPULSE])
     # Where durations are unknown, weak forces may make further episodes.
     errors[COUNT] = 0.0

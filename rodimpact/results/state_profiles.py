@@ -40,8 +40,7 @@ def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateP
     They are `Polynomials` if a wave changes in a piece by more than round-off, else
     `Steps` or numbers. Polynomials alone take the stated `error` of velocities, m/s.
     """
-    # Without waves, or with constant ones, there is no round-off: every difference is a
-    # step.
+    # Without waves, or with constant ones, differences are steps, not round-off.
     largest_wave = 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         largest = _largest_waves(fields, body, tick)

@@ -159,8 +159,7 @@ class WaveFields(Fields):
         x in m and ticks broadcast. A formula gives values of that side. On a grid,
         those of the right side are found faster.
         """
-        # A field that is constant between fronts has the value of each front from it
-        # on.
+        # A field that is constant between fronts has a front's value from it on.
         holds_from_fronts = side == "right" and self.constant_between_fronts
         if holds_from_fronts and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)

@@ -88,8 +88,8 @@ def run_jobs(
         chunk = Chunk(members, options, readings, in_one_call)
         if pool.stop is None:  # other processes cannot ask whether to stop
             return pool.executor.submit(run_chunk, chunk)
-        # Jobs begin in order: what the store lacks beyond this one follows in this
-        # process.
+        # Jobs begin in order: members that the store lacks beyond this job follow in
+        # this process.
         later_members = int(np.count_nonzero(~store.done[stop:]))
         return pool.executor.submit(run_chunk, chunk, pool.stop, later_members)
 
@@ -113,8 +113,7 @@ def members_of(system: System, start: int, stop: int) -> System:
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
     are_whole_rows = start % row_size == 0 and stop % row_size == 0
     if are_whole_rows:
-        # In a family of whole rows, numbers that vary along other axes alone stay
-        # small.
+        # As whole rows, numbers that vary along other axes alone stay small.
         return system[start // row_size : stop // row_size]
     members = np.arange(start, stop)
     return system[np.unravel_index(members, system.shape)]

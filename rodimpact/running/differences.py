@@ -76,8 +76,7 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     noise : [...] array
         Bound of the error of the values.
     """
-    # Arguments of neighbouring steps differ by this; the later one is nearer to the
-    # point.
+    # Arguments of neighbouring steps differ by this; the later one is nearer.
     between = steps[:-1] - steps[1:]
     slopes_below = (below[1:] - below[:-1]) / between
     slopes_above = (above[:-1] - above[1:]) / between

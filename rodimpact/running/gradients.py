@@ -598,8 +598,7 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
         steps = np.concatenate([steps, stage_steps])
         below = np.concatenate([below, stage_below])
         above = np.concatenate([above, stage_above])
-        # The number plus a step is rounded, which changes the result by slope times
-        # rounding.
+        # Rounding the number plus a step changes the result by slope times rounding.
         rise_above = np.abs(above - value.value)
         rise_below = np.abs(below - value.value)
         slopes = np.fmax(rise_above, rise_below) / steps  # of the steeper side
@@ -654,8 +653,7 @@ def _column(sides: Sides, defined: Any) -> _Column:
     take_central = sides.central.error <= mean_error
     value = np.where(take_central, sides.central.value, mean)
     error = np.where(take_central, sides.central.error, mean_error)
-    # The error at a kink is the larger one of the derivatives that exist; nan without
-    # any.
+    # The error at a kink is the larger one of sides that exist; else nan.
     exists_below = np.isfinite(sides.below.error)
     exists_above = np.isfinite(sides.above.error)
     exists = exists_below | exists_above

@@ -72,8 +72,7 @@ def warm_method(name: str) -> None:
     ]
     with kernels.forced(True):
         for family in families:
-            # What the system needs, such as compliant contacts, and the method does not
-            # have
+            # Needs of the system that the method lacks, such as compliant contacts
             lacking = method.lacking(needs(family))
             if not lacking:
                 _run_kernels(family, name, cells)

@@ -221,8 +221,7 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
     name = table.word(key, library)
     if name is None:
         return materials.steel
-    # The table of a material has been read. An empty one at its path has the grids
-    # alone.
+    # A material's table has been read. An empty one at its path has only grids.
     in_library = Table(table.reading, f"materials.{name}", {})
     material = with_grids(in_library, library[name])
     if key == "material":  # it may also vary in this body alone

@@ -219,8 +219,7 @@ def parse_case(
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        # A number of 5000 digits is a plain ValueError, with a hint at a setting of
-        # Python.
+        # A number of 5000 digits is a ValueError with a hint at a setting of Python.
         reason, _, _ = str(error).partition("; use sys.")
         message = f"is not valid TOML: {reason}"
         if not source.endswith(".toml"):

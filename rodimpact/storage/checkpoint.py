@@ -181,8 +181,7 @@ class Checkpoint:
         self._take(start, stop, part)
         self._unsaved[start:stop] = True
         now = time.monotonic()
-        # The longer the sweep runs, the rarer it saves: each time it writes takes a
-        # while.
+        # The longer the sweep runs, the rarer it saves: each time takes a while.
         interval = max(SAVE_INTERVAL, SAVE_TIME_RATIO * (now - self._began))
         if now - self._saved >= interval:
             self._save()
