@@ -32,8 +32,8 @@
 
     [solve]                  # until, method, max_events, dt, rtol, cells, snapshots:
                              # as for `rodimpact.solve`; all but the last for
-                             # `rodimpact.sweep`
-                             too
+                             # `rodimpact.sweep`, too
+
     [output]                 # plot, save: names of files to write
 
     [[gauges]]               # a strain gauge of `rodimpact explore`, `run --gauges` and
