@@ -348,6 +348,8 @@ def _reduction(
     cut_off = min(first.guide.cut_off, half_sampling_rate)
     resolution = Resolution(first.dt, cut_off)
     bands = bands_of(shot, curve, calibration, resolution, report)
+    # `one_sample` is the change of the stress by a shift of one sample. A bar without a
+    # mode has no dispersion.
     return Reduction(
         **vars(curve),
         stress_band=bands.stress,
