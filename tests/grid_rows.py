@@ -83,7 +83,7 @@ def matrices(mesh):
 
     axial = between_nodes.T @ (of_cells("stiffness") * between_nodes)
     coupling = of_cells("coupling") * between_nodes
-    shear = between_cells.T @ (mesh.shear[1 : n - 1, None] * between_cells)
+    shear = between_cells.T @ (mesh.shear_stiffness[1 : n - 1, None] * between_cells)
     radial = np.diag(of_cells("radial")[:, 0]) + shear
     stiffness = np.block([[axial, coupling.T], [coupling, radial]])
     return mass, damping, stiffness

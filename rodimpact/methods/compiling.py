@@ -226,12 +226,15 @@ def can_be(user_functions: Functions) -> bool:
 def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
     """The twin of a kernel, to be compiled: a function that closes over a digest of its sources.
 
+    It has the code of the kernel; its globals are those of a copy of the module with all functions
+    jitted. Functions that only one other function uses are inlined there.
+
     Numba compiles anew a function that closes over another value than the one on disk, and else
     looks at the kernel's file alone. So a change in any source compiles the kernel anew.
     """
     module = sys.modules[kernel.__module__]
     code = kernel.__code__.replace(co_freevars=("digest",))
-    # The value that is closed over, and the globals: those of a copy of the module with all jitted
+    # The value that is closed over
     digest = (CellType(f"{kernel.__name__} {digest_of(module)}"),)
     scope = vars(_twin(module, user_functions, _names_used_once(module)))
     twin = FunctionType(code, scope, kernel.__name__, kernel.__defaults__, digest)

@@ -35,7 +35,10 @@ Below it the quotient loses 6 bits and more; the series leaves out the fourth po
 
 
 def has_dashpot(link: Any) -> bool:
-    """Whether a link has a dashpot beside its spring, which presses without overlap too."""
+    """Whether a link has a dashpot beside its spring, which presses without overlap too.
+
+    The damping of a contact that yields is no such dashpot.
+    """
     return bool(link.law == Law.SPRING and link.damping > 0)
 
 
@@ -244,16 +247,26 @@ def guard(
     ----------
     link : LINK
     which : int
-        Which guard, from 0 to `guard_count` - 1. Guard 0 is the gap (OPEN), the force (REST, and
-        PRESS of a rigid link), the rate of closing (PLASTIC), `pressing_sign` (PRESS of a spring
-        with a dashpot), and else the overlap. Guard 1 is what a force lacks to the next knot
-        (PLASTIC) or to the yield force (PRESS of what yields), -`pressing_sign` (GRAZE), and else
-        `pressing_sign` (PRESS). Guard 2 is `pressing_sign`, of a contact that yields with damping
-        (PRESS).
+        Which guard, from 0 to `guard_count` - 1; see the table below.
     d, closing, F : float
         Overlap, m, closing without the own force, m/s, and force, N.
     scale, length : float
         Scales of velocities, m/s, and of overlaps, m.
+
+    Notes
+    -----
+    The guards by status, and of PRESS by kind of link ("lack": what the force lacks)::
+
+        status                  guard 0          guard 1              guard 2
+        OPEN                    gap
+        REST                    force
+        PLASTIC                 rate of closing  lack to next knot
+        GRAZE                   overlap          -pressing_sign
+        PRESS, rigid            force
+        PRESS, with dashpot     pressing_sign
+        PRESS, yields           overlap          lack to yield force
+        PRESS, yields, damping  overlap          lack to yield force  pressing_sign
+        PRESS, other            overlap          pressing_sign
     """
     status = link.status
     if status == Status.OPEN:

@@ -121,7 +121,7 @@ def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
     for i, stays in enumerate(is_moving):
         if stays:
             is_fixed[nodes_of(row, mesh, i)] = True
-    stiffness = mesh.cells.relaxed
+    stiffness = mesh.cells.relaxed_stiffness
     shafts = soil_of(mesh, step=1.0)
     resists_at_rest = shafts["ultimate"] > 0  # drag does not
     return Chain(
@@ -185,7 +185,7 @@ def _tensions(row: Row, mesh: Mesh) -> Floats:
         edges = cell_edges(row, mesh, i)
         strain = averages(body.strain, edges, float(body.length))
         elongation = strain * mesh.cells.width[cells]
-        tension[cells] = mesh.cells.relaxed[cells] * elongation
+        tension[cells] = mesh.cells.relaxed_stiffness[cells] * elongation
     return tension
 
 

@@ -151,10 +151,10 @@ def _extrapolated(values: Floats, end: SegmentEnd) -> Floats:
 def _has_lateral_inertia(motion: GridMotion, end: SegmentEnd) -> bool:
     """Whether lateral inertia takes a share of the force on the node of an end."""
     cells = motion.cells
-    # By Rayleigh and Love a cell has `lateral` inertia, by Mindlin and Herrmann that of
-    # swelling. Cell n lies left of node n.
-    beside_node = (cells.lateral[end.node], cells.lateral[end.node + 1])
-    return any(beside_node) or bool(cells.swelling[end.cell])
+    # By Rayleigh and Love a cell has lateral inertia, by Mindlin and Herrmann radial
+    # inertia. Cell n lies left of node n.
+    beside_node = (cells.lateral_inertia[end.node], cells.lateral_inertia[end.node + 1])
+    return any(beside_node) or bool(cells.radial_inertia[end.cell])
 
 
 def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:

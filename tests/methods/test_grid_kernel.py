@@ -160,7 +160,7 @@ def dense_run(mesh, step, v, force, radial, steps, push):
     M, damping, K = matrices(mesh)
     k = mesh.stiffness[1:n]
     b = mesh.cells.coupling[1:n]
-    J = mesh.cells.swelling[1:n]
+    J = mesh.cells.radial_inertia[1:n]
     free = np.append(mesh.is_prescribed == 0, J > 0)
     outer = np.zeros(2 * n - 1)
     outer[0] = push[0]
@@ -251,7 +251,7 @@ def energy_of_bodies(run):
     v = states.velocity + run.row.frame + fall
     inside = mesh.stiffness[1:-1] > 0
     k = mesh.stiffness[1:-1][inside]
-    lateral = mesh.lateral[1:-1][inside]
+    lateral = mesh.lateral_inertia[1:-1][inside]
     rate = np.diff(v, axis=1)[:, inside]
     force = states.force[:, 1:-1][:, inside]
     kinetic = v * v @ moving_mass(mesh) / 2 + rate**2 @ (lateral - k * h * h / 4) / 2
@@ -265,12 +265,12 @@ def energy_of_radial_strain(run, inside, k, rate):
     """[state] energy of swelling and of shear between the cells, J."""
     mesh = run.mesh
     h = run.step
-    J = mesh.cells.swelling[1:-1][inside]
+    J = mesh.cells.radial_inertia[1:-1][inside]
     b = mesh.cells.coupling[1:-1][inside]
-    G = mesh.cells.radial[1:-1][inside]
+    G = mesh.cells.radial_stiffness[1:-1][inside]
     q = h * run.history.radial[:, 1:-1]
     p = run.history.radial_rate[:, 1:-1]
-    shear = mesh.shear[1:-1]
+    shear = mesh.shear_stiffness[1:-1]
     total = np.diff(q, axis=1) ** 2 @ shear / 2
     total -= np.diff(h * p / 2, axis=1) ** 2 @ shear / 2
     q = q[:, inside]

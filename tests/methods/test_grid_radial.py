@@ -37,7 +37,7 @@ def fastest(mesh):
     """Largest angular frequency of a mesh, from its whole matrices."""
     M, _, K = matrices(mesh)
     every_node = np.ones(len(mesh.mass), bool)
-    has_radial_motion = mesh.cells.swelling[1:-1] > 0
+    has_radial_motion = mesh.cells.radial_inertia[1:-1] > 0
     is_in_motion = np.append(every_node, has_radial_motion)
     chosen = np.ix_(is_in_motion, is_in_motion)
     eigenvalues = eigh(K[chosen], M[chosen], eigvals_only=True)

@@ -77,7 +77,10 @@ def measures_of(finished: FrontRun) -> dict[str, Array]:
 
 
 def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
-    """Sentence that states the largest error by rounded transit times; "" if there is none."""
+    """Sentence that states the largest error by rounded transit times; "" without errors.
+
+    An infinite error is one that is not known.
+    """
     if not accuracy:
         return ""
     largest = max(accuracy.values())

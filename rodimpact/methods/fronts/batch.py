@@ -56,8 +56,10 @@ class RunRequest(NamedTuple):
     perturb_rounding: bool = False
 
     def store(self, run: Run) -> None:
-        """Store the request in the record of a run; flags become 0 or 1."""
-        # A negative end is none: -until is the share of the default horizon.
+        """Store the request in the record of a run; flags become 0 or 1.
+
+        No end becomes -1, which is one default horizon: -until is the share of it.
+        """
         run.until = -1.0 if self.until is None else self.until
         run.max_events = self.max_events
         run.run_past_proof = int(self.run_past_proof)

@@ -116,7 +116,7 @@ def build_event_queue(state: State) -> None:
     """Fill the event queue: every node is due at t = 0, but for some free ends.
 
     A free end whose outgoing wave already equals the incoming one waits for its next
-    arrival.
+    arrival. Lines 2 s and 2 s + 1 run to the right and to the left in segment s.
     """
     queue = state.queue
     leaves = len(queue) // 2

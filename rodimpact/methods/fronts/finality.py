@@ -79,7 +79,9 @@ def ticks_until_apart(state: State, k: int, now: int) -> float:
     opening = right.mean_velocity - left.mean_velocity
     least_opening = least_opening_velocity(left, right, tolerance)
     if proof.undecided(opening, least_opening, tolerance):
-        bound_deviations(state, k, now)  # read by `separation_time` in this case only
+        # The velocities alone decide nothing: deviations and their bounds count, which
+        # `separation_time` reads in this case only.
+        bound_deviations(state, k, now)
     node = state.nodes[k]
     gap = node.gap + node.gap_rate * (now - node.solved_tick)
     mean_gap = gap - right.end_deviation + left.end_deviation

@@ -92,7 +92,11 @@ def run_to_end(state: State) -> int:
 
 
 def find_horizon(run: Run) -> int:
-    """Tick at which a run ends, as far as is known: without a proof, with its clock."""
+    """Tick at which a run ends, as far as is known.
+
+    It is `end_tick` where an end was asked for; else `ticks_after_proof` behind the proof;
+    the last tick of the clock as long as there is no proof.
+    """
     if run.end_tick != NONE:
         return run.end_tick
     if run.proved_tick == NONE:

@@ -48,6 +48,8 @@ class FrontRun:
     def __init__(self, batch: FrontBatch) -> None:
         """Take the records of a batch whose only member has run; make its clock.
 
+        `batch.progress` is the record of this run.
+
         Raise InvalidModel if it had none. A proof is dropped where an end is driven.
         """
         self.batch = batch
@@ -62,7 +64,7 @@ class FrontRun:
         self.clock = self._clock()
         self.stopped_by = REASONS[Stop(self.run.stop_reason)]
         self.proved_tick = self.run.proved_tick
-        # A proof means nothing where an end is driven; then `until` is given.
+        # A proof means nothing where an end is driven; such a run always has an end `until`.
         if self.run.until >= 0 and has_external_drive(self.layout.row.system):
             self.proved_tick = NONE
 

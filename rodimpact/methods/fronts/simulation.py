@@ -89,7 +89,8 @@ def start_simulation(
     layout : FamilyLayout
         Layout of a collision in which velocities and strains do not jump.
     values : sequence
-        Values of the member, in place of those of the layout.
+        Values of the member, in place of those of the layout: the wave speeds of the
+        segments, their impedances, and so on.
     ticks : [segment]
         Transit times, ticks.
     tick_duration : number
@@ -102,11 +103,12 @@ def start_simulation(
     state.run.tick_duration = tick_duration
     state.run.frame_velocity = frame_velocity
     segments = state.segments
-    initial_state.split_at_jumps(state, values)  # a piece for each segment
+    # Nothing jumps here, so that each segment becomes one piece.
+    initial_state.split_at_jumps(state, values)
     n = len(ticks)
     for s in range(1, n + 1):
         segments[s].transit = ticks[s - 1]
-        impedance_index = n + s - 1  # n wave speeds come first
+        impedance_index = n + s - 1  # behind the n wave speeds
         segments[s].mobility = 1 / values[impedance_index]
     initial_state.initialise_member(state, values)
     events.start(state)

@@ -37,7 +37,8 @@ def largest_force(force: Floats) -> float:
     top = int(np.argmax(force))
     # Two steps more on both sides, so that `top` is the middle of five
     earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
-    # The curve is value + slope t + curve t^2, t in steps.
+    # The curve is value + slope t + curve t^2, t in steps; at t = 0 the first of its three
+    # steps begins.
     value, slope, curve = _parabola(before, F, after)
     begin = 1  # begin of the top step, in steps behind that of the first of the three
     largest = F
@@ -52,7 +53,7 @@ def largest_force(force: Floats) -> float:
             slope = b
             curve = c
             begin = 0
-            # The other side, in its turn, is taken if it is less curved than this one.
+            # The other side, in its turn, is taken if it is much less curved than this one.
             least_curvature = KINK_CURVATURE_RATIO * abs(c)
             largest = max(a, a + b + c)  # values at both ends of the step
     # If the vertex lies in the top step it is the largest force.

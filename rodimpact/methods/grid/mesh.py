@@ -42,23 +42,23 @@ class Cells(NamedTuple):
     """E A/dx, N/m; (lambda + 2 mu) A/dx, the stiffness at constant q, by Mindlin and Herrmann."""
     viscous: Array
     """eta A/dx, N s/m."""
-    lateral: Array
+    lateral_inertia: Array
     """rho nu^2 I_p/dx, kg, by Rayleigh and Love."""
-    swelling: Array
+    radial_inertia: Array
     """Inertia of q, m rho I_p dx, kg m^2, by Mindlin and Herrmann."""
     coupling: Array
     """Tension for a unit of q, 2 lambda A, N."""
-    radial: Array
+    radial_stiffness: Array
     """4 (lambda + mu) A dx, N m."""
-    shear: Array
+    shear_stiffness: Array
     """s mu I_p/dx, N m, between neighbouring cells."""
     width: Array
     """dx, m; 1 between pieces, where all else is 0."""
 
     @property
-    def relaxed(self) -> Array:
+    def relaxed_stiffness(self) -> Array:
         """Stiffness E A/dx [cell] of slow stretching, where q follows, N/m."""
-        return self.stiffness - quotient(self.coupling**2, self.radial)
+        return self.stiffness - quotient(self.coupling**2, self.radial_stiffness)
 
 
 class GridMotion(NamedTuple):
@@ -74,7 +74,7 @@ class GridMotion(NamedTuple):
     """First node of each piece."""
     mass: Array
     """kg [node]."""
-    shear: Array
+    shear_stiffness: Array
     """N m [node], as in `Mesh`."""
     cells: Cells
     when: Array
@@ -136,15 +136,15 @@ class GridMotion(NamedTuple):
         change = np.diff(v)
         k = self.cells.stiffness[inside]
         # What cells add to M - h^2 K/4 between their nodes
-        off_diagonal = self.cells.lateral[inside] - k * step**2 / 4
+        off_diagonal = self.cells.lateral_inertia[inside] - k * step**2 / 4
         k = np.where(k > 0, k, np.inf)  # cells without stiffness have no energy
         kinetic = float(mass @ (v * v) + off_diagonal @ (change * change)) / 2
         strained = float(np.sum(self.force[state, inside] ** 2 / k)) / 2
         if not self.radial.size:
             return kinetic, strained
-        J = self.cells.swelling[inside]
+        J = self.cells.radial_inertia[inside]
         b = self.cells.coupling[inside]
-        G = self.cells.radial[inside]
+        G = self.cells.radial_stiffness[inside]
         q = self.radial[state] * step  # stored as 1/s times steps
         rate = self.radial_rate[state]  # rate of q
         slope = np.diff(q)[nodes]  # difference of the cells beside each node
@@ -152,7 +152,7 @@ class GridMotion(NamedTuple):
         q = q[inside]
         rate = rate[inside]
         # A spring between two rods, at an end of the nodes, belongs to either by half.
-        shear = self.shear[nodes] / 2
+        shear = self.shear_stiffness[nodes] / 2
         shear[1:-1] *= 2
         radial_strained = (G - b * b / k) @ q**2 + shear @ slope**2
         # v K v without k (dv)^2, which the kinetic energy has already
@@ -233,14 +233,14 @@ class Mesh:
         self.cell_mass = self.cells.cell_mass
         self.stiffness = self.cells.stiffness
         self.viscous = self.cells.viscous
-        self.lateral = self.cells.lateral
+        self.lateral_inertia = self.cells.lateral_inertia
         self.width = self.cells.width
         # Half of the mass of the cells on both sides
         self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
-        self.shear = _in_series(self.cells.shear)
+        self.shear_stiffness = _in_series(self.cells.shear_stiffness)
         self.mass[self.node_of_mass] += row.masses
         # Cells on both sides of a rigid mass swell independently.
-        self.shear[self.node_of_mass] = 0.0
+        self.shear_stiffness[self.node_of_mass] = 0.0
         self.is_prescribed = np.zeros(node + 1, np.int64)
         self.is_prescribed[[self.ends[side] for side in driven]] = 1
         self.pulled = [cell for _, cell in self.bonds.values()]
@@ -248,8 +248,8 @@ class Mesh:
         for cell in self.pulled:
             watched.extend((cell - 1, cell))  # the nodes on both sides of the cell
         self.watched = list(dict.fromkeys(watched))  # each once
-        self.has_radial_strain = bool(np.any(self.cells.swelling))
-        self.implicit = bool(np.any(self.viscous) or np.any(self.lateral))
+        self.has_radial_strain = bool(np.any(self.cells.radial_inertia))
+        self.implicit = bool(np.any(self.viscous) or np.any(self.lateral_inertia))
 
     def _lay_out(self, driven: list[int]) -> int:
         """Set which nodes and cells belong to what, from left to right; return the last node.
@@ -323,11 +323,11 @@ def _cells(segment: Any, count: int) -> Cells:
         cell_mass=rho * area * dx,
         stiffness=E * area / dx,
         viscous=float(material.viscosity) * area / dx,
-        lateral=nothing,
-        swelling=nothing,
+        lateral_inertia=nothing,
+        radial_inertia=nothing,
         coupling=nothing,
-        radial=nothing,
-        shear=nothing,
+        radial_stiffness=nothing,
+        shear_stiffness=nothing,
         width=np.full(count, dx),
     )
     if segment.lateral_inertia is None:
@@ -335,14 +335,14 @@ def _cells(segment: Any, count: int) -> Cells:
     polar = segment.polar_moments(area)
     if segment.lateral_inertia != MINDLIN_HERRMANN:  # Rayleigh and Love
         lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
-        return cells._replace(lateral=lateral)
+        return cells._replace(lateral_inertia=lateral)
     moduli = radial_moduli(E, float(material.poisson_ratio))
     return cells._replace(
         stiffness=moduli.axial * area / dx,
-        swelling=INERTIA * rho * polar * dx,  # corrected by INERTIA
+        radial_inertia=INERTIA * rho * polar * dx,  # corrected by INERTIA
         coupling=moduli.coupling * area,
-        radial=moduli.radial * area * dx,
-        shear=moduli.shear * polar / dx,
+        radial_stiffness=moduli.radial * area * dx,
+        shear_stiffness=moduli.shear * polar / dx,
     )
 
 
@@ -370,6 +370,7 @@ def check_polar_moments(row: Row) -> None:
     They are rho I_p L, kg m^2, and E I_p/L, N m; in cells they are a number of times larger or
     smaller, and their squares are computed.
     """
+    # Path 0 is empty: segments are counted from 1.
     for path, segment in zip(row.paths[1:], row.segments, strict=True):
         if segment.lateral_inertia is None:
             continue
@@ -433,10 +434,10 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
         return cell_transit / math.sqrt(1 + by_soil * (cell_transit / 2) ** 2)
     cells = _cells(segment, count)
     m = cells.cell_mass
-    J = cells.swelling
+    J = cells.radial_inertia
     # omega^2 of both motions by themselves
     axial = 4 * cells.stiffness / m
-    radial = (cells.radial + 4 * cells.shear) / J
+    radial = (cells.radial_stiffness + 4 * cells.shear_stiffness) / J
     # The larger root of the equation, which is quadratic in omega^2
     mixed = np.hypot(axial - radial, 4 * cells.coupling / np.sqrt(m * J))
     square = (axial + radial + mixed) / 2
@@ -464,7 +465,7 @@ def _refuse_stiff(path: str, cells: Cells) -> None:
     impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)  # kg/s [cell]
     sizes = {
         "material.viscosity": cells.viscous / impedance,
-        "lateral_inertia": cells.lateral / cells.cell_mass,
+        "lateral_inertia": cells.lateral_inertia / cells.cell_mass,
     }
     for name, size in sizes.items():
         if size.max() > MAX_COUPLING:
@@ -493,17 +494,17 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     # Each part is a matrix [property, cell]: the cells of all segments stand in a row.
     cells = Cells(*np.concatenate(parts, axis=1))
     mass = (np.append(cells.cell_mass, 0.0) + np.append(0.0, cells.cell_mass)) / 2
-    axial_inertia = np.diag(mass) + _chain(cells.lateral)
-    radial = np.diag(cells.radial) + _chain(_in_series(cells.shear))
+    axial_inertia = np.diag(mass) + _chain(cells.lateral_inertia)
+    radial = np.diag(cells.radial_stiffness) + _chain(_in_series(cells.shear_stiffness))
     # Unknowns are the displacements of nodes, then the radial strains of cells.
     K = block_diag(_chain(cells.stiffness), radial)
     n = len(axial_inertia)
     K[:n, n:] = _differences(n).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
     # Unknowns with inertia: without lateral inertia radial strains have none, and are left out.
-    moves = np.append(np.ones(n, bool), cells.swelling > 0)
+    moves = np.append(np.ones(n, bool), cells.radial_inertia > 0)
     inside = np.ix_(moves, moves)
-    M = block_diag(axial_inertia, np.diag(cells.swelling))[inside]
+    M = block_diag(axial_inertia, np.diag(cells.radial_inertia))[inside]
     # Mode 0 is the motion of the rigid rod.
     squares, modes = eigh(K[inside], M, subset_by_index=[1, MODES])
     axial = modes[:n]  # displacements of nodes, which alone feel viscosity

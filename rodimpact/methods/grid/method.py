@@ -160,7 +160,7 @@ def _run_to_end(run: GridRun, last: int, report: Report) -> None:
         """Report the steps taken of all steps."""
         report(taken, last)
 
-    _try_proofs(run, last, report_of)
+    _advance_until_proved(run, last, report_of)
     run.advance(last, report_of)
 
 
@@ -171,13 +171,15 @@ def _run_to_proof(run: GridRun, last: int, report: Report) -> None:
         """Report the steps taken."""
         report(taken, None)  # nobody knows when a proof will succeed
 
-    _try_proofs(run, last, report_of)
-    run.stopped_by = "max_events"
+    _advance_until_proved(run, last, report_of)
+    run.stopped_by = "max_events"  # steps count as events
     if run.proved >= 0:
         run.stopped_by = "final"
 
 
-def _try_proofs(run: GridRun, last: int, report_of: Callable[[int], None]) -> None:
+def _advance_until_proved(
+    run: GridRun, last: int, report_of: Callable[[int], None]
+) -> None:
     """Run until the proof of finality succeeds, but not beyond step `last`; set `run.proved`."""
     longest = run.round_trip // 2  # steps in which waves cross the longest rod
     report_of(0)

@@ -80,7 +80,7 @@ def add_joints(
     compliance: Array,
     energy: float,
 ) -> tuple[float, float]:
-    """Enter the joints of a group in `stretch` and `compliance` of its cells.
+    """Enter the joints of a group in `stretch` and `compliance` of its cells, in place.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def add_joints(
         Deviation of the end for a momentum, by dashpots, s/kg.
     """
     first, last = group
-    dashpots = 0.0
+    shift_by_momentum = 0.0
     # Link `link` of the row is link `column` of the grid; it lies on the left of node `right`.
     for column, (link, (_, right)) in enumerate(run.mesh.touching.items()):
         if first < right <= last:  # a joint
@@ -112,8 +112,8 @@ def add_joints(
                 energy += k * stretch[cell] ** 2 / 2
             else:
                 # A dashpot c yields by g (change of momentum)/c: twice the largest momentum.
-                dashpots += 2 * g[cell] / float(run.row.links[link].damping)
-    return energy, dashpots
+                shift_by_momentum += 2 * g[cell] / float(run.row.links[link].damping)
+    return energy, shift_by_momentum
 
 
 def group_of(mesh: Mesh, node: int) -> tuple[int, int]:
@@ -156,7 +156,7 @@ def side_of(
         sign = -1
     m = mesh.mass[nodes]
     v = motion.velocity[0, nodes]
-    mass = m.sum() or 1.0  # a wall has none, and v - v[0] is 0 then
+    mass = m.sum() or 1.0  # kg; a wall has none, and v - v[0] is 0 then
     # Relative to the first node, so that a body without vibration has no deviation.
     mean = float(v[0] + m @ (v - v[0]) / mass)
     if mesh.is_prescribed[far]:
@@ -169,27 +169,32 @@ def side_of(
     if a == b:
         return GroupState(mean, 0.0, 0.0)
     # Mass fraction beyond each cell: on its left, as seen from the right end, or else on its right
-    on_left = np.cumsum(m[:-1]) / m.sum()
+    on_left = np.cumsum(m[:-1]) / mass
     if mesh.is_prescribed[far] or Z:
         g = np.ones(b - a)
     elif right_end:
         g = on_left
     else:
         g = 1 - on_left
-    energy = sum(motion.energies(nodes, m, 0, v - mean, h))
-    stretch = elongation[a + 1 : b + 1].copy()
-    compliance = quotient(1.0, mesh.cells.relaxed[a + 1 : b + 1])
-    energy, dashpots = add_joints(run, (a, b), g, stretch, compliance, energy)
+    kinetic, strain = motion.energies(nodes, m, state=0, v=v - mean, step=h)
+    energy = kinetic + strain
+    cells = slice(a + 1, b + 1)  # those of the group: cell i is on the left of node i
+    stretch = elongation[cells].copy()
+    compliance = quotient(1.0, mesh.cells.relaxed_stiffness[cells])
+    # Joints are entered in `stretch` and `compliance`, too.
+    energy, shift_by_momentum = add_joints(run, (a, b), g, stretch, compliance, energy)
     deviation = float(stretch @ g) * sign
     compliance_integral = float(g * g @ compliance)
     # A momentum is sqrt(2 E m) at most. Each motion that it makes adds to that of the cells, and
-    # (a + b)^2 <= 2 (a^2 + b^2) bounds the square of their sum.
+    # (d1 + d2)^2 <= 2 (d1^2 + d2^2) bounds the square of their sum.
     if Z > 0:
-        # The far end yields to the bar by the momentum of the group over Z.
+        # The far end yields to the bar by the momentum of the group over Z, in the direction
+        # of that momentum, whichever side it is on.
         deviation -= float(m @ (v - mean)) / Z
-        compliance_integral = 2 * (compliance_integral + m.sum() / (Z * Z))
-    if dashpots > 0:
-        compliance_integral = 2 * (compliance_integral + m.sum() * dashpots * dashpots)
+        compliance_integral = 2 * (compliance_integral + mass / (Z * Z))
+    if shift_by_momentum > 0:
+        square_shift = mass * shift_by_momentum * shift_by_momentum
+        compliance_integral = 2 * (compliance_integral + square_shift)
     energy = max(energy, 0.0)
     # h/2 times sqrt(2 E/m), the largest velocity of the node
     half_step = h * math.sqrt(energy / (2 * mesh.mass[node]))

@@ -322,7 +322,7 @@ class GridRun:
             last=mesh.last,
             starts=mesh.starts,
             mass=mesh.mass,
-            shear=mesh.shear,
+            shear_stiffness=mesh.shear_stiffness,
             cells=mesh.cells,
             **fields,
             soil=self.grid.soil,
@@ -351,14 +351,17 @@ class GridRun:
         return self.recorded(link, "force"), np.append(first_gap, gap)
 
     def pressed(self, contact: int) -> Array:
-        """When a contact presses: times as of `contact_intervals`, s [n, 3].
+        """Times of the forces of a contact, s [n, 3].
 
+        They are begin and end of each force, and the opening before the next one; nan for what
+        does not come, see `contact_intervals`.
         There are none for a contact that cannot open.
         """
         if contact not in self.row.unilateral_links:
             return np.zeros((0, 3))
         open_gap = GAP_RESOLUTION * float(self.row.scale) * self.step
-        return self.step * contact_intervals(*self.contact(contact), open_gap)
+        force, gap = self.contact(contact)
+        return self.step * contact_intervals(force, gap, open_gap)
 
     def spans(self, pressed: Array) -> tuple[Array, Array]:
         """Times at which forces begin, and end, s [n] each; `pressed` is that of a contact.
@@ -486,7 +489,7 @@ class GridRun:
         mesh finds a larger force.
         """
         mesh = self.mesh
-        is_dispersive = mesh.lateral.any() or mesh.has_radial_strain
+        is_dispersive = mesh.lateral_inertia.any() or mesh.has_radial_strain
         has_flat_ends = any(link.law == Law.RIGID for link in self.row.links)
         if has_flat_ends and (mesh.viscous.any() or is_dispersive):
             return math.inf

@@ -94,11 +94,11 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         old_velocity=np.zeros(n),
         radial_strain=np.zeros(n + 1),
         radial_rate=np.zeros(n + 1),
-        inverse_radial_inertia=quotient(step, cells.swelling),
+        inverse_radial_inertia=quotient(step, cells.radial_inertia),
         coupling=cells.coupling * step,
-        radial_stiffness=(cells.radial - coupling_share) * step,
+        radial_stiffness=(cells.radial_stiffness - coupling_share) * step,
         tension_share=quotient(cells.coupling, cells.stiffness),
-        shear=np.append(mesh.shear * step, 0.0),
+        shear=np.append(mesh.shear_stiffness * step, 0.0),
         links=_links(mesh, step, responses),
         ends=filled(
             records.END,
@@ -119,7 +119,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
 
 def off_diagonal_of(mesh: Mesh, step: float) -> Array:
     """Off-diagonal entries of the matrix M + J + D/2, with opposite sign, kg/s [cell]."""
-    return np.asarray(mesh.lateral / step + mesh.viscous / 2)
+    return np.asarray(mesh.lateral_inertia / step + mesh.viscous / 2)
 
 
 def _end_impedances(mesh: Mesh) -> Array:
@@ -130,7 +130,7 @@ def _end_impedances(mesh: Mesh) -> Array:
     """
     cells = mesh.end_cells
     endless = [kind == "absorbing" for kind, _ in mesh.row.boundaries]
-    impedances = np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells])
+    impedances = np.sqrt(mesh.cells.relaxed_stiffness[cells] * mesh.cell_mass[cells])
     return np.where(endless, impedances, 0.0)
 
 

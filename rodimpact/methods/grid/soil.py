@@ -28,25 +28,25 @@ def soil_of(mesh: Mesh, step: float) -> Array:
     Where two rods are bonded, a node has a record for either.
     """
     parts = [filled(records.SOIL, 0)]
-    for shaft, body in enumerate(shaft_bodies(mesh.row)):
+    for shaft_index, body in enumerate(shaft_bodies(mesh.row)):
         if isinstance(mesh.row.system.bodies[body].shaft, Drag):
-            parts.append(_drag_of_rod(mesh, shaft, body))
+            parts.append(_drag_of_rod(mesh, shaft_index, body))
         else:
-            parts.append(_soil_of_rod(mesh, step, shaft, body))
+            parts.append(_soil_of_rod(mesh, step, shaft_index, body))
     return np.concatenate(parts)
 
 
-def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
+def _soil_of_rod(mesh: Mesh, step: float, shaft_index: int, body: int) -> Array:
     """Soil of one rod at t = 0 as `records.SOIL`, [node in soil].
 
     A node has the ultimate and the mobilised resistance of the halves of the cells beside it; nodes
-    without either have no record. `shaft` is the place of the rod among the `shaft_bodies`.
+    without either have no record. `shaft_index` is the place of the rod among the `shaft_bodies`.
     """
     rod = mesh.row.system.bodies[body]
     soil = rod.shaft
-    edges = _edges_in_rod(mesh, body)
+    edges = _edges_of_half_cells(mesh, body)
     length = float(rod.length)
-    nodes = _nodes_in_rod(mesh, body)
+    nodes = _nodes_of_half_cells(mesh, body)
     of_half_cells = resistances(soil, edges, length)  # ultimate ones, N
     shares = mobilised_shares(soil, edges, length)
     # Sums over the half cells of each node
@@ -61,7 +61,7 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
         damping = damping_factor * np.abs(resistance)
     else:
         damping = damping_factor * ultimate
-    soil_records = _records_at(mesh, body, shaft, in_soil)
+    soil_records = _records_at(mesh, body, shaft_index, in_soil)
     soil_records["is_smith"] = is_smith
     soil_records["stiffness"] = ultimate / float(soil.quake) * step
     soil_records["ultimate"] = ultimate
@@ -71,49 +71,49 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft: int, body: int) -> Array:
     return soil_records
 
 
-def _drag_of_rod(mesh: Mesh, shaft: int, body: int) -> Array:
+def _drag_of_rod(mesh: Mesh, shaft_index: int, body: int) -> Array:
     """Drag of one rod as `records.SOIL`, [node with drag].
 
     Each node has that of the halves of the cells beside it, as a damping without resistance.
-    `shaft` is the place of the rod among the `shaft_bodies`.
+    `shaft_index` is the place of the rod among the `shaft_bodies`.
     """
     rod = mesh.row.system.bodies[body]
-    edges = _edges_in_rod(mesh, body)
-    nodes = _nodes_in_rod(mesh, body)
+    edges = _edges_of_half_cells(mesh, body)
+    nodes = _nodes_of_half_cells(mesh, body)
     # Drag coefficients of half cells, N s/m, added up for each node
     damping = np.bincount(nodes, coefficients(rod.shaft, edges, float(rod.length)))
     dragged = np.flatnonzero(damping)
-    drag_records = _records_at(mesh, body, shaft, dragged)
+    drag_records = _records_at(mesh, body, shaft_index, dragged)
     drag_records["damping"] = damping[dragged]
     return drag_records
 
 
-def _records_at(mesh: Mesh, body: int, shaft: int, places: Array) -> Array:
+def _records_at(mesh: Mesh, body: int, shaft_index: int, places: Array) -> Array:
     """Records of `places`, nodes of a rod counted from its left end, [node].
 
-    They have the node in the mesh, the number `shaft`, and which end of the rod the node is; all
+    They have the node in the mesh, `shaft_index`, and which end of the rod the node is; all
     else is 0.
     """
     is_first_node = np.where(places == 0, 1, 0)
-    is_last_node = np.where(places == _nodes_in_rod(mesh, body)[-1], 1, 0)
+    is_last_node = np.where(places == _nodes_of_half_cells(mesh, body)[-1], 1, 0)
     first, _ = mesh.row.spans[body]  # first segment of the rod
     blank_records: Array = filled(
         records.SOIL,
         len(places),
         node=mesh.first[first] + places,
-        shaft=shaft,
+        shaft=shaft_index,
         end_of_rod=is_last_node - is_first_node,
     )
     return blank_records
 
 
-def _nodes_in_rod(mesh: Mesh, body: int) -> Array:
+def _nodes_of_half_cells(mesh: Mesh, body: int) -> Array:
     """Node of each half cell of a rod, counted from its left end, [half cell]."""
     first, last = mesh.row.spans[body]
     return nodes_of_half_cells(sum(mesh.counts[first - 1 : last]))
 
 
-def _edges_in_rod(mesh: Mesh, body: int) -> Array:
+def _edges_of_half_cells(mesh: Mesh, body: int) -> Array:
     """Edges of the half cells of a rod, m from its left end; each once, also between segments."""
     edges = [np.zeros(1)]
     left = 0.0

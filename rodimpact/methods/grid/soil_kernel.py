@@ -167,6 +167,9 @@ def renew_mobilities(run: Run, links: Any, by_first: Any, by_last: Any) -> None:
     `self_mobility` of a link is the closing that its own unit force takes away in a step,
     `coupling_mobility` the closing that a unit force in the link before it adds through the piece
     between both. Half of a change of velocity counts, as a closing is a mean over the step.
+
+    `by_first` and `by_last` have the velocity of each node by a unit force on the first and on the
+    last node of its piece, (m/s)/N [node]. Nothing changes where soil does not change equations.
     """
     if run.soil_changes_equations == 0:
         return

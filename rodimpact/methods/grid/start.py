@@ -39,7 +39,7 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     v += _changes_by_driven_ends(mesh, step, grid)
     cells = mesh.cells
     # At t = 0 the radial strain follows the stretching: G q + b du = 0.
-    radial = quotient(-cells.coupling, cells.radial) * elongation
+    radial = quotient(-cells.coupling, cells.radial_stiffness) * elongation
     grid.radial_strain[:] = radial / step
     tension = mesh.stiffness * elongation + cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
@@ -124,7 +124,7 @@ def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
     jump prescribed at the end.
     """
     jump = np.zeros(len(mesh.mass))
-    off_diagonal = mesh.lateral / step
+    off_diagonal = mesh.lateral_inertia / step
     for node, (kind, value) in zip(mesh.ends, mesh.row.boundaries, strict=True):
         if kind == "velocity":
             start = scheme.boundary_velocity(mesh.row, step, value, np.zeros(1))[0]
@@ -249,7 +249,9 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         dv_stretching = np.diff(dv, prepend=0.0, append=0.0)
         stretching[[0, -1]] = 0.0  # cells beyond the ends stand for nothing
         dv_stretching[[0, -1]] = 0.0
-        kinetic = mesh.mass @ (mean * dv) + mesh.lateral @ (stretching * dv_stretching)
+        kinetic = mesh.mass @ (mean * dv) + mesh.lateral_inertia @ (
+            stretching * dv_stretching
+        )
         # In steps: masses of the grid are those of the mesh over the step.
         gain = kinetic / step + grid.force @ dv_stretching / 2
         heat = grid.viscous * stretching**2

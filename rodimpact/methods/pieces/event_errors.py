@@ -16,11 +16,12 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
     there, which makes `event_error`; all of h if the guard changes by less than that.
 
     All that went before is wrong, too: where velocities are wrong by v, a force is wrong by v/Y,
-    and an overlap by v times its memory. For a v of the velocity scale that makes `event_lag`.
+    and an overlap by v times its memory, the time for which it keeps an error of velocity. For a v
+    of the velocity scale that makes `event_lag`.
     """
     link = links[event.link]
     for which in range(contact_laws.guard_count(link)):
-        status = event_location.evaluate_guard(run, link, node, which, h)
+        status = event_location.set_guard_values(run, link, node, which, h)
         if status == event.status:
             series.set_series(node.scratch_values, node.scratch_series)
             error = series.error_at(node.scratch_values, event.position)
@@ -29,6 +30,7 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
             if error < rate * h:
                 # A guard of velocities or forces is wrong by 1 for a v of the scale.
                 lag = 1 / rate
+                # One of overlaps is wrong by v times the memory, over its own scale.
                 if contact_laws.follows_overlap(link, which):
                     length = event_location.guard_length(run, h)
                     lag *= run.velocity_scale * overlap_memory(run, link) / length

@@ -35,7 +35,7 @@ def guard_length(run: Run, h: float) -> float:
     return GUARD_LENGTH * run.velocity_scale * h
 
 
-def evaluate_guard(run: Run, link: Link, node: Node, which: int, h: float) -> int:
+def set_guard_values(run: Run, link: Link, node: Node, which: int, h: float) -> int:
     """Set `node.scratch_values` to a guard of a link at the points of a piece of duration h.
 
     Return the status that follows if this guard falls below 0.
@@ -67,7 +67,7 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
     for q in range(node.link_count):
         i = node.first_link + q
         for which in range(contact_laws.guard_count(links[i])):
-            status = evaluate_guard(run, links[i], node, which, h)
+            status = set_guard_values(run, links[i], node, which, h)
             zero = find_event(run, links[i], node, which, h)
             # A place behind 1 means that there is no event.
             if zero <= 1 and (first == NONE or zero < position):
@@ -80,27 +80,30 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
 def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
     """Return the place at which guard number `which` of a link falls below 0, or NOWHERE.
 
-    `node.scratch_values` has its values at the points. A guard that is about 0 at the first point
-    is not trusted there: if it is negative at a later point and does not become positive in
-    between, the event is at the start, -1.
+    `node.scratch_values` has its values at the points. A guard that is about 0 at the start is not
+    trusted there: if it is negative at a later point, and `find_crossing` sees it positive nowhere
+    in between, the event is at the start, -1. A guard that is negative at no point may still dip
+    below 0 between two of them.
     """
     follows_overlap = contact_laws.follows_overlap(link, which)
-    ignored = ROUND_OFF
-    if follows_overlap and node.scratch_values[N] > 0:
+    ignored_depth = ROUND_OFF  # values down to its negative count as 0 at the points
+    value_at_end = node.scratch_values[N]
+    if follows_overlap and value_at_end > 0:
         # A force that starts softly is a polynomial that swings a little below 0.
         graze = run.graze_velocity * run.shortest_transit * run.tick_duration
-        ignored = max(ignored, graze / guard_length(run, h))
+        ignored_depth = max(ignored_depth, graze / guard_length(run, h))
     # A dip below 0 that is less deep may be the truncation error of the piece.
-    depth = max(ignored, run.tolerance / run.velocity_scale)
-    j = 1  # first point at which the guard is negative
-    while j < POINTS and node.scratch_values[j] >= -ignored:
+    dip_depth = max(ignored_depth, run.tolerance / run.velocity_scale)
+    j = 1  # becomes the first point behind the start at which the guard is negative
+    while j < POINTS and node.scratch_values[j] >= -ignored_depth:
         j += 1
-    # A guard of velocities or forces may start negative, and rise again before the first point.
-    jumps = not follows_overlap and link.status != Status.REST
-    if node.scratch_values[0] < -depth and jumps:
+    # A guard of velocities or forces may start negative, and rise again before the next point.
+    # That of REST is a force that is only extrapolated to the start.
+    may_jump = not follows_overlap and link.status != Status.REST
+    if node.scratch_values[0] < -dip_depth and may_jump:
         zero = -1.0
     elif j == POINTS:
-        zero = find_dip(node, depth)
+        zero = find_dip(node, dip_depth)
     else:
         zero = find_crossing(node, j)
     return zero

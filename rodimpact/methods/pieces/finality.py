@@ -86,7 +86,7 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
     tick or more, after which it is worth while to ask again.
     """
     # Velocities below this one count as 0, m/s.
-    slow = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance
+    tolerance = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance
     is_over = True
     is_all_quiet = True
     longest = 0.0
@@ -96,9 +96,11 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
             continue
         left = parts[link.left_group]
         right = parts[link.right_group]
-        is_link_quiet = is_quiet(link, left, slow) and is_quiet(link, right, slow)
+        is_link_quiet = is_quiet(link, left, tolerance) and is_quiet(
+            link, right, tolerance
+        )
         is_all_quiet = is_all_quiet and is_link_quiet
-        time = time_until_apart(link, left, right, slow)
+        time = time_until_apart(link, left, right, tolerance)
         # A compliant contact counts as pressed until it opens; a rigid one while it has a force.
         has_force = link.force[N] * link.effective_mobility > run.graze_velocity
         is_compliant = link.law > Law.IMPACT  # a spring, or a law behind it
@@ -112,7 +114,7 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
 
 
 def time_until_apart(
-    link: Link, left: GroupPart, right: GroupPart, slow: float
+    link: Link, left: GroupPart, right: GroupPart, tolerance: float
 ) -> float:
     """Return the time until a contact between two groups may be proved not to close again, s.
 
@@ -120,6 +122,7 @@ def time_until_apart(
     """
     opening = right.reference_velocity - left.reference_velocity
     least_opening = -math.inf  # least velocity with which the two faces can part
+    # Ends that move with no velocities but those of the waves
     if left.ends_follow_waves and right.ends_follow_waves:
         least_opening = right.min_wave - left.max_wave
     # Gap between the mean motions: the faces are beside these by their deviations. The right end
@@ -128,16 +131,18 @@ def time_until_apart(
     left_reach = max_deviation(left, left.compliance_integrals[1])
     right_reach = max_deviation(right, right.compliance_integrals[0])
     reach = left_reach + right_reach
-    return proof.separation_time(opening, least_opening, mean_gap, reach * reach, slow)
+    return proof.separation_time(
+        opening, least_opening, mean_gap, reach * reach, tolerance
+    )
 
 
-def is_quiet(link: Link, group: GroupPart, slow: float) -> bool:
+def is_quiet(link: Link, group: GroupPart, tolerance: float) -> bool:
     """Return whether a group moves evenly, and the overlap of a contact with it is constant.
 
-    Velocities within `slow`, m/s, are the same. Index N is the end of the last piece.
+    Velocities within `tolerance`, m/s, are the same. Index N is the end of the last piece.
     """
     rate = link.closing[N] - link.mobility * link.force[N]
-    return bool(group.max_wave - group.min_wave <= slow and abs(rate) <= slow)
+    return bool(group.max_wave - group.min_wave <= tolerance and abs(rate) <= tolerance)
 
 
 def max_deviation(group: GroupPart, compliance: float) -> float:

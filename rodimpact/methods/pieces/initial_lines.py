@@ -163,17 +163,20 @@ class InitialLines:
     ) -> Any:
         """Pieces, [piece], that fit a signal between two ticks; raise `fit` and `carried`.
 
-        The signal is the sum of these profiles times factors, whose errors it has.
+        The signal is the sum of these profiles times factors, and as wrong as they are.
         """
         scale = float(self._clock.scale)
-        tolerance = self._request.tolerance * scale / 4
+        tolerance = self._request.tolerance * scale / 4  # m/s
+        # Polynomials are the state of an earlier run.
         is_state = any(isinstance(profile, Polynomials) for profile, _ in profiles)
-        # Largest miss of a piece, m/s
         if is_state and not is_drive:
-            fit = EXACT_FIT * scale  # keeps the waves of an earlier run
+            largest_miss = EXACT_FIT * scale  # keeps the waves of an earlier run
         else:
-            fit = tolerance
-        pieces, miss = profile_pieces.in_pieces(signal, start, stop, tolerance, fit)
+            largest_miss = tolerance
+        # The tolerance is also the smallest change that makes a break.
+        pieces, miss = profile_pieces.in_pieces(
+            signal, start, stop, break_size=tolerance, largest_miss=largest_miss
+        )
         self.fit = max(self.fit, miss / scale)
         for profile, factor in profiles:
             if isinstance(profile, Samples):
@@ -309,6 +312,7 @@ class InitialLines:
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
         """Pieces, [1, piece], of a value that varies over time and acts on an end of this `kind`.
 
+        They fit the signal of the line: factor * value + start + slope * t, see `OutsideSignal`.
         There is one member: what acts on the ends of a family is constant in time.
         """
         until = self._request.until
@@ -327,7 +331,9 @@ class InitialLines:
             ramp = np.array([0.0, signal.slope * stop * tick])  # values at 0 and `stop`
             drive = drive + Pieces.through([0, stop], ramp)
         # Velocity that a unit of the value makes, for the error of the value
-        if kind == "force":  # F changes the velocity of a free end by 2 F/Z
+        if kind == "force":
+            # F changes the wave that leaves its end by 2 F/Z, and the end itself by F/Z. Where
+            # the wave goes on into other segments it is at most 2 F over the least Z.
             impedances = [float(segment.impedance) for segment in self._row.segments]
             velocity_per_value = 2 / min(impedances, default=math.inf)
         else:

@@ -422,7 +422,8 @@ def _columns_of(family: Members, refused: Any) -> Columns:
 def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
     """Totals of every contact in SI units, [contact] by member, by the names of `CONTACT_COLUMNS`.
 
-    `zero_or_nan` is nan where a member is refused, else 0. Impacts have no peak force: nan.
+    `zero_or_nan` is nan where a member is refused, else 0; it is not added to `episodes`, which are
+    counts. Impacts have no peak force: nan.
     """
     tick = family.runs[:, 0]["tick_duration"]
     contacts: dict[str, list[Any]] = {

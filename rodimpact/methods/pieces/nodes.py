@@ -80,7 +80,7 @@ def outer_link(node: Node, side: int) -> int:
 # Forces and motion --------------------------------------------------------------------------------
 
 
-def set_forces(links: Links, node: Node) -> int:
+def start_forces(links: Links, node: Node) -> int:
     """Start a piece: set the forces of links that are given, and number the unknown ones.
 
     Given are pushes on the ends, 0 in open contacts, and the force between two rods alone, which
@@ -367,14 +367,17 @@ def collocate(
     links = borrowed(links)
     masses = borrowed(masses)
     G = borrowed(G)
-    unknown_count = set_forces(links, node)
-    residual = 1.0  # that before the last step: a step more follows if it was large
+    # Given forces are set here, the unknown ones counted.
+    unknown_count = start_forces(links, node)
+    # Residual before the last step: if it was large, another step follows.
+    residual = 1.0
     steps = 0
     update_motion(links, masses, node, h)
     while unknown_count > 0 and residual >= RESIDUAL_RTOL:
         if steps == MAX_NEWTON_STEPS or not residual < DIVERGED:  # NaN is not below it
             return False
-        residual = linearise_links(links, node, h, steps == 0)
+        is_first_step = steps == 0
+        residual = linearise_links(links, node, h, is_first_step)
         set_equations(links, masses, node, h, G, unknown_count)
         # The forces of neighbours are coupled, whose columns are less than 2 N apart.
         series.eliminate(G, N * unknown_count, 2 * N)

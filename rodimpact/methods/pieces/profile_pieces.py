@@ -91,12 +91,12 @@ def _from_polynomials(
 
 
 def in_pieces(
-    signal: Pieces, start: int, stop: int, tolerance: float, fit: float
+    signal: Pieces, start: int, stop: int, break_size: float, largest_miss: float
 ) -> tuple[Any, float]:
     """A signal between two ticks as pieces that are as long as they fit.
 
-    Pieces begin at breaks of the signal. A kink is one if it changes values by more than the
-    tolerance until the next break: straight lines between close samples of a smooth curve have
+    Pieces begin at breaks of the signal. A kink is one if it changes values by more than
+    `break_size` until the next break: straight lines between close samples of a smooth curve have
     none. So does what is constant at first or at last: no piece reaches into it, as nothing may
     move before a wave arrives.
 
@@ -104,9 +104,9 @@ def in_pieces(
     ----------
     signal : Pieces
     start, stop : int
-    tolerance : float
+    break_size : float
         Smallest change of values that makes a break.
-    fit : float
+    largest_miss : float
         Largest miss of a piece in place of several.
 
     Returns
@@ -116,13 +116,15 @@ def in_pieces(
         Largest difference from the signal.
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
-    round_off = min(ROUND_OFF, fit) * np.abs(signal.coefficients).max()
+    round_off = min(ROUND_OFF, largest_miss) * np.abs(signal.coefficients).max()
     # Differences of the values before and behind each edge but the first
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
-    jumps = changes > CONTINUITY_RTOL * tolerance + round_off  # [edge behind the first]
+    jumps = (
+        changes > CONTINUITY_RTOL * break_size + round_off
+    )  # [edge behind the first]
     borders = _borders_of_rest(signal, edges, round_off)  # [edge]
     # No piece reaches across a jump, or into what is constant.
-    fitted = _fit_longest(signal, edges, jumps | borders[1:], fit)
+    fitted = _fit_longest(signal, edges, jumps | borders[1:], largest_miss)
     first = fitted.first  # interval with which each piece begins, that is its edge
     series = fitted.series
     is_constant = np.abs(series[:, 1:]).sum(axis=1) <= round_off
@@ -136,7 +138,7 @@ def in_pieces(
     # Lines between samples w apart of a smooth curve, whose slope changes by k, miss it by k w/8.
     bends = kinks * np.minimum(before, after) / 8
     # The order of a break is 0 where the value jumps, 1 where the slope does.
-    kink_order = np.where(bends > tolerance + round_off, 1, SMOOTH)
+    kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)
     order = np.where(jumps[inner - 1], 0, kink_order)
     order = np.where(borders[inner], np.minimum(order, HARD), order)
     pieces = np.zeros(len(series), PIECE)

@@ -103,7 +103,10 @@ def accuracy_sentence(worst: float, goal: float) -> str:
 
 
 def simplifications_text(run: Any) -> str:
-    """Sentences of the status on breaks too dense to follow, and on rigid bodies that rest."""
+    """Sentences of the status on what the run has simplified.
+
+    That are jumps too dense to follow, which are smoothed, and rigid bodies set at rest.
+    """
     text = ""
     if run.averaged_steps:
         start = format_si(run.first_averaged_tick * run.tick_duration, "s")
