@@ -73,9 +73,9 @@ def matrices(mesh):
     def of_cells(name):
         return getattr(cells, name)[1:n, None]
 
-    lateral = between_nodes.T @ (of_cells("lateral") * between_nodes)
+    lateral = between_nodes.T @ (of_cells("lateral_inertia") * between_nodes)
     axial_mass = np.diag(mesh.mass) + lateral
-    radial_mass = np.diag(of_cells("swelling")[:, 0])
+    radial_mass = np.diag(of_cells("radial_inertia")[:, 0])
     mass = block_diag(axial_mass, radial_mass)
 
     viscous = between_nodes.T @ (of_cells("viscous") * between_nodes)
@@ -84,7 +84,7 @@ def matrices(mesh):
     axial = between_nodes.T @ (of_cells("stiffness") * between_nodes)
     coupling = of_cells("coupling") * between_nodes
     shear = between_cells.T @ (mesh.shear_stiffness[1 : n - 1, None] * between_cells)
-    radial = np.diag(of_cells("radial")[:, 0]) + shear
+    radial = np.diag(of_cells("radial_stiffness")[:, 0]) + shear
     stiffness = np.block([[axial, coupling.T], [coupling, radial]])
     return mass, damping, stiffness
 
