@@ -396,8 +396,8 @@ def stack_drop(
     n_restitutions = e.shape[-1]
     if n_balls != n_restitutions or n_balls == 0:
         raise ValueError(
-            f"masses has {n_balls} balls and restitutions {n_restitutions}: give one "
-            "restitution for each ball, at least one: first that of the bottom ball "
+            f"masses has {n_balls} balls and restitutions {n_restitutions}: give at "
+            "least one ball, and one restitution for each: first that of the bottom ball "
             "with the floor, then that of each ball with the ball below it"
         )
     drop_speed = np.sqrt(2 * g * h)

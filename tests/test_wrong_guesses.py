@@ -38,7 +38,7 @@ NAMES = [
     ("system.solve()", "rodimpact.solve(system) solves it"),
     ("ri.rigid.bounce", "perhaps 'stack_drop' is meant"),
     ("ri.solve(solution)", "got a Solution: give its System, the attribute system"),
-    ("ri.rigid.stack_drop([1, 2], [0.9], 1)", "give one restitution for each ball"),
+    ("ri.rigid.stack_drop([1, 2], [0.9], 1)", "and one restitution for each: first"),
     ("solution.plot()", "functions of rodimpact.plot draw it"),
     ("solution.outcome.contact_time", "opening - start of contacts[k].episodes"),
     ("solution.outcome.energy_lost", "perhaps 'dissipated' is meant"),
