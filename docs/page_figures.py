@@ -1,7 +1,7 @@
 """Draw the figures of the tutorials: `python docs/page_figures.py`.
 
-A figure is the picture that the code cell above it in its page shows. All cells of a page
-run in order.
+A figure is the picture that the code cell above it in its page shows. All cells of a
+page run in order.
 """
 
 import ast
@@ -55,8 +55,8 @@ def run_statements(statements: list[ast.stmt], page: str, names: dict) -> None:
 def figures_of(page: str) -> Iterator[Figure]:
     """Run the cells of a page, and give its figures.
 
-    Cells find the records of validation, and write, in the folder in which this runs. They can
-    import the modules that they write there.
+    Cells find the records of validation, and write, in the folder in which this runs.
+    They can import the modules that they write there.
     """
     folder = str(Path.cwd())
     sys.path.insert(0, folder)

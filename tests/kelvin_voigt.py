@@ -1,8 +1,9 @@
 """Modal sums for a damped rod that falls on a rigid wall; nothing of the package is used.
 
-A rod of unit length, modulus, density and area moves with unit velocity to the right and touches a
-wall at x = 1. While it presses, its modes are cos((k + 1/2) pi x), afterwards cos(k pi x); the
-amplitudes obey q'' + eta w^2 q' + w^2 q = 0. It opens when the stress at the wall is 0.
+A rod of unit length, modulus, density and area moves with unit velocity to the right
+and touches a wall at x = 1. While it presses, its modes are cos((k + 1/2) pi x),
+afterwards cos(k pi x); the amplitudes obey q'' + eta w^2 q' + w^2 q = 0. It opens when
+the stress at the wall is 0.
 """
 
 import math

@@ -1,11 +1,12 @@
 """Rows that are bonded, jointed and driven, and an independent solver for them.
 
-Nothing here uses the package to solve. Transit times are multiples of a unit, so that waves that
-leave an end in one interval arrive in another one. In each interval all signals are polynomials of
-high degree, given by their values at Gauss-Legendre points. With the rightgoing part f and the
-leftgoing part g of the velocity, v = f + g and the tension is N = Z (g - f). So at the right end of
-a rod N = Z (v - 2 f), at the left end N = Z (2 g - v), and a mass between them obeys
-m v' = N_right - N_left. A joint of stretch s obeys s' = v_right - v_left and N = k s + c s'.
+Nothing here uses the package to solve. Transit times are multiples of a unit, so that
+waves that leave an end in one interval arrive in another one. In each interval all
+signals are polynomials of high degree, given by their values at Gauss-Legendre points.
+With the rightgoing part f and the leftgoing part g of the velocity, v = f + g and the
+tension is N = Z (g - f). So at the right end of a rod N = Z (v - 2 f), at the left end
+N = Z (2 g - v), and a mass between them obeys m v' = N_right - N_left. A joint of
+stretch s obeys s' = v_right - v_left and N = k s + c s'.
 """
 
 from typing import NamedTuple
@@ -45,8 +46,8 @@ class Piece(NamedTuple):
 class LinearRow(NamedTuple):
     """Pieces; joints between them, None for a bond or (k, c); drives of the two ends.
 
-    A drive is None (free), ("velocity", function) or ("force", function): to the right on the left
-    end, to the left on the right end.
+    A drive is None (free), ("velocity", function) or ("force", function): to the right
+    on the left end, to the left on the right end.
     """
 
     pieces: list
@@ -133,8 +134,8 @@ def system_of(row, until):
 def solve_linear_row(row, intervals):
     """Solve a row over so many unit intervals.
 
-    Every interval is one set of linear equations: for the velocities of both faces of each piece,
-    and the forces between and outside them, at all points.
+    Every interval is one set of linear equations: for the velocities of both faces of
+    each piece, and the forces between and outside them, at all points.
     """
     n = len(SHARES)
     count = len(row.pieces)

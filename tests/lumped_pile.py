@@ -72,7 +72,8 @@ class Chain:
     def strike(self, duration, step):
         """Integrate a blow in steps of so many seconds: velocities first, then displacements.
 
-        The pile begins at rest, as the blow before has left it, and the ram at its head.
+        The pile begins at rest, as the blow before has left it, and the ram at its
+        head.
         """
         pile = self.pile
         soil_stiffness = self.ultimate / pile.quake

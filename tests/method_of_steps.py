@@ -1,14 +1,14 @@
 """Rows of rods with power-law contacts, and their derivatives, by the method of steps.
 
-Nothing here comes from the package. With P_k(t) the impulse of contact k so far, waves in rods are
-delays of these impulses, and its overlap is
+Nothing here comes from the package. With P_k(t) the impulse of contact k so far, waves
+in rods are delays of these impulses, and its overlap is
 
     d_k(t) = (v_k - v_(k+1)) t - gap_k - c_k P_k(t) + sum of w P_j(t - tau),   P_k' = K d_k^p,
 
-c_k = 1/Z_k + 1/Z_(k+1), with w = +-2/Z and tau a number of transits of a rod. On intervals that
-are shorter than the shortest transit the sum is known, and each contact is a scalar equation. It is
-solved by collocation at Chebyshev points. The derivative Q_k of P_k by a number obeys the
-linearised equation on the same points.
+c_k = 1/Z_k + 1/Z_(k+1), with w = +-2/Z and tau a number of transits of a rod. On
+intervals that are shorter than the shortest transit the sum is known, and each contact
+is a scalar equation. It is solved by collocation at Chebyshev points. The derivative
+Q_k of P_k by a number obeys the linearised equation on the same points.
 """
 
 from typing import NamedTuple
@@ -140,8 +140,9 @@ class _Term(NamedTuple):
 def _terms(row, slope, k, until):
     """The waves that come to contact k, by the contacts that sent them.
 
-    After an odd number of transits of a rod beside it arrives a wave of the contact at the other
-    end of this rod, after an even number one of its own. A free end sends none.
+    After an odd number of transits of a rod beside it arrives a wave of the contact at
+    the other end of this rod, after an even number one of its own. A free end sends
+    none.
     """
     terms = []
     for rod, far_contact in ((k, k - 1), (k + 1, k + 1)):
@@ -185,7 +186,8 @@ def _contact(row, slope, k, terms, begin, h, P0, Q0, edges, history):
     times = begin + h * SHARES
     free = (row.v[k] - row.v[k + 1]) * times - row.gap[k]
     by_number = (slope.v[k] - slope.v[k + 1]) * times - slope.gap[k]
-    # `free` becomes the overlap without the impulse of this contact, `by_number` its derivative.
+    # `free` becomes the overlap without the impulse of this contact, `by_number` its
+    # derivative.
     for sender, delay, w, delay_slope, w_slope in terms:
         sent_at = times - delay
         earlier_P, earlier_F, earlier_Q = _earlier(sent_at, sender, edges, history)

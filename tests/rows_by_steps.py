@@ -1,16 +1,18 @@
 """The method of steps: an independent solver for rows of uniform rods, masses and walls.
 
-No code of the package is used here. A rod is two delay lines. Between two rods stands a node: a
-chain of links with masses between them. In the node an ordinary differential equation holds for
-the overlaps d of the links and the velocities v of the masses,
+No code of the package is used here. A rod is two delay lines. Between two rods stands a
+node: a chain of links with masses between them. In the node an ordinary differential
+equation holds for the overlaps d of the links and the velocities v of the masses,
 
     d' = velocity on the left - velocity on the right,    m v' = force on the left - on the right,
 
-where the end of a rod moves with its incoming wave minus or plus F/Z. The equation is solved cell
-by cell, by collocation at Gauss points, with three rules that make the solution a reference:
+where the end of a rod moves with its incoming wave minus or plus F/Z. The equation is
+solved cell by cell, by collocation at Gauss points, with three rules that make the
+solution a reference:
 
 * **Defect.** A cell is accepted if the equation holds at 41 further points, to `tolerance` of the
-  velocity scale. So the solution is exact for a system that is perturbed by no more than that.
+  velocity scale. So the solution is exact for a system that is perturbed by no more
+  than that.
 * **Events.** A change of a law (touch, opening, yielding) is found as a root, and ends the cell.
 * **Breakpoints.** What an event or the start changes at a tick is sent along as a breakpoint. No
   cell of any node reaches across a breakpoint of an incoming wave.
@@ -156,9 +158,9 @@ class Link:
     def force(self, overlap, closing):
         """Force at an overlap, m, and the closing rate without the own force, m/s.
 
-        With the own force F the rate is `closing` - Y F, so that laws with damping are solved
-        for F: F = (k d + c closing)/(1 + c Y), and F = g (1 + c closing)/(1 + g c Y) with
-        g = k d^p.
+        With the own force F the rate is `closing` - Y F, so that laws with damping are
+        solved for F: F = (k d + c closing)/(1 + c Y), and F = g (1 + c closing)/(1 + g
+        c Y) with g = k d^p.
         """
         if self.state in (OPEN, SLACK):
             return np.zeros_like(overlap)
@@ -272,8 +274,9 @@ class Node:
 class Totals(NamedTuple):
     """Outcome of a row: m/s by body, and of each contact N s, N and s.
 
-    `faint` is the time for which a contact was closed with a force that moves a rod by less than
-    1e-11 of the velocity scale: the force duration of such a contact is ill-conditioned.
+    `faint` is the time for which a contact was closed with a force that moves a rod by
+    less than 1e-11 of the velocity scale: the force duration of such a contact is
+    ill-conditioned.
     """
 
     velocities: np.ndarray
@@ -292,9 +295,9 @@ class Row:
     Parameters
     ----------
     system : rodimpact.System
-        Uniform rods that move evenly and may be strained evenly, masses and walls; free ends; no
-        gravity. Contacts: `Rigid` beside a rod, `Spring`, `SpringDashpot`, `Hertz`, `PowerLaw`,
-        `HuntCrossley`, `Yielding`.
+        Uniform rods that move evenly and may be strained evenly, masses and walls; free
+        ends; no gravity. Contacts: `Rigid` beside a rod, `Spring`, `SpringDashpot`,
+        `Hertz`, `PowerLaw`, `HuntCrossley`, `Yielding`.
     tolerance : float
         Largest defect, over the velocity scale.
     """
@@ -578,7 +581,8 @@ class Solved(NamedTuple):
 def starts_softly(values):
     """Whether a gap that is closed starts to close further, like a power of time.
 
-    It has closed at the start of the cell, though its overlap exceeds round-off only later.
+    It has closed at the start of the cell, though its overlap exceeds round-off only
+    later.
     """
     closed = abs(values[0]) < 1e-18
     return bool(closed and np.all(values[5:] < 0) and values[-1] < -1e-17)

@@ -1,7 +1,7 @@
 """The recipes of docs/contributing.md, carried out in a copy of the package.
 
-Each recipe touches the files that the table names, and no others but lists of tests; then
-the new thing works, and the tests that list all such things pass.
+Each recipe touches the files that the table names, and no others but lists of tests;
+then the new thing works, and the tests that list all such things pass.
 """
 
 import re
@@ -292,7 +292,8 @@ class Yielding(Plastic, law="yielding"):''',
         ),
         (
             "    restitution: float",
-            "    damping_exponent: float  # q of a loss c d^q d'\n    restitution: float",
+            "    damping_exponent: float  # q of a loss c d^q d'\n    restitution: "
+            "float",
         ),
         (
             '        "gap": (links',
@@ -340,10 +341,10 @@ def user_force(''',
             "        x = max(d, 0.0)\n"
             "        excess = link.exponent - link.damping_exponent\n"
             "        if excess >= 0:\n"
-            "            sign = (link.stiffness * x**excess / damping + closing) / scale\n"
-            "        else:\n"
-            "            sign = 1 + damping / link.stiffness * x ** (-excess) * closing\n"
-            "    elif has_dashpot(link):\n        sign =",
+            "            sign = (link.stiffness * x**excess / damping + closing) / "
+            "scale\n        else:\n"
+            "            sign = 1 + damping / link.stiffness * x ** (-excess) * "
+            "closing\n    elif has_dashpot(link):\n        sign =",
         ),
         (
             "    if law == Law.POWER:\n        F, dF = mean_power",

@@ -27,7 +27,8 @@ class Waves(NamedTuple):
 def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
     """Rod 1 hits rod 2 at rest with velocity 1: signals at the contact, tick by tick.
 
-    A wave that leaves the contact returns after a round trip, 2T, unchanged by the free end.
+    A wave that leaves the contact returns after a round trip, 2T, unchanged by the free
+    end.
     """
     mobility = Fraction(1, Z1) + Fraction(1, Z2)
     leaving_1 = [Fraction(1)] * (2 * T1)
@@ -210,7 +211,8 @@ def test_a_rod_is_hit_by_a_mass_of_some_size():
         theory.mass_on_rod(0.0, 3.0, 0.2, 1.7)
 
 
-# Tapers, damping, lateral inertia ----------------------------------------------------------------
+# Tapers, damping, lateral inertia
+# ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("wide", "narrow"), [(4.0, 1.0), (1.0, 9.0)])
@@ -283,7 +285,8 @@ def test_phase_velocity_with_lateral_inertia():
     assert theory.rayleigh_love_speed(c, -nu, kappa, 300.0) == speed
 
 
-# Arrays and refusals ------------------------------------------------------------------------------
+# Arrays and refusals
+# ------------------------------------------------------------------------------
 
 
 class Form(NamedTuple):

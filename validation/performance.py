@@ -10,8 +10,9 @@ the collision of two rods 0.4 : 1. It runs in the same process, just before and 
 after the other measurements. A second yardstick is the same collision by Godunov's
 method of first order with 100 cells per unit length, compiled. Times are medians of
 several runs. Those marked "fresh" are taken in a new process that has not loaded numba.
-The memory of a run of a million events is measured as well. All kernels are compiled, and
-all modules are bytecode, before anything is measured: as they are from the second run on.
+The memory of a run of a million events is measured as well. All kernels are compiled,
+and all modules are bytecode, before anything is measured: as they are from the second
+run on.
 """
 
 import json
@@ -458,7 +459,8 @@ def print_table(times: dict[str, float], yardsticks: Yardsticks) -> dict[str, fl
 
 def main() -> None:
     """Measure everything, print the table, and keep the ratios if that is asked for."""
-    # What is not compiled yet would go in plain Python, or take the memory of a compiler.
+    # What is not compiled yet would go in plain Python, or take the memory of a
+    # compiler.
     subprocess.run([sys.executable, "-c", WARM], check=True, env=usual_environment())
     # A process inherits the peak of the one that starts it, so memory comes first.
     memory = number_printed_by(MEMORY) / 1e6

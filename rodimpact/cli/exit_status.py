@@ -26,8 +26,8 @@ STATUSES = {
 class CommandResult:
     """Result of a command.
 
-    It is a plain class since `typing`, which makes named tuples, would take a twelfth of
-    the time of ``rodimpact --version``.
+    It is a plain class since `typing`, which makes named tuples, would take a twelfth
+    of the time of ``rodimpact --version``.
 
     Attributes
     ----------

@@ -48,9 +48,9 @@ The set is of second order in the cells, so that the change is three times the e
 STRESS_ERROR_FACTOR = 8.0
 """Stated error of a stress over its larger change from coarser meshes to all cells.
 
-The largest stress is that of one cell at one step. In 24 random piles, the error against
-a mesh with six times as many cells was up to 1.6 times this change for compression, and
-up to 6.1 times for tension.
+The largest stress is that of one cell at one step. In 24 random piles, the error
+against a mesh with six times as many cells was up to 1.6 times this change for
+compression, and up to 6.1 times for tension.
 """
 COARSER = (0.5, 0.75)
 """Cells of the coarser meshes, over all cells.

@@ -370,8 +370,8 @@ def _solve(state: System, cells: int, duration: float) -> Solution:
 def _time_of_catch(solution: Solution, row: PileRow) -> float:
     """Time at which the ram is caught, s; inf if it does not turn.
 
-    It is caught where it, or a mass below that has left the pile, too, is highest: later
-    gravity would bring it down for another, weaker impact.
+    It is caught where it, or a mass below that has left the pile, too, is highest:
+    later gravity would bring it down for another, weaker impact.
     """
     times = np.linspace(0.0, solution.t_end, CATCH_SAMPLES)
     round_trip = _round_trip(solution.system, row)

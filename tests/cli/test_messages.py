@@ -92,7 +92,8 @@ def said_by(capsys, text, command, *options, name="case.toml"):
         (
             APART,
             ["sweep", "--vary", "bodies.0.length=1:2:2", "--plot", "e.png"],
-            "--quantity: 'restitution' has no value anywhere in this family; the status",
+            "--quantity: 'restitution' has no value anywhere in this family; the "
+            "status",
         ),
         (HEAD + A_ROD + A_MASS, ["formula"], "leave it out, or take rodimpact run"),
         (

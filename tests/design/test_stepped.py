@@ -66,8 +66,8 @@ def areas(design):
 def pulse(impedances, steps):
     """Force over Z V of the bar, one value a round trip, of a bonded striker.
 
-    This is a solver of its own: waves in the striker are followed from one segment to the
-    next, all with equal transit times.
+    This is a solver of its own: waves in the striker are followed from one segment to
+    the next, all with equal transit times.
 
     Parameters
     ----------

@@ -788,7 +788,8 @@ def test_compliant_contacts_and_masses_are_solved_while_a_slider_moves(visit, so
         outcome = ri.solve(HERTZ.replace(bodies=[left, HERTZ.bodies[1]])).outcome
         wait_for_e(page, f"{outcome.restitution:.5g}")
     page.wait_for_function(
-        "() => [page.scene.curve, page.scene.roundness].every((c) => c.isOutdated === false)"
+        "() => [page.scene.curve, page.scene.roundness].every((c) => c.isOutdated === "
+        "false)"
     )
     count = "page.scene.{}.values.filter((e) => e !== null).length"
     page.wait_for_function(count.format("curve") + " === 20")

@@ -1,7 +1,7 @@
 """Random input of every kind that people, programs and attackers give, and what must come of it.
 
-Each test goes through a number of examples; RODIMPACT_FUZZ=100 makes it a hundred times as many,
-and RODIMPACT_FUZZ_SEED=7 makes it others.
+Each test goes through a number of examples; RODIMPACT_FUZZ=100 makes it a hundred times
+as many, and RODIMPACT_FUZZ_SEED=7 makes it others.
 """
 
 import linecache
@@ -60,7 +60,8 @@ SAVED = ri.format_case(
 )
 """A saved solution."""
 
-# Text ---------------------------------------------------------------------------------------------
+# Text
+# ---------------------------------------------------------------------------------------------
 
 FOLDER = Path(__file__).parents[2] / "validation" / "cases"
 CASES = [
@@ -133,7 +134,8 @@ WORDS = [
     "[]", "{}", "[1, 2]", "[[1]]", "{samples = [1, 2]}", "{values = [1, 2], at = [0.05]}",
     "{values = [1], at = []}", "{samples = [1, nan]}", "{samples = [1, 2], step = 1e-5}",
     "[" * 400 + "]" * 400, "{a = " * 90 + "1" + "}" * 90, "'''\n'''", '"""', "#", "=", "\n", ",",
-    "[[bodies]]\n", "[solve]\n", "[output]\nsave = 'x.toml'\n", "[ends.left]\nkind = 'fixed'\n",
+    "[[bodies]]\n", "[solve]\n", "[output]\nsave = 'x.toml'\n", "[ends.left]\nkind = "
+    "'fixed'\n",
     "until", "gap", "velocity", "law", "length", "kind", "stiffness", "damping", "a" * 5000,
     "\x00", "\ufeff", "\u2028", "\r",
 ]  # fmt: skip
@@ -201,8 +203,8 @@ def spoilt_bytes(rng, text):
 def check_sentence(error, where):
     """The package raised it on purpose, with a text in which terminals and readers find no trap.
 
-    Errors of operations on what was never checked come from other lines, or from other packages;
-    those of the system name a file.
+    Errors of operations on what was never checked come from other lines, or from other
+    packages; those of the system name a file.
     """
     frame = error.__traceback__
     while frame.tb_next is not None:

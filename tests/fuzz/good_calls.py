@@ -1,7 +1,8 @@
 """Good arguments for every public function, class and method of the package.
 
-The names and the parameters come from the package. A public name without an entry in `CALLS`,
-in `RETURNED` or in `LEFT_OUT` is an error, so no name escapes the tests that spoil arguments.
+The names and the parameters come from the package. A public name without an entry in
+`CALLS`, in `RETURNED` or in `LEFT_OUT` is an error, so no name escapes the tests that
+spoil arguments.
 """
 
 import functools
@@ -52,7 +53,8 @@ contacts = [{restitution = 0.5}]
 RECORD = "time_s,a_V\n" + "".join(f"{i}e-6,{i % 7}\n" for i in range(60))
 
 
-# What the package returns -------------------------------------------------------------------------
+# What the package returns
+# -------------------------------------------------------------------------
 
 
 @cache
@@ -351,7 +353,8 @@ OPERATORS = {"__add__", "__sub__", "__mul__", "__truediv__", "__getitem__", "__c
 
 LEFT_OUT = {
     "warm": "takes no argument, and compiles for minutes",
-    "SweepResult.restored": "takes the document of a file that was checked when it was read",
+    "SweepResult.restored": "takes the document of a file that was checked when it was "
+    "read",
     **dict.fromkeys(EXCEPTIONS, "takes any message"),
 }
 """Names without a spoilt argument, each with its reason."""
@@ -615,7 +618,8 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
 """Good arguments by name: the required ones, and those without which the call would take long."""
 
 
-# Public names -------------------------------------------------------------------------------------
+# Public names
+# -------------------------------------------------------------------------------------
 
 
 class Call(NamedTuple):

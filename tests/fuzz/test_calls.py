@@ -1,6 +1,7 @@
 """Every public name, with arguments that are spoilt, answers or says in a sentence what is wrong.
 
-The names and their parameters are taken from the package, so that no later name escapes.
+The names and their parameters are taken from the package, so that no later name
+escapes.
 """
 
 import re

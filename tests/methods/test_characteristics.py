@@ -29,7 +29,8 @@ def largest_residual(solution, times):
     return np.abs(solution.energy(times).residual).max()
 
 
-# Against exact fronts -----------------------------------------------------------------------------
+# Against exact fronts
+# -----------------------------------------------------------------------------
 
 
 def largest_impulse(outcome, until):
@@ -93,7 +94,8 @@ def assert_motion_is_near(exact, solution, bound, until):
             )
 
 
-# Masses and rods ----------------------------------------------------------------------------------
+# Masses and rods
+# ----------------------------------------------------------------------------------
 
 
 def mass_on_a_stiff_spring(M, k):
@@ -201,7 +203,8 @@ def test_forces_in_bonds_of_held_masses(gravity, mirrored):
     assert first == pytest.approx(last - 3 * gravity, abs=1e-8)
 
 
-# Compliant contacts -------------------------------------------------------------------------------
+# Compliant contacts
+# -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -385,7 +388,8 @@ def test_mass_through_what_yields_on_an_endless_bar(mirrored, hardening):
     assert law.hardening == hardening
 
 
-# The functions of a solution agree with each other ------------------------------------------------
+# The functions of a solution agree with each other
+# ------------------------------------------------
 
 STEPPED = ri.Rod(
     segments=[ri.Segment(0.5, 1.0, UNIT), ri.Segment(0.75, 0.5, UNIT)],
@@ -478,7 +482,8 @@ def test_what_cannot_be_continued_says_so(driven):
         driven.strain(1, 0.0, 1.0)
 
 
-# Tolerance --------------------------------------------------------------------------------------
+# Tolerance
+# --------------------------------------------------------------------------------------
 
 STRIKING_MASS = ri.RigidMass(0.2, velocity=1.0)
 
@@ -540,7 +545,8 @@ def test_a_run_ends_where_it_was_asked_to_end(until):
     assert abs(outcome.energy_residual) <= 1e-9
 
 
-# Which method -------------------------------------------------------------------------------------
+# Which method
+# -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("direction", [1, -1])
@@ -589,7 +595,8 @@ def test_auto_takes_characteristics_where_it_must():
     assert refused(message, ri.solve, pair, None, "fronts", rtol=0.1) == ["rtol"]
 
 
-# Restitution --------------------------------------------------------------------------------------
+# Restitution
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

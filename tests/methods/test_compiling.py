@@ -86,7 +86,8 @@ def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_n
     assert once.isdisjoint({"no_front_in_flight", "accumulate_contact_totals"})
 
 
-# Sources ------------------------------------------------------------------------------------------
+# Sources
+# ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -130,7 +131,8 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
     assert len(digests) == 1 + len(files)
 
 
-# Records ------------------------------------------------------------------------------------------
+# Records
+# ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("record", [NODE, PIECE], ids=["plain", "with arrays"])
@@ -163,7 +165,8 @@ def test_blank_objects_are_records_of_zeros():
     assert record_lists.as_records(nodes, NODE)["gap"].tolist() == [0.0, 0.1, 0.0]
 
 
-# The cache ----------------------------------------------------------------------------------------
+# The cache
+# ----------------------------------------------------------------------------------------
 
 
 @pytest.fixture

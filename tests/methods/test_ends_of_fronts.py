@@ -32,7 +32,8 @@ def commensurate(seed):
     return ri.System(rods, contacts=bonds, ends=(left, right))
 
 
-# Against the other method ------------------------------------------------------------------------
+# Against the other method
+# ------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module", params=few_of(range(30), range(8)))
@@ -146,10 +147,12 @@ def test_an_incoming_wave_brings_its_energy(method, mirrored):
     assert solution.energy(1.5).radiated == pytest.approx(-energy, rel=1e-13)
 
 
-# Closed forms ------------------------------------------------------------------------------------
+# Closed forms
+# ------------------------------------------------------------------------------------
 
 
-# Balances ----------------------------------------------------------------------------------------
+# Balances
+# ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(6)))
@@ -179,7 +182,8 @@ def random_vibrating_rod(seed):
     return ri.Rod(segments=segments, velocity=velocity, strain=strain)
 
 
-# Finality ----------------------------------------------------------------------------------------
+# Finality
+# ----------------------------------------------------------------------------------------
 
 
 @given(SEEDS, st.booleans(), st.booleans())
@@ -230,7 +234,8 @@ def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
     assert solution.outcome.restitution == pytest.approx(e, abs=1e-12)
 
 
-# Times -------------------------------------------------------------------------------------------
+# Times
+# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("trips", [1, 3, 40])

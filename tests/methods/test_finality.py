@@ -157,7 +157,8 @@ def stretched(velocity, strain):
 def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
     """Two stretched stepped rods drift apart: proved when their mean gap is out of reach.
 
-    The mean gap is that of the mean motions. It grows by the drift, up to the reach of both ends.
+    The mean gap is that of the mean motions. It grows by the drift, up to the reach of
+    both ends.
     """
     gap = 0.001
     drift = 1e-3
@@ -326,7 +327,8 @@ def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, end):
 """The force of rigid rods ends at 0.8, and they touch to 2: a wave opens the gap."""
 
 
-# When the last contact ended ----------------------------------------------------------------------
+# When the last contact ended
+# ----------------------------------------------------------------------
 
 PAIR = [
     ri.Rod(0.4, area=1.0, material=M, velocity=1.0),

@@ -65,7 +65,8 @@ def order(errors, factor=2):
     return math.log(errors[0] / errors[-1]) / math.log(factor) / refinements
 
 
-# Against exact fronts -----------------------------------------------------------------------------
+# Against exact fronts
+# -----------------------------------------------------------------------------
 
 FIRST = bar(1, 1, 0.7, 1.0)
 SECOND = bar(0.5, 1.3, 1.1 / 1.3)
@@ -194,7 +195,8 @@ def test_an_opening_is_where_the_gap_begins(left, right):
     assert np.all(contact.gap(later) > 0)
 
 
-# Against characteristics --------------------------------------------------------------------------
+# Against characteristics
+# --------------------------------------------------------------------------
 
 RAMP = ri.Samples([0.0, 0.5, -0.3, 0.2, 0.0], step=0.5)
 WAVE = ri.Samples((0.3 * np.cos(np.linspace(0, 3, 65))).tolist())
@@ -305,7 +307,8 @@ def test_rows_meet_characteristics(name):
     assert order(errors) >= least_order
 
 
-# Closed forms -------------------------------------------------------------------------------------
+# Closed forms
+# -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("wave", [1, 3])
@@ -336,7 +339,8 @@ def test_a_mode_with_lateral_inertia_swings_slower(wave):
     assert order(errors) >= 1.8
 
 
-# Options ------------------------------------------------------------------------------------------
+# Options
+# ------------------------------------------------------------------------------------------
 
 UNEQUAL = [unit_rod(velocity=1.0), unit_rod(0.37)]
 
@@ -369,13 +373,15 @@ def test_a_courant_number_of_1_is_stable():
         pytest.param(
             {"cells": 10, "dt": 0.15},
             "dt",
-            r"would be unstable in bodies\.0, where 10 cells allow 0\.1 s, got 0\.15; take",
+            r"would be unstable in bodies\.0, where 10 cells allow 0\.1 s, got 0\.15; "
+            "take",
             id="unstable",
         ),
         pytest.param(
             {"dt": 0.5},
             "dt",
-            r"must be 0\.37 s or less for a cell in bodies\.1, which waves cross in 0\.37 s",
+            r"must be 0\.37 s or less for a cell in bodies\.1, which waves cross in "
+            "0\.37 s",
             id="too long for a cell",
         ),
         pytest.param(
@@ -640,7 +646,8 @@ def test_fields_at_chosen_times_are_of_order_two(steps_later):
     assert strain_errors[-1] <= 1e-3
 
 
-# Finality -----------------------------------------------------------------------------------------
+# Finality
+# -----------------------------------------------------------------------------------------
 
 
 def rows_with_proofs(seeds):
@@ -674,7 +681,8 @@ def test_what_is_proved_final_never_meets_again():
     assert proved >= 6
 
 
-# Odd input ----------------------------------------------------------------------------------------
+# Odd input
+# ----------------------------------------------------------------------------------------
 
 
 def test_one_cell():
@@ -714,7 +722,8 @@ def test_extreme_viscosity_and_lateral_inertia_keep_the_balances(viscosity, theo
     assert abs(outcome.energy_residual) <= 1e-8
 
 
-# The start of a contact ---------------------------------------------------------------------------
+# The start of a contact
+# ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("velocity", [-0.05, 0.05])

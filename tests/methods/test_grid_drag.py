@@ -25,8 +25,8 @@ def standing_wave(drag, mean_velocity=0.0):
 def amplitude(t, damping):
     """Velocity of the mode at t by the telegraph equation u_tt + d u_t = u_xx.
 
-    The displacement is exp(-d t/2) sin(w t)/w with w^2 = pi^2 - d^2/4: an oscillation or, where
-    w^2 < 0, a motion that creeps back.
+    The displacement is exp(-d t/2) sin(w t)/w with w^2 = pi^2 - d^2/4: an oscillation
+    or, where w^2 < 0, a motion that creeps back.
     """
     w = np.sqrt(complex(math.pi**2 - damping**2 / 4))
     decay = np.exp(-damping * t / 2)

@@ -35,7 +35,8 @@ def run_and_prove(system, compiling):
         return bits(run), finality_time(run)
 
 
-# One source, the same bits ------------------------------------------------------------------------
+# One source, the same bits
+# ------------------------------------------------------------------------
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
@@ -64,7 +65,8 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
         assert bits(whole) == bits(in_pieces), seed
 
 
-# The elimination ----------------------------------------------------------------------------------
+# The elimination
+# ----------------------------------------------------------------------------------
 
 
 def tridiagonal(diagonal, coupling, is_held):
@@ -78,7 +80,8 @@ def tridiagonal(diagonal, coupling, is_held):
     return matrix
 
 
-# The elimination ----------------------------------------------------------------------------------
+# The elimination
+# ----------------------------------------------------------------------------------
 
 
 @given(SEEDS, st.integers(2, 12), st.booleans(), st.booleans())
@@ -148,10 +151,12 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
     assert len(sweeps) <= 6
 
 
-# A step against dense matrices --------------------------------------------------------------------
+# A step against dense matrices
+# --------------------------------------------------------------------
 
 
-# A step against dense matrices --------------------------------------------------------------------
+# A step against dense matrices
+# --------------------------------------------------------------------
 
 
 def dense_run(mesh, step, v, force, radial, steps, push):
@@ -228,7 +233,8 @@ def test_steps_against_dense_matrices(seed, kind):
     assert radial[-1] == pytest.approx(q, abs=1e-12)
 
 
-# Passivity ----------------------------------------------------------------------------------------
+# Passivity
+# ----------------------------------------------------------------------------------------
 
 
 def moving_mass(mesh):
@@ -239,7 +245,8 @@ def moving_mass(mesh):
     return mass
 
 
-# Passivity ----------------------------------------------------------------------------------------
+# Passivity
+# ----------------------------------------------------------------------------------------
 
 
 def energy_of_bodies(run):
@@ -344,7 +351,8 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
     assert signals["gap"].min() == 0
 
 
-# The proof ----------------------------------------------------------------------------------------
+# The proof
+# ----------------------------------------------------------------------------------------
 
 
 def random_far_end(seed):
@@ -391,7 +399,8 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
     ]
 
 
-# The proof ----------------------------------------------------------------------------------------
+# The proof
+# ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

@@ -117,7 +117,8 @@ def test_a_variable_with_which_numba_does_not_start_is_named():
     assert re.search("Mend or unset .*NUMBA_NUM_THREADS = '0'", done.stderr)
 
 
-# What is worth compiling --------------------------------------------------------------------------
+# What is worth compiling
+# --------------------------------------------------------------------------
 
 
 @pytest.fixture

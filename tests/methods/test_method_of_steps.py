@@ -99,7 +99,8 @@ def test_half_the_stated_errors_are_less_than_a_hundred_times_the_true_ones():
     assert np.median(ratios) < 100
 
 
-# Effects come after their causes --------------------------------------------------------------
+# Effects come after their causes
+# --------------------------------------------------------------
 
 
 def touching_rods(*contacts):
@@ -156,7 +157,8 @@ def test_a_contact_that_presses_for_a_moment_is_not_missed():
     assert solution.run.contacts[0].last == pytest.approx(2.8365247256, abs=1e-9)
 
 
-# No contact pulls ------------------------------------------------------------------------------
+# No contact pulls
+# ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("row", rows(20, 3))
@@ -192,7 +194,8 @@ def test_the_end_of_a_rod_is_never_in_tension_where_it_touches(exponent):
     assert end.max() <= 1e-7 * peak
 
 
-# Runs that go on ---------------------------------------------------------------------------------
+# Runs that go on
+# ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("row", rows(10, 2))

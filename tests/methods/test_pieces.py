@@ -44,7 +44,8 @@ def work():
     return [0.0] * POINTS
 
 
-# Series ------------------------------------------------------------------------------------------
+# Series
+# ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("degree", range(2 * N - 1))
@@ -163,7 +164,8 @@ def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
     assert max(abs(np.exp(X) - values)) > 1e-3  # of degree 2 alone
 
 
-# Lines -------------------------------------------------------------------------------------------
+# Lines
+# -------------------------------------------------------------------------------------------
 
 
 def line_of(*pieces, delay=0, room=4, **run):
@@ -394,7 +396,8 @@ def test_a_wave_can_run_backwards(wave_with_a_jump_and_a_kink):
     assert values_at_ends(wave) == pytest.approx([4, 2, 2, 3, 1, 1], abs=1e-12)
 
 
-# Laws --------------------------------------------------------------------------------------------
+# Laws
+# --------------------------------------------------------------------------------------------
 
 LAWS = {
     "bond": {"law": Law.BOND, "status": Status.BOND},
@@ -520,8 +523,9 @@ def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, si
 def test_a_force_that_is_the_difference_of_large_terms_is_found():
     """A light rod parts from a strong dashpot just as fast as this lets go.
 
-    F = g (1 + chi d') is 1e-9 of its terms, so that it has seven digits; Newton's method must not
-    ask for more. Once this was said to be a mass that two walls squeeze.
+    F = g (1 + chi d') is 1e-9 of its terms, so that it has seven digits; Newton's
+    method must not ask for more. Once this was said to be a mass that two walls
+    squeeze.
     """
     closing = -6.860369287269019e-05
     link = record_with(

@@ -82,8 +82,8 @@ def test_a_group_swings_within_its_bounds(seed):
 def test_a_dashpot_stretches_within_its_bound(damping):
     """A rod of the mass 1 moves the mass 1/2 through a dashpot c alone, which gives way for ever.
 
-    Its right end, as seen from the mass, has 2/3 of all mass beyond it: it moves by at most
-    sqrt(2 E) (sqrt(s) + 2 (2/3) sqrt(1)/c), with s = (2/3)^2 L/(3 E A) = 4/27.
+    Its right end, as seen from the mass, has 2/3 of all mass beyond it: it moves by at
+    most sqrt(2 E) (sqrt(s) + 2 (2/3) sqrt(1)/c), with s = (2/3)^2 L/(3 E A) = 4/27.
     """
     rod = unit_rod(1.0, velocity=1.0)
     system = ri.System(

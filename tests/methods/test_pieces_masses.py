@@ -204,7 +204,8 @@ def test_masses_at_rest_stay(law, gap, other):
     assert solution.velocity(0, 0, solution.t_end) == 0
 
 
-# Long flights ----------------------------------------------------------------------------------
+# Long flights
+# ----------------------------------------------------------------------------------
 
 
 def hertz_time(mass, velocity, stiffness):

@@ -27,7 +27,8 @@ def numbers_of(solution):
     return np.concatenate(numbers)
 
 
-# The same however it is run -----------------------------------------------------------------------
+# The same however it is run
+# -----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", few_of(range(2), range(1)))
@@ -103,7 +104,8 @@ def test_plain_python_runs_the_same_bits():
         assert repr(plain.tolist()) == repr(compiled.tolist()), seed
 
 
-# Beside another method ----------------------------------------------------------------------------
+# Beside another method
+# ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(6)))
@@ -128,7 +130,8 @@ def test_random_rows_are_those_of_finite_differences(seed):
     assert np.abs(energy.residual).max() <= 1e-8 * (largest + 1.0) + numerical
 
 
-# Waves too dense to be followed -------------------------------------------------------------------
+# Waves too dense to be followed
+# -------------------------------------------------------------------
 
 
 def test_waves_that_are_smoothed_keep_their_momentum():

@@ -1,8 +1,8 @@
 """The exact solver against brute force in fractions.
 
-The reference shares the physics with the solver and nothing else: time and waves are rational, so
-that there is no rounding, no tolerance and no tick; it has no queue, and whenever a wave arrives or
-a gap closes anywhere, every end of the row is solved anew.
+The reference shares the physics with the solver and nothing else: time and waves are
+rational, so that there is no rounding, no tolerance and no tick; it has no queue, and
+whenever a wave arrives or a gap closes anywhere, every end of the row is solved anew.
 """
 
 import random

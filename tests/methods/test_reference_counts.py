@@ -1,8 +1,9 @@
 """Compiled kernels count no references to arrays where they run often.
 
-Numba counts references to arrays, atomically, wherever an array is last used behind a condition.
-In the event loop of fronts this once took 77 % of the time. The counts are those of the newest
-numba: other versions optimise differently, and only their speed depends on it.
+Numba counts references to arrays, atomically, wherever an array is last used behind a
+condition. In the event loop of fronts this once took 77 % of the time. The counts are
+those of the newest numba: other versions optimise differently, and only their speed
+depends on it.
 """
 
 import re
@@ -89,8 +90,9 @@ def test_fronts_count_references_once_a_call():
 def test_characteristics_count_references_once_a_call():
     """Their arrays are borrowed: where the text still counts, there is no reference to count.
 
-    The wrapper of a call gives 9 arrays back. Functions that are called from several places do not
-    know that what they are given is borrowed; those that would look often borrow it once more.
+    The wrapper of a call gives 9 arrays back. Functions that are called from several
+    places do not know that what they are given is borrowed; those that would look often
+    borrow it once more.
     """
     increments, decrements = reference_counts("characteristics")["run_nodes"]
     assert increments <= 3

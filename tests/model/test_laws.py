@@ -347,7 +347,8 @@ def test_what_yields_meets_its_mean_force_on_any_table():
         assert near == F, seed
 
 
-# What yields --------------------------------------------------------------------------------------
+# What yields
+# --------------------------------------------------------------------------------------
 
 
 def test_a_table_that_has_yielded_goes_on_where_it_was():

@@ -193,7 +193,8 @@ ROWS = {
     "a law of a user's class": (
         lambda: row(rod(), rod(), contacts=[InheritedLaw(1e9)]),
         {
-            "contacts.0": "must be a contact law itself, one of Rigid, Bonded, Joint, Spring"
+            "contacts.0": "must be a contact law itself, one of Rigid, Bonded, Joint, "
+            "Spring"
         },
     ),
     "bonded masses of unequal velocities": (
@@ -204,7 +205,8 @@ ROWS = {
             contacts=[ri.Bonded(), ri.Bonded()],
         ),
         {
-            "bodies.1.velocity[1]": "=must be -1.0, that of the rigid body it is bonded to, got 2.0"
+            "bodies.1.velocity[1]": "=must be -1.0, that of the rigid body it is "
+            "bonded to, got 2.0"
         },
     ),
 }
@@ -323,8 +325,8 @@ def test_mistakes_in_rows_are_refused_all_at_once_and_by_their_paths(make, messa
 
 
 UNDECIDED = (
-    "no wave decides this contact: give Rigid(restitution=...) or a compliant law such as "
-    "Hertz"
+    "no wave decides this contact: give Rigid(restitution=...) or a compliant law such "
+    "as Hertz"
 )
 
 

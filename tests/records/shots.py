@@ -1,7 +1,7 @@
 """Computed shots: Mindlin-Herrmann rods on a grid, and a specimen that is a short rod with mass.
 
-`reduce` propagates waves by the exact first mode and knows no specimen: this route shares nothing
-with it.
+`reduce` propagates waves by the exact first mode and knows no specimen: this route
+shares nothing with it.
 """
 
 from functools import lru_cache
@@ -174,7 +174,8 @@ def direct_impact_on_law(is_rigid=False, until=7e-4, cells=900):
     return LawShot(solved(row, until, cells))
 
 
-# Shots whose rise the bars carry: thin bars, and 1 % of strain takes many of their diameters
+# Shots whose rise the bars carry: thin bars, and 1 % of strain takes many of their
+# diameters
 
 THIN_DIAMETER = 0.008
 THIN_BAR = ri.Rod(1.5, diameter=THIN_DIAMETER, material=STEEL)

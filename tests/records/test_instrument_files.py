@@ -36,8 +36,8 @@ def write_xlsx(path, rows):
 def write_xls(path, rows):
     """A worksheet of BIFF2, the first and simplest form of .xls.
 
-    Its records are described in "OpenOffice.org's documentation of the Microsoft Excel file
-    format": BOF 0009h, NUMBER 0003h, LABEL 0004h, EOF 000Ah.
+    Its records are described in "OpenOffice.org's documentation of the Microsoft Excel
+    file format": BOF 0009h, NUMBER 0003h, LABEL 0004h, EOF 000Ah.
     """
     pytest.importorskip("xlrd")
 

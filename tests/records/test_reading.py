@@ -33,18 +33,20 @@ def read(tmp_path):
         "t (ms);bar (mV)\r\n0;1\r\n0,001;-2,5\r\n0,002;250\r\n0,003;1000\r\n",
         "t/us\tbar/mV\n0\t1,0\n1\t-2,5\n2\t250\n3\t1000",
         "# shot 12, 3 May\n# time(us)  bar(V)\n\n0 .001\n1 -.0025\n2 .25\n 3  1.\n",
-        "Sample rate, 1 MHz\nTime,bar\n(us),(mV)\n\n0.0,1.0\n1.0,-2.5\n2.0,250.0\n3.0,1000.0\n",
+        "Sample rate, 1 "
+        "MHz\nTime,bar\n(us),(mV)\n\n0.0,1.0\n1.0,-2.5\n2.0,250.0\n3.0,1000.0\n",
         '"Time, us","bar, mV"\n"0","1"\n"1","-2.5"\n"2","250"\n"3","1e3"\n',
         "TIME in us;bar in V;\n0,0;0,001;\n1,0;-0,0025;\n2,0;0,25;\n3,0;1,0;\n",
         "time_ns,bar_V\n0,0.001\n1000,-0.0025\n2000,0.25\n3000,1\n\n\n",
         "Zeit [µs] ; bar [mV]\n0;1\n1;-2,5\n2;250\n3;1000\n",
         "bar [mV]\tTime (us)\n1\t0\n-2.5\t1\n250\t2\n1000\t3\n",
         "x-axis,bar,,\nsecond,Volt,,\n0,.001,,\n1e-6,-.0025,,\n2e-6,.25,,\n3e-6,1,,\n,,,\n",
-        "Separator\tTab\n***End_of_Header***\t\t\ntime (sec)\tbar (Volts)\tComment\n0\t0.001\t\n"
-        "1e-6\t-0.0025\t\n2e-6\t0.25\t\n3e-6\t1\t\n",
+        "Separator\tTab\n***End_of_Header***\t\t\ntime (sec)\tbar "
+        "(Volts)\tComment\n0\t0.001\t\n1e-6\t-0.0025\t\n2e-6\t0.25\t\n3e-6\t1\t\n",
         'time [us],bar [mV]\n"0","1,0"\n"1","-2,5"\n"2","250"\n"3","1e3"\n',
         '"time [us]","bar [V]"\n0,"0,001"\n1,"-,25e-2"\n2,"0,25"\n3,1\n',
-        "  time [us]   bar [mV]\n    0.0    1.0\n    1.0   -2.5\n    2.0  250.0\n    3.0 1000.0\n",
+        "  time [us]   bar [mV]\n    0.0    1.0\n    1.0   -2.5\n    2.0  250.0\n    "
+        "3.0 1000.0\n",
     ],
     ids=range(16),
 )

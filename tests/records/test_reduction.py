@@ -187,7 +187,8 @@ def test_two_gauges_tell_waves_apart_that_overlap(long_shot, apart):
 def test_one_gauge_must_lie_where_the_incident_wave_is_over_as_the_reflected_one_comes():
     """The end of a pulse is its start at a tenth, its width, and half its rise; just so is enough.
 
-    Times, distances and wave speeds are binary fractions, so that equal times are equal.
+    Times, distances and wave speeds are binary fractions, so that equal times are
+    equal.
     """
     dt = 2.0**-20
     c = 4096.0

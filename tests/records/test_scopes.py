@@ -192,8 +192,8 @@ KEYSIGHT = (
 def test_a_keysight_infiniium_scope_tells_its_channel(tmp_path, mark):
     """Names of the lines: CSV and TSV header format, Infiniium Programmer's Reference.
 
-    Public converters of such files expect the name of the channel in the first line and pairs of
-    time and volts below.
+    Public converters of such files expect the name of the channel in the first line and
+    pairs of time and volts below.
     """
     path = tmp_path / "CH2.csv"
     text = KEYSIGHT.replace(":,", mark)
@@ -227,8 +227,8 @@ def test_a_keysight_infiniivision_scope_tells_channels_and_units(tmp_path):
 def test_catman_tells_names_and_units_two_dozen_lines_above_the_numbers(tmp_path):
     """Public readers of its text skip seven lines and a blank one, and take 29 lines of heads.
 
-    The first line of heads has the names, the second the units; cells end at tabs, numbers have
-    decimal commas.
+    The first line of heads has the names, the second the units; cells end at tabs,
+    numbers have decimal commas.
     """
     head = [f"line {k}\tof the file" for k in range(7)]
     columns = [

@@ -1,7 +1,8 @@
 """Shots of another route than the reduction: stress, strain and bands against what was computed.
 
-The bars are rods of Mindlin and Herrmann on a grid, the specimen is a short rod with mass; in the
-direct impact it is a contact law. `reduce` propagates waves by the exact first mode.
+The bars are rods of Mindlin and Herrmann on a grid, the specimen is a short rod with
+mass; in the direct impact it is a contact law. `reduce` propagates waves by the exact
+first mode.
 """
 
 from typing import Any, NamedTuple
@@ -174,9 +175,10 @@ def test_bands_cover_95_percent_of_the_truth(arrangement):
 def test_a_sharp_impact_on_a_specimen_with_mass_rings_by_a_step_of_its_transit():
     """The truth is outside the assumption of equal forces, which no reduction can mend.
 
-    Each passage of a wave in an elastic specimen adds the strain V/c to it. So the forces on its
-    faces differ by the ratio of V/c to the strain: by 1 % or less only from 100 V/c on, 13 % here.
-    The band of the strain contains the truth, and the verdict says that equilibrium is assumed.
+    Each passage of a wave in an elastic specimen adds the strain V/c to it. So the
+    forces on its faces differ by the ratio of V/c to the strain: by 1 % or less only
+    from 100 V/c on, 13 % here. The band of the strain contains the truth, and the
+    verdict says that equilibrium is assumed.
     """
     shot = slow_direct_impact_with_mass()
     noise = NOISE * SLOW_STRAIN / PULSE_STRAIN

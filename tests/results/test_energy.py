@@ -6,7 +6,8 @@ from networks import unit_rod
 
 import rodimpact as ri
 
-# Cases with numbers -------------------------------------------------------------------------------
+# Cases with numbers
+# -------------------------------------------------------------------------------
 
 
 def solve_by_pieces(bodies, until=4.0, contacts=None, **options):

@@ -68,7 +68,8 @@ def times_of_states(solution):
     return times[times <= solution.t_end]
 
 
-# At the start -------------------------------------------------------------------------------------
+# At the start
+# -------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +127,8 @@ def test_fields_of_the_mirrored_row_are_those_of_the_row(
             assert mirrored == pytest.approx(sign * values, rel=1e-8, abs=1e-8)
 
 
-# At the ends --------------------------------------------------------------------------------------
+# At the ends
+# --------------------------------------------------------------------------------------
 
 
 def orders(errors):
@@ -148,7 +150,8 @@ def largest(differences):
 def damped_mode(viscosity, t):
     """Velocity in the middle of the mode u(t) sin(pi x), and strain at its left end.
 
-    Its amplitude obeys u'' + viscosity w^2 u' + w^2 u = 0, with u = 0 and u' = 1 at first.
+    Its amplitude obeys u'' + viscosity w^2 u' + w^2 u = 0, with u = 0 and u' = 1 at
+    first.
     """
     w = math.pi
     s1, s2 = np.roots([1.0, viscosity * w * w, w * w]).astype(complex)
@@ -161,8 +164,8 @@ def damped_mode(viscosity, t):
 def test_a_damped_mode_between_held_ends_is_of_order_two(viscosity):
     t = np.linspace(0.2, 2.4, 23)
     velocity, strain = damped_mode(viscosity, t)
-    # The mode is sin(pi x) times its velocity in the middle: at x = 0 the strain rate is pi times
-    # this velocity; at x = 1 strain and stress have the opposite sign.
+    # The mode is sin(pi x) times its velocity in the middle: at x = 0 the strain rate
+    # is pi times this velocity; at x = 1 strain and stress have the opposite sign.
     stress = strain + viscosity * math.pi * velocity
     lossy = ri.Material("m", youngs_modulus=1.0, density=1.0, viscosity=viscosity)
     rod = ri.Rod(1.0, area=2.0, velocity=mode, material=lossy)
@@ -265,7 +268,8 @@ def test_stress_of_damped_material_has_its_rate():
     assert solution.axial_force(0, x, 0.0) == pytest.approx(3 * stress, rel=1e-12)
 
 
-# Fields agree with each other ---------------------------------------------------------------------
+# Fields agree with each other
+# ---------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

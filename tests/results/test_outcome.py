@@ -244,8 +244,8 @@ TWO_WAVES = ri.Steps([3.0, -1.0], [0.5])
 @pytest.mark.parametrize(
     ("system", "until", "momentum", "energy"),
     [
-        # M is all mass, V the largest difference of velocities: M V and M V^2/2 always count.
-        # Rods of mass 1 and 2, V = 3: J = 3, and 1 2^2/2 + 2 1^2/2.
+        # M is all mass, V the largest difference of velocities: M V and M V^2/2 always
+        # count. Rods of mass 1 and 2, V = 3: J = 3, and 1 2^2/2 + 2 1^2/2.
         pytest.param(
             ri.System([rod(1, 1, 2.0), rod(1, 2, -1.0)]), None, 12.0, 16.5, id="pair"
         ),
@@ -259,7 +259,8 @@ TWO_WAVES = ri.Steps([3.0, -1.0], [0.5])
             4.0,
             id="fixed end",
         ),
-        # An absorbing end, V = 2: its impulse Z v T/4 and energy Z v^2 T/8, and m v^2/4.
+        # An absorbing end, V = 2: its impulse Z v T/4 and energy Z v^2 T/8, and m
+        # v^2/4.
         pytest.param(
             ri.System([rod(1, 1, PULSE)], ends=(ri.Absorbing(), ri.Free())),
             1.0,

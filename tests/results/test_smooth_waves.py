@@ -1,6 +1,7 @@
 """Solutions whose waves are polynomials between breaks, beside closed forms.
 
-A mass that strikes a rod, until the wave has come back, and a rod that vibrates for ever.
+A mass that strikes a rod, until the wave has come back, and a rod that vibrates for
+ever.
 """
 
 from itertools import pairwise

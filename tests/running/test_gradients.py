@@ -291,7 +291,8 @@ BESIDE_A_WALL = ri.System([ri.Wall(), *pair().bodies])
         (
             ENDLESS_PAIR,
             {"of": "velocity_after.1"},
-            "of: must be one of velocity_after.0, impulse.0, peak_force.0, duration.0, got",
+            "of: must be one of velocity_after.0, impulse.0, peak_force.0, duration.0, "
+            "got",
         ),
         (HERTZ_PAIR, {"method": "fronts"}, 'method "fronts" has no compliant'),
     ],

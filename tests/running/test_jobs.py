@@ -19,7 +19,8 @@ STEEL = ri.materials.steel
 class Cluster(Executor):
     """Workers, each with one job at a time; what a job takes is told by a clock that it moves.
 
-    A job ends when the sweep can do no more than wait: as many are in flight as it wants, or all.
+    A job ends when the sweep can do no more than wait: as many are in flight as it
+    wants, or all.
     """
 
     def __init__(self, workers, members, clock):

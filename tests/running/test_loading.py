@@ -585,5 +585,6 @@ def test_what_a_newer_version_saved(saved, change):
     edit(saved, {**change, "rodimpact": "9.8.7"})
     refused(
         saved,
-        rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*Load it with",
+        rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*Load it "
+        "with",
     )

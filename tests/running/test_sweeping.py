@@ -89,7 +89,8 @@ def assert_same_vibration(member, outcome):
     assert member["vibration"] == vibration
 
 
-# Numbers -----------------------------------------------------------------------------------------
+# Numbers
+# -----------------------------------------------------------------------------------------
 
 
 def test_a_map_equals_the_closed_form():
@@ -310,7 +311,8 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
     assert max(seconds_ahead) > seconds_ahead[-1]
 
 
-# Runs to a time ----------------------------------------------------------------------------------
+# Runs to a time
+# ----------------------------------------------------------------------------------
 
 
 def chain():
@@ -388,7 +390,8 @@ def test_a_cap_before_the_time_asked_for_is_no_end():
     assert "cap of" in result.explain(1)
 
 
-# Strain gauges -----------------------------------------------------------------------------------
+# Strain gauges
+# -----------------------------------------------------------------------------------
 
 TIMES = np.linspace(0.0, 4e-4, 41)
 
@@ -482,7 +485,8 @@ def test_gauges_have_dimensions(with_gauge):
         assert {"long_name", "units"} <= set(variable.attrs)
 
 
-# Members without a result ------------------------------------------------------------------------
+# Members without a result
+# ------------------------------------------------------------------------
 
 
 def test_one_bad_member_does_not_lose_the_others():
@@ -534,7 +538,8 @@ def test_arguments_are_checked(options, path):
     assert list(messages) == [path]
 
 
-# Executors ---------------------------------------------------------------------------------------
+# Executors
+# ---------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -673,7 +678,8 @@ def test_a_family_with_no_members_is_refused(tmp_path, selected, keep):
     assert not (tmp_path / "kept").exists()
 
 
-# What is asked for besides ------------------------------------------------------------------------
+# What is asked for besides
+# ------------------------------------------------------------------------
 
 
 def steel_rod(length, velocity=0.0, area=1e-4, **strain):

@@ -351,7 +351,8 @@ def test_a_case_is_frozen():
         (
             HEAD + "friction = 1\n" + A_ROD,
             "friction",
-            "unknown key; use one of schema, materials, gravity, bodies, contacts, ends, solve",
+            "unknown key; use one of schema, materials, gravity, bodies, contacts, "
+            "ends, solve",
         ),
         (
             HEAD + "gravity = '9.81 m/s'\n" + A_ROD,
@@ -416,7 +417,8 @@ def test_a_case_is_frozen():
         (
             HEAD + A_ROD + "strain = [1, 2]",
             "bodies.0.strain",
-            "A profile is written {values = [...], at = [...]} or {samples = [...]}; vary=",
+            "A profile is written {values = [...], at = [...]} or {samples = [...]}; "
+            "vary=",
         ),
         (
             HEAD + "[[bodies]]\nkind='mass'\n" + A_ROD + LAW + "'hertz'\nstiffness=1",
@@ -603,7 +605,8 @@ def test_a_case_is_frozen():
         (
             HEAD + A_ROD + A_WALL + "[[contacts]]\nlaw = 'glued'",
             "contacts.0.law",
-            "unknown law 'glued'; use one of rigid, bonded, joint, spring, spring-dashpot, hertz",
+            "unknown law 'glued'; use one of rigid, bonded, joint, spring, "
+            "spring-dashpot, hertz",
         ),
         (
             HEAD + A_ROD + A_WALL + LAW + "'Hertzian'\nstiffness = 1",
@@ -721,7 +724,8 @@ def test_a_case_is_frozen():
         (
             HEAD + A_ROD + LEFT + "'moved'\nvalue = [1, 2]",
             "ends.left.value",
-            "is written {values = [...], at = [...]} or {samples = [...], step = ...}; vary=",
+            "is written {values = [...], at = [...]} or {samples = [...], step = ...}; "
+            "vary=",
         ),
         (
             HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2]}",

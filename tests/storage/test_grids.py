@@ -540,8 +540,8 @@ def test_several_numbers_follow_a_variable(force, stiffness):
         (
             {"contacts.1.stiffness": "2mm*contacts.1.yield", "bodies.1.length": "1,2"},
             "contacts.1.stiffness",
-            "is tied to nothing that varies, got '2mm*contacts.1.yield'; write FACTOR*NAME "
-            "with one of bodies.1.length",
+            "is tied to nothing that varies, got '2mm*contacts.1.yield'; write "
+            "FACTOR*NAME with one of bodies.1.length",
         ),
         (
             {"contacts.1.stiffness": "2*contacts.1.yield_force"},
@@ -611,7 +611,8 @@ def test_all_mistakes_at_once_with_those_of_the_grids():
             "contacts.0.gap": "-1 m,1",
         },
     )
-    # of a body of unknown kind, and of a material that is no table, nothing is said twice
+    # of a body of unknown kind, and of a material that is no table, nothing is said
+    # twice
     assert set(messages) == {
         "materials.x",
         "bodies.0.length",
