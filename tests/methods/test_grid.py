@@ -381,7 +381,7 @@ def test_a_courant_number_of_1_is_stable():
             {"dt": 0.5},
             "dt",
             r"must be 0\.37 s or less for a cell in bodies\.1, which waves cross in "
-            "0\.37 s",
+            r"0\.37 s",
             id="too long for a cell",
         ),
         pytest.param(

@@ -527,7 +527,8 @@ def test_a_number_too_large_for_a_float_is_infinite_and_refused():
 def test_no_library_of_units_or_labels_is_imported():
     script = (
         "import sys, rodimpact as ri; ri.Rod([1, 2], area=1, "
-        "material=ri.materials.steel);print({'pint', 'astropy', 'unyt', 'xarray', 'pandas'} & set(sys.modules))"
+        "material=ri.materials.steel);"
+        "print({'pint', 'astropy', 'unyt', 'xarray', 'pandas'} & set(sys.modules))"
     )
     ran = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
