@@ -122,7 +122,7 @@ def public_signature(
 
 
 def write_animation(app: Sphinx, failure: Exception | None) -> None:
-    """Write the textbook's unequal rods as an interactive page, which index.md shows."""
+    """Write the textbook's unequal rods as a page with sliders for index.md."""
     from rodimpact.cli import main
 
     if failure is not None or app.builder.format != "html":

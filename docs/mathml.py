@@ -1,4 +1,4 @@
-"""Formulas as MathML, which browsers typeset by themselves: no script and no network."""
+"""Formulas as MathML, which browsers typeset without script and network."""
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml

@@ -39,7 +39,7 @@ def is_command(code: str) -> bool:
 
 
 def write_module(code: str) -> None:
-    """Write the file of a cell that begins with %%writefile; other commands do nothing."""
+    """Write the file of a cell that begins with %%writefile; ignore other commands."""
     command, _, text = code.partition("\n")
     if command.startswith("%%writefile "):
         Path(command.split()[1]).write_text(text, encoding="utf-8")

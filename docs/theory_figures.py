@@ -139,7 +139,7 @@ def draw_reflection(ax: Axes, field: Callable[..., np.ndarray], letter: str) -> 
 
 
 def draw_end(velocity_ax: Axes, stress_ax: Axes, end: ri.Free | ri.Fixed) -> None:
-    """Velocity above, stress below; the end is a line, which is broad if it is fixed."""
+    """Velocity above, stress below; the end is a line, broad for a fixed end."""
     solution = solve_reflection(end)
     linewidth = 1
     if end == ri.Fixed():

@@ -1,4 +1,6 @@
-"""Parts of case files that are right, to put a mistake beside, and how to find the mistakes."""
+"""Parts of case files that are right, to put a mistake beside, and how to find the
+mistakes.
+"""
 
 import pytest
 

@@ -1,4 +1,6 @@
-"""Random rows for comparison with the method of steps: uniform rods, masses, walls, all laws."""
+"""Random rows for comparison with the method of steps: uniform rods, masses, walls, all
+laws.
+"""
 
 from itertools import pairwise
 
@@ -17,7 +19,9 @@ def between(rng, low, high):
 
 
 def random_contact(rng, kind):
-    """A contact law of a kind, for rods with impedances and transit times of the order of 1."""
+    """A contact law of a kind, for rods with impedances and transit times of the order
+    of 1.
+    """
     stiffness = between(rng, 0.05, 300.0)
     choice = rng.integers(3)
     if kind == "power":

@@ -1,4 +1,5 @@
-"""Floating-point errors raise; random examples are the same in every run; kernels compile once.
+"""Floating-point errors raise; random examples are the same in every run; kernels
+compile once.
 
 ``pytest --hypothesis-profile=many`` draws more examples.
 """

@@ -1,4 +1,6 @@
-"""What tests of figures share: steel rods, an empty Axes, and what is read off a picture."""
+"""What tests of figures share: steel rods, an empty Axes, and what is read off a
+picture.
+"""
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -51,7 +51,9 @@ def thicken(rng, segment):
 
 
 def random_row(seed, *, driven=False, bodies=5):
-    """A random network, half of whose rods are damped, tapered, or have lateral inertia."""
+    """A random network, half of whose rods are damped, tapered, or have lateral
+    inertia.
+    """
     system = random_network(seed, bodies=bodies, driven=driven)
     rng = np.random.default_rng([seed, 1])
     row = []
@@ -64,7 +66,9 @@ def random_row(seed, *, driven=False, bodies=5):
 
 
 def matrices(mesh):
-    """Mass, damping and stiffness of one piece: of its nodes, then of the radial strains."""
+    """Mass, damping and stiffness of one piece: of its nodes, then of the radial
+    strains.
+    """
     n = len(mesh.mass)
     cells = mesh.cells
     between_nodes = np.diff(np.eye(n), axis=0)

@@ -1,4 +1,5 @@
-"""Modal sums for a damped rod that falls on a rigid wall; nothing of the package is used.
+"""Modal sums for a damped rod that falls on a rigid wall; nothing of the package is
+used.
 
 A rod of unit length, modulus, density and area moves with unit velocity to the right
 and touches a wall at x = 1. While it presses, its modes are cos((k + 1/2) pi x),
@@ -83,7 +84,9 @@ def opening_time(viscosity):
 
 
 def rod_on_wall(x, t, viscosity):
-    """Fields at places x and increasing times t > 0 after the touching; and when it opens."""
+    """Fields at places x and increasing times t > 0 after the touching; and when it
+    opens.
+    """
     x = np.asarray(x, float)
     t = np.asarray(t, float)
     opening = opening_time(viscosity)

@@ -22,7 +22,9 @@ WEIGHTS = WEIGHTS / 2
 
 
 def _integration():
-    """Matrix from values at the points to integrals from the start of the interval to them."""
+    """Matrix from values at the points to integrals from the start of the interval to
+    them.
+    """
     columns = np.eye(len(SHARES))
     matrix = np.empty((len(SHARES), len(SHARES)))
     for j, values in enumerate(columns):
@@ -36,7 +38,9 @@ INTEGRATION = _integration()
 
 
 class Piece(NamedTuple):
-    """A rod (impedance, units of transit time, velocity), or a mass (mass, 0, velocity)."""
+    """A rod (impedance, units of transit time, velocity), or a mass (mass, 0,
+    velocity).
+    """
 
     inertia: float
     units: int
@@ -56,7 +60,9 @@ class LinearRow(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Mean velocities of the pieces at the end, and impulses through the joints (pushes)."""
+    """Mean velocities of the pieces at the end, and impulses through the joints
+    (pushes).
+    """
 
     velocities: list
     impulses: list
@@ -105,7 +111,9 @@ def _sine(start, size, rate):
 
 
 def system_of(row, until):
-    """The same row for the package: wave speed 1, so that area and impedance are equal."""
+    """The same row for the package: wave speed 1, so that area and impedance are
+    equal.
+    """
     unit = ri.Material("unit", youngs_modulus=1.0, density=1.0)
     bodies = []
     for piece in row.pieces:

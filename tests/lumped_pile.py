@@ -7,7 +7,8 @@ import numpy as np
 
 @dataclass
 class LumpedPile:
-    """A ram, a cushion and a pile in soil: masses, springs, and Smith's soil at each of them.
+    """A ram, a cushion and a pile in soil: masses, springs, and Smith's soil at each of
+    them.
 
     Attributes
     ----------
@@ -70,7 +71,8 @@ class Chain:
         self.toe_set = 0.0
 
     def strike(self, duration, step):
-        """Integrate a blow in steps of so many seconds: velocities first, then displacements.
+        """Integrate a blow in steps of so many seconds: velocities first, then
+        displacements.
 
         The pile begins at rest, as the blow before has left it, and the ram at its
         head.
@@ -126,6 +128,8 @@ def strike(pile, segments, duration, step):
 
 
 def strike_again(pile, count, segments, duration, step):
-    """Sets of the toe by blows one after the other, each so long that the pile rests, m."""
+    """Sets of the toe by blows one after the other, each so long that the pile rests,
+    m.
+    """
     chain = Chain(pile, segments)
     return [chain.strike(duration, step).toe_set for _ in range(count)]

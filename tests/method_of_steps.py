@@ -27,7 +27,9 @@ MOST_TRANSITS = 6  # breaks that have crossed more rods are smooth
 
 
 def _matrices():
-    """Integrals from 0 to the points and to 1, of the polynomial through values there."""
+    """Integrals from 0 to the points and to 1, of the polynomial through values
+    there.
+    """
     to_coefficients = np.linalg.inv(chebyshev.chebvander(2 * POINTS - 1, NODES - 1))
     integrals = np.zeros((NODES + 1, NODES))
     for n in range(NODES):
@@ -118,7 +120,9 @@ def _arrivals(start, T, until):
 
 
 def _next_edge(begin, breaks, T, until):
-    """End of the interval: the stretch to the next break is graded, small intervals first."""
+    """End of the interval: the stretch to the next break is graded, small intervals
+    first.
+    """
     last = breaks[np.searchsorted(breaks, begin + 1e-13) - 1]
     after = breaks[breaks > begin + 1e-13]
     stop = min(after[0] if len(after) else until, until)
@@ -128,7 +132,9 @@ def _next_edge(begin, breaks, T, until):
 
 
 class _Term(NamedTuple):
-    """A delayed impulse in the overlap of a contact, weight P(t - delay), and derivatives."""
+    """A delayed impulse in the overlap of a contact, weight P(t - delay), and
+    derivatives.
+    """
 
     contact: int  # that sent the wave
     delay: float
@@ -239,7 +245,9 @@ def _earlier(times, j, edges, history):
 
 
 def _crossing(overlap):
-    """Share of the interval at which the overlap changes its sign first; 1 if it does not."""
+    """Share of the interval at which the overlap changes its sign first; 1 if it does
+    not.
+    """
     sign = np.where(np.abs(overlap) <= CLOSED, 0, np.sign(overlap))
     seen = np.flatnonzero(sign)
     opposite = seen[sign[seen] != sign[seen[:1]]]

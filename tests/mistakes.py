@@ -15,7 +15,9 @@ def problems(make):
 
 
 def assert_told(make, expected):
-    """That these mistakes are told, by their paths: a part of each message, or = and all of it."""
+    """That these mistakes are told, by their paths: a part of each message, or = and
+    all of it.
+    """
     messages = problems(make)
     assert list(messages) == list(expected)
     for path, text in expected.items():

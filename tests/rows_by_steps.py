@@ -1,4 +1,5 @@
-"""The method of steps: an independent solver for rows of uniform rods, masses and walls.
+"""The method of steps: an independent solver for rows of uniform rods, masses and
+walls.
 
 No code of the package is used here. A rod is two delay lines. Between two rods stands a
 node: a chain of links with masses between them. In the node an ordinary differential
@@ -68,7 +69,9 @@ OPEN, PRESSED, SLACK, PLASTIC = range(4)
 
 
 class Cell(NamedTuple):
-    """One cell of a line: times in s, Chebyshev coefficients, and whether a break starts it."""
+    """One cell of a line: times in s, Chebyshev coefficients, and whether a break
+    starts it.
+    """
 
     start: float
     stop: float
@@ -77,7 +80,9 @@ class Cell(NamedTuple):
 
 
 class Line:
-    """What left one end of a rod, m/s, as cells; it arrives at the other end a transit later."""
+    """What left one end of a rod, m/s, as cells; it arrives at the other end a transit
+    later.
+    """
 
     def __init__(self, transit, value):
         coefficients = np.zeros(STAGES)
@@ -112,7 +117,9 @@ class Line:
         return cell.breaks and cell.start + self.transit == time
 
     def values(self, times):
-        """Incoming wave at increasing times, which begin with the cell that is being read."""
+        """Incoming wave at increasing times, which begin with the cell that is being
+        read.
+        """
         sent = times - self.transit
         wave = np.empty(len(times))
         begin = 0
@@ -191,7 +198,9 @@ class Link:
         return 1 / self.damping + closing
 
     def guards(self, overlap, closing, force, speed, length):
-        """Numbers that stay positive while the state lasts, each with the next state."""
+        """Numbers that stay positive while the state lasts, each with the next
+        state.
+        """
         damped = self.damping > 0
         if self.state == OPEN:
             return [(-overlap / length, PRESSED)]
@@ -489,7 +498,9 @@ class Row:
         return rates, bool(np.abs(change).max() <= 1e-13 * largest)
 
     def _first_event(self, node, start, stop, solved):
-        """Time, link and next state of the first guard that changes its sign; None if none."""
+        """Time, link and next state of the first guard that changes its sign; None if
+        none.
+        """
         first = None
         half = 0.5 * (stop - start)
         length = self.speed * self.transit
@@ -589,7 +600,9 @@ def starts_softly(values):
 
 
 def root(values, low, high):
-    """Zero of the polynomial through the values at the check points, between two of these."""
+    """Zero of the polynomial through the values at the check points, between two of
+    these.
+    """
     coefficients = CHECK_SERIES @ values
     left = CHECKS[low]
     right = CHECKS[high]

@@ -41,7 +41,9 @@ def bits_of(system, until, compiling, max_events=4000):
 
 
 def records_of(run):
-    """State of a run by fronts with objects in place of arrays, as its proof takes it."""
+    """State of a run by fronts with objects in place of arrays, as its proof takes
+    it.
+    """
     return run.batch.state._replace(
         runs=[run.run],
         segments=run.segments,
@@ -52,7 +54,9 @@ def records_of(run):
 
 
 def group_of(run, contact, right):
-    """Motion of the bonded group on one side of a contact, and bounds of its end, by the proof."""
+    """Motion of the bonded group on one side of a contact, and bounds of its end, by
+    the proof.
+    """
     k = run.layout.contacts[contact]
     for find in (finality.find_mean_motions, finality.bound_deviations):
         find(records_of(run), k, run.run.now)

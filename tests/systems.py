@@ -1,4 +1,6 @@
-"""Random rows for property tests: lengths with a common unit, so that fronts do not multiply."""
+"""Random rows for property tests: lengths with a common unit, so that fronts do not
+multiply.
+"""
 
 import numpy as np
 

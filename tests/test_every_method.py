@@ -1,4 +1,6 @@
-"""What must hold for random rows by each of the methods, with any bodies, laws and ends."""
+"""What must hold for random rows by each of the methods, with any bodies, laws and
+ends.
+"""
 
 import math
 

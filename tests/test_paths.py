@@ -117,7 +117,9 @@ def steel_on_brass(density):
     "path", ["materials.steel.density", "bodies.0.material.density"]
 )
 def test_an_atlas_over_a_density_says_what_a_run_there_does(path):
-    """Wave speeds follow the density: if they stayed behind, e were that of no system."""
+    """Wave speeds follow the density: if they stayed behind, e were that of no
+    system.
+    """
     plane = ri.atlas(
         steel_on_brass(7850), (path, 7000, 9000), ("bodies.1.length", 0.9, 1.1)
     )

@@ -95,7 +95,9 @@ def test_nothing_touches_after_the_proof_of_finality(row, seed):
 @any_row
 @given(SEEDS)
 def test_mirror_is_exact(row, seed):
-    """Lengths in sixteenths, so that positions measured from the other end are exact too."""
+    """Lengths in sixteenths, so that positions measured from the other end are exact
+    too.
+    """
     system = row(seed, unit=1 / 16)
     solution = run(system)
     assume(solution.stopped_by == "until")

@@ -1,4 +1,6 @@
-"""Rigid-body laws: the balances, limits and refusals; validation/ has the textbook's numbers."""
+"""Rigid-body laws: the balances, limits and refusals; validation/ has the textbook's
+numbers.
+"""
 
 import math
 

@@ -56,7 +56,9 @@ def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
 
 
 def mean_and_vibration(signal: list[Fraction], Z: int) -> tuple[Fraction, Fraction]:
-    """Velocity of the centre of mass and energy about it, from one round trip of an end signal."""
+    """Velocity of the centre of mass and energy about it, from one round trip of an end
+    signal.
+    """
     mean = sum(signal) / len(signal)
     return mean, Fraction(Z, 4) * sum((s - mean) ** 2 for s in signal)
 
@@ -110,7 +112,9 @@ def test_the_force_agrees_with_waves(Z1, T1, Z2, T2):
 
 
 def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
-    """e = J (1/m1 + 1/m2) - 1 with the impulse summed trip by trip, in exact arithmetic."""
+    """e = J (1/m1 + 1/m2) - 1 with the impulse summed trip by trip, in exact
+    arithmetic.
+    """
     rods = [(Fraction(T1), Fraction(Z1)), (Fraction(T2), Fraction(Z2))]
     short, long = sorted(rods)
     Ts, Zs = short
@@ -133,7 +137,9 @@ def test_keeps_its_digits_at_any_ratio_of_impedances(ratio, long_time):
 
 @pytest.mark.parametrize("Z_long", [1.0, 1 + 1e-12, 1 - 1e-12])
 def test_keeps_its_digits_when_restitution_is_small(Z_long):
-    """e = x + |q|, the latter if the long rod is stiffer; x is the ratio of the lengths."""
+    """e = x + |q|, the latter if the long rod is stiffer; x is the ratio of the
+    lengths.
+    """
     expected = 1e-12 + max(Z_long - 1, 0) / 2
     pair = theory.saint_venant(1.0, 1.0, Z_long, 1e12)
     assert pair.restitution == pytest.approx(expected, rel=1e-11, abs=0)

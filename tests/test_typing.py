@@ -1,4 +1,6 @@
-"""A program whose types are those that users see: it runs, and ``mypy --strict`` reads it."""
+"""A program whose types are those that users see: it runs, and ``mypy --strict`` reads
+it.
+"""
 
 import inspect
 from collections.abc import Callable

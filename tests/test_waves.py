@@ -1,4 +1,6 @@
-"""The first mode of Pochhammer and Chree against its equation in complex numbers and its limits."""
+"""The first mode of Pochhammer and Chree against its equation in complex numbers and
+its limits.
+"""
 
 import math
 
@@ -50,7 +52,9 @@ TABLE = {  # c/c0 over a/wavelength; the second is Bancroft's bar of 1941
 
 
 def pochhammer_chree(x, G, nu):
-    """Left-hand side at c = x c0 as it stands in books, with a = c0 = 1, over its largest term."""
+    """Left-hand side at c = x c0 as it stands in books, with a = c0 = 1, over its
+    largest term.
+    """
     dilatation = (1 + nu) * (1 - 2 * nu) / (1 - nu)  # (c0/c1)^2
     shear = 2 * (1 + nu)  # (c0/c2)^2
     A = np.sqrt(G**2 * (x**2 * dilatation - 1) + 0j)

@@ -201,7 +201,7 @@ class Delays(NamedTuple):
 
 
 def gauge_delays(material: ri.Material, striker_length: float, gauge: float) -> Delays:
-    """Length of a pulse and delay of its reflection, `gauge` metres from the bar's end."""
+    """Length of a pulse and delay of its reflection, `gauge` m from the bar's end."""
     bar_length = 4 * gauge
     striker = ri.Rod(striker_length, area=1e-4, material=material, velocity=10.0)
     bar = ri.Rod(bar_length, area=1e-4, material=material)

@@ -195,7 +195,7 @@ def section_of(shot: Shot, theory: str | None) -> dict[str, Any]:
 
 
 def section_bounds(shot: Shot) -> dict[str, Span]:
-    """Bounds of the diameter of a round striker, m, or of the area of a square one, m^2."""
+    """Bounds of a round striker's diameter, m, or of a square one's area, m^2."""
     least = 1 - SECTION_FREEDOM
     most = 1 + SECTION_FREEDOM
     if shot.side is None:

@@ -227,7 +227,9 @@ def test_a_stepped_striker():
 
 
 def exact_at(system, paths, point):
-    """The collision in fractions with the values of a point, by the paths of its names."""
+    """The collision in fractions with the values of a point, by the paths of its
+    names.
+    """
     values = {paths[name]: value for name, value in point.items()}
     return ri.exact(system, values)
 
@@ -355,7 +357,9 @@ def test_mistakes_and_a_cap_are_named(symbols, cap, message):
 
 
 def test_a_cell_that_needs_endless_events_is_refused():
-    """The short rod parts from the long one at once, and vibrates until waves return."""
+    """The short rod parts from the long one at once, and vibrates until waves
+    return.
+    """
     endless = row([0.4, 1e30], [1, 2])
     message = "max_events: where the formula holds is not known after 80 events"
 

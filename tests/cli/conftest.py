@@ -1,4 +1,6 @@
-"""What the tests of the command line share: a case in a directory of its own, and calls."""
+"""What the tests of the command line share: a case in a directory of its own, and
+calls.
+"""
 
 import pytest
 from case_texts import UNEQUAL_RODS
@@ -16,7 +18,9 @@ def case(tmp_path, monkeypatch):
 
 @pytest.fixture
 def refuses(capsys):
-    """Check that a call ends with 2, says all this and prints nothing; returns what it says."""
+    """Check that a call ends with 2, says all this and prints nothing; returns what it
+    says.
+    """
 
     def call(argv, *said):
         capsys.readouterr()

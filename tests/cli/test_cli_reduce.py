@@ -140,7 +140,9 @@ def test_mistakes_are_named_by_option(options, sentence, refuses):
 
 
 def cut_out(names=("incident", "reflected", "transmitted")):
-    """Files of the three pulses of the record, as strain, with the names of the pulses."""
+    """Files of the three pulses of the record, as strain, with the names of the
+    pulses.
+    """
     bridge = ri.Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
     record = ri.read_signals(RECORD)
     windows = {

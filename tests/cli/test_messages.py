@@ -1,4 +1,6 @@
-"""Messages of the command line name options and entries of a case, not arguments and calls."""
+"""Messages of the command line name options and entries of a case, not arguments and
+calls.
+"""
 
 import re
 from pathlib import Path

@@ -98,7 +98,9 @@ def pulse(impedances, steps):
 
 
 def sensitivity(ratios):
-    """Least change of the pulse, over Z V, for a change of the logarithms of areas by 1."""
+    """Least change of the pulse, over Z V, for a change of the logarithms of areas by
+    1.
+    """
     step = 1e-4
     changes = []
     for change in step * np.eye(len(ratios)):

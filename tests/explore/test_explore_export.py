@@ -1,4 +1,6 @@
-"""The page in one file: complete, closed to the network, written whole or not at all."""
+"""The page in one file: complete, closed to the network, written whole or not at
+all.
+"""
 
 import base64
 import hashlib

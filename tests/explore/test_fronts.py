@@ -79,7 +79,9 @@ def solved_twice(request):
 
 @pytest.fixture
 def motion(solved_twice):
-    """The motion on the page; without one that can be shown there is nothing to compare."""
+    """The motion on the page; without one that can be shown there is nothing to
+    compare.
+    """
     motion = fronts.motion_of(solved_twice.run)
     if motion["now"] == 0:
         pytest.skip("the run lasts no time")
@@ -230,7 +232,9 @@ def test_what_no_file_can_say_is_told_in_the_words_of_the_page(path, value, got)
 
 
 def told(path, value):
-    """The only mistake on the page, and the message of the file's reader at its path."""
+    """The only mistake on the page, and the message of the file's reader at its
+    path.
+    """
     case = case_with(path, value)
     (mistake,) = mistakes(case, [], LIBRARY)
     assert mistake.path == ".".join(map(str, path))

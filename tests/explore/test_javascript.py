@@ -1,4 +1,6 @@
-"""Kernels as JavaScript: what is translated and what is refused, and that nothing is lost."""
+"""Kernels as JavaScript: what is translated and what is refused, and that nothing is
+lost.
+"""
 
 import dataclasses
 import inspect
@@ -341,7 +343,9 @@ def test_the_clock_of_the_page_sets_constants_that_there_are():
 @needs_node
 @pytest.mark.parametrize("block", few_of(range(2), {0}))
 def test_the_page_solves_rows_as_solve_does(block):
-    """Velocities agree to 1e-11 of the closing speed, or to the rounding of the clock."""
+    """Velocities agree to 1e-11 of the closing speed, or to the rounding of the
+    clock.
+    """
     cases = rows(range(100 * block, 100 * block + 100))
     n_exact = 0
     for case, page in zip(cases, solved_by_the_page(cases), strict=True):
@@ -369,7 +373,9 @@ def test_the_page_solves_rows_as_solve_does(block):
 
 
 def plain(value):
-    """A scene without what differs in writing only: the minus, the space and the µ of units."""
+    """A scene without what differs in writing only: the minus, the space and the µ of
+    units.
+    """
     if isinstance(value, str):
         return value.replace("\u2212", "-").replace("\u00a0", " ").replace("µ", "u")
     if isinstance(value, dict):
@@ -476,7 +482,9 @@ def test_what_the_page_cannot_solve_is_told():
 
 @needs_node
 def test_the_page_shows_what_python_finds_with_the_same_functions():
-    """They agree as nearly as is drawn, since in Python fronts run on a longer clock."""
+    """They agree as nearly as is drawn, since in Python fronts run on a longer
+    clock.
+    """
     pages = answers("sceneOf", [*DESIGNS.values()])
     for (key, sent), answer in zip(DESIGNS.items(), pages, strict=True):
         scene = scene_of(sent["case"], sent["gauges"], LIBRARY)

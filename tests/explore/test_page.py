@@ -63,7 +63,9 @@ def solved(tmp_path):
 
 @pytest.fixture
 def visit(browser, url):
-    """Opens addresses without a network; afterwards nothing may have gone wrong or been asked."""
+    """Opens addresses without a network; afterwards nothing may have gone wrong or been
+    asked.
+    """
     contexts = []
     errors = []  # messages of the console, and requests that leave the page
     own_schemes = ("data:", "blob:", "file:")
@@ -122,7 +124,9 @@ def open_menu(page):
 
 
 def stop_clock(page):
-    """Let no time pass for a page or a frame: undo takes back changes without a pause."""
+    """Let no time pass for a page or a frame: undo takes back changes without a
+    pause.
+    """
     page.evaluate("performance.now = () => 0")
 
 
@@ -820,7 +824,9 @@ def round_ends(page, kappa):
 
 
 def test_a_slider_rounds_the_ends(visit):
-    """e falls from that of balls to l1/l2; a draft, while it moves, says how wrong it may be."""
+    """e falls from that of balls to l1/l2; a draft, while it moves, says how wrong it
+    may be.
+    """
     page = visit()
     left, right = PRESETS["unequal"].system.bodies
     restitutions = []

@@ -1,4 +1,6 @@
-"""The two sentences of reason come from the events of the run, not from the names of presets."""
+"""The two sentences of reason come from the events of the run, not from the names of
+presets.
+"""
 
 import re
 
@@ -158,7 +160,9 @@ def test_numbers_of_the_reason_are_those_of_the_solution(seed):
 
 
 def test_the_weak_tail_of_a_stiff_contact_is_told_from_its_impulse():
-    """Nearly flat ends press weakly until they open; the impulse came with the first wave."""
+    """Nearly flat ends press weakly until they open; the impulse came with the first
+    wave.
+    """
     bodies = [rod(0.4, 2.0), rod(1.0)]
     flat = ri.System(bodies, contacts=[ri.Hertz(3e12)])
     round_ends = ri.System(bodies, contacts=[ri.Hertz(3e9)])

@@ -158,7 +158,9 @@ def test_rounded_transit_times_count_in_every_stated_error():
 
 
 def check_velocities(page, solution):
-    """Velocities and e on the page are those of a solution, within both stated errors."""
+    """Velocities and e on the page are those of a solution, within both stated
+    errors.
+    """
     outcome = solution.outcome
     accuracy = solution.accuracy["velocity"] * solution.fields.clock.scale
     tolerance = accuracy + page["errors"]["velocity"]
@@ -175,7 +177,9 @@ def check_velocities(page, solution):
 
 
 def check_contacts(page, solution):
-    """Totals of the contacts on the page are those of a solution, within both errors."""
+    """Totals of the contacts on the page are those of a solution, within both
+    errors.
+    """
     tallies = solution.outcome.contacts
     for key in ("impulse", "peak_force", "duration"):
         values = [getattr(tally, key) for tally in tallies]

@@ -317,7 +317,9 @@ def coloured(random, n, steps):
 
 
 def assert_errors_are_the_scatter(errors, values):
-    """Standard errors of many fits agree with the standard deviation of their values."""
+    """Standard errors of many fits agree with the standard deviation of their
+    values.
+    """
     ratio = np.mean(errors, axis=0) / np.std(values, axis=0)
     assert (ratio > 0.8).all(), ratio
     assert (ratio < 1.3).all(), ratio

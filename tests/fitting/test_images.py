@@ -18,7 +18,9 @@ def metal(poisson_ratio):
 
 
 def shot(poisson_ratio, end_stiffness=3e9, **theory):
-    """A striker with round ends, an input bar, a specimen that yields, an output bar."""
+    """A striker with round ends, an input bar, a specimen that yields, an output
+    bar.
+    """
     rods = []
     for length, velocity in ((0.2, 10.0), (1.0, 0.0), (1.0, 0.0)):
         rods.append(

@@ -1,4 +1,5 @@
-"""Random input of every kind that people, programs and attackers give, and what must come of it.
+"""Random input of every kind that people, programs and attackers give, and what must
+come of it.
 
 Each test goes through a number of examples; RODIMPACT_FUZZ=100 makes it a hundred times
 as many, and RODIMPACT_FUZZ_SEED=7 makes it others.
@@ -61,7 +62,7 @@ SAVED = ri.format_case(
 """A saved solution."""
 
 # Text
-# ---------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 FOLDER = Path(__file__).parents[2] / "validation" / "cases"
 CASES = [
@@ -148,7 +149,9 @@ def one_of(rng, things):
 
 
 def random_number(rng, near="1"):
-    """The text of a number: of those that hurt, of any magnitude, or not far from one given."""
+    """The text of a number: of those that hurt, of any magnitude, or not far from one
+    given.
+    """
     kind = rng.random()
     if kind < 0.2:
         return one_of(rng, NUMBERS)
@@ -201,7 +204,8 @@ def spoilt_bytes(rng, text):
 
 
 def check_sentence(error, where):
-    """The package raised it on purpose, with a text in which terminals and readers find no trap.
+    """The package raised it on purpose, with a text in which terminals and readers find
+    no trap.
 
     Errors of operations on what was never checked come from other lines, or from other
     packages; those of the system name a file.
@@ -220,7 +224,9 @@ def check_sentence(error, where):
 
 
 def called(function, *arguments, **named):
-    """What comes of the call, or the error that says in a sentence what is wrong with it."""
+    """What comes of the call, or the error that says in a sentence what is wrong with
+    it.
+    """
     with patience():
         try:
             return function(*arguments, **named)

@@ -341,7 +341,9 @@ RETURNED = {
     "rigid.StackDrop",
     "theory.PairCollision",
 }
-"""Classes that the package returns. Users read their attributes and do not construct them."""
+"""Classes that the package returns. Users read their attributes and do not construct
+them.
+"""
 
 EXCEPTIONS = {
     "ClippedSignal", "DamagedCache", "DamagedChunks", "DoubtfulCalibration", "DoubtfulReduction",
@@ -615,11 +617,13 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "waves.mindlin_herrmann": lambda: {"radius_over_wavelength": 0.1, "poisson_ratio": 0.3},
     "waves.rayleigh_speed": lambda: {"poisson_ratio": 0.3},
 }  # fmt: skip
-"""Good arguments by name: the required ones, and those without which the call would take long."""
+"""Good arguments by name: the required ones, and those without which the call would
+take long.
+"""
 
 
 # Public names
-# -------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 class Call(NamedTuple):
@@ -640,7 +644,9 @@ class Call(NamedTuple):
 
 
 def public_names() -> Iterator[tuple[str, Any]]:
-    """Public names of the package and of its public modules, each with what it stands for."""
+    """Public names of the package and of its public modules, each with what it stands
+    for.
+    """
     for name in ri.__all__:
         public = getattr(ri, name)
         if not inspect.ismodule(public):
@@ -656,7 +662,9 @@ def public_classes() -> dict[str, type]:
 
 
 def methods_of(kind: type) -> list[str]:
-    """Names of the public methods that a class, or a class of the package above it, defines."""
+    """Names of the public methods that a class, or a class of the package above it,
+    defines.
+    """
     names = set()
     for owner in kind.__mro__:
         if not owner.__module__.startswith("rodimpact"):

@@ -1,4 +1,5 @@
-"""Every public name, with arguments that are spoilt, answers or says in a sentence what is wrong.
+"""Every public name, with arguments that are spoilt, answers or says in a sentence what
+is wrong.
 
 The names and their parameters are taken from the package, so that no later name
 escapes.
@@ -37,7 +38,9 @@ def folder(monkeypatch, tmp_path):
 
 
 def refusal_of(call, arguments):
-    """The error of a call, in a sentence; None if it answers, and its answer can be shown."""
+    """The error of a call, in a sentence; None if it answers, and its answer can be
+    shown.
+    """
     with patience():
         try:
             answer = call.make()(**arguments)
@@ -98,7 +101,9 @@ def test_some_spoilt_arguments():
 
 
 def labels_for(call, place):
-    """Bad values for the parameter at this place; figures try a third of what may be right."""
+    """Bad values for the parameter at this place; figures try a third of what may be
+    right.
+    """
     labels = [*BAD_VALUES]
     if not call.name.startswith(FIGURES):
         return labels

@@ -1,4 +1,6 @@
-"""Case files spoilt at random are refused in sentences, or run to numbers that balance."""
+"""Case files spoilt at random are refused in sentences, or run to numbers that
+balance.
+"""
 
 import json
 from contextlib import suppress
@@ -30,7 +32,9 @@ SHORT = [
 
 
 def ran(capsys, monkeypatch, folder, data):
-    """Status and output of `rodimpact run`, in a directory that holds nothing but the case."""
+    """Status and output of `rodimpact run`, in a directory that holds nothing but the
+    case.
+    """
     (folder / "case.toml").write_bytes(data)
     monkeypatch.chdir(folder)
     with patience(), np.errstate(all="warn", under="ignore"):
@@ -43,7 +47,9 @@ def ran(capsys, monkeypatch, folder, data):
 
 
 def check(status, out, errors, files):
-    """Numbers that are finite and balance, or sentences; no trace of a fault, no stray file."""
+    """Numbers that are finite and balance, or sentences; no trace of a fault, no stray
+    file.
+    """
     assert "Traceback" not in errors
     assert "Warning" not in errors
     assert "fault of rodimpact" not in errors

@@ -1,4 +1,6 @@
-"""Command lines of all commands with options of every kind: done, or refused in sentences."""
+"""Command lines of all commands with options of every kind: done, or refused in
+sentences.
+"""
 
 import argparse
 from importlib import import_module

@@ -1,4 +1,6 @@
-"""Tables of records, spoilt at random: signals come of them, or one sentence with the place."""
+"""Tables of records, spoilt at random: signals come of them, or one sentence with the
+place.
+"""
 
 import warnings
 

@@ -1,4 +1,6 @@
-"""The method "characteristics" through solve(): closed forms, other methods, symmetry, refusals."""
+"""The method "characteristics" through solve(): closed forms, other methods, symmetry,
+refusals.
+"""
 
 import math
 import re
@@ -95,11 +97,13 @@ def assert_motion_is_near(exact, solution, bound, until):
 
 
 # Masses and rods
-# ----------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def mass_on_a_stiff_spring(M, k):
-    """Impulse, largest force and duration: two exponentials, and an equation with their echo."""
+    """Impulse, largest force and duration: two exponentials, and an equation with their
+    echo.
+    """
     root = math.sqrt(k * k - 4 * k / M)
     slow = (-k + root) / 2
     fast = (-k - root) / 2
@@ -242,7 +246,9 @@ def force_on_bar(force, compression, velocity, Z):
 
 
 def impulse_on_endless_bar(force, M, Z, duration):
-    """Impulse of a mass at unit velocity through a law on a bar, which is a dashpot Z."""
+    """Impulse of a mass at unit velocity through a law on a bar, which is a dashpot
+    Z.
+    """
 
     def rates(_, state):
         x, V, _ = state
@@ -546,12 +552,14 @@ def test_a_run_ends_where_it_was_asked_to_end(until):
 
 
 # Which method
-# -------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("direction", [1, -1])
 def test_large_strains_are_those_of_the_rod_in_which_they_are(direction):
-    """The largest wave over the wave speed, in the frame of the mean of both velocities."""
+    """The largest wave over the wave speed, in the frame of the mean of both
+    velocities.
+    """
     slow = ri.Material("slow", youngs_modulus=0.01, density=1.0)  # c = Z = 0.1
     striker = unit_rod(velocity=0.04 * direction)
     bodies = [striker, ri.Rod(0.1, area=1.0, material=slow)][::direction]

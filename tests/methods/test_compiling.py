@@ -87,7 +87,7 @@ def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_n
 
 
 # Sources
-# ------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
 
 
 # Records
-# ------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("record", [NODE, PIECE], ids=["plain", "with arrays"])
@@ -166,7 +166,7 @@ def test_blank_objects_are_records_of_zeros():
 
 
 # The cache
-# ----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -179,7 +179,9 @@ def cache(tmp_path, monkeypatch):
 
 
 def answers(kernel):
-    """What a kernel says, made or read as if another process began; and how often it was read."""
+    """What a kernel says, made or read as if another process began; and how often it
+    was read.
+    """
     assert kernel(0.5) == recognise(0.5) == (1, 2)
     return sum(kernel._fast.stats.cache_hits.values())
 

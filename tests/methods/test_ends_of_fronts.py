@@ -109,7 +109,9 @@ def with_incoming_wave():
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
-    """What comes out of a rod with that wave in it, or in through an end, drives a bar alike."""
+    """What comes out of a rod with that wave in it, or in through an end, drives a bar
+    alike.
+    """
     whole = with_long_rod()
     cut = with_incoming_wave()
     bodies = [(1, 0), (2, 1)]  # of the whole, and of the cut one
@@ -134,7 +136,9 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_an_incoming_wave_brings_its_energy(method, mirrored):
-    """E A c times strain squared, for the time that it lasts; nothing has come back yet."""
+    """E A c times strain squared, for the time that it lasts; nothing has come back
+    yet.
+    """
     system = with_incoming_wave()
     if mirrored:
         system = system.mirrored()
@@ -148,11 +152,11 @@ def test_an_incoming_wave_brings_its_energy(method, mirrored):
 
 
 # Closed forms
-# ------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 # Balances
-# ----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(6)))
@@ -183,7 +187,7 @@ def random_vibrating_rod(seed):
 
 
 # Finality
-# ----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @given(SEEDS, st.booleans(), st.booleans())
@@ -222,7 +226,9 @@ def test_an_end_stays_within_its_bound(seed, right, endless):
 
 @pytest.mark.parametrize("area", [0.3, 1.0, 1.1, 2.0, 10.0])
 def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
-    """e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the striker has the larger one."""
+    """e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the striker has the
+    larger one.
+    """
     rods = [unit_rod(1.0, area, velocity=1e-3), unit_rod(0.5)]
     system = ri.System(rods, ends=(ri.Free(), ri.Absorbing()))
 
@@ -235,7 +241,7 @@ def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
 
 
 # Times
-# -------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("trips", [1, 3, 40])

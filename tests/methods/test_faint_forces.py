@@ -1,4 +1,6 @@
-"""Forces that decay for ever count as zero from some time on: the error of durations says so."""
+"""Forces that decay for ever count as zero from some time on: the error of durations
+says so.
+"""
 
 import math
 
@@ -12,7 +14,9 @@ UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
 
 def long_contact(area, length):
-    """A short thick rod that pushes a long one: its force decays by a factor each round trip."""
+    """A short thick rod that pushes a long one: its force decays by a factor each round
+    trip.
+    """
     short = ri.Rod(1.0, area=area, material=UNIT, velocity=1.0)
     return ri.System([short, ri.Rod(float(length), area=1.0, material=UNIT)])
 

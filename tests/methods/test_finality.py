@@ -1,4 +1,6 @@
-"""The proof that a collision is over: its bounds, against independent sums, and its timing."""
+"""The proof that a collision is over: its bounds, against independent sums, and its
+timing.
+"""
 
 import math
 from typing import NamedTuple
@@ -65,7 +67,9 @@ class Sway(NamedTuple):
 
 
 def expected_sway(parts, wall_velocity):
-    """Sway of a group at the end of the last part; `wall_velocity` is None without a wall."""
+    """Sway of a group at the end of the last part; `wall_velocity` is None without a
+    wall.
+    """
     length, density, stiffness, velocity, strain = np.array(parts).T
     mass = length * density
     share = np.cumsum(mass) / mass.sum()  # of the mass, up to the end of each part
@@ -91,7 +95,9 @@ def wall_velocities(system, group):
 
 
 def sides_of(group, system):
-    """Contacts beside a group: their number, and whether the group lies on their right."""
+    """Contacts beside a group: their number, and whether the group lies on their
+    right.
+    """
     sides = []
     if group[-1] < len(system.contacts):
         sides.append((group[-1], False))
@@ -138,7 +144,9 @@ def assert_motion_is_that_of_sums(motion, sway, run, on_right):
 
 
 def has_waves(parts, system, group):
-    """Whether waves run in a group that has a step or a wall: only one at rest is bounded."""
+    """Whether waves run in a group that has a step or a wall: only one at rest is
+    bounded.
+    """
     velocities = {part.velocity for part in parts}
     strains = {part.strain for part in parts}
     n_segments = 0
@@ -155,7 +163,8 @@ def stretched(velocity, strain):
 
 
 def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
-    """Two stretched stepped rods drift apart: proved when their mean gap is out of reach.
+    """Two stretched stepped rods drift apart: proved when their mean gap is out of
+    reach.
 
     The mean gap is that of the mean motions. It grows by the drift, up to the reach of
     both ends.
@@ -203,7 +212,8 @@ def test_a_clamped_rod_swings_back():
 
 
 def test_a_grazing_contact_that_presses_again_is_one_episode():
-    """Two compressive pulses, one after the other, pass from rod to rod; between them the ends
+    """Two compressive pulses, one after the other, pass from rod to rod; between them
+    the ends
     only touch."""
     jumps = [1.0, 1.5, 2.0, 2.5]
     velocity = ri.Steps([0, 1, 0, 1, 0], jumps)
@@ -287,7 +297,9 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
 
 
 def test_round_off_makes_no_fronts():
-    """A rod cut into bonded pieces of awkward impedance sends no echoes from the cuts."""
+    """A rod cut into bonded pieces of awkward impedance sends no echoes from the
+    cuts.
+    """
     odd = ri.Material("odd", youngs_modulus=1.23456789, density=0.987654321)
     segments = [ri.Segment(0.1, 0.7654321, odd)] * 7
     state = {"velocity": 0.3, "strain": ri.Steps([0.1, 0.0], [0.33])}

@@ -1,4 +1,6 @@
-"""The method "finite-difference" through solve(): other methods, closed forms, symmetry, limits."""
+"""The method "finite-difference" through solve(): other methods, closed forms,
+symmetry, limits.
+"""
 
 import math
 import warnings
@@ -103,7 +105,8 @@ def episodes_of(solution):
 
 
 def assert_shut_gaps_are_zero(solution, k):
-    """Where a contact presses in two steps, its gap at the end of the second is exactly 0.
+    """Where a contact presses in two steps, its gap at the end of the second is exactly
+    0.
 
     It may have shut in the middle of the first.
     """
@@ -148,7 +151,9 @@ def viscous_pair(first_length, second_length, viscosity):
 
 
 def test_viscous_ends_that_touch_at_the_start_are_no_part_of_a_step_late():
-    """The first rod has given half of its momentum once its wave has come to its far end."""
+    """The first rod has given half of its momentum once its wave has come to its far
+    end.
+    """
     solution = solve_row(viscous_pair(0.4, 1.0, 1e-3), 2.0, 100)
 
     edges = solution.run.signals.edges * solution.run.clock.tick
@@ -308,12 +313,14 @@ def test_rows_meet_characteristics(name):
 
 
 # Closed forms
-# -------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("wave", [1, 3])
 def test_a_mode_with_lateral_inertia_swings_slower(wave):
-    """w^2 = E k^2/(rho (1 + nu^2 k^2 I_p/A)), with sigma = 0 at free ends: v = cos(k x)."""
+    """w^2 = E k^2/(rho (1 + nu^2 k^2 I_p/A)), with sigma = 0 at free ends: v = cos(k
+    x).
+    """
     nu = 0.3
     polar_moment = 0.8
     area = 2.0
@@ -340,7 +347,7 @@ def test_a_mode_with_lateral_inertia_swings_slower(wave):
 
 
 # Options
-# ------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 UNEQUAL = [unit_rod(velocity=1.0), unit_rod(0.37)]
 
@@ -647,7 +654,7 @@ def test_fields_at_chosen_times_are_of_order_two(steps_later):
 
 
 # Finality
-# -----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def rows_with_proofs(seeds):
@@ -682,7 +689,7 @@ def test_what_is_proved_final_never_meets_again():
 
 
 # Odd input
-# ----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def test_one_cell():
@@ -728,7 +735,9 @@ def test_extreme_viscosity_and_lateral_inertia_keep_the_balances(viscosity, theo
 
 @pytest.mark.parametrize("velocity", [-0.05, 0.05])
 def test_touching_ends_that_part_or_meet_as_a_wave_arrives(velocity):
-    """Compressed rods whose ends move apart at t = 0, and are pressed together by their strain."""
+    """Compressed rods whose ends move apart at t = 0, and are pressed together by their
+    strain.
+    """
     bodies = [unit_rod(velocity=velocity, strain=-0.2), unit_rod(0.8, strain=-0.2)]
     exact = ri.solve(ri.System(bodies), 1.5, "fronts").outcome
 
@@ -775,7 +784,9 @@ def peak_force_of(solution):
 
 @pytest.mark.parametrize("cells", [100, 200])
 def test_a_peak_that_overshoots_is_named(cells):
-    """The status says by how much the largest force is beyond that of the fronts, or more."""
+    """The status says by how much the largest force is beyond that of the fronts, or
+    more.
+    """
     sentence = "The peak force is that of this mesh: waves overshoot beside jumps"
     first_segment = segment(1, 1, 0.15 * math.sqrt(2))
     stepped = ri.Rod(segments=[first_segment, segment(2.5, 1, 0.3)], velocity=1.0)
@@ -799,7 +810,9 @@ def test_a_peak_that_overshoots_is_named(cells):
     ("closing", "episodes"), [(2.0**-39, 0), (2.0**-39 + 2.0**-52, 1)]
 )
 def test_grazing_is_up_to_the_tolerance(closing, episodes):
-    """Half of what touching ends close by is the velocity that the contact takes away."""
+    """Half of what touching ends close by is the velocity that the contact takes
+    away.
+    """
     bodies = [unit_rod(velocity=closing), unit_rod(), unit_rod(velocity=1.0)]
     solution = solve_row(bodies, 0.25, dt=1 / 32, gaps=[0.0, 1.0])
     assert solution.outcome.contacts[0].episodes == episodes
@@ -807,7 +820,9 @@ def test_grazing_is_up_to_the_tolerance(closing, episodes):
 
 @pytest.mark.parametrize("end", [ri.Fixed(), ri.Moved(0.5)])
 def test_a_rod_that_hangs_stays_as_it_is_from_the_first_step_on(end):
-    """What holds the rod falls behind the frame in the first half step as in all others."""
+    """What holds the rod falls behind the frame in the first half step as in all
+    others.
+    """
     cells = 20
     edges = np.arange(cells + 1) / cells
     material = ri.Material("soft", youngs_modulus=1.0, density=1.0)

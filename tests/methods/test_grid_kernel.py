@@ -1,4 +1,6 @@
-"""The kernel of the grid, below the model: the same bits always, exact balances, no energy made."""
+"""The kernel of the grid, below the model: the same bits always, exact balances, no
+energy made.
+"""
 
 import numpy as np
 import pytest
@@ -66,11 +68,13 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
 
 
 # The elimination
-# ----------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def tridiagonal(diagonal, coupling, is_held):
-    """The matrix of nodes a to b: identity in prescribed rows, -beside[i] between i - 1 and i."""
+    """The matrix of nodes a to b: identity in prescribed rows, -beside[i] between i - 1
+    and i.
+    """
     n = len(diagonal)
     matrix = np.diag(diagonal)
     for i in range(1, n):
@@ -81,7 +85,7 @@ def tridiagonal(diagonal, coupling, is_held):
 
 
 # The elimination
-# ----------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @given(SEEDS, st.integers(2, 12), st.booleans(), st.booleans())
@@ -127,7 +131,9 @@ CHAIN = {
 
 
 def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
-    """Link after link, forces would spread by one body a sweep, and settle after hundreds."""
+    """Link after link, forces would spread by one body a sweep, and settle after
+    hundreds.
+    """
     records = np.zeros(12, LINK)
     for name, value in CHAIN.items():
         records[name] = value
@@ -160,7 +166,9 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
 
 
 def dense_run(mesh, step, v, force, radial, steps, push):
-    """Leapfrog of one piece with matrices: velocity, force and radial strain after the steps."""
+    """Leapfrog of one piece with matrices: velocity, force and radial strain after the
+    steps.
+    """
     n = len(v)
     M, damping, K = matrices(mesh)
     k = mesh.stiffness[1:n]
@@ -188,7 +196,9 @@ def unit_density(E):
 
 
 def random_stepped_rod(rng, seed):
-    """A rod of three segments, some damped, tapered or with lateral inertia; seed 0: uniform."""
+    """A rod of three segments, some damped, tapered or with lateral inertia; seed 0:
+    uniform.
+    """
     segments = [
         thicken(rng, ri.Segment(0.5, 1.0, unit_density(1.0))),
         thicken(rng, ri.Segment(0.4, 3.0, unit_density(2.0))),
@@ -234,11 +244,13 @@ def test_steps_against_dense_matrices(seed, kind):
 
 
 # Passivity
-# ----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def moving_mass(mesh):
-    """[node] mass that moves with a node, kg; half cells on a driven end move with it."""
+    """[node] mass that moves with a node, kg; half cells on a driven end move with
+    it.
+    """
     mass = mesh.mass * (mesh.is_prescribed == 0)
     for node in np.flatnonzero(mesh.is_prescribed):
         mass[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
@@ -246,7 +258,7 @@ def moving_mass(mesh):
 
 
 # Passivity
-# ----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def energy_of_bodies(run):
@@ -324,7 +336,9 @@ MASSES = (ri.RigidMass(1.0, velocity=0.5), ri.RigidMass(1.0, velocity=-0.5))
 def test_what_stops_no_more_than_the_tolerance_is_no_force(
     pair, law, factor, is_pressed
 ):
-    """A contact without rebound takes half of the closing velocity, 1, as it shuts at the kick."""
+    """A contact without rebound takes half of the closing velocity, 1, as it shuts at
+    the kick.
+    """
     system = ri.System([*pair, unit_rod()], [STEP / 2, 10.0], [law, ri.Rigid()])
     run = grid_run(system, 1)
     mobility = float(run.grid.links["self_mobility"][0])
@@ -339,7 +353,9 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(
 
 @pytest.mark.parametrize("share", [0.4, 0.9, 1.5])
 def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
-    """The kicks are in the middle of steps; from then on the force of equal bars is Z v/2."""
+    """The kicks are in the middle of steps; from then on the force of equal bars is Z
+    v/2.
+    """
     bars = [unit_rod(velocity=1.0), unit_rod(1.3)]
     run = grid_run(ri.System(bars, [share * STEP]), 20)
 
@@ -352,7 +368,7 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
 
 
 # The proof
-# ----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def random_far_end(seed):
@@ -400,13 +416,15 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
 
 
 # The proof
-# ----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("seed", range(12))
 def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed, mirrored):
-    """Far from all else: its centre of mass, or its wall, and the sum of strains beyond."""
+    """Far from all else: its centre of mass, or its wall, and the sum of strains
+    beyond.
+    """
     system, rod = random_far_end(seed)
     body = system.bodies.index(rod)
     right_end = not mirrored

@@ -1,4 +1,6 @@
-"""Stated errors of a grid for rows that are bonded, jointed and driven: none is too small."""
+"""Stated errors of a grid for rows that are bonded, jointed and driven: none is too
+small.
+"""
 
 import math
 
@@ -17,7 +19,8 @@ INTERVALS = 48
 
 
 def moved_rod(until):
-    """Mean velocity at `until` of a unit rod of velocity 1, its right end at -.7 sin 2.8 t.
+    """Mean velocity at `until` of a unit rod of velocity 1, its right end at -.7 sin
+    2.8 t.
 
     The waves that leave the left and the right end are A(t) = B(t - 1) and
     B(t) = 2 f(t) - A(t - 1), by d'Alembert, so that B(t) = 2 f(t) - B(t - 2).

@@ -1,4 +1,6 @@
-"""What a force did, read from means over steps and gaps at their ends: polynomials as oracles."""
+"""What a force did, read from means over steps and gaps at their ends: polynomials as
+oracles.
+"""
 
 import numpy as np
 import pytest

@@ -30,7 +30,9 @@ def errors_at(system, until, cells, times, exact, gap=0.0):
 @pytest.mark.parametrize("gap", [0.0, 0.0937])
 @pytest.mark.parametrize("viscosity", few_of([0.01, 0.05, 0.3], [0.05]))
 def test_a_damped_rod_that_falls_on_a_wall(viscosity, gap):
-    """The velocity of the end alternated by 4e-4, and all fields were half a step late."""
+    """The velocity of the end alternated by 4e-4, and all fields were half a step
+    late.
+    """
     times = np.array([0.6, 0.9, 1.25, 2.5, 2.6, 2.7, 3.2])
     exact, opening = rod_on_wall(PLACES, times, viscosity)
     assert 1.25 < opening < 2.5
@@ -62,7 +64,9 @@ def test_velocities_do_not_alternate_from_node_to_node(viscosity):
 
 @pytest.mark.parametrize("cells", [50, 400])
 def test_smoothed_velocities_where_few_states_are_kept(cells):
-    """States come in threes, so that their velocities are as good as those of all states."""
+    """States come in threes, so that their velocities are as good as those of all
+    states.
+    """
     rod = ri.Rod(1.0, area=1.0, material=UNIT.replace(viscosity=0.05), velocity=1.0)
     system = ri.System([rod, ri.Wall()])
     full = ri.solve(system, 3.0, METHOD, cells=cells)

@@ -1,4 +1,6 @@
-"""Lateral inertia by Mindlin and Herrmann on a grid: limits, symmetries, and the stable step."""
+"""Lateral inertia by Mindlin and Herrmann on a grid: limits, symmetries, and the stable
+step.
+"""
 
 import math
 
@@ -52,7 +54,9 @@ def mesh_of(pieces, counts):
 
 @pytest.mark.parametrize("count", [3, 10, 40, 100])
 def test_the_stable_step_is_that_of_the_fastest_motion(count):
-    """Coarse cells are bound by the cut-off of the second branch, fine ones by its waves."""
+    """Coarse cells are bound by the cut-off of the second branch, fine ones by its
+    waves.
+    """
     piece = segment(1.0)
     exact = 2 / fastest(mesh_of([piece], [count]))
 

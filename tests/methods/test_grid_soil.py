@@ -1,4 +1,6 @@
-"""Soil along the shaft of a rod: against a chain of lumped masses, and what it must keep."""
+"""Soil along the shaft of a rod: against a chain of lumped masses, and what it must
+keep.
+"""
 
 import math
 
@@ -151,7 +153,9 @@ def test_damping_takes_energy_from_a_rod_and_gives_none(law):
 
 
 def test_soil_resists_alike_in_both_directions():
-    """A rod that is thrown to the left makes soil yield as one that is thrown to the right."""
+    """A rod that is thrown to the left makes soil yield as one that is thrown to the
+    right.
+    """
     soil = ri.Soil(ri.Steps([3.0, 1.0], [0.3]), quake=0.05, damping=0.4)
     rod = ri.Rod(1.0, area=1.0, material=SOFT, velocity=1.0, shaft=soil)
     system = ri.System([rod])

@@ -47,7 +47,9 @@ def chain_of_masses():
 
 
 def exact_chain(times):
-    """Displacements and velocities of both masses [time, 4], by the matrix exponential."""
+    """Displacements and velocities of both masses [time, 4], by the matrix
+    exponential.
+    """
     k0, k1 = STIFFNESS
     K = np.array([[k0 + k1, -k1], [-k1, k1]])
     C = DAMPING * np.array([[1.0, -1.0], [-1.0, 1.0]])
@@ -121,7 +123,9 @@ def assert_last_contact_is_the_same(longer, solution):
     "joint", [ri.Joint(0.0, 0.5), ri.Joint(0.5)], ids=["dashpot", "spring"]
 )
 def test_the_proof_counts_on_how_far_a_joint_gives_way(method, joint):
-    """What leaves slowly may still be caught by the swing of what hangs on the other side."""
+    """What leaves slowly may still be caught by the swing of what hangs on the other
+    side.
+    """
     bodies = [unit_rod(velocity=0.99), unit_rod(velocity=1.0), quick_rod(velocity=-0.9)]
     system = ri.System(bodies, [0.3, 0.0], [ri.Rigid(), joint])
 
@@ -134,7 +138,8 @@ def test_the_proof_counts_on_how_far_a_joint_gives_way(method, joint):
 
 
 def sides_of(system, steps):
-    """Mean velocity, deviation and bound, as the proof takes them, left of the last contact.
+    """Mean velocity, deviation and bound, as the proof takes them, left of the last
+    contact.
 
     At the ends of some steps 1/64, in the laboratory and in SI units.
     """
@@ -171,7 +176,9 @@ DASHPOTS = [ri.Joint(0.0, 0.05), ri.Joint(0.0, 0.3)]
 def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound(
     bodies, joints
 ):
-    """Far from all else: the centre of mass, strains and stretches; what a dashpot gave way."""
+    """Far from all else: the centre of mass, strains and stretches; what a dashpot gave
+    way.
+    """
     laws = [*joints, ri.Rigid()]
     system = ri.System([*bodies, unit_rod()], [0.0, 0.0, 90.0], laws)
     steps = [0, 64, 320, 640, 1280]

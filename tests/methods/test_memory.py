@@ -33,7 +33,9 @@ ROWS = {
 
 
 def peak_of(system, **options):
-    """Bytes that a solution takes at most, asked for all that tables and figures need."""
+    """Bytes that a solution takes at most, asked for all that tables and figures
+    need.
+    """
     tracemalloc.start()
     try:
         solution = ri.solve(system, **options)

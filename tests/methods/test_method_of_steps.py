@@ -1,4 +1,6 @@
-"""Characteristics against the method of steps: random rows, causes before effects, no pulling."""
+"""Characteristics against the method of steps: random rows, causes before effects, no
+pulling.
+"""
 
 import functools
 
@@ -19,7 +21,9 @@ FAINTEST = 1e-9  # s: a longer time with almost no force makes the force duratio
 
 
 def rows(count, usual):
-    """Pairs of a kind and a seed: so many seeds of each kind, of which the first run always."""
+    """Pairs of a kind and a seed: so many seeds of each kind, of which the first run
+    always.
+    """
     pairs = [(kind, seed) for kind in KINDS for seed in range(count)]
     return few_of(pairs, {pair for pair in pairs if pair[1] < usual})
 
@@ -77,7 +81,9 @@ def test_random_rows_are_right_to_the_stated_error(row):
 
 @pytest.mark.parametrize(("seed", "rtol"), [(25, 1e-10), (47, 1e-10), (68, 1e-6)])
 def test_two_runs_that_miss_a_peak_alike_do_not_hide_its_error(seed, rtol):
-    """Peaks at which a wave jumps in a dashpot: both runs followed them by the same pieces."""
+    """Peaks at which a wave jumps in a dashpot: both runs followed them by the same
+    pieces.
+    """
     system, until = random_row("dashpot", seed)
     solution = ri.solve(system, until, "characteristics", rtol=rtol)
     exact = ri.solve(system, until, "characteristics", rtol=1e-13)
@@ -104,7 +110,9 @@ def test_half_the_stated_errors_are_less_than_a_hundred_times_the_true_ones():
 
 
 def touching_rods(*contacts):
-    """Three rods that touch; the right one strikes the middle one, whose transit time is .73."""
+    """Three rods that touch; the right one strikes the middle one, whose transit time
+    is .73.
+    """
     sizes = ((0.8, 0.0, 1.0), (0.73, 0.0, 1.0), (0.36, -1.0, 0.85))
     rods = []
     for length, velocity, area in sizes:
@@ -141,7 +149,9 @@ def test_a_drive_that_starts_late_and_softly_moves_nothing_before():
 
 
 def test_a_force_that_grows_slowly_begins_when_the_contact_closes():
-    """The first waves of Hertz make an overlap that is round-off for a millionth of a second."""
+    """The first waves of Hertz make an overlap that is round-off for a millionth of a
+    second.
+    """
     system, until = random_row("dashpot", 4)
     tally = ri.solve(system, until, "characteristics").run.contacts[1]
     (segment,) = system.bodies[1].segments
@@ -195,7 +205,7 @@ def test_the_end_of_a_rod_is_never_in_tension_where_it_touches(exponent):
 
 
 # Runs that go on
-# ---------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("row", rows(10, 2))

@@ -1,4 +1,6 @@
-"""Kernels of polynomial pieces: series, lines, laws, compiling; in plain Python on objects."""
+"""Kernels of polynomial pieces: series, lines, laws, compiling; in plain Python on
+objects.
+"""
 
 import math
 from itertools import pairwise
@@ -45,7 +47,7 @@ def work():
 
 
 # Series
-# ------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("degree", range(2 * N - 1))
@@ -118,7 +120,9 @@ def test_the_maximum_is_missed_by_no_more_than_it_says(seed):
 @pytest.mark.parametrize("fall", [0.05, 0.2, 0.5])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
-    """The estimate is never too small, and no more than 100 times the error between the points."""
+    """The estimate is never too small, and no more than 100 times the error between the
+    points.
+    """
     signs = np.sign(random_series(seed, 30))
     c = signs * fall ** np.arange(30)
     values = chebyshev.chebval(X, c).tolist()
@@ -165,11 +169,13 @@ def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
 
 
 # Lines
-# -------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def line_of(*pieces, delay=0, room=4, **run):
-    """Run, lines and log with one line that holds these pieces: (start, end, order, series)."""
+    """Run, lines and log with one line that holds these pieces: (start, end, order,
+    series).
+    """
     hard_breaks = sum(order <= HARD for _, _, order, _ in pieces[1:])
     last = len(pieces) - 1
     line = record_with(
@@ -249,7 +255,9 @@ def test_breaks_that_have_passed_are_left_behind():
 
 
 def between_breaks(tick, ticks):
-    """Times and weights of a quadrature that is exact for the pieces above, 1000 ticks late."""
+    """Times and weights of a quadrature that is exact for the pieces above, 1000 ticks
+    late.
+    """
     breaks = [t for t in (600, 1100) if tick < t < tick + ticks]
     edges = [tick, *breaks, tick + ticks]
     nodes, weights = legendre.leggauss(12)
@@ -397,7 +405,7 @@ def test_a_wave_can_run_backwards(wave_with_a_jump_and_a_kink):
 
 
 # Laws
-# --------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 LAWS = {
     "bond": {"law": Law.BOND, "status": Status.BOND},

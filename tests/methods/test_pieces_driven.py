@@ -1,4 +1,6 @@
-"""Driven ends by characteristics: closed forms of rods that are moved, pushed or sent a wave."""
+"""Driven ends by characteristics: closed forms of rods that are moved, pushed or sent a
+wave.
+"""
 
 import math
 from itertools import product
@@ -46,7 +48,8 @@ def gravity_of(far):
 
 
 def leaving(kind, far, profile, t, Z):
-    """The wave that leaves the driven left end: a = 2 f - b, b + 2 F/Z or 2 c e, b the echo.
+    """The wave that leaves the driven left end: a = 2 f - b, b + 2 F/Z or 2 c e, b the
+    echo.
 
     As seen in free fall, where an end that is moved stays behind.
     """
@@ -112,7 +115,9 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
 
 @pytest.mark.parametrize("name", few_of(list(PROFILES), ["steps", "even"]))
 def test_a_driven_rod_presses_a_spring(name):
-    """What arrives, u = 2 f, drives d' = u - F/Z - F/Z of two endless bars: F is u low-passed."""
+    """What arrives, u = 2 f, drives d' = u - F/Z - F/Z of two endless bars: F is u
+    low-passed.
+    """
     profile = PROFILES[name]
     k = 5.0
     Z = 2.0

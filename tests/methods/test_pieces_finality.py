@@ -1,4 +1,6 @@
-"""The proof that a collision is over, from pieces: what it states bounds what happens later."""
+"""The proof that a collision is over, from pieces: what it states bounds what happens
+later.
+"""
 
 import numpy as np
 import pytest
@@ -54,7 +56,9 @@ def rod_with_a_mass(rng, rod):
 
 @pytest.mark.parametrize("seed", few_of(range(12), range(4)))
 def test_a_group_swings_within_its_bounds(seed):
-    """Both ends of a stepped rod, or of one with a mass on a joint, for some transits."""
+    """Both ends of a stepped rod, or of one with a mass on a joint, for some
+    transits.
+    """
     rng = np.random.default_rng(seed)
     rod = stepped_rod(rng, 0.2)
     right_end = (0, rod.length)  # body, and material coordinate
@@ -80,7 +84,8 @@ def test_a_group_swings_within_its_bounds(seed):
 
 @pytest.mark.parametrize("damping", [0.3, 3.0])
 def test_a_dashpot_stretches_within_its_bound(damping):
-    """A rod of the mass 1 moves the mass 1/2 through a dashpot c alone, which gives way for ever.
+    """A rod of the mass 1 moves the mass 1/2 through a dashpot c alone, which gives way
+    for ever.
 
     Its right end, as seen from the mass, has 2/3 of all mass beyond it: it moves by at
     most sqrt(2 E) (sqrt(s) + 2 (2/3) sqrt(1)/c), with s = (2/3)^2 L/(3 E A) = 4/27.
@@ -134,7 +139,9 @@ def blank(record):
 
 
 def part_within_1():
-    """A part that deviates by up to 1: sqrt(2 E s) with E = 2, compliance integral s = 1/4."""
+    """A part that deviates by up to 1: sqrt(2 E s) with E = 2, compliance integral s =
+    1/4.
+    """
     part = blank(GROUP_PART)
     part.reference_energy = 2.0
     part.compliance_integrals = [0.25, 0.25]

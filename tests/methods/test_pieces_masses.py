@@ -1,4 +1,6 @@
-"""Rows of masses without a rod, by characteristics: cradles, impacts, stacks, oscillators."""
+"""Rows of masses without a rod, by characteristics: cradles, impacts, stacks,
+oscillators.
+"""
 
 import math
 
@@ -110,7 +112,9 @@ def test_rigid_masses_in_contact_strike_together_and_apart_one_by_one(gap, e, af
 
 @pytest.mark.parametrize("unit", [2.0**-60, 1.0, 2.0**60])
 def test_blows_do_not_depend_on_the_unit_of_mass(unit):
-    """The second body, which cannot leave the third behind, strikes with the mass of both."""
+    """The second body, which cannot leave the third behind, strikes with the mass of
+    both.
+    """
     masses = [
         ri.RigidMass(1.0 * unit, velocity=1.0),
         ri.RigidMass(3.0 * unit),
@@ -205,11 +209,13 @@ def test_masses_at_rest_stay(law, gap, other):
 
 
 # Long flights
-# ----------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def hertz_time(mass, velocity, stiffness):
-    """Contact time of a mass on a Hertz contact: d/v times the integral of 2/sqrt(1 - x^2.5)."""
+    """Contact time of a mass on a Hertz contact: d/v times the integral of 2/sqrt(1 -
+    x^2.5).
+    """
     depth = (1.25 * mass * velocity**2 / stiffness) ** 0.4
     integral = 0.8 * math.gamma(0.4) * math.gamma(0.5) / math.gamma(0.9)
     return integral * depth / velocity

@@ -1,4 +1,6 @@
-"""Runs of characteristics: what stays the same however they run, and beside finite differences."""
+"""Runs of characteristics: what stays the same however they run, and beside finite
+differences.
+"""
 
 from concurrent.futures import ThreadPoolExecutor
 

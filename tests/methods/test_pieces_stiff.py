@@ -1,4 +1,6 @@
-"""Stiff, damped and driven contacts by characteristics: what went wrong where time had steps."""
+"""Stiff, damped and driven contacts by characteristics: what went wrong where time had
+steps.
+"""
 
 import math
 
@@ -21,7 +23,9 @@ def pair(law):
     ),
 )
 def test_stiff_contacts_of_rods_tend_to_rigid_ones(law):
-    """A spring is slower by about Z/k, a Hertz contact by about (Z/(k sqrt(V)))^(2/3)."""
+    """A spring is slower by about Z/k, a Hertz contact by about (Z/(k
+    sqrt(V)))^(2/3).
+    """
     slow = (
         (0.5 / law.stiffness) if law.exponent == 1 else (0.5 / law.stiffness) ** (2 / 3)
     )
@@ -57,7 +61,9 @@ def test_a_mass_between_two_stiff_contacts(law, k):
 @pytest.mark.parametrize("damping", [0.01, 0.3, 2.0, 30.0])
 @pytest.mark.parametrize("k", [0.05, 3.0, 300.0])
 def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
-    """v = 1 for half a second, then -1: F = k d + c d' ends where k d = -c v, at a known time."""
+    """v = 1 for half a second, then -1: F = k d + c d' ends where k d = -c v, at a
+    known time.
+    """
     rods = [
         unit_rod(1.0, 2.0, velocity=ri.Steps([-1.0, 1.0], [0.5])),
         unit_rod(1.0, 2.0),

@@ -1,4 +1,6 @@
-"""Rods of very unequal transit times: work that grows with the ratio alone, and a sentence."""
+"""Rods of very unequal transit times: work that grows with the ratio alone, and a
+sentence.
+"""
 
 import numpy as np
 import pytest
@@ -30,7 +32,9 @@ def row(length, kind):
 
 @pytest.mark.parametrize("kind", few_of(KINDS, {"rigid"}))
 def test_the_looks_for_a_proof_do_not_grow_with_the_ratio(monkeypatch, kind):
-    """Each of them reads all waves under way: one in each short transit made 10 s of 0.4 s."""
+    """Each of them reads all waves under way: one in each short transit made 10 s of
+    0.4 s.
+    """
     looks = []
     update_groups = finality.update_groups
 

@@ -62,7 +62,9 @@ class Segment:
         self.b = Signal()
 
     def fill(self, state, left):
-        """Make the state at t = 0 the history of the end signals; `left` is the left end's x."""
+        """Make the state at t = 0 the history of the end signals; `left` is the left
+        end's x.
+        """
         right = left + self.c * self.T
         cuts = sorted(x - left for x in state.cuts if left < x < right)
         edges = [Fraction(0), *(x / self.c for x in cuts), self.T]
@@ -216,7 +218,9 @@ class Reference:
 
 
 def random_row(seed):
-    """A row whose lengths, impedances, speeds and gaps are small whole numbers or dyadic."""
+    """A row whose lengths, impedances, speeds and gaps are small whole numbers or
+    dyadic.
+    """
     pick = random.Random(seed)
     impedances = pick.choice([(1,), (1, 2, 3, 5), (1, 7, 50), (2, 3)])
     longest = pick.choice([3, 6, 12])

@@ -20,7 +20,9 @@ NEWEST_NUMBA = (0, 68)
 
 
 def kernel_calls(method):
-    """Entries of the kernels of a method, as functions, with the types of their arguments."""
+    """Entries of the kernels of a method, as functions, with the types of their
+    arguments.
+    """
     calls = {}
     run = compiling.Compiled.__call__
 
@@ -79,7 +81,9 @@ def newest_numba():
 
 
 def test_fronts_count_references_once_a_call():
-    """Once for each array of the state, where a call begins and ends: not in its loops."""
+    """Once for each array of the state, where a call begins and ends: not in its
+    loops.
+    """
     counts = reference_counts("fronts")
     assert set(counts) == {"run_members"}
     increments, decrements = counts["run_members"]
@@ -88,7 +92,8 @@ def test_fronts_count_references_once_a_call():
 
 
 def test_characteristics_count_references_once_a_call():
-    """Their arrays are borrowed: where the text still counts, there is no reference to count.
+    """Their arrays are borrowed: where the text still counts, there is no reference to
+    count.
 
     The wrapper of a call gives 9 arrays back. Functions that are called from several
     places do not know that what they are given is borrowed; those that would look often

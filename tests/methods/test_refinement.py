@@ -51,7 +51,9 @@ def test_coarser_levels_must_agree():
 
 
 def test_what_powers_of_two_do_not_see_is_seen():
-    """A sawtooth that is the same on all of them, as of a contact that closes inside a step."""
+    """A sawtooth that is the same on all of them, as of a contact that closes inside a
+    step.
+    """
     _, estimates, run = search(lambda n: 1.0 if n & (n - 1) == 0 else 1 + 0.1 / n, 1e-3)
     assert run[-1] == 64
     assert estimates["impulse"] == pytest.approx(SAFETY_FACTOR * 0.1 / 48 * 3)

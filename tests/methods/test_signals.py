@@ -72,7 +72,9 @@ LATE = 1 << 50  # ticks at which a run may be
 
 
 def random_pieces(seed, size=9, count=6, start=LATE):
-    """Pieces of unequal length, and the same as NumPy's polynomials in time from `start`."""
+    """Pieces of unequal length, and the same as NumPy's polynomials in time from
+    `start`.
+    """
     rng = np.random.default_rng(seed)
     durations = rng.integers(3, 1 << 30, count)
     times = np.concatenate(([0], np.cumsum(durations)))

@@ -1,4 +1,6 @@
-"""What characteristics state as errors is never less than the errors, against a finer run."""
+"""What characteristics state as errors is never less than the errors, against a finer
+run.
+"""
 
 import numpy as np
 import pytest
@@ -141,7 +143,9 @@ def test_a_spring_whose_force_ends_before_it_opens_states_the_difference():
 
 @pytest.mark.parametrize("restitution", [0.3, 0.7])
 def test_bodies_that_are_set_at_rest_state_the_velocity_that_they_lose(restitution):
-    """A ball on a floor bounces until it parts by less than 1e-8 of the velocity scale."""
+    """A ball on a floor bounces until it parts by less than 1e-8 of the velocity
+    scale.
+    """
     # From the left: the floor, the ball 0.1 m above it, and a rod too far away to be
     # struck.
     bodies = [ri.Wall(), ri.RigidMass(1.0, velocity=0.0), unit_rod()]

@@ -216,7 +216,9 @@ def test_what_may_be_left_out_or_be_0():
 
 
 def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
-    """F = 4 E* a^3/(3 R) and d = a^2/R, with a the radius of the circle: Johnson, section 4.2."""
+    """F = 4 E* a^3/(3 R) and d = a^2/R, with a the radius of the circle: Johnson,
+    section 4.2.
+    """
     R = 0.02
     a = 1e-4
     compliance = (1 - 0.35**2) / 100.6e9 + (1 - 0.29**2) / 200e9
@@ -254,7 +256,9 @@ def test_numbers_of_a_material_make_a_family():
 
 
 def mean_hertz_force(x0, x1):
-    """Mean of 3 x^1.5 from x0 to x1, and its slope by x1, without a difference: r = sqrt(x)."""
+    """Mean of 3 x^1.5 from x0 to x1, and its slope by x1, without a difference: r =
+    sqrt(x).
+    """
     r = math.sqrt(x0)
     s = math.sqrt(x1)
     powers = sum(r ** (4 - n) * s**n for n in range(5))
@@ -311,7 +315,9 @@ def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
 
 
 def random_table(rng):
-    """A link that yields by a random table, its overlap and its free change of overlap."""
+    """A link that yields by a random table, its overlap and its free change of
+    overlap.
+    """
     (link,) = record_lists.blank(1, LINK)
     k = 10 ** rng.uniform(-3, 8)
     strength = 10 ** rng.uniform(-4, 2)

@@ -1,4 +1,6 @@
-"""A quantity is converted by its own unit or refused; labels are never taken for positions."""
+"""A quantity is converted by its own unit or refused; labels are never taken for
+positions.
+"""
 
 import array
 import datetime
@@ -92,7 +94,9 @@ APART = {
 
 
 def declared(examples):
-    """Every number that the classes of the examples declare: how to set it, and a unit."""
+    """Every number that the classes of the examples declare: how to set it, and a
+    unit.
+    """
     for example in examples:
         for name, field in type(example).fields.items():
             # The power of such a unit is another number.
@@ -117,7 +121,9 @@ def refuses(make, value, message):
 
 
 def taken_by(fields, value_for, message):
-    """Names of the fields that do not refuse a value, by their unit, with this message."""
+    """Names of the fields that do not refuse a value, by their unit, with this
+    message.
+    """
     taken = []
     for name, (make, unit) in fields.items():
         if not refuses(make, value_for(unit), message):

@@ -1,4 +1,6 @@
-"""Bearing graphs: numbers of the field, of a chain of lumped masses, and wrong calls."""
+"""Bearing graphs: numbers of the field, of a chain of lumped masses, and wrong
+calls.
+"""
 
 import csv
 import math
@@ -21,7 +23,9 @@ OF_SEGMENTS = {
     "smith": [14.54, 28.71, 43.35, 58.44, 75.82],
     "viscous": [14.7, 29.0, 44.3, 59.9, 77.7],
 }
-"""Blows for a metre by a lumped model of segments of 1 m, whose cushion differs in details."""
+"""Blows for a metre by a lumped model of segments of 1 m, whose cushion differs in
+details.
+"""
 HELMET = ri.RigidMass(5e3 / 9.81)
 
 

@@ -27,7 +27,9 @@ needs_compiler = pytest.mark.skipif(
 
 
 def random_pile(seed):
-    """A pile in random soil, with or without a helmet, weight, damping and a second rod."""
+    """A pile in random soil, with or without a helmet, weight, damping and a second
+    rod.
+    """
     rng = np.random.default_rng(seed)
 
     def soil(length):

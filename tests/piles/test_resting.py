@@ -102,7 +102,9 @@ def test_a_contact_that_would_pull_opens():
 
 @pytest.mark.parametrize("is_hanging", [True, False])
 def test_a_string_on_a_fixed_end_has_the_strain_of_the_weight_below(is_hanging):
-    """Strain (W2 + rho A (L - x) g)/(E A), of cells at their middles; compressed if it stands."""
+    """Strain (W2 + rho A (L - x) g)/(E A), of cells at their middles; compressed if it
+    stands.
+    """
     pipe = ri.Rod(3000.0, area=3.4e-3, material=STEEL)
     collar = ri.Rod(200.0, area=24e-3, material=STEEL)
     bodies = [pipe, collar]

@@ -182,7 +182,9 @@ def test_colour_of_each_region_is_the_field_in_its_middle(solved, field, scale):
 
 @pytest.fixture(scope="module")
 def crowded():
-    """A collision with so many fronts that lines at all of them would fill the diagram."""
+    """A collision with so many fronts that lines at all of them would fill the
+    diagram.
+    """
     segments = []
     for i in range(5):
         length = 0.1 + 0.03 * (7 * i % 5)

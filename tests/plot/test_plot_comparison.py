@@ -169,7 +169,9 @@ def test_stations_beyond_a_spring_begin_behind_it():
 
 
 def reduced_record():
-    """A record whose transmitted pulse is 0.8 of the incident one, and its reduction."""
+    """A record whose transmitted pulse is 0.8 of the incident one, and its
+    reduction.
+    """
     samples = np.arange(400)
     ramp = np.clip(np.minimum(samples - 100, 250 - samples) / 10, 0, 1)
     incident = ri.Signal(-1e-3 * ramp, dt=1e-6)

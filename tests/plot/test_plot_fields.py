@@ -1,4 +1,6 @@
-"""Space-time diagrams of energy and displacement, with time across, and of bodies at rest."""
+"""Space-time diagrams of energy and displacement, with time across, and of bodies at
+rest.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,6 @@
-"""Figures of solutions with smooth waves: cells, masses, ends and losses, in small files."""
+"""Figures of solutions with smooth waves: cells, masses, ends and losses, in small
+files.
+"""
 
 import itertools
 import math

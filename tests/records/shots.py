@@ -1,4 +1,5 @@
-"""Computed shots: Mindlin-Herrmann rods on a grid, and a specimen that is a short rod with mass.
+"""Computed shots: Mindlin-Herrmann rods on a grid, and a specimen that is a short rod
+with mass.
 
 `reduce` propagates waves by the exact first mode and knows no specimen: this route
 shares nothing with it.
@@ -20,7 +21,8 @@ SPECIMEN = ri.Specimen(4e-3, diameter=0.012)
 PULSE_STRAIN = 1.2e-3
 DT = 5e-7
 keep_last = lru_cache(maxsize=1)
-"""Keeps one shot of each kind: with a state for each sample it takes up to a gigabyte."""
+"""Keeps one shot of each kind: with a state for each sample it takes up to a gigabyte.
+"""
 
 
 class Shot(NamedTuple):
@@ -30,7 +32,9 @@ class Shot(NamedTuple):
     specimen: ri.Specimen = SPECIMEN
 
     def gauge(self, body, distance, noise=0.002, seed=0, dt=DT):
-        """A gauge at a distance from the specimen; `noise` over the strain of the pulse."""
+        """A gauge at a distance from the specimen; `noise` over the strain of the
+        pulse.
+        """
         x = distance
         if body == 0:
             x = float(self.solution.system.bodies[0].length) - distance
@@ -70,7 +74,9 @@ def specimen_rod(material=POLYMER):
 
 
 def solved(row, until, cells):
-    """A run that keeps a state for each sample of the gauges; fewer would be interpolated."""
+    """A run that keeps a state for each sample of the gauges; fewer would be
+    interpolated.
+    """
     return ri.solve(
         row,
         until=until,
@@ -99,7 +105,9 @@ class CalibrationShot(NamedTuple):
 
 @keep_last
 def calibration_shot():
-    """A striker hits a bar that touches another one; the ends of the striker are round."""
+    """A striker hits a bar that touches another one; the ends of the striker are
+    round.
+    """
     bodies = [rod(0.3, velocity=12.0), rod(1.5), rod(1.5)]
     row = ri.System(bodies, contacts=[ri.Hertz(6e10), ri.Rigid()])
     return CalibrationShot(solved(row, until=1.4e-3, cells=900))

@@ -1,4 +1,6 @@
-"""Three pulses cut out of their records, and records that begin just before their pulse."""
+"""Three pulses cut out of their records, and records that begin just before their
+pulse.
+"""
 
 import numpy as np
 import pytest
@@ -129,7 +131,9 @@ def test_mistakes_of_cut_pulses_are_named(shot):
 
 
 def test_a_record_that_begins_after_its_wave_left_the_specimen(shot):
-    """A recorder of its own for the output bar begins 30 us before the pulse is there."""
+    """A recorder of its own for the output bar begins 30 us before the pulse is
+    there.
+    """
     first = shot.gauge(0, DISTANCE)
     second = shot.gauge(2, DISTANCE, seed=1)
     whole = ri.reduce(first, second, BAR, SPECIMEN)

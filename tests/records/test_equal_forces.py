@@ -1,4 +1,6 @@
-"""Equal forces on both faces: one gauge a bar where waves overlap, and direct impact."""
+"""Equal forces on both faces: one gauge a bar where waves overlap, and direct
+impact.
+"""
 
 import numpy as np
 import pytest
@@ -18,7 +20,9 @@ LONG_PULSE = {
 
 @pytest.fixture(scope="module")
 def shot():
-    """The incident wave lasts 530 us; the reflected one is at the gauge after 200 us."""
+    """The incident wave lasts 530 us; the reflected one is at the gauge after 200
+    us.
+    """
     return shots.pressure_bar_shot(**LONG_PULSE)
 
 
@@ -50,7 +54,9 @@ def is_loading(shot, result, least=0.01):
 
 
 def parts_within_bands(shot, result):
-    """Parts of the loading in which the bands of stress and strain contain the truth."""
+    """Parts of the loading in which the bands of stress and strain contain the
+    truth.
+    """
     loading = is_loading(shot, result)
     stress_error = np.abs(result.stress - shot.stress(result.times))
     strain_error = np.abs(result.strain - shot.strain(result.times))
@@ -114,7 +120,9 @@ def test_the_verdict_says_assumed(shot):
 
 
 def test_an_offset_is_taken_out(shot):
-    """The level at rest is subtracted, so an offset of the amplifier changes nothing."""
+    """The level at rest is subtracted, so an offset of the amplifier changes
+    nothing.
+    """
     first = shot.gauge(0, 0.5)
     second = shot.gauge(2, 0.5, seed=1)
     with_offset = first.replace(signal=first.signal + 5e-5)
@@ -132,7 +140,9 @@ def reduced_impact(gauge, striker, specimen=SPECIMEN):
 
 @pytest.mark.parametrize("is_rigid", few_of([False, True], [False]))
 def test_the_law_of_a_direct_impact(is_rigid):
-    """A specimen that yields at 133 MPa and hardens, hit by a rod or by a rigid mass."""
+    """A specimen that yields at 133 MPa and hardens, hit by a rod or by a rigid
+    mass.
+    """
     shot = shots.direct_impact_on_law(is_rigid)
     striker = STRIKER
     if is_rigid:

@@ -1,4 +1,6 @@
-"""Workbooks and TDMS files hold the same record as a text, and wrong ones are refused."""
+"""Workbooks and TDMS files hold the same record as a text, and wrong ones are
+refused.
+"""
 
 import struct
 
@@ -130,7 +132,9 @@ CLOCK = {"wf_increment": 1e-6, "wf_start_offset": -5e-6}
 
 
 def test_a_tdms_file_has_times_and_units_in_its_properties(tmp_path):
-    """Names of the properties: the manuals of LabVIEW on waveform channels in TDMS files."""
+    """Names of the properties: the manuals of LabVIEW on waveform channels in TDMS
+    files.
+    """
     path = tmp_path / "shot.tdms"
     write_tdms(
         path,

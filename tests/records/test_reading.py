@@ -1,4 +1,6 @@
-"""Tables as laboratories write them: what is read, and what is refused with a sentence."""
+"""Tables as laboratories write them: what is read, and what is refused with a
+sentence.
+"""
 
 import re
 import tracemalloc

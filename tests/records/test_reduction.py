@@ -1,4 +1,6 @@
-"""What a specimen did is read off its bars: known specimens, noise, signs, two gauges."""
+"""What a specimen did is read off its bars: known specimens, noise, signs, two
+gauges.
+"""
 
 import itertools
 from dataclasses import replace
@@ -31,7 +33,9 @@ def flow(strain):
 
 
 class Shot:
-    """A shot whose waves run as the exact first mode does, and what the specimen did in it."""
+    """A shot whose waves run as the exact first mode does, and what the specimen did in
+    it.
+    """
 
     def __init__(self, striker=0.127, speed=20.0, rise=6e-6):
         self.times = np.arange(-1e-4, 6e-4, FINE)
@@ -66,7 +70,9 @@ class Shot:
         return np.interp(self.times, moved.times, moved.values)
 
     def gauge(self, distance, output=False, noise=0.0, sign=-1.0, dt=2e-7, seed=0):
-        """What a gauge records; noise over the largest strain of the incident or output wave."""
+        """What a gauge records; noise over the largest strain of the incident or output
+        wave.
+        """
         if output:
             strain = self.carried(self.transmitted, distance)
             largest = self.transmitted.max()
@@ -81,7 +87,9 @@ class Shot:
         return ri.BarGauge(ri.Signal(sign * noisy, times), distance)
 
     def compared(self, result):
-        """True strain and stress at the times of a reduction, and which lie above 1 % of strain."""
+        """True strain and stress at the times of a reduction, and which lie above 1 %
+        of strain.
+        """
         strain = np.interp(result.times, self.times, self.strain)
         stress = np.interp(result.times, self.times, self.stress)
         is_loading = np.arange(len(strain)) <= strain.argmax()
@@ -185,7 +193,8 @@ def test_two_gauges_tell_waves_apart_that_overlap(long_shot, apart):
 
 
 def test_one_gauge_must_lie_where_the_incident_wave_is_over_as_the_reflected_one_comes():
-    """The end of a pulse is its start at a tenth, its width, and half its rise; just so is enough.
+    """The end of a pulse is its start at a tenth, its width, and half its rise; just so
+    is enough.
 
     Times, distances and wave speeds are binary fractions, so that equal times are
     equal.
@@ -482,7 +491,9 @@ def test_bars_are_calibrated_by_a_shot_without_a_specimen():
 
 
 def test_a_record_that_just_holds_the_returned_pulse_is_enough():
-    """The returned pulse is over after 460 us; the search for it needs no more record."""
+    """The returned pulse is over after 460 us; the search for it needs no more
+    record.
+    """
     first, whole = together(noise=0.002)
 
     def speed_from_record_until(end):
@@ -501,7 +512,9 @@ def test_a_record_that_just_holds_the_returned_pulse_is_enough():
 
 
 def test_stated_errors_of_gains_contain_the_true_ones():
-    """A striker and bars of Mindlin and Herrmann on a grid: the plateau of the pulse rings."""
+    """A striker and bars of Mindlin and Herrmann on a grid: the plateau of the pulse
+    rings.
+    """
     shot = shots.calibration_shot()
     cases = itertools.product([0.0, 0.002, 0.01], [None, 12.0], range(2))
     for noise, speed, seed in cases:
@@ -589,7 +602,9 @@ def measured_gauges():
 
 
 def test_a_measured_shot_is_reduced():
-    """Copper between titanium bars, whose flow stress at 20 % and some 6e3/s is 400 to 500 MPa."""
+    """Copper between titanium bars, whose flow stress at 20 % and some 6e3/s is 400 to
+    500 MPa.
+    """
     result = ri.reduce(*measured_gauges(), BAR, SPECIMEN, compression="positive")
     i = int(np.searchsorted(result.strain, 0.2))
     assert 4e8 < result.stress[i] < 5e8
@@ -769,7 +784,9 @@ def test_measured_records_of_other_bars_are_not_doubted(
 
 
 def test_noise_of_a_soft_specimen_is_not_doubted():
-    """Less than a tenth of the wave is transmitted, so the input force is mostly noise."""
+    """Less than a tenth of the wave is transmitted, so the input force is mostly
+    noise.
+    """
     metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
     bar = ri.Rod(1.5, area=1e-4, material=metal)
     striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
@@ -789,7 +806,9 @@ def test_noise_of_a_soft_specimen_is_not_doubted():
 
 
 def test_a_reflected_wave_with_a_second_part_as_large_is_not_doubted():
-    """A stiff specimen reflects a short wave as it is loaded, and another as it unloads."""
+    """A stiff specimen reflects a short wave as it is loaded, and another as it
+    unloads.
+    """
     metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
     bar = ri.Rod(2.0, area=1e-4, material=metal)
     striker = ri.Rod(0.2, area=1e-4, material=metal, velocity=10.0)

@@ -1,4 +1,6 @@
-"""Files of scopes and recorders are read without arguments, or the message says which it needs."""
+"""Files of scopes and recorders are read without arguments, or the message says which
+it needs.
+"""
 
 import numpy as np
 import pytest
@@ -26,7 +28,9 @@ def rows(*columns, form="{:.9e}"):
     ],
 )
 def test_columns_of_one_name_take_those_of_the_line_above(tmp_path, heads):
-    """One laboratory's recorder repeats the word Signal below the names of the channels."""
+    """One laboratory's recorder repeats the word Signal below the names of the
+    channels.
+    """
     path = tmp_path / "shot.csv"
     path.write_text(heads + rows(TIMES, WAVE, -WAVE))
     record = ri.read_signals(path)
@@ -43,7 +47,9 @@ def test_columns_of_one_name_without_another_line_are_refused(tmp_path):
 
 
 def test_values_before_times_without_heads(tmp_path):
-    """The column of times is the one that increases; the message names what is left to say."""
+    """The column of times is the one that increases; the message names what is left to
+    say.
+    """
     path = tmp_path / "channel.csv"
     path.write_text(rows(WAVE, TIMES))
     with pytest.raises(FileFormatError, match="column '2': has no unit of time"):
@@ -54,7 +60,9 @@ def test_values_before_times_without_heads(tmp_path):
 
 
 def test_a_lecroy_scope_tells_times_and_volts(tmp_path):
-    """Public readers of such files skip Segments and the trigger times: parse_lecroy_segmented."""
+    """Public readers of such files skip Segments and the trigger times:
+    parse_lecroy_segmented.
+    """
     head = (
         "LECROYWR64Xi-A,12345,Waveform\nSegments,1,SegmentSize,60\n"
         "Segment,TrigTime,TimeSinceSegment1\n#1,20-Nov-2014 10:11:12,0\nTime,Ampl\n"
@@ -68,7 +76,9 @@ def test_a_lecroy_scope_tells_times_and_volts(tmp_path):
 
 
 def test_a_rigol_scope_tells_start_and_increment(tmp_path):
-    """Public readers of such files take both from columns 4 and 5 of the second line."""
+    """Public readers of such files take both from columns 4 and 5 of the second
+    line.
+    """
     text = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-1.2e-05,1.0e-06\n"
     for i, value in enumerate(WAVE):
         text += f"{i},{value:.9e},{-value:.9e},,\n"
@@ -157,7 +167,8 @@ YOKOGAWA = (
 @pytest.mark.parametrize("before", ["", ","])
 @pytest.mark.parametrize("gap", ["", "\n"])
 def test_a_yokogawa_scope_tells_resolution_and_offset(tmp_path, before, gap):
-    """The lines are those of appendix 3, ASCII data file format, of the manual IM DLM3054-01EN.
+    """The lines are those of appendix 3, ASCII data file format, of the manual IM
+    DLM3054-01EN.
 
     It gives the time of row k as HResolution (k - 1) + HOffset.
     """
@@ -215,7 +226,9 @@ def test_several_channels_of_a_keysight_infiniium_scope_need_a_file_each(tmp_pat
 
 
 def test_a_keysight_infiniivision_scope_tells_channels_and_units(tmp_path):
-    """The two lines of heads that public readers of such files expect: x-axis,1 and second,Volt."""
+    """The two lines of heads that public readers of such files expect: x-axis,1 and
+    second,Volt.
+    """
     path = tmp_path / "scope_0.csv"
     path.write_text("x-axis,1,2\nsecond,Volt,Volt\n" + rows(TIMES, WAVE, -WAVE))
     record = ri.read_signals(path)
@@ -225,7 +238,8 @@ def test_a_keysight_infiniivision_scope_tells_channels_and_units(tmp_path):
 
 
 def test_catman_tells_names_and_units_two_dozen_lines_above_the_numbers(tmp_path):
-    """Public readers of its text skip seven lines and a blank one, and take 29 lines of heads.
+    """Public readers of its text skip seven lines and a blank one, and take 29 lines of
+    heads.
 
     The first line of heads has the names, the second the units; cells end at tabs,
     numbers have decimal commas.

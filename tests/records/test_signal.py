@@ -177,7 +177,9 @@ def test_each_vibration_propagates_at_its_own_speed():
 
 
 def test_a_propagated_pulse_varies_smoothly_with_the_bar():
-    """Though the number of frequencies below the cut-off changes from one bar to the next."""
+    """Though the number of frequencies below the cut-off changes from one bar to the
+    next.
+    """
     pulse = trapezoid(rise=1e-6).extended(1e-4, 1e-4)
     speeds = np.linspace(5000.0, 5040.0, 41)
     moved = []

@@ -1,4 +1,5 @@
-"""Shots of another route than the reduction: stress, strain and bands against what was computed.
+"""Shots of another route than the reduction: stress, strain and bands against what was
+computed.
 
 The bars are rods of Mindlin and Herrmann on a grid, the specimen is a short rod with
 mass; in the direct impact it is a contact law. `reduce` propagates waves by the exact
@@ -76,7 +77,9 @@ class Reduced(NamedTuple):
 
 
 def output_stress(shot, times):
-    """Nominal stress at the face on the output bar, Pa: `Reduction.stress` is that one."""
+    """Nominal stress at the face on the output bar, Pa: `Reduction.stress` is that
+    one.
+    """
     force = shot.solution.contacts[-1].force(np.maximum(times, 0.0))
     return force / shot.specimen.section
 

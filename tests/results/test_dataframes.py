@@ -1,4 +1,6 @@
-"""Tables of pandas and Datasets of xarray say the same as the objects they come from."""
+"""Tables of pandas and Datasets of xarray say the same as the objects they come
+from.
+"""
 
 import numpy as np
 

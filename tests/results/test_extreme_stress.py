@@ -1,4 +1,6 @@
-"""The largest tension and compression of a rod: closed forms, random rows, every method."""
+"""The largest tension and compression of a rod: closed forms, random rows, every
+method.
+"""
 
 import math
 
@@ -21,7 +23,8 @@ SEEDS = few_of(range(40), range(6))
 @pytest.mark.parametrize("reflected", [0.02, 0.07, 0.1])
 @pytest.mark.parametrize("length", [0.2, 0.31])
 def test_spall_by_a_triangular_pulse(reflected, length):
-    """A pulse of stress s and length l, its front ahead: tension 2 d s/l at d from the free end.
+    """A pulse of stress s and length l, its front ahead: tension 2 d s/l at d from the
+    free end.
 
     It is largest on the reflected front, so at the end of the run.
     """
@@ -45,7 +48,8 @@ def test_spall_where_half_of_the_pulse_has_come_back():
 
 @pytest.mark.parametrize("mass", [1.0, 2.0, 4.0])
 def test_a_mass_on_a_fixed_rod(mass):
-    """Saint-Venant: the stress at the fixed end reaches 2 (1 + exp(-2 m/M)) times rho c V.
+    """Saint-Venant: the stress at the fixed end reaches 2 (1 + exp(-2 m/M)) times rho c
+    V.
 
     That is at t = 3 L/c; both ends are struck by fronts that decay as exp(-t/M).
     """
@@ -58,7 +62,9 @@ def test_a_mass_on_a_fixed_rod(mass):
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_two_rods_of_unequal_impedance(method):
-    """The contact stress is rho c v Z2/(Z1 + Z2) in rod 1 until the first wave is back."""
+    """The contact stress is rho c v Z2/(Z1 + Z2) in rod 1 until the first wave is
+    back.
+    """
     row = ri.System([unit_rod(0.5, area=2.0, velocity=1e-3), unit_rod(1.0, area=3.0)])
     extreme = ri.solve(row, 0.9, method).extreme_stress(0)
     largest = 1e-3 * 3 / 5
@@ -71,7 +77,9 @@ def test_two_rods_of_unequal_impedance(method):
 
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
 def test_a_standing_wave(method):
-    """sigma = sin(pi x) cos(pi t): tension in the middle at t = 0, compression at t = 1."""
+    """sigma = sin(pi x) cos(pi t): tension in the middle at t = 0, compression at t =
+    1.
+    """
     rod = unit_rod(strain=lambda x: 1e-3 * math.sin(math.pi * x))
     options = {"cells": 200} if method == "finite-difference" else {}
     extreme = ri.solve(ri.System([rod]), 1.25, method, **options).extreme_stress(0)
@@ -164,7 +172,9 @@ def test_families_and_single_runs_agree(method, law):
 
 @pytest.mark.parametrize("viscosity", [0.0, 0.02])
 def test_a_grid_comes_to_the_stress_of_the_waves(viscosity):
-    """Smooth contacts: within the stated error of the peak force, or order 2 of the mesh."""
+    """Smooth contacts: within the stated error of the peak force, or order 2 of the
+    mesh.
+    """
     lossy = UNIT.replace(viscosity=viscosity)
     rods = [
         ri.Rod(0.7, area=1.0, material=lossy, velocity=1e-3),

@@ -1,4 +1,6 @@
-"""Places and times of every field and record: converted by their unit, alike by every method."""
+"""Places and times of every field and record: converted by their unit, alike by every
+method.
+"""
 
 import datetime
 from fractions import Fraction

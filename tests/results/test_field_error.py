@@ -13,7 +13,9 @@ METHOD = "finite-difference"
 
 @pytest.mark.parametrize("seed", few_of(range(20), range(3)))
 def test_stated_errors_of_damped_rows_are_not_too_small(seed):
-    """A rod that falls on a wall, at both ends, beside one, and at random places and times."""
+    """A rod that falls on a wall, at both ends, beside one, and at random places and
+    times.
+    """
     rng = np.random.default_rng([seed, 7])
     viscosity = float(np.exp(rng.uniform(np.log(0.005), np.log(0.5))))
     gap = float(rng.choice([0.0, rng.uniform(0.01, 0.3)]))

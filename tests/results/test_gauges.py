@@ -39,7 +39,9 @@ def read(path):
 
 
 def test_bars_in_three_columns(tmp_path, bars):
-    """The striker of 0.2 m sends a pulse of twice its transit time and of strain v/(2c)."""
+    """The striker of 0.2 m sends a pulse of twice its transit time and of strain
+    v/(2c).
+    """
     gauges = {"incident": bars.gauge(1, 0.5), "transmitted": bars.gauge(2, 0.5)}
 
     ri.gauges_to_csv(tmp_path / "bars.csv", gauges, interval=1e-7)

@@ -69,7 +69,7 @@ def times_of_states(solution):
 
 
 # At the start
-# -------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +115,9 @@ def test_a_linear_strain_makes_this_displacement(linear):
 def test_fields_of_the_mirrored_row_are_those_of_the_row(
     row, mirrored_row, share, field, sign
 ):
-    """Also within half a cell of either end of a rod, where its end has values of its own."""
+    """Also within half a cell of either end of a rod, where its end has values of its
+    own.
+    """
     times = np.linspace(0.2, 3.0, 9)
     last = len(ROW.bodies) - 1
     for body in (0, 2, 5):
@@ -132,7 +134,9 @@ def test_fields_of_the_mirrored_row_are_those_of_the_row(
 
 
 def orders(errors):
-    """Order of convergence from each mesh to the next, of which it has half the cells."""
+    """Order of convergence from each mesh to the next, of which it has half the
+    cells.
+    """
     coarse = np.array(errors[:-1])
     fine = np.array(errors[1:])
     return np.log2(coarse / fine)
@@ -276,7 +280,9 @@ def test_stress_of_damped_material_has_its_rate():
     ("body", "x"), [(0, 0.0), (0, 0.3125), (0, 1.0), (2, 0.8125), (5, 0.5)]
 )
 def test_displacement_is_the_integral_of_velocity(row, body, x):
-    """Between two states velocities change evenly, but nodes drift half a step before the kick."""
+    """Between two states velocities change evenly, but nodes drift half a step before
+    the kick.
+    """
     times = times_of_states(row)
     velocity = row.velocity(body, x, times)
     rate = np.diff(row.displacement(body, x, times)) / np.diff(times)

@@ -1,4 +1,6 @@
-"""What a collision did: `Outcome.as_rigid` in rigid-body mechanics, and what its balances miss."""
+"""What a collision did: `Outcome.as_rigid` in rigid-body mechanics, and what its
+balances miss.
+"""
 
 import math
 import re
@@ -32,7 +34,9 @@ def stepped(impedances, velocity=0.0):
 
 
 def assert_stands_for(body, outcome):
-    """The rigid bodies move as the rods do, and lose what the rods keep as vibration."""
+    """The rigid bodies move as the rods do, and lose what the rods keep as
+    vibration.
+    """
     k = outcome.unilateral[0]
     v1 = outcome.velocities_after[k]
     v2 = outcome.velocities_after[k + 1]
@@ -144,7 +148,9 @@ def held(rod, left, right):
 def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
     method, error, left, right, direction, mirrored
 ):
-    """The wave of the one that moves has been at the other and come back a quarter of the way."""
+    """The wave of the one that moves has been at the other and come back a quarter of
+    the way.
+    """
     system = held(rod(1.0, 1.0), left, right)
     if mirrored:
         system = system.mirrored()
@@ -293,7 +299,9 @@ def test_what_is_missing_is_told_relative_to_what_took_part(
 
 
 def test_a_light_rod_that_hits_a_heavy_one_closes_its_balances():
-    """Waves in the heavy rod are below the smallest front; they are no missing momentum."""
+    """Waves in the heavy rod are below the smallest front; they are no missing
+    momentum.
+    """
     steel = ri.materials.steel
     light = ri.Rod(0.0537, area=6.77e-12, material=steel, velocity=80.0)
     heavy = ri.Rod(5.56e-5, area=6.6e5, material=steel)

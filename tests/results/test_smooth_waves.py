@@ -89,7 +89,9 @@ LEFT_MARKS = [-2.0, -1.4, -0.7, 0.5, 2.0, 2.9, 3.3, 4.1, 5.0, 5.9]
 
 @pytest.fixture(scope="module")
 def vibrating():
-    """A rod with free ends in free fall: each wave turns back as the other one, with its jump."""
+    """A rod with free ends in free fall: each wave turns back as the other one, with
+    its jump.
+    """
     right_going = pieces_of(shape, RIGHT_MARKS)
     left_going = pieces_of(lambda t: shape(t + T), LEFT_MARKS)
     system = ri.System([ROD], gravity=FALL)
@@ -97,7 +99,9 @@ def vibrating():
 
 
 def shape(t):
-    """The wave that leaves the left end of the rod that vibrates; it jumps at 0 and 1.3."""
+    """The wave that leaves the left end of the rod that vibrates; it jumps at 0 and
+    1.3.
+    """
     t = np.mod(t, 2 * T)
     return np.where(t < 1.3, np.sin(VIBRATION * t), 0.5 * (t - 2.5) ** 3)
 

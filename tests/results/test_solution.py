@@ -252,7 +252,9 @@ print(*sorted(set(sys.modules) - before))
 
 @pytest.fixture(scope="module")
 def between_walls():
-    """A float cannot name one tick of so many; a jump's own time still has two sides."""
+    """A float cannot name one tick of so many; a jump's own time still has two
+    sides.
+    """
     system = ri.System([ri.Wall(), rod(0.3, 10.0), ri.Wall()], gaps=[0.001, 0.002])
     solution = ri.solve(system, until=0.1)
     assert solution.fields.end > 2**56
@@ -382,7 +384,9 @@ def test_to_xarray_of_a_single_body():
 @pytest.mark.parametrize("short", [1e-7, 1.2345678e-7, 3.3e-7 * math.sqrt(2)])
 @pytest.mark.parametrize("ratio", [1.0, 0.3])
 def test_the_effect_of_rounded_transits_is_stated(short, ratio):
-    """A short rod on a long one: the impulse has a closed form, and its error is that of a tick."""
+    """A short rod on a long one: the impulse has a closed form, and its error is that
+    of a tick.
+    """
     striker = rod(short, 1.0)
     struck = ri.Rod(1.0, area=1e-4 / ratio, material=steel)
     theory = ri.theory.saint_venant(

@@ -15,7 +15,9 @@ SHORT_ROW = 5  # seed of a row with few events
 
 
 def with_masses(seed):
-    """A row of rods, some of them stepped, and masses, with gaps and contacts of several laws."""
+    """A row of rods, some of them stepped, and masses, with gaps and contacts of
+    several laws.
+    """
     rng = np.random.default_rng(seed)
     laws = [ri.Hertz(3e9), ri.Spring(2e7), ri.SpringDashpot(1e7, 200.0), ri.Rigid()]
     bodies = []
@@ -82,7 +84,9 @@ def caps_of(family, **options):
 @pytest.mark.parametrize("until", [None, 1e-3])
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_caps(method, until, seed):
-    """All caps of one short row by fronts; otherwise some of them, the last two always."""
+    """All caps of one short row by fronts; otherwise some of them, the last two
+    always.
+    """
     system = random_system(seed, bodies=3, unit=0.1, vibrating=False)
     if method == "characteristics":
         system = with_masses(seed)

@@ -1,4 +1,6 @@
-"""Derivatives: closed forms, an independent solver, what scaling demands, both sides of kinks."""
+"""Derivatives: closed forms, an independent solver, what scaling demands, both sides of
+kinks.
+"""
 
 from fractions import Fraction
 
@@ -26,7 +28,8 @@ def pair(length=0.4, other=1.0, area=1e-4, velocity=1.0):
 
 
 def random_row(seed):
-    """Rods that approach each other, some stepped or strained, some apart, some before a wall.
+    """Rods that approach each other, some stepped or strained, some apart, some before
+    a wall.
 
     Runs of more than 5,000 events are left out for the time that they take.
     """
@@ -323,7 +326,9 @@ def random_rods(rng, count):
 
 
 def rigid_row(seed):
-    """Two or three rods whose formulas are short, and the random numbers for the rest."""
+    """Two or three rods whose formulas are short, and the random numbers for the
+    rest.
+    """
     rng = np.random.default_rng([44, seed])
     while True:
         rods = random_rods(rng, 2 + seed % 2)
@@ -354,7 +359,9 @@ def test_stated_errors_of_rigid_rows_bound_the_difference_from_the_formula(seed)
 
 
 def compliant_row(rng, rods, varied):
-    """Random rods with laws of powers for the other solver; exponents that vary are 1.5."""
+    """Random rods with laws of powers for the other solver; exponents that vary are
+    1.5.
+    """
     row = Row(
         T=rng.uniform(0.4, 1, rods),
         Z=rng.uniform(0.5, 2, rods),
@@ -424,7 +431,9 @@ OF_AN_OSCILLATOR = ["velocity_after.0", "impulse.0", "peak_force.0", "duration.0
 
 
 def mass_on_an_endless_bar(M, k, Z, V):
-    """Velocity after, impulse, peak force and duration of a spring contact, underdamped."""
+    """Velocity after, impulse, peak force and duration of a spring contact,
+    underdamped.
+    """
     a = k / (2 * Z)
     w = np.sqrt(k / M - a * a)
     peak_time = np.arctan(w / a) / w
@@ -437,7 +446,9 @@ def mass_on_an_endless_bar(M, k, Z, V):
     "quantity", few_of(OF_AN_OSCILLATOR, ["velocity_after.0", "peak_force.0"])
 )
 def test_a_mass_on_a_spring_at_an_endless_bar(quantity):
-    """Its equation is that of a damped oscillator: complex steps give exact derivatives."""
+    """Its equation is that of a damped oscillator: complex steps give exact
+    derivatives.
+    """
     index = OF_AN_OSCILLATOR.index(quantity)
     numbers = {
         "bodies.0.mass": 0.7,
@@ -465,7 +476,9 @@ def test_a_mass_on_a_spring_at_an_endless_bar(quantity):
 
 
 def test_a_mass_on_a_free_rod():
-    """Rigid contact lasts 2 T; e = (1 - exp(-2 mu))/mu - exp(-2 mu), mu the ratio of masses."""
+    """Rigid contact lasts 2 T; e = (1 - exp(-2 mu))/mu - exp(-2 mu), mu the ratio of
+    masses.
+    """
     rod = ri.Rod(1.0, area=1.0, material=UNIT)
     system = ri.System([ri.RigidMass(2.0, velocity=1.0), rod])
     mu = 0.5
@@ -480,7 +493,9 @@ def test_a_mass_on_a_free_rod():
 
 
 def test_a_duration_jumps_where_the_short_rod_becomes_the_thicker_one():
-    """It is 2 T of the short rod below, and 2 T of the long rod above equal impedances."""
+    """It is 2 T of the short rod below, and 2 T of the long rod above equal
+    impedances.
+    """
     path = "bodies.0.area"
     striker = ri.Rod(0.6, area=1.0, material=UNIT, velocity=1.0)
     system = ri.System([striker, ri.Rod(1.0, area=1.0, material=UNIT)])
@@ -524,7 +539,9 @@ def test_progress_counts_collisions_and_may_stop_them():
 
 
 def test_what_varies_may_take_another_method():
-    """Gravity is 0 here, and "fronts" has none: a rod that falls on a wall gains g t."""
+    """Gravity is 0 here, and "fronts" has none: a rod that falls on a wall gains g
+    t.
+    """
     rod = ri.Rod(1.0, area=1.0, material=UNIT, velocity=-1.0)
     system = ri.System([ri.Wall(), rod], gaps=[3.0])
     g = ri.gradient(system, "velocity_after.1", ["gravity"], until=2.0)
@@ -544,7 +561,9 @@ def test_the_grid_agrees_with_characteristics_within_its_stated_error():
 
 @pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-6])
 def test_bounds_of_differences_hold_for_noisy_values(noise):
-    """exp(x) below 0 and 1 + 2 sin(x) above: the slope jumps from 1 to 2, the value does not."""
+    """exp(x) below 0 and 1 + 2 sin(x) above: the slope jumps from 1 to 2, the value
+    does not.
+    """
     steps = 2.0 ** -np.arange(3, 15)[:, None]
     rng = np.random.default_rng(3)
     noise_below, noise_above = rng.uniform(-noise, noise, (2, 12, 50))

@@ -17,7 +17,8 @@ STEEL = ri.materials.steel
 
 
 class Cluster(Executor):
-    """Workers, each with one job at a time; what a job takes is told by a clock that it moves.
+    """Workers, each with one job at a time; what a job takes is told by a clock that it
+    moves.
 
     A job ends when the sweep can do no more than wait: as many are in flight as it
     wants, or all.
@@ -52,7 +53,9 @@ class Cluster(Executor):
 
 @pytest.fixture
 def clock(monkeypatch):
-    """What jobs look at; running members moves it by what stands for their cost, their length."""
+    """What jobs look at; running members moves it by what stands for their cost, their
+    length.
+    """
     clock = SimpleNamespace(now=0.0)
 
     def run_chunk(chunk):

@@ -1,4 +1,6 @@
-"""Families that earlier versions saved open in this one, and say what they said then."""
+"""Families that earlier versions saved open in this one, and say what they said
+then.
+"""
 
 import json
 from pathlib import Path

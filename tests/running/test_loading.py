@@ -1,4 +1,6 @@
-"""Files are whole or absent; a saved solution, solved again, is the same to the last bit."""
+"""Files are whole or absent; a saved solution, solved again, is the same to the last
+bit.
+"""
 
 import dataclasses
 import errno
@@ -342,7 +344,9 @@ def test_every_falsified_entry_is_named_with_both_values(tmp_path):
 
 
 def test_what_stated_errors_allow_is_no_difference(tmp_path):
-    """Both runs state the error; a velocity may differ by nearly twice as much, and no more."""
+    """Both runs state the error; a velocity may differ by nearly twice as much, and no
+    more.
+    """
     path = tmp_path / "run.toml"
     result = saved_case().result
     solution = ri.solve(TWICE, until=4e-4, rtol=1e-6)

@@ -90,7 +90,7 @@ def assert_same_vibration(member, outcome):
 
 
 # Numbers
-# -----------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def test_a_map_equals_the_closed_form():
@@ -114,7 +114,9 @@ def test_a_map_equals_the_closed_form():
 
 
 def random_family(seed, driven):
-    """A random row of which some numbers become arrays; places and times of jumps, too."""
+    """A random row of which some numbers become arrays; places and times of jumps,
+    too.
+    """
     rng = np.random.default_rng(seed)
     described = with_ends(seed, driven).to_dict()
 
@@ -156,7 +158,9 @@ ON_GRID = {"method": "finite-difference", "cells": 20}
     ids=["bond", "bond until", "joint on a grid"],
 )
 def test_bonds_and_joints_have_totals(law, options):
-    """Impulse and largest force of a contact that cannot open, as `solve` gives them."""
+    """Impulse and largest force of a contact that cannot open, as `solve` gives
+    them.
+    """
     lengths = np.array([0.3, 0.5])
     rods = [
         ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0),
@@ -174,7 +178,9 @@ def mean_of(profile):
 
 
 def family_of_network(seed):
-    """Two members of a random row: masses, laws, ends, gravity; profiles become their means."""
+    """Two members of a random row: masses, laws, ends, gravity; profiles become their
+    means.
+    """
     system = random_network(seed, bodies=3, driven=seed % 2 == 1)
     factors = np.array([1.0, 0.9])
 
@@ -312,7 +318,7 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
 
 
 # Runs to a time
-# ----------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def chain():
@@ -346,7 +352,9 @@ def test_a_member_that_stops_early_keeps_what_is_known():
 
 @pytest.mark.parametrize(("method", "cap"), [("fronts", 3), ("characteristics", 10)])
 def test_a_cap_after_the_proof_is_not_why_a_run_ended(method, cap):
-    """It cuts the vibration that a single run shows after the proof, as the status tells."""
+    """It cuts the vibration that a single run shows after the proof, as the status
+    tells.
+    """
     system = pair(np.array([0.4]), 1e-4)
     result = ri.sweep(system, method, max_events=cap)
     solution = ri.solve(system[0], method=method, max_events=cap)
@@ -391,7 +399,7 @@ def test_a_cap_before_the_time_asked_for_is_no_end():
 
 
 # Strain gauges
-# -----------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 TIMES = np.linspace(0.0, 4e-4, 41)
 
@@ -539,7 +547,7 @@ def test_arguments_are_checked(options, path):
 
 
 # Executors
-# ---------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -1,4 +1,6 @@
-"""The page of the manual on case files lists every key that the reader takes, and no other."""
+"""The page of the manual on case files lists every key that the reader takes, and no
+other.
+"""
 
 import inspect
 import re
@@ -82,7 +84,9 @@ def whole(example):
 
 
 def known_keys(example):
-    """Keys that the reader names beside an unknown one in the last table of the example."""
+    """Keys that the reader names beside an unknown one in the last table of the
+    example.
+    """
     with pytest.raises(ri.InvalidModel) as mistakes:
         case_from(whole(tomllib.loads(example + "\nqqqqqqqq = 0")))
     ((_, message),) = mistakes.value.problems

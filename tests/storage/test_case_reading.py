@@ -1,4 +1,6 @@
-"""What is right in a case file means what it says; every mistake is told at once, with its path."""
+"""What is right in a case file means what it says; every mistake is told at once, with
+its path.
+"""
 
 import dataclasses
 import math

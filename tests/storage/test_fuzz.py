@@ -1,4 +1,6 @@
-"""Files damaged at random are refused, or give what was saved; nothing else ever comes of them."""
+"""Files damaged at random are refused, or give what was saved; nothing else ever comes
+of them.
+"""
 
 import json
 import shutil
@@ -35,7 +37,9 @@ def originals(tmp_path_factory):
 
 
 def spoil(rng, data):
-    """Bytes with one piece of damage, of any kind that disks, networks and people make."""
+    """Bytes with one piece of damage, of any kind that disks, networks and people
+    make.
+    """
     data = bytearray(data)
     kind, size = rng.integers(6), len(data)
     start, stop = sorted(rng.integers(size + 1, size=2).tolist())

@@ -1,4 +1,6 @@
-"""Any number of a case may vary on a grid; the case is then a family with an axis for each."""
+"""Any number of a case may vary on a grid; the case is then a family with an axis for
+each.
+"""
 
 import json
 import math

@@ -1,4 +1,6 @@
-"""Systems of any bodies, laws, ends and profiles come back from their case files equal."""
+"""Systems of any bodies, laws, ends and profiles come back from their case files
+equal.
+"""
 
 from itertools import pairwise
 

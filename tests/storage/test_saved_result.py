@@ -1,4 +1,6 @@
-"""The manual names the keys of [result], and the record holds all that an outcome finds."""
+"""The manual names the keys of [result], and the record holds all that an outcome
+finds.
+"""
 
 import re
 from pathlib import Path

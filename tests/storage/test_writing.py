@@ -1,4 +1,6 @@
-"""A new file never takes the place of another's, and nothing half written is left behind."""
+"""A new file never takes the place of another's, and nothing half written is left
+behind.
+"""
 
 import errno
 import os

@@ -1,4 +1,6 @@
-"""On PYTHONPATH, this makes Python do as if numba were not installed, in children too."""
+"""On PYTHONPATH, this makes Python do as if numba were not installed, in children
+too.
+"""
 
 import sys
 
