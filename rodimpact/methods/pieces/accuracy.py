@@ -1,7 +1,9 @@
-"""Error of a run: from a second run whose steps are others, and from what both runs share.
+"""Error of a run.
 
-The second run has a coarser tolerance, and halves what the tolerance does not limit. So there is no
-piece that both runs have, but by chance. The page has this as JavaScript.
+It follows from a second run with other steps, and from what both runs share.
+
+The second run has a coarser tolerance, and halves what the tolerance does not limit. So
+there is no piece that both runs have, but by chance. The page has this as JavaScript.
 """
 
 import math
@@ -16,23 +18,26 @@ from .records import Part
 COARSER = 3.0
 """Tolerance of the second run over that of the first.
 
-Errors of both differ by some three then. A larger factor would make the difference larger than the
-error; with a smaller one both agree by chance too often.
+Errors of both differ by some three then. A larger factor would make the difference
+larger than the error; with a smaller one both agree by chance too often.
 """
 COARSER_FLOOR = 2
-"""Least duration of pieces of the second run over that of the first, where breaks are too dense."""
+"""Least duration of pieces in the second run over the first, at dense breaks."""
 ROUND_OFF = 2.2e-16
-"""Round-off of a number, relative. Those of the steps of a run have both signs: n make sqrt(n)."""
+"""Relative round-off of a number.
+
+Those of the steps of a run have both signs: n make sqrt(n).
+"""
 ROUND_OFFS_OF_STEP = 8
 """Round-offs of the sums of one step, over that of a number.
 
-So precisely forces satisfy their laws as well; where they make velocities that are larger than the
-scale and cancel, that counts as much more.
+So precisely forces satisfy their laws as well; where they make velocities that are
+larger than the scale and cancel, that counts as much more.
 """
 DIFFERENCE_FACTOR = 5.0
 """Stated error over the difference of two runs."""
 LEAST_SHARE = 0.1
-"""Error of every measure, over the worst difference, at least: some numbers agree by chance."""
+"""Least error of every measure over the worst difference: some agree by chance."""
 SHARED_FACTOR = 0.2
 """Stated error over the estimate for pieces that breaks limit.
 
@@ -49,7 +54,10 @@ LOOSE_POWER = 2.5
 FIT_FACTOR = 4.0
 """Stated error over the miss of a given function by its pieces."""
 UNTIMED_MEASURES = 3
-"""Number of measures that are no times: they come first, and their errors fall evenly."""
+"""Number of measures that are no times.
+
+They come first, and their errors fall evenly.
+"""
 VELOCITY = 0
 """Place of the velocity among the measures."""
 PEAK_FORCE = 2
@@ -69,10 +77,12 @@ class Ended(NamedTuple):
 
 
 def prepare_second_run(fine: Any, coarse: Any) -> None:
-    """Set what runs at a coarser tolerance need to be compared: other pieces, and the same end.
+    """Set what runs at a coarser tolerance need to be compared.
 
-    Pieces of `coarse` that no tolerance limits are halved, or twice as long where breaks come too
-    densely. `fine` is not changed.
+    They need other pieces, and the same end.
+
+    Pieces of `coarse` that no tolerance limits are halved, or twice as long where
+    breaks come too densely. `fine` is not changed.
 
     Parameters
     ----------
@@ -89,12 +99,13 @@ def prepare_second_run(fine: Any, coarse: Any) -> None:
 
 
 def hidden_errors(fine: Ended, fit: float) -> list[float]:
-    """Relative error of each of the `MEASURES` that a second run does not show, [measure].
+    """Relative errors that a second run does not show, [measure] of `MEASURES`.
 
-    `fit` is the largest miss of given functions by their pieces, over the velocity scale. With
-    large tails, errors are not small enough to fall evenly from run to run. Bodies that part very
-    slowly rest at any tolerance. A peak force, and a time at which a contact closes or opens, is
-    decided by single values of a polynomial: two runs may miss it alike.
+    `fit` is the largest miss of given functions by their pieces, over the velocity
+    scale. With large tails, errors are not small enough to fall evenly from run to run.
+    Bodies that part very slowly rest at any tolerance. A peak force, and a time at
+    which a contact closes or opens, is decided by single values of a polynomial: two
+    runs may miss it alike.
     """
     run = fine.run
     tail = run.max_truncation_error / run.velocity_scale
@@ -127,11 +138,11 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
 
 
 def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
-    """Relative error of each of the `MEASURES`, because transit times are rounded to the clock.
+    """Relative error of each of the `MEASURES` by rounded transit times, [measure].
 
-    A wave that has crossed the row several times comes too early or too late by this share of the
-    time. So does the beginning and the end of each episode of a contact. Forces and velocities
-    change within the duration of a contact.
+    A wave that has crossed the row several times comes too early or too late by this
+    share of the time. So does the beginning and the end of each episode of a contact.
+    Forces and velocities change within the duration of a contact.
 
     Parameters
     ----------
@@ -153,16 +164,20 @@ def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
 
 
 def has_peak(link: Any) -> bool:
-    """Whether a link has a peak force: a contact or a joint, but no impact, no bond and no push."""
+    """Whether a link has a peak force.
+
+    Contacts and joints have one, but no impact, no bond and no push.
+    """
     return bool(link.law >= Law.JOINT and link.law != Law.IMPACT)
 
 
 def add_faint_times(fine: Ended, errors: list[float]) -> None:
     """Add the relative error of durations and times of a row without rods to `errors`.
 
-    A flight may be long there. A contact does not press while its overlap is less than the length
-    that `graze_velocity` makes in the reference time of the run, at its beginning and at its end.
-    Faces that close with the velocity scale take the time below for it, in each episode.
+    A flight may be long there. A contact does not press while its overlap is less than
+    the length that `graze_velocity` makes in the reference time of the run, at its
+    beginning and at its end. Faces that close with the velocity scale take the time
+    below for it, in each episode.
     """
     run = fine.run
     episodes = max([1, *[link.episodes for link in fine.links]])
@@ -179,8 +194,8 @@ def add_faint_times(fine: Ended, errors: list[float]) -> None:
 def measures_of(ended: Ended) -> list[list[float]]:
     """Values of a run that the `MEASURES` compare, [measure][value].
 
-    These are velocities of groups (of parts, where they are bonded to others), impulses, peak
-    forces, force durations and times, in SI units.
+    These are velocities of groups (of parts, where they are bonded to others),
+    impulses, peak forces, force durations and times, in SI units.
     """
     run = ended.run
     impulses = []
@@ -198,7 +213,8 @@ def measures_of(ended: Ended) -> list[list[float]]:
             peaks.append(link.peak_force)
     velocities = []
     for part in ended.parts:
-        # Groups go on evenly after the proof, whenever it came; parts of joined bodies vibrate.
+        # Groups go on evenly after the proof, whenever it came; parts of joined bodies
+        # vibrate.
         if run.has_bonds:
             velocities.append(part.mean_velocity)
         elif part.part_count > 0:  # the first part of a group, which has its motion
@@ -207,9 +223,12 @@ def measures_of(ended: Ended) -> list[list[float]]:
 
 
 def differences(fine: Ended, coarse: Ended) -> list[float]:
-    """Largest difference of two runs in each of the `MEASURES`, over its largest value, [measure].
+    """Largest relative difference of two runs in each of the `MEASURES`, [measure].
 
-    Differences of velocities are over the velocity scale. It is 0 where all values are 0.
+    It is relative to the largest value.
+
+    Differences of velocities are over the velocity scale. It is 0 where all values are
+    0.
     """
     relative = []
     coarse_values = measures_of(coarse)
@@ -227,10 +246,12 @@ def differences(fine: Ended, coarse: Ended) -> list[float]:
 
 
 def wave_difference(fine: Ended, coarse: Ended) -> float:
-    """Largest difference of the waves of two runs in a segment, over the velocity scale.
+    """Largest difference of the waves of two runs in a segment.
 
-    It is that of their means and first moments; 0 where the runs end at different times. The
-    integrals are over y from -1 to 1, so that half of one is a mean.
+    It is relative to the velocity scale.
+
+    It is that of their means and first moments; 0 where the runs end at different
+    times. The integrals are over y from -1 to 1, so that half of one is a mean.
     """
     if fine.run.last_proof_tick != coarse.run.last_proof_tick:
         return 0.0
@@ -245,10 +266,11 @@ def wave_difference(fine: Ended, coarse: Ended) -> float:
 def momentum_error(fine: Ended) -> float:
     """Largest error of the velocity of a free group of bodies, over the velocity scale.
 
-    Its velocity by the waves in its rods, `group_velocity`, lacks what pieces have lost. By
-    Newton's law it is that at t = 0 plus (impulses from the left - impulses from the right)/m. The
-    difference is the error. It is not known, and 0 returned, where a force acts on an end of the
-    row, and while nodes have not all come to the end.
+    Its velocity by the waves in its rods, `group_velocity`, lacks what pieces have
+    lost. By Newton's law it is that at t = 0 plus (impulses from the left - impulses
+    from the right)/m. The difference is the error. It is not known, and 0 returned,
+    where a force acts on an end of the row, and while nodes have not all come to the
+    end.
     """
     run = fine.run
     for link in fine.links:
@@ -280,11 +302,12 @@ def momentum_error(fine: Ended) -> float:
 def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     """Relative error of each of the `MEASURES` of the finer of two runs, [measure].
 
-    It is DIFFERENCE_FACTOR times the difference of both runs in this measure, or a share of the
-    worst difference, which may be larger: two numbers agree by chance, where others do not. A
-    relative error of velocities moves an event by this part of its `event_lag`, so that the share
-    is larger for short times. The error of pieces that no tolerance limits, which both runs have in
-    common, is added. An error is 0 where all values of the measure are.
+    It is DIFFERENCE_FACTOR times the difference of both runs in this measure, or a
+    share of the worst difference, which may be larger: two numbers agree by chance,
+    where others do not. A relative error of velocities moves an event by this part of
+    its `event_lag`, so that the share is larger for short times. The error of pieces
+    that no tolerance limits, which both runs have in common, is added. An error is 0
+    where all values of the measure are.
     """
     apart = differences(fine, coarse)
     shared = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale

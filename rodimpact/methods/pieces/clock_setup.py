@@ -32,7 +32,10 @@ def own_laws(row: Row) -> Functions:
 
 
 def has_no_profiles(row: Row) -> bool:
-    """Whether all initial velocities and strains, and all that acts from outside, are numbers."""
+    """Whether the initial state and all that acts from outside are numbers.
+
+    The initial state has velocities and strains.
+    """
     for rod, _, _ in segments_of(row):
         if varies(rod.velocity, rod.strain):
             return False
@@ -40,18 +43,21 @@ def has_no_profiles(row: Row) -> bool:
 
 
 def closing_velocity(row: Row) -> Any:
-    """Largest velocity with which rigid masses may close, m/s; 1 where none approaches another."""
+    """Largest velocity with which rigid masses may close, m/s.
+
+    It is 1 where none approaches another.
+    """
     speeds = velocities_of(row)
     v = largest(speeds) - smallest(speeds)
     return np.where(v > 0, v, 1.0)
 
 
 def contact_times(row: Row) -> dict[int, Any]:
-    """Estimated time that each compliant link between rigid masses is closed, s, by its number.
+    """Estimated contact time of each compliant link between rigid masses, s, by number.
 
-    A mass m that closes with velocity v on F = k d^p stops where m v^2/2 = k d^q/q with q = p + 1,
-    so at d = (q m/(2 k))^(1/q) v^(2/q). It takes about d/v, and comes back: the time is 3 d/v. All
-    masses count as the largest.
+    A mass m that closes with velocity v on F = k d^p stops where m v^2/2 = k d^q/q with
+    q = p + 1, so at d = (q m/(2 k))^(1/q) v^(2/q). It takes about d/v, and comes back:
+    the time is 3 d/v. All masses count as the largest.
     """
     v = closing_velocity(row)
     times = {}
@@ -65,7 +71,9 @@ def contact_times(row: Row) -> dict[int, Any]:
 
 
 def reference_time(row: Row, until: float | None) -> Any:
-    """Longest transit, s; without rods `until`, else the longest time of a contact or a flight.
+    """Longest transit, s.
+
+    Without rods it is `until`, else the longest time of a contact or a flight.
 
     It is 1 where there is none of these.
     """
@@ -79,7 +87,9 @@ def reference_time(row: Row, until: float | None) -> Any:
 
 
 def refuse_short_contacts(row: Row, tick: Any) -> None:
-    """Raise InvalidModel if a contact of a row without rods lasts too few ticks to be followed.
+    """Raise InvalidModel if a contact lasts too few ticks to be followed.
+
+    The row has no rods.
 
     `tick` is its duration, s. Where nothing moves no contact closes.
     """
@@ -94,8 +104,9 @@ def refuse_short_contacts(row: Row, tick: Any) -> None:
             continue
         short = float(np.min(times[i]))
         sentence = (
-            f"it lasts about {short:.1g} s, too short beside the flight or the run: the clock "
-            "holds ratios up to about 1e11; take a smaller gap, an earlier end or a softer law"
+            f"it lasts about {short:.1g} s, too short beside the flight or the run: "
+            "the clock holds ratios up to about 1e11; take a smaller gap, an earlier "
+            "end or a softer law"
         )
         raise InvalidModel([(f"contacts.{k}", sentence)])
 
@@ -117,9 +128,9 @@ def family_clock(
 ) -> tuple[Clock, dict[tuple[int, float], int]]:
     """The clock of a family, and the places of jumps inside segments, in ticks.
 
-    The clock counts transit times, and times to jumps, in whole ticks, for each member; `until` is
-    the end of the run, s, if any. Jumps are those of `jumps_of`: by segment and share of its
-    length, the ticks of a wave from its left end.
+    The clock counts transit times, and times to jumps, in whole ticks, for each member;
+    `until` is the end of the run, s, if any. Jumps are those of `jumps_of`: by segment
+    and share of its length, the ticks of a wave from its left end.
 
     Raises
     ------
@@ -167,5 +178,6 @@ def family_clock(
     if not row.segments:
         refuse_short_contacts(row, tick)
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
-    # Only a single row, not a family, has states that jump: `counted` is that of its only member.
+    # Only a single row, not a family, has states that jump: `counted` is that of its
+    # only member.
     return clock, dict(zip(jumps, counted[segments:], strict=True))

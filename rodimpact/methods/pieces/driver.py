@@ -47,11 +47,14 @@ RECORD_TYPES = {
 }
 """Types of the records of a `State`, by its fields."""
 MEMBER_FIELDS = ("runs", "nodes", "links", "masses", "lines", "parts")
-"""Fields of which every member has records of its own; the others it hands on to the next."""
+"""Fields of which every member has its own records; the others are handed on."""
 INITIAL_LOG_ROWS = 256
 """Rows of the log of pieces at first, besides two for each that is known at t = 0."""
 INITIAL_CONTACT_ROWS = 2048
-"""Rows of the log of contacts at first: a step may add `march.MAX_STATUS_CHANGES` and more."""
+"""Rows of the log of contacts at first.
+
+A step may add `march.MAX_STATUS_CHANGES` and more.
+"""
 MEMBERS_PER_CHECK = 64
 """Number of members between two questions whether to stop."""
 PLAIN_STEPS = 500
@@ -59,7 +62,7 @@ PLAIN_STEPS = 500
 STEP_TIME = 1.5e-3
 """Estimated time of a step in plain Python, s."""
 MIN_RUN_TIME = 0.02
-"""Time that is counted for a run at least, s: many short runs are worth compiling, too."""
+"""Least time that is counted for a run, s: many short runs are worth compiling."""
 UNEQUAL_TRANSITS = 1000
 """Ratio of transit times from which on the shortest decides the number of pieces."""
 COMPILED_STEPS = 100_000
@@ -69,8 +72,8 @@ COMPILED_STEPS = 100_000
 class Members:
     """Records of every member of a family, [member, i], which run one after the other.
 
-    They run on one `Batch`, on which the records of one member are at a time. A single collision is
-    a family of one.
+    They run on one `Batch`, on which the records of one member are at a time. A single
+    collision is a family of one.
 
     Parameters
     ----------
@@ -85,9 +88,11 @@ class Members:
     first_pieces : [member, piece] PIECE
         Pieces that are known at t = 0.
     fit : float
-        Largest miss of the pieces at t = 0, as of `InitialLines`, relative to the velocity scale.
+        Largest miss of the pieces at t = 0, as of `InitialLines`, relative to the
+        velocity scale.
     carried : float
-        Stated error of the run from whose state this one goes on, relative to the velocity scale.
+        Stated error of the run from whose state this one goes on, relative to the
+        velocity scale.
 
     Raises
     ------
@@ -98,8 +103,8 @@ class Members:
     def __init__(self, row: Row, request: RunRequest) -> None:
         """Lay out the records of all members, and put the first member on a `Batch`.
 
-        The clock is chosen, and the pieces at t = 0 are made. The batch gets empty logs and a
-        matrix for the largest node.
+        The clock is chosen, and the pieces at t = 0 are made. The batch gets empty logs
+        and a matrix for the largest node.
         """
         self.row = row
         self.request = request
@@ -116,8 +121,8 @@ class Members:
         self.masses = records_of_family(masses, MASS, row)
         self.lines = records_of_family(lines, LINE, row)
         self.parts = records_of_family(parts, GROUP_PART, row)
-        # Each link of a node may have an unknown force, with a value at each of N stages; the
-        # matrix of the equations has a column more, their right side.
+        # Each link of a node may have an unknown force, with a value at each of N
+        # stages; the matrix of the equations has a column more, their right side.
         unknowns = N * int(self.nodes["link_count"].max())
         arrays: dict[str, Any] = {name: self.records(name)[0] for name in MEMBER_FIELDS}
         log_rows = INITIAL_LOG_ROWS + 2 * self.first_pieces.shape[1]
@@ -134,11 +139,17 @@ class Members:
         )
 
     def records(self, name: str) -> Any:
-        """Records of all members of one kind, [member, i]; `name` is one of `MEMBER_FIELDS`."""
+        """Records of all members of one kind, [member, i].
+
+        `name` is one of `MEMBER_FIELDS`.
+        """
         return getattr(self, name)
 
     def state(self) -> Any:
-        """The `State` of the member that ran last, as arrays, whatever the form of the batch."""
+        """The `State` of the member that ran last, as arrays.
+
+        The form of the batch does not matter.
+        """
         return State(*[self.batch.array(name) for name in State._fields])
 
     def ended(self, member: int) -> Ended:
@@ -167,7 +178,10 @@ class Members:
             self.run_member(m, report)
 
     def load(self, member: int = 0) -> None:
-        """Put the records of a member on the batch, and its pieces at t = 0 into the log there."""
+        """Put the records of a member on the batch.
+
+        Its pieces at t = 0 go into the log there.
+        """
         batch = self.batch
         records = {}
         for name in MEMBER_FIELDS:
@@ -191,8 +205,9 @@ class Members:
     def run_member(self, member: int = 0, report: Report = no_report) -> None:
         """Run a member to its end and store its records.
 
-        It runs in slices of steps, each of which ends with CAP until the run has come to its end or
-        to the limit of the request. Between two it may change from plain Python to machine code.
+        It runs in slices of steps, each of which ends with CAP until the run has come
+        to its end or to the limit of the request. Between two it may change from plain
+        Python to machine code.
         """
         batch = self.batch
         batch.choose_form(MIN_RUN_TIME)
@@ -224,7 +239,9 @@ class Members:
             runs[0].max_steps = limit
 
     def _expected_steps(self, run: Run) -> int | None:
-        """Estimated number of steps of a run to a given time; None where a proof ends it.
+        """Estimated number of steps of a run to a given time.
+
+        It is None where a proof ends the run.
 
         It is None, too, as long as some node is at t = 0.
         """
@@ -235,7 +252,9 @@ class Members:
         return min(self.request.limit, expected)
 
     def _run_slice(self) -> Stop:
-        """Run on up to the limit of the run, with longer logs as often as they are full.
+        """Run on up to the limit of the run.
+
+        Logs grow as often as they are full.
 
         Return why it stopped, which is never FULL.
 
@@ -248,8 +267,8 @@ class Members:
         stop = Stop(batch.run())
         while stop == Stop.FULL:
             pieces = len(batch.state.log)
-            # The longer log has up to four times as many pieces, and stands beside this one for a
-            # while. Numbers are of 8 bytes.
+            # The longer log has up to four times as many pieces, and stands beside this
+            # one for a while. Numbers are of 8 bytes.
             require_memory(
                 4 * pieces * PIECE.itemsize / 8,
                 "until",
@@ -273,6 +292,6 @@ class Members:
         path = self.row.paths[transits.index(shortest) + 1]
         return (
             f"no piece is longer than the transit time of {path}, which is "
-            f"{shortest / longest:.1g} of the longest: make it longer, replace it by a rigid "
-            "mass, or stop earlier"
+            f"{shortest / longest:.1g} of the longest: make it longer, replace it by a "
+            "rigid mass, or stop earlier"
         )

@@ -1,4 +1,6 @@
-"""How wrong the time of an event may be: contacts close and open where a guard falls to 0.
+"""How wrong the time of an event may be.
+
+Contacts close and open where a guard falls to 0.
 
 A guard g that is wrong by e falls to 0 earlier or later by e/abs(dg/dt).
 """
@@ -10,14 +12,15 @@ from .records import Link, Links, Node, Run
 
 
 def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> None:
-    """Raise `event_error` and `event_lag` of a link, s, by what an event of it may be wrong.
+    """Raise `event_error` and `event_lag` of a link by what an event may be wrong, s.
 
-    The event is in a piece of duration h, s. Its guard is wrong by the error of its polynomial
-    there, which makes `event_error`; all of h if the guard changes by less than that.
+    The event is in a piece of duration h, s. Its guard is wrong by the error of its
+    polynomial there, which makes `event_error`; all of h if the guard changes by less
+    than that.
 
-    All that went before is wrong, too: where velocities are wrong by v, a force is wrong by v/Y,
-    and an overlap by v times its memory, the time for which it keeps an error of velocity. For a v
-    of the velocity scale that makes `event_lag`.
+    All that went before is wrong, too: where velocities are wrong by v, a force is
+    wrong by v/Y, and an overlap by v times its memory, the time for which it keeps an
+    error of velocity. For a v of the velocity scale that makes `event_lag`.
     """
     link = links[event.link]
     for which in range(contact_laws.guard_count(link)):
@@ -43,8 +46,8 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
 def overlap_memory(run: Run, link: Link) -> float:
     """Return the time for which an overlap keeps an error of the closing velocity, s.
 
-    It is the shortest transit, or d/(Y F) where the force F of an overlap d soon undoes it; both
-    are those at the start of the piece.
+    It is the shortest transit, or d/(Y F) where the force F of an overlap d soon undoes
+    it; both are those at the start of the piece.
     """
     transit = run.shortest_transit * run.tick_duration
     overlap = link.overlaps[0]

@@ -1,7 +1,9 @@
-"""Where the next event of a piece is: a guard of a link falls below 0, and its status ends.
+"""Where the next event of a piece is.
 
-A guard is known at the points of the piece; the event function is the polynomial through these
-values. Places in a piece are y, from -1 at its start to 1 at its end.
+A guard of a link falls below 0 there, and its status ends.
+
+A guard is known at the points of the piece; the event function is the polynomial
+through these values. Places in a piece are y, from -1 at its start to 1 at its end.
 """
 
 from typing import NamedTuple
@@ -13,11 +15,11 @@ from .records import NONE, Link, Links, Node, Run
 from .series import POINTS, N, X
 
 GUARD_LENGTH = 0.01
-"""Length in which guards measure overlaps, over velocity scale times duration of the piece."""
+"""Length in which guards measure overlaps, over velocity scale times duration."""
 ROUND_OFF = 1e-13
 """Value below 0, without dimension, down to which an event function counts as 0."""
 FIRST_RISE = 1e-3
-"""Part of the way to the next point at which an event function that starts at 0 shows its sign."""
+"""Part of the way to the next point where a function that starts at 0 has a sign."""
 NOWHERE = 2.0
 """Place behind the end of a piece: there is no event."""
 
@@ -31,12 +33,17 @@ class Event(NamedTuple):
 
 
 def guard_length(run: Run, h: float) -> float:
-    """Return the length in which guards measure overlaps in a piece of duration h, s; m."""
+    """Return the length in which guards measure overlaps, m.
+
+    The piece has the duration h, s.
+    """
     return GUARD_LENGTH * run.velocity_scale * h
 
 
 def set_guard_values(run: Run, link: Link, node: Node, which: int, h: float) -> int:
-    """Set `node.scratch_values` to a guard of a link at the points of a piece of duration h.
+    """Set `node.scratch_values` to a guard of a link at the points of a piece.
+
+    The piece has the duration h, s.
 
     Return the status that follows if this guard falls below 0.
     """
@@ -57,7 +64,9 @@ def set_guard_values(run: Run, link: Link, node: Node, which: int, h: float) -> 
 
 
 def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
-    """Return the first event in a piece of duration h, s, of any guard of any link of a node.
+    """Return the first event in a piece, of any guard of any link of a node.
+
+    The piece has the duration h, s.
 
     Without one it is at 1, the end of the piece, and its link is NONE.
     """
@@ -78,12 +87,12 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
 
 
 def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
-    """Return the place at which guard number `which` of a link falls below 0, or NOWHERE.
+    """Return the place at which guard `which` of a link falls below 0, or NOWHERE.
 
-    `node.scratch_values` has its values at the points. A guard that is about 0 at the start is not
-    trusted there: if it is negative at a later point, and `find_crossing` sees it positive nowhere
-    in between, the event is at the start, -1. A guard that is negative at no point may still dip
-    below 0 between two of them.
+    `node.scratch_values` has its values at the points. A guard that is about 0 at the
+    start is not trusted there: if it is negative at a later point, and `find_crossing`
+    sees it positive nowhere in between, the event is at the start, -1. A guard that is
+    negative at no point may still dip below 0 between two of them.
     """
     follows_overlap = contact_laws.follows_overlap(link, which)
     ignored_depth = ROUND_OFF  # values down to its negative count as 0 at the points
@@ -97,8 +106,8 @@ def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
     j = 1  # becomes the first point behind the start at which the guard is negative
     while j < POINTS and node.scratch_values[j] >= -ignored_depth:
         j += 1
-    # A guard of velocities or forces may start negative, and rise again before the next point.
-    # That of REST is a force that is only extrapolated to the start.
+    # A guard of velocities or forces may start negative, and rise again before the next
+    # point. That of REST is a force that is only extrapolated to the start.
     may_jump = not follows_overlap and link.status != Status.REST
     if node.scratch_values[0] < -dip_depth and may_jump:
         zero = -1.0
@@ -112,9 +121,9 @@ def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
 def find_crossing(node: Node, j: int) -> float:
     """Return the place at which an event function falls below 0 before point j.
 
-    `node.scratch_values` has its values at the points; the first negative one is that at point j.
-    If the function is 0 or less at the point before, and does not rise above 0 behind it, that
-    point is returned: the start of the piece, -1, if j = 1.
+    `node.scratch_values` has its values at the points; the first negative one is that
+    at point j. If the function is 0 or less at the point before, and does not rise
+    above 0 behind it, that point is returned: the start of the piece, -1, if j = 1.
     """
     series.set_series(node.scratch_values, node.scratch_series)
     low = X[j - 1]
@@ -127,11 +136,13 @@ def find_crossing(node: Node, j: int) -> float:
 
 
 def find_dip(node: Node, depth: float) -> float:
-    """Return the place at which an event function falls below 0 between two points, or NOWHERE.
+    """Return the place at which an event function dips below 0, or NOWHERE.
 
-    `node.scratch_values` has its values at the points, of which none is negative. A contact may
-    close or let go for a shorter time than points are apart. A dip below 0 by less than `depth` is
-    none.
+    The dip is between two points.
+
+    `node.scratch_values` has its values at the points, of which none is negative. A
+    contact may close or let go for a shorter time than points are apart. A dip below 0
+    by less than `depth` is none.
     """
     zero = NOWHERE
     least = series.smallest(node.scratch_values)
@@ -151,7 +162,8 @@ def find_dip(node: Node, depth: float) -> float:
             is_end_lowest = series.slope_at_end(node.scratch_series, 1.0) <= 0
         if not is_end_lowest:
             bottom = series.place_of_minimum(node.scratch_series, low, high)
-            # There is a dip if the lowest place is well below 0, and not where the search began.
+            # There is a dip if the lowest place is well below 0, and not where the
+            # search began.
             if bottom > low and series.value(node.scratch_series, bottom) < -depth:
                 zero = series.first_zero(node.scratch_series, low, bottom)
     return zero

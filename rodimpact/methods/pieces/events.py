@@ -1,4 +1,7 @@
-"""What happens between pieces: contacts close, open, yield, and rigid bodies strike each other."""
+"""What happens between pieces.
+
+Contacts close, open and yield, and rigid bodies strike each other.
+"""
 
 from .. import contact_laws
 from ..compiling import borrowed
@@ -11,24 +14,27 @@ from .series import N, X
 MAX_SWEEPS = 1000
 """Gauss-Seidel sweeps over the impacts of one instant."""
 IMPACT_RTOL = 1e-15
-"""Change of velocities over the velocity scale, below which the impacts are solved: round-off."""
+"""Change of velocities, over the velocity scale, below which impacts are solved."""
 PEAK_RTOL = 0.9
-"""Largest force at the points over the peak so far, below which the piece has no new peak.
+"""Largest force at the points over the peak so far, below which it is no new peak.
 
 A smooth force rises by less than a tenth between two points.
 """
 TRANSIT_PER_SMOOTH_START = 16
 """Shortest transit over the longest start of a contact that may still be smooth."""
 RESTING_RTOL = 1e-8
-"""Velocity over the velocity scale, below which rigid bodies part so slowly that they rest."""
+"""Velocity, over the velocity scale, below which parting rigid bodies rest."""
 
 
 def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -> None:
-    """Change the status of link i of a node at a tick; set the order of the break that this makes.
+    """Change the status of link i of a node at a tick.
 
-    A contact that closes starts with overlap 0. Rigid bodies that close strike, which decides their
-    status anew. What stops to yield gets the yield force that it has reached; what starts to, or
-    comes to a knot of its table, gets exactly the overlap there, and the hardening behind a knot.
+    The order of the break that this makes is set.
+
+    A contact that closes starts with overlap 0. Rigid bodies that close strike, which
+    decides their status anew. What stops to yield gets the yield force that it has
+    reached; what starts to, or comes to a knot of its table, gets exactly the overlap
+    there, and the hardening behind a knot.
     """
     run = state.runs[0]
     # Machine code counts no references to borrowed arrays.
@@ -42,7 +48,8 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     link.overlap_acceleration = 0.0
     if status == Status.OPEN or old == Status.OPEN:
         link.overlap = 0.0
-    # The event is rounded to a tick: forces at which a law changes are exact all the same.
+    # The event is rounded to a tick: forces at which a law changes are exact all the
+    # same.
     if old == Status.PLASTIC and status == Status.PLASTIC:  # a knot of the table
         link.overlap = link.knots[link.next_knot] / link.stiffness
         link.yield_force = link.stiffness * link.overlap
@@ -62,10 +69,13 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
 
 
 def closing_of(masses: Masses, node: Node, q: int) -> float:
-    """Return the closing velocity of link q between rigid bodies at the start of the next piece.
+    """Return the closing velocity of link q between rigid bodies.
 
-    In front of the first link and behind the last one is a wall, whose velocity is the wave from
-    outside. Between pieces the first value over the piece, that of index 0, is the present one.
+    It is that at the start of the next piece.
+
+    In front of the first link and behind the last one is a wall, whose velocity is the
+    wave from outside. Between pieces the first value over the piece, that of index 0,
+    is the present one.
     """
     if q == 0:
         before = node.incoming[0][0]
@@ -112,12 +122,14 @@ def resolve_impacts(
 ) -> None:
     """Let link i of a node strike, together with all other impact contacts that touch.
 
-    Each takes the least impulse J >= 0 that leaves it a closing of at most -e times the one before
-    (Moreau, in CISM 302, 1988), by Gauss-Seidel sweeps. Bodies that would part too slowly to matter
-    come to rest. Velocities of masses, states of the links and the log of contacts are set.
+    Each takes the least impulse J >= 0 that leaves it a closing of at most -e times the
+    one before (Moreau, in CISM 302, 1988), by Gauss-Seidel sweeps. Bodies that would
+    part too slowly to matter come to rest. Velocities of masses, states of the links
+    and the log of contacts are set.
 
-    Meanwhile `force[0]` of a striking link is its impulse, N s, `closing[0]` the closing velocity
-    before and `closing_after` the one that is wanted; `unknown_index` is NONE at the other links.
+    Meanwhile `force[0]` of a striking link is its impulse, N s, `closing[0]` the
+    closing velocity before and `closing_after` the one that is wanted; `unknown_index`
+    is NONE at the other links.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -161,11 +173,13 @@ def resolve_impacts(
 def finish_impact(
     run: Run, contact_log: ContactLog, link: Link, i: int, tick: int, closing: float
 ) -> None:
-    """Set the status of link i after an impact that left the velocity `closing`; log its impulse.
+    """Set the status of link i after an impact; log its impulse.
 
-    The contact is open (OPEN); or at rest (REST) if the bodies do not part, or so slowly that it
-    does not matter. A contact that got no impulse (`force[0]`, N s) did not strike: it is not
-    logged.
+    The impact left the velocity `closing`.
+
+    The contact is open (OPEN); or at rest (REST) if the bodies do not part, or so
+    slowly that it does not matter. A contact that got no impulse (`force[0]`, N s) did
+    not strike: it is not logged.
     """
     struck = link.force[0] > 0
     link.overlap = 0.0
@@ -190,8 +204,9 @@ def finish_impact(
 def record_piece(state: State, node: Node, ticks: int) -> None:
     """Take the piece of a node that was solved, of `ticks` from now, as done.
 
-    States of the links and masses become those at its end; impulses, peaks, durations and the log
-    of contacts are continued; and what the run keeps is stored. `now` of the node stays.
+    States of the links and masses become those at its end; impulses, peaks, durations
+    and the log of contacts are continued; and what the run keeps is stored. `now` of
+    the node stays.
     """
     run = state.runs[0]
     h = ticks * run.tick_duration
@@ -200,8 +215,8 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         if run.keeps_history:
             keep_history(state, node, link, ticks)
         set_end_state(link, h)
-        # What the contact did in this piece, as it is logged: unless it presses, see below, it
-        # was open or only touched.
+        # What the contact did in this piece, as it is logged: unless it presses, see
+        # below, it was open or only touched.
         if link.status == Status.OPEN:
             touch = Status.OPEN.value
         else:
@@ -211,7 +226,8 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
             # The integral is over y, which runs through 2 in the time h.
             link.impulse += 0.5 * h * series.integral(link.force)
             largest = series.largest(link.force)
-            # A piece within the window lies where two breaks nearly meet: its peak is round-off.
+            # A piece within the window lies where two breaks nearly meet: its peak is
+            # round-off.
             if ticks > run.event_window and largest > PEAK_RTOL * link.peak_force:
                 raise_peak(link, node)
             overlap = series.largest(link.overlaps)
@@ -248,7 +264,9 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
 
 
 def set_end_state(link: Link, h: float) -> None:
-    """Set overlap, rate and acceleration of a link to those at the end of a piece of duration h.
+    """Set overlap, rate and acceleration of a link to those at the end of a piece.
+
+    The piece has the duration h.
 
     d' = closing - Y F, and d'' is the difference quotient between the last two points.
     """
@@ -264,7 +282,8 @@ def set_end_state(link: Link, h: float) -> None:
 def raise_peak(link: Link, node: Node) -> None:
     """Raise the peak force of a link, and its bound, by the forces of a piece.
 
-    The bound is the peak and what the polynomial and the search for its maximum may miss.
+    The bound is the peak and what the polynomial and the search for its maximum may
+    miss.
     """
     peak = series.maximum(link.force, node.scratch_series, link.peak_force)
     error = series.error_at(link.force, peak.place) + peak.miss
@@ -273,10 +292,12 @@ def raise_peak(link: Link, node: Node) -> None:
 
 
 def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
-    """Return whether a touching contact presses with a force, N, at an overlap, m, that counts.
+    """Return whether a touching contact presses, at an overlap that counts.
 
-    A compliant contact presses from an overlap on that `graze_velocity` makes in the shortest
-    transit. Other forces count if they make more than that velocity.
+    The force is in N, the overlap in m.
+
+    A compliant contact presses from an overlap on that `graze_velocity` makes in the
+    shortest transit. Other forces count if they make more than that velocity.
     """
     if link.law >= Law.SPRING:  # its force follows from its overlap
         transit = run.shortest_transit * run.tick_duration
@@ -285,11 +306,14 @@ def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
 
 
 def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
-    """Return for how many ticks a compliant contact has been closed with a faint force until now.
+    """Return for how many ticks a contact has been closed with a faint force.
 
-    `touch` is what it did in the last piece, of `ticks`. A force that starts smoothly is faint at
-    first; once it presses, it has begun when the contact closed. A force that stays faint for long
-    is round-off: then NONE is returned until the contact opens.
+    The contact is compliant; the time ends now.
+
+    `touch` is what it did in the last piece, of `ticks`. A force that starts smoothly
+    is faint at first; once it presses, it has begun when the contact closed. A force
+    that stays faint for long is round-off: then NONE is returned until the contact
+    opens.
     """
     faint = link.faint_ticks
     # From SPRING on a law is that of an overlap, from PRESS on a contact has a force.
@@ -306,10 +330,12 @@ def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
 def log_contact_change(
     run: Run, contact_log: ContactLog, link: Link, i: int, tick: int, touch: int
 ) -> None:
-    """Log that link i presses (PRESS), only touches (GRAZE) or is open (OPEN) from a tick on.
+    """Log that link i presses, only touches or is open from a tick on.
 
-    That is `touch`. First and last force, episodes, the last opening and `cut_ticks`, the time cut
-    from forces, are continued in the link.
+    The status is PRESS, GRAZE or OPEN.
+
+    That is `touch`. First and last force, episodes, the last opening and `cut_ticks`,
+    the time cut from forces, are continued in the link.
     """
     if touch == Status.PRESS:
         if link.first_force_tick == NONE:
@@ -324,8 +350,8 @@ def log_contact_change(
         # It pressed in this episode, and its force was faint in the end.
         is_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
         if is_faint and link.law >= Law.SPRING and link.damping == 0:
-            # A compliant contact without damping presses until it opens: its last force was logged
-            # too early by this time.
+            # A compliant contact without damping presses until it opens: its last force
+            # was logged too early by this time.
             link.cut_ticks += tick - link.last_force_tick - link.fading_ticks
         link.starts_episode = 1
         link.last_opening_tick = tick
@@ -340,10 +366,13 @@ def log_contact_change(
 
 
 def keep_history(state: State, node: Node, link: Link, ticks: int) -> None:
-    """Append what a link did in a piece of `ticks` from now to the lines that keep its history.
+    """Append what a link did in a piece of `ticks` to the lines of its history.
 
-    These are the force; of joints and contacts the overlap d; of what yields the closing velocity
-    closing - Y F, which is more than d' then. They follow each other from `link.history_line` on.
+    The piece begins now.
+
+    These are the force; of joints and contacts the overlap d; of what yields the
+    closing velocity closing - Y F, which is more than d' then. They follow each other
+    from `link.history_line` on.
     """
     run = state.runs[0]
     all_lines = state.lines

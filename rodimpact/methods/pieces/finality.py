@@ -1,9 +1,13 @@
-"""What groups of bonded bodies do at an instant, for the proof that none of them meets again.
+"""What groups of bonded bodies do at an instant.
 
-A group is a stretch of the list of parts: its first part has their number in `part_count`, and the
-motion of the group. Sides are 0, its left end, and 1, its right end.
+The proof that none of them meets again needs it.
 
-A wall holds a group: its velocity is the mean, and the mass fraction beyond every x is 1.
+A group is a stretch of the list of parts: its first part has their number in
+`part_count`, and the motion of the group. Sides are 0, its left end, and 1, its right
+end.
+
+A wall holds a group: its velocity is the mean, and the mass fraction beyond every x is
+1.
 """
 
 import math
@@ -28,17 +32,23 @@ from .records import (
 from .series import N
 
 REST_RTOL = 2.0**-40
-"""Velocity over the velocity scale, below which a body is at rest: round-off of a long run."""
+"""Velocity over the velocity scale, below which a body is at rest.
+
+It is the round-off of a long run.
+"""
 TRUNCATION_SHARE = 1e-3
-"""Velocity over the tolerance of pieces, below which it may be their truncation error."""
+"""Velocity over the tolerance of pieces that may be their truncation error."""
 
 
 def check_finality(state: State, tick: int) -> None:
-    """Decide at a tick that every node has reached whether the run is over, or when to look again.
+    """Decide at a tick whether the run is over, or when to look again.
 
-    The motion of all groups is set. If a proof of finality succeeds, `proved_tick` and `end_tick`
-    of the run are set; else `next_proof_tick` is the tick of the next look. `stop_reason` becomes
-    DONE at the end of the run. The first check only notes the velocities at t = 0.
+    Every node has reached this tick.
+
+    The motion of all groups is set. If a proof of finality succeeds, `proved_tick` and
+    `end_tick` of the run are set; else `next_proof_tick` is the tick of the next look.
+    `stop_reason` becomes DONE at the end of the run. The first check only notes the
+    velocities at t = 0.
     """
     run = state.runs[0]
     parts = state.parts
@@ -54,7 +64,8 @@ def check_finality(state: State, tick: int) -> None:
             and tick < run.end_tick
         ):
             time = time_until_over(run, state.links, parts)
-            # Where the time is infinite, the tick of the next look still stays below NEVER.
+            # Where the time is infinite, the tick of the next look still stays below
+            # NEVER.
             ticks = int(min(time / run.tick_duration, 0.5 * NEVER)) + 1
             run.next_proof_tick = tick + max(run.proof_interval, ticks)
             if time == 0:
@@ -80,10 +91,12 @@ def read_lines_at(state: State, tick: int) -> None:
 
 
 def time_until_over(run: Run, links: Links, parts: Parts) -> float:
-    """Return the time until it may be proved that the run is over, s, as bodies move now.
+    """Return the time until it may be proved that the run is over, s.
 
-    It is 0 if no contact presses and none can close again, or if nothing changes any more; else a
-    tick or more, after which it is worth while to ask again.
+    Bodies go on as they move now.
+
+    It is 0 if no contact presses and none can close again, or if nothing changes any
+    more; else a tick or more, after which it is worth while to ask again.
     """
     # Velocities below this one count as 0, m/s.
     tolerance = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance
@@ -101,7 +114,8 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
         )
         is_all_quiet = is_all_quiet and is_link_quiet
         time = time_until_apart(link, left, right, tolerance)
-        # A compliant contact counts as pressed until it opens; a rigid one while it has a force.
+        # A compliant contact counts as pressed until it opens; a rigid one while it has
+        # a force.
         has_force = link.force[N] * link.effective_mobility > run.graze_velocity
         is_compliant = link.law > Law.IMPACT  # a spring, or a law behind it
         is_pressed = link.status != Status.OPEN and (is_compliant or has_force)
@@ -116,7 +130,9 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
 def time_until_apart(
     link: Link, left: GroupPart, right: GroupPart, tolerance: float
 ) -> float:
-    """Return the time until a contact between two groups may be proved not to close again, s.
+    """Return the time until a contact may be proved not to close again, s.
+
+    The contact is between two groups.
 
     0 if it may be proved now, see `finality_kernel.separation_time`.
     """
@@ -125,8 +141,8 @@ def time_until_apart(
     # Ends that move with no velocities but those of the waves
     if left.ends_follow_waves and right.ends_follow_waves:
         least_opening = right.min_wave - left.max_wave
-    # Gap between the mean motions: the faces are beside these by their deviations. The right end
-    # (1) of the left group faces the left end (0) of the right one.
+    # Gap between the mean motions: the faces are beside these by their deviations. The
+    # right end (1) of the left group faces the left end (0) of the right one.
     mean_gap = left.end_deviations[1] - right.end_deviations[0] - link.overlap
     left_reach = max_deviation(left, left.compliance_integrals[1])
     right_reach = max_deviation(right, right.compliance_integrals[0])
@@ -137,19 +153,24 @@ def time_until_apart(
 
 
 def is_quiet(link: Link, group: GroupPart, tolerance: float) -> bool:
-    """Return whether a group moves evenly, and the overlap of a contact with it is constant.
+    """Return whether a group moves evenly, and a contact keeps its overlap.
 
-    Velocities within `tolerance`, m/s, are the same. Index N is the end of the last piece.
+    The contact is one of the group.
+
+    Velocities within `tolerance`, m/s, are the same. Index N is the end of the last
+    piece.
     """
     rate = link.closing[N] - link.mobility * link.force[N]
     return bool(group.max_wave - group.min_wave <= tolerance and abs(rate) <= tolerance)
 
 
 def max_deviation(group: GroupPart, compliance: float) -> float:
-    """Return the largest deviation of an end of a group from the mean motion at any time, m.
+    """Return the largest deviation of an end of a group at any time, m.
 
-    It is sqrt(2 E s), E the energy of the group about that motion and s the `compliance_integrals`
-    of the end.
+    It deviates from the mean motion.
+
+    It is sqrt(2 E s), E the energy of the group about that motion and s the
+    `compliance_integrals` of the end.
     """
     return math.sqrt(2 * group.reference_energy * compliance)
 
@@ -157,8 +178,9 @@ def max_deviation(group: GroupPart, compliance: float) -> float:
 def update_groups(state: State, tick: int) -> None:
     """Set the motion of all groups at a tick that every node has reached.
 
-    The first part of each group gets its velocity, its reference velocity and energy, the bounds of
-    its waves, and the deviations of its ends. All parts get mean velocity, energy and moments.
+    The first part of each group gets its velocity, its reference velocity and energy,
+    the bounds of its waves, and the deviations of its ends. All parts get mean
+    velocity, energy and moments.
     """
     parts = state.parts
     for first in range(len(parts)):
@@ -169,7 +191,8 @@ def update_groups(state: State, tick: int) -> None:
         momentum = 0.0
         mass = 0.0
         for k in range(first, stop):
-            # This is for the mean velocity alone: the energy about that of the group comes below.
+            # This is for the mean velocity alone: the energy about that of the group
+            # comes below.
             update_part(state, parts[k], 0.0, tick)
             momentum += parts[k].mass * parts[k].mean_velocity
             mass += parts[k].mass
@@ -177,12 +200,13 @@ def update_groups(state: State, tick: int) -> None:
             group.group_velocity = momentum / mass
         group.reference_velocity = group.group_velocity
         if group.anchor_line != NONE:
-            # The group comes to the velocity that the line from outside carries: a line without
-            # delay, so that its piece is read at this tick.
+            # The group comes to the velocity that the line from outside carries: a line
+            # without delay, so that its piece is read at this tick.
             piece = state.log[state.lines[group.anchor_line].read_piece]
             y = 2 * (tick - piece.start) / (piece.end - piece.start) - 1
             group.reference_velocity = lines.at(piece, y)
-        # Energy about the reference motion: m (v - v_ref)^2/2, and that of the vibration about v.
+        # Energy about the reference motion: m (v - v_ref)^2/2, and that of the
+        # vibration about v.
         excess = group.group_velocity - group.reference_velocity
         group.reference_energy = mass * (excess * excess) / 2
         group.min_wave = group.reference_velocity
@@ -196,11 +220,14 @@ def update_groups(state: State, tick: int) -> None:
 
 
 def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
-    """Set the mean velocity of a part, its energy about the velocity `speed`, and its wave moments.
+    """Set the mean velocity of a part, its energy and its wave moments.
 
-    In a segment v = (a + b)/2 and c strain = (b - a)/2. So over y from -1 to 1 the mean velocity is
-    (integral of a + integral of b)/4, and the energy m (integral of a^2 + integral of b^2)/8, a and
-    b less the speed. A mass has m (v - speed)^2/2, the spring of a joint k d^2/2.
+    The energy is that about the velocity `speed`.
+
+    In a segment v = (a + b)/2 and c strain = (b - a)/2. So over y from -1 to 1 the mean
+    velocity is (integral of a + integral of b)/4, and the energy m (integral of a^2 +
+    integral of b^2)/8, a and b less the speed. A mass has m (v - speed)^2/2, the spring
+    of a joint k d^2/2.
     """
     part.vibration_energy = 0.0
     if part.kind == Part.MASS:
@@ -226,19 +253,22 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
 
 
 def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None:
-    """Set the deviation of an end of a group from its reference motion, and the bound of it later.
+    """Set the deviation of an end of a group, and the bound of it later.
 
-    The group has the parts from `first` to before `stop`, and a `mass`, kg. The deviation is the
-    integral of g strain dx over the group, as the left end moves to the left if the group
-    stretches; `compliance_integrals` is s below.
+    It deviates from the reference motion.
 
-    With E the energy about the reference motion, elastic parts move the end by sqrt(2 E s) at most,
-    s = integral of g^2 dx/(E A), g the mass fraction beyond x as seen from the end. At the left and
-    at the right of a part it is g and w.
+    The group has the parts from `first` to before `stop`, and a `mass`, kg. The
+    deviation is the integral of g strain dx over the group, as the left end moves to
+    the left if the group stretches; `compliance_integrals` is s below.
 
-    A dashpot c transmits the change of the momentum of either side. A momentum of the mass m is
-    sqrt(2 E m) at most, so its change is at most twice that, and the stretch 2 sqrt(2 E m)/c. Both
-    bounds add: the end moves by sqrt(2 E) (sqrt(s) + sum of 2 g sqrt(m)/c) at most.
+    With E the energy about the reference motion, elastic parts move the end by sqrt(2 E
+    s) at most, s = integral of g^2 dx/(E A), g the mass fraction beyond x as seen from
+    the end. At the left and at the right of a part it is g and w.
+
+    A dashpot c transmits the change of the momentum of either side. A momentum of the
+    mass m is sqrt(2 E m) at most, so its change is at most twice that, and the stretch
+    2 sqrt(2 E m)/c. Both bounds add: the end moves by sqrt(2 E) (sqrt(s) + sum of 2 g
+    sqrt(m)/c) at most.
     """
     group = state.parts[first]
     is_anchored = group.anchor_line != NONE
@@ -283,11 +313,14 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
 
 
 def bound_end_velocities(state: State, first: int, stop: int) -> None:
-    """Set the bounds of the waves under way in a group, and whether they bound its ends too.
+    """Set the bounds of the waves under way in a group.
 
-    The bounds begin at the reference velocity, which is set before. The ends of a group that is one
-    segment, free or between walls, can only take velocities of the waves in it, of their
-    reflections, and of its anchor. Neither can a group that is a single part, such as a mass.
+    Whether they bound its ends too is set as well.
+
+    The bounds begin at the reference velocity, which is set before. The ends of a group
+    that is one segment, free or between walls, can only take velocities of the waves in
+    it, of their reflections, and of its anchor. Neither can a group that is a single
+    part, such as a mass.
     """
     group = state.parts[first]
     segments = 0
@@ -310,8 +343,8 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
             other_parts += 1
     for k in range(first, stop):
         if state.parts[k].kind == Part.WALL:
-            # A wall of velocity V reflects a wave w as 2 V - w. The wall is the anchor of the
-            # group, so that V is the reference velocity.
+            # A wall of velocity V reflects a wave w as 2 V - w. The wall is the anchor
+            # of the group, so that V is the reference velocity.
             reflected_min = 2 * group.reference_velocity - group.max_wave
             reflected_max = 2 * group.reference_velocity - group.min_wave
             group.min_wave = min(group.min_wave, reflected_min)
@@ -324,24 +357,27 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
 def strain_integral(part: GroupPart, g: float, w: float) -> float:
     """Return the integral of g strain dx over a segment, over its transit time, m/s.
 
-    g is linear, from g at the left end to w at the right end. As dx is c dt, strain dx is
-    (b - a)/2 dt. The part of a that was sent last is at the left end now, that of b at the right
-    end: y of b runs with x, that of a against it, so that their moments add.
+    g is linear, from g at the left end to w at the right end. As dx is c dt, strain dx
+    is (b - a)/2 dt. The part of a that was sent last is at the left end now, that of b
+    at the right end: y of b runs with x, that of a against it, so that their moments
+    add.
     """
     mean = part.wave_integrals[1] - part.wave_integrals[0]  # integral of b - a over y
     slope = part.wave_moments[1] + part.wave_moments[0]  # integral of (b - a) y
-    # Here y is the place, g is (g + w)/2 + (w - g)/2 y, and strain dx over the transit time is
-    # (b - a)/2 dy/2: the three halves make 1/8.
+    # Here y is the place, g is (g + w)/2 + (w - g)/2 y, and strain dx over the transit
+    # time is (b - a)/2 dy/2: the three halves make 1/8.
     return float((g + w) * mean + (w - g) * slope) / 8
 
 
 def wave_bounds(
     all_lines: Lines, log: Log, l: int, low: float, high: float
 ) -> tuple[float, float]:
-    """Return the smallest and the largest of `low`, `high` and the waves under way in line l, m/s.
+    """Return the range of `low`, `high` and the waves under way in line l, m/s.
 
-    Under way is what lies from the read piece of the line on. The values of a series are within
-    c[0] -/+ (abs(c[1]) + abs(c[2]) + ...).
+    It is their smallest and their largest value.
+
+    Under way is what lies from the read piece of the line on. The values of a series
+    are within c[0] -/+ (abs(c[1]) + abs(c[2]) + ...).
     """
     i = all_lines[l].read_piece
     while i != NONE:

@@ -1,4 +1,7 @@
-"""Pieces of all lines at t = 0: waves under way in segments, then waves from outside."""
+"""Pieces of all lines at t = 0.
+
+First come the waves under way in segments, then waves from outside.
+"""
 
 import math
 from collections.abc import Callable, Iterator
@@ -18,11 +21,14 @@ from .records import HARD, NONE, PIECE
 EXACT_FIT = 2.0**-48
 """Largest miss of waves of an earlier run, over the velocity scale."""
 JUMP_RTOL = 1e-12
-"""Largest difference of two places that are the same jump, over the length of the segment."""
+"""Largest distance of two places of the same jump, over the segment length."""
 
 
 def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
-    """Yield for each segment its rod, its number from 0 on, and where it begins in the rod, m."""
+    """Yield for each segment its rod, its number, and where it begins in the rod, m.
+
+    The number counts from 0.
+    """
     for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
         begin: Any = 0.0
         for s in range(first - 1, last):
@@ -31,9 +37,12 @@ def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
 
 
 def jumps_of(row: Row) -> list[tuple[int, float]]:
-    """Jumps of the initial state inside segments: segment, and share of its length to the left.
+    """Jumps of the initial state inside segments.
 
-    Jumps at the ends of segments are none of these; one that velocity and strain share is twice.
+    Each has its segment, and the share of its length to the left.
+
+    Jumps at the ends of segments are none of these; one that velocity and strain share
+    is twice.
     """
     jumps = []
     for rod, s, begin in segments_of(row):
@@ -48,12 +57,17 @@ def jumps_of(row: Row) -> list[tuple[int, float]]:
 
 
 def varies(*profiles: Any) -> bool:
-    """Whether one of these values varies in space or time: it is a profile, not a number."""
+    """Whether one of these values varies in space or time.
+
+    Such a value is a profile, not a number.
+    """
     return any(isinstance(value, Steps | Samples | Polynomials) for value in profiles)
 
 
 def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
-    """Array of records [member, i] of objects whose fields hold a number, or one for each member.
+    """Array of records [member, i] of objects.
+
+    Their fields hold a number, or one for each member.
 
     `record` is their dtype. A field may also be a list of such numbers.
     """
@@ -69,7 +83,9 @@ def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
 
 
 def _copy_list(target: Any, values: list[Any]) -> None:
-    """Copy a list of numbers, or of arrays by member, to a field of records, which are still 0.
+    """Copy numbers, or arrays by member, to a field of records.
+
+    The records are still 0.
 
     Lists of lists are values over a piece: nothing has set them, so they stay 0.
     """
@@ -84,7 +100,8 @@ def _copy_list(target: Any, values: list[Any]) -> None:
 class OutsideSignal(NamedTuple):
     """The signal of a line from outside, made of the value u(t) that acts on an end.
 
-    It is factor * u(t) + start + slope * t: a velocity in the frame, a force, or a wave.
+    It is factor * u(t) + start + slope * t: a velocity in the frame, a force, or a
+    wave.
     """
 
     factor: Any  # m/s by strain; 1 for velocities and forces
@@ -104,10 +121,11 @@ class InitialLines:
     outside : list of int
         Lines from outside to the left and right end, NONE for the free end of a rod.
     fit : float
-        Largest miss of a profile by its pieces, or of a function by its samples, relative to the
-        velocity scale.
+        Largest miss of a profile by its pieces, or of a function by its samples,
+        relative to the velocity scale.
     carried : float
-        Stated error of the run from whose state this one goes on, relative to the velocity scale.
+        Stated error of the run from whose state this one goes on, relative to the
+        velocity scale.
     """
 
     def __init__(
@@ -136,8 +154,8 @@ class InitialLines:
     def _add(self, pieces: Any) -> int:
         """Append pieces, [member, piece], to `log` and an `InitialLine` to `lines`.
 
-        Return the number of the line. The pieces get their line, and the rows of those that follow
-        them.
+        Return the number of the line. The pieces get their line, and the rows of those
+        that follow them.
         """
         number = len(self.log)
         # Row of the joined log at which the line begins
@@ -161,7 +179,9 @@ class InitialLines:
         *profiles: tuple[Any, float],
         is_drive: bool = False,
     ) -> Any:
-        """Pieces, [piece], that fit a signal between two ticks; raise `fit` and `carried`.
+        """Pieces, [piece], that fit a signal between two ticks.
+
+        `fit` and `carried` are raised.
 
         The signal is the sum of these profiles times factors, and as wrong as they are.
         """
@@ -187,7 +207,9 @@ class InitialLines:
         return pieces
 
     def _add_under_way(self, s: int, rod: Any, begin: Any) -> None:
-        """Add the lines of both waves in segment s at t = 0, a = v - c strain and b = v + c strain.
+        """Add the lines of both waves in segment s at t = 0.
+
+        They are a = v - c strain and b = v + c strain.
 
         The segment begins in its rod at `begin`, m; v is the velocity in the frame.
         """
@@ -204,8 +226,8 @@ class InitialLines:
         strain = profile_pieces.signal_of(rod.strain, rod.length, ticks_of)
         profiles = ((rod.velocity, 1.0), (rod.strain, c))
         T = int(transit)
-        # The part of a at x reaches the right end at T - x/c: it left the left end x/c before
-        # t = 0, so that time runs against x.
+        # The part of a at x reaches the right end at T - x/c: it left the left end x/c
+        # before t = 0, so that time runs against x.
         wave = (v + strain.times(-c)).plus(-frame).later(0)
         pieces = self._fit_pieces(wave, 0, T, *profiles)
         self._add(profile_pieces.backwards(pieces)[None])
@@ -215,9 +237,12 @@ class InitialLines:
         self._add(pieces[None])
 
     def _ticks_in_segment(self, s: int, begin: Any) -> Callable[[Any], Ints]:
-        """A function of places in a rod, m: ticks that a wave takes from segment s's left end.
+        """A function of places in a rod, m: the ticks that a wave takes to them.
 
-        Segment s begins in the rod at `begin`, m. A jump is at the ticks that the clock gave it.
+        The wave comes from the left end of segment s.
+
+        Segment s begins in the rod at `begin`, m. A jump is at the ticks that the clock
+        gave it.
         """
         segment = self._row.segments[s]
         transit = self._clock.transits[s]
@@ -237,7 +262,9 @@ class InitialLines:
         return ticks_of
 
     def _add_outside(self, side: int) -> int:
-        """Add the line from outside of an end; return its number, NONE for the free end of a rod.
+        """Add the line from outside of an end; return its number.
+
+        It is NONE for the free end of a rod.
 
         `side` is 0 on the left, 1 on the right.
         """
@@ -260,11 +287,14 @@ class InitialLines:
         return bool(first[-2] == first[-1])
 
     def _outside_signal(self, side: int) -> OutsideSignal:
-        """How the signal of an end follows from the value that acts there, by the kind of the end.
+        """How the signal of an end follows from the value that acts there.
 
-        That is factor, start and slope, see `OutsideSignal`. `side` is 0 on the left, 1 on the
-        right. A velocity counts in the frame, which falls; a force acts as it is. The wave out of
-        an endless rod is the one that the end sends inward at t = 0, and what the strain adds.
+        This depends on the kind of the end.
+
+        That is factor, start and slope, see `OutsideSignal`. `side` is 0 on the left, 1
+        on the right. A velocity counts in the frame, which falls; a force acts as it
+        is. The wave out of an endless rod is the one that the end sends inward at t =
+        0, and what the strain adds.
         """
         row = self._row
         kind, _ = row.boundaries[side]
@@ -283,9 +313,10 @@ class InitialLines:
         return OutsideSignal(factor=1.0, start=0.0, slope=0.0)
 
     def _line_inward(self, side: int) -> int:
-        """Line on which the left (0) or the right (1) end of the row sends waves inward.
+        """Line on which the left (0) or right (1) end of the row sends waves inward.
 
-        Segment s, from 0 on, has the line 2 s to the right and the line 2 s + 1 to the left.
+        Segment s, from 0 on, has the line 2 s to the right and the line 2 s + 1 to the
+        left.
         """
         if side == 0:
             return 0
@@ -293,7 +324,9 @@ class InitialLines:
         return 2 * last + 1
 
     def _steady(self, value: Any, signal: OutsideSignal) -> Any:
-        """The piece, [member, 1], of a value that is constant, for ever or to the end of the run.
+        """The piece, [member, 1], of a value that is constant.
+
+        It holds for ever or to the end of the run.
 
         In a frame that falls its signal is a straight line from tick 0 to `stop`.
         """
@@ -310,10 +343,13 @@ class InitialLines:
         return records_of_family([piece], PIECE, self._row)
 
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
-        """Pieces, [1, piece], of a value that varies over time and acts on an end of this `kind`.
+        """Pieces, [1, piece], of a value that varies over time.
 
-        They fit the signal of the line: factor * value + start + slope * t, see `OutsideSignal`.
-        There is one member: what acts on the ends of a family is constant in time.
+        It acts on an end of this `kind`.
+
+        They fit the signal of the line: factor * value + start + slope * t, see
+        `OutsideSignal`. There is one member: what acts on the ends of a family is
+        constant in time.
         """
         until = self._request.until
         assert until is not None
@@ -332,8 +368,9 @@ class InitialLines:
             drive = drive + Pieces.through([0, stop], ramp)
         # Velocity that a unit of the value makes, for the error of the value
         if kind == "force":
-            # F changes the wave that leaves its end by 2 F/Z, and the end itself by F/Z. Where
-            # the wave goes on into other segments it is at most 2 F over the least Z.
+            # F changes the wave that leaves its end by 2 F/Z, and the end itself by
+            # F/Z. Where the wave goes on into other segments it is at most 2 F over the
+            # least Z.
             impedances = [float(segment.impedance) for segment in self._row.segments]
             velocity_per_value = 2 / min(impedances, default=math.inf)
         else:

@@ -1,7 +1,7 @@
 """From the numbers of a row to the records that the kernels of this method work on.
 
-The page has this as JavaScript. In Python a number is an array, with one number for each member of
-a family: so nothing here is decided by a number but through `np.where`.
+The page has this as JavaScript. In Python a number is an array, with one number for
+each member of a family: so nothing here is decided by a number but through `np.where`.
 """
 
 from typing import Any, NamedTuple
@@ -40,13 +40,13 @@ PIECES_PER_TRANSIT = 8
 MIN_FIRST_PIECE = 16
 """Bound of the duration of that first piece, ticks."""
 EVENT_WINDOW = 2.0**-40
-"""Time over which an event and an arrival are taken together, over the longest transit time."""
+"""Time within which events and arrivals are one, over the longest transit time."""
 DIFFERENCE_STEP = 1e-7
 """Step of the slopes of a law of the user, over the velocity scale."""
 PROOFS_PER_TRANSIT = 8
-"""Number of proofs in the longest transit time, at most: each reads all waves under way."""
+"""Largest number of proofs in the longest transit time: each reads all waves."""
 TRANSITS_AFTER_PROOF = 2
-"""Time that a run goes on after its proof, where it must, over that through the longest body."""
+"""Time to go on after a proof, where needed, over that through the longest body."""
 GRAZE_VELOCITY = 2.0**-40
 """Velocity, over the velocity scale: a force that makes less counts as none."""
 UNHELD_COMPLIANCE = 1e300
@@ -70,11 +70,14 @@ class InitialLine(NamedTuple):
     ticks: int  # duration of its pieces
 
 
-# Waves at t = 0, and from outside -----------------------------------------------------------------
+# Waves at t = 0, and from outside
+# -----------------------------------------------------------------
 
 
 def piece_of(start: Any, stop: Any, values: Any) -> Any:
-    """A record of a piece from tick `start` to `stop` with these first coefficients of its series.
+    """Record of a piece from tick `start` to `stop`.
+
+    It has these first coefficients of its series.
 
     The others are 0. It is on no line yet, and no piece follows it.
     """
@@ -91,10 +94,12 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
 
 
 def initial_waves(velocity: Any, stretch: Any, T: Any) -> list[Any]:
-    """Pieces of both waves in a segment at t = 0, a = v - c strain and b = v + c strain, m/s.
+    """Pieces of both waves in a segment at t = 0, m/s.
 
-    v is its velocity in the frame, `stretch` is c strain, and T the transit time, ticks: what is
-    under way now has been sent since -T.
+    They are a = v - c strain and b = v + c strain.
+
+    v is its velocity in the frame, `stretch` is c strain, and T the transit time,
+    ticks: what is under way now has been sent since -T.
     """
     return [
         piece_of(-T, 0, [velocity - stretch]),
@@ -107,7 +112,8 @@ def constant_wave(value: Any) -> Any:
     return piece_of(0, NEVER, [value])
 
 
-# Records ------------------------------------------------------------------------------------------
+# Records
+# --------------------------------------------------------------------------------------
 
 
 def lay_out(
@@ -117,7 +123,9 @@ def lay_out(
     initial_lines: list[InitialLine],
     outside: Any,
 ) -> list[list[Any]]:
-    """Lists of the records of a row at t = 0: its run, nodes, links, masses, lines and parts.
+    """Lists of the records of a row at t = 0.
+
+    They are its run, nodes, links, masses, lines and parts.
 
     Parameters
     ----------
@@ -125,9 +133,11 @@ def lay_out(
     clock : Clock
     request : RunRequest
     initial_lines : list of InitialLine
-        Two lines a segment, to the right and to the left, then those that come from outside.
+        Two lines a segment, to the right and to the left, then those that come from
+        outside.
     outside : list of int
-        Lines that come from outside to the left and the right end; NONE at the free end of a rod.
+        Lines that come from outside to the left and the right end; NONE at the free end
+        of a rod.
     """
     shortest = shortest_transit(clock)
     nodes = make_nodes(row, outside, shortest)
@@ -161,7 +171,10 @@ def shortest_transit(clock: Clock) -> Any:
 
 
 def longest_body_time(row: Any, clock: Clock, shortest: Any) -> Any:
-    """Longest time in which a wave goes through a body, ticks; `shortest` in a row without rods."""
+    """Longest time in which a wave goes through a body, ticks.
+
+    It is `shortest` in a row without rods.
+    """
     if len(clock.transits) > 0:
         times = [0]
     else:
@@ -180,7 +193,8 @@ def make_run(
 ) -> Any:
     """The record of a run before its first step: request, clock, tolerances and proof.
 
-    `shortest` is the shortest transit, ticks. The log has the pieces of `initial_lines`.
+    `shortest` is the shortest transit, ticks. The log has the pieces of
+    `initial_lines`.
     """
     run = blank(1, RUN)[0]
     # Mean number of hard breaks in the shortest transit, on the line with the most
@@ -213,10 +227,12 @@ def make_run(
 
 
 def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
-    """Set when a run first looks for its proof of finality, and how often; times are ticks.
+    """Set when a run looks for its proof of finality, and how often.
 
-    `shortest` and `longest` are transit times. A run with an external drive never does. It also
-    sets `has_bonds`, which says that some contact cannot open.
+    Times are ticks.
+
+    `shortest` and `longest` are transit times. A run with an external drive never does.
+    It also sets `has_bonds`, which says that some contact cannot open.
     """
     run.proved_tick = NONE
     run.last_proof_tick = NONE
@@ -230,17 +246,19 @@ def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
 
 
 def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
-    """Nodes from left to right, one more than there are segments; `shortest` is a transit, ticks.
+    """Nodes from left to right, one more than there are segments.
 
-    Segment k, from 0 on, lies between the nodes k and k + 1. Its line 2 k leads to the right, its
-    line 2 k + 1 to the left. `outside` are the lines from outside, left and right; NONE at the free
-    end of a rod.
+    `shortest` is a transit, ticks.
+
+    Segment k, from 0 on, lies between the nodes k and k + 1. Its line 2 k leads to the
+    right, its line 2 k + 1 to the left. `outside` are the lines from outside, left and
+    right; NONE at the free end of a rod.
     """
     n = len(row.segments)
     nodes = blank(n + 1, NODE)
     for k, node in enumerate(nodes):
-        # Node k has the masses from row.first[k] to before row.first[k + 1]: each node has a link
-        # more than masses.
+        # Node k has the masses from row.first[k] to before row.first[k + 1]: each node
+        # has a link more than masses.
         node.first_mass = row.first[k]
         node.first_link = k + node.first_mass
         node.link_count = row.first[k + 1] - row.first[k] + 1
@@ -266,10 +284,12 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
 
 
 def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]:
-    """Links of all nodes, node by node, as they are at t = 0; `time` is the shortest transit, s.
+    """Links of all nodes, node by node, as they are at t = 0.
 
-    Each has its law, status and mobilities; impacts have a scale of resting forces, laws of the
-    user the steps of their difference quotients.
+    `time` is the shortest transit, s.
+
+    Each has its law, status and mobilities; impacts have a scale of resting forces,
+    laws of the user the steps of their difference quotients.
     """
     links = blank(len(row.links), LINK)
     for node in nodes:
@@ -289,10 +309,12 @@ def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]
 
 
 def set_law(link: Any, row_link: Any, i: int) -> None:
-    """Set the law of link i with its numbers from the link of the row, and its status at t = 0.
+    """Set the law, the numbers and the status of link i at t = 0.
 
-    Nothing has happened to it yet. A contact without a gap presses (PRESS), one with a gap or an
-    impact is open (OPEN), and all else is a bond (BOND).
+    They come from the link of the row.
+
+    Nothing has happened to it yet. A contact without a gap presses (PRESS), one with a
+    gap or an impact is open (OPEN), and all else is a bond (BOND).
     """
     link.left_group = NONE
     link.right_group = NONE
@@ -331,7 +353,9 @@ def set_mobility(link: Any, node: Any, q: int) -> None:
 def set_effective_mobility(
     link: Any, node: Any, q: int, masses: list[Any], time: Any
 ) -> None:
-    """Set the closing velocity that 1 N in link q of a node makes in a time, s, over 1 N; s/kg.
+    """Set the closing velocity that 1 N in a link makes in a time, s/kg.
+
+    It is link q of a node; the time is in s.
 
     A rod end takes 1/Z, a mass m takes time/m. `masses` are those of the row, kg.
     """
@@ -356,10 +380,12 @@ def make_masses(row: Any, clock: Clock) -> list[Any]:
 
 
 def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int:
-    """Set `history_line` of links and masses, from line `first` on; return the number of all lines.
+    """Set `history_line` of links and masses; return the number of all lines.
 
-    A link keeps its force; a joint or a contact also its overlap, which is minus the gap; and what
-    yields its closing velocity.
+    They begin with line `first`.
+
+    A link keeps its force; a joint or a contact also its overlap, which is minus the
+    gap; and what yields its closing velocity.
     """
     l = first
     for link in links:
@@ -376,10 +402,12 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
 
 
 def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> list[Any]:
-    """All lines, `count` of them; those of `initial_lines` come first, the others are empty.
+    """All lines, `count` of them.
 
-    Pieces at t = 0 stand at the beginning of the log, line by line. The lines of a segment have its
-    transit time as delay, others none.
+    Those of `initial_lines` come first, the others are empty.
+
+    Pieces at t = 0 stand at the beginning of the log, line by line. The lines of a
+    segment have its transit time as delay, others none.
     """
     lines = blank(count, LINE)
     for history_line in lines[len(initial_lines) :]:
@@ -403,7 +431,8 @@ def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> li
 def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> list[Any]:
     """Parts of all groups of bodies between contacts that open, from left to right.
 
-    Each link that opens gets the groups on its sides. `outside` are the lines from outside.
+    Each link that opens gets the groups on its sides. `outside` are the lines from
+    outside.
     """
     parts: list[Any] = []
     head = 0  # first part of the group
@@ -440,7 +469,10 @@ def joint_compliance(stiffness: Any) -> Any:
 def add_part(
     parts: list[Any], head: int, kind: int, index: int, mass: Any, compliance: Any
 ) -> None:
-    """Append a part to `parts`, and count it in the group that begins with part `head`."""
+    """Append a part to `parts`, and count it in its group.
+
+    The group begins with part `head`.
+    """
     part = blank(1, GROUP_PART)[0]
     part.kind = kind
     part.index = index
@@ -454,7 +486,8 @@ def add_part(
 def add_ground(parts: list[Any], head: int, kind: str, line: int) -> None:
     """Append what holds an end of the row to the group of part `head`; `line` moves it.
 
-    It is a wall (a boundary of kind "velocity") or an endless rod ("absorbing"), else nothing.
+    It is a wall (a boundary of kind "velocity") or an endless rod ("absorbing"), else
+    nothing.
     """
     if kind == "velocity":
         add_part(parts, head, Part.WALL.value, NONE, 0.0, 0.0)

@@ -1,8 +1,10 @@
-"""Lines: what left one end arrives at the other a transit later, as a list of pieces in a log.
+"""Lines: what left one end arrives at the other a transit later.
 
-Line l carries the pieces of the log whose `line` is l, linked by `next`. Their times are those at
-which they were sent; they arrive later by the delay of the line. The read piece of a line is the
-one that its reader, the node at its end, reads now.
+A line is a list of pieces in a log.
+
+Line l carries the pieces of the log whose `line` is l, linked by `next`. Their times
+are those at which they were sent; they arrive later by the delay of the line. The read
+piece of a line is the one that its reader, the node at its end, reads now.
 """
 
 from typing import NamedTuple
@@ -36,7 +38,9 @@ def at(piece: Piece, y: float) -> float:
 
 
 def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
-    """Move the read piece of line l on to the one that arrives at a tick, or to the last one.
+    """Move the read piece of line l on to the one that arrives at a tick.
+
+    Behind the last piece it is the last one.
 
     Hard breaks that it passes are no longer counted as unread.
     """
@@ -52,7 +56,9 @@ def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
 
 
 def rewind(lines: Lines, log: Log, l: int) -> None:
-    """Move the read piece of line l back to its first one, and count all its hard breaks as unread.
+    """Move the read piece of line l back to its first one.
+
+    All its hard breaks count as unread again.
 
     That is needed to read a line at an earlier tick than that of its reader.
     """
@@ -73,14 +79,14 @@ def known_until(lines: Lines, log: Log, l: int) -> int:
 
 
 def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
-    """Return the tick of the first hard break that arrives by line l between `tick` and `end`.
+    """Return the tick of the first hard break by line l between `tick` and `end`.
 
     `end` is returned if there is none.
     """
     delay = lines[l].delay
     i = log[lines[l].read_piece].next
-    # The break at the start of piece i arrives at the tick start + delay. It is hard if its order
-    # is low.
+    # The break at the start of piece i arrives at the tick start + delay. It is hard if
+    # its order is low.
     while i != NONE and log[i].start + delay < end:
         if log[i].break_order <= HARD and log[i].start + delay > tick:
             return int(log[i].start + delay)
@@ -89,7 +95,9 @@ def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
 
 
 def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
-    """Return the order of the break that arrives by line l at a tick; SMOOTH if there is none.
+    """Return the order of the break that arrives by line l at a tick.
+
+    It is SMOOTH if there is none.
 
     At t = 0 it is 0: anything may jump.
     """
@@ -104,7 +112,9 @@ def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
 def sample(
     lines: Lines, log: Log, l: int, tick: int, ticks: int, f: MutableValues
 ) -> None:
-    """Set f to the wave that arrives by line l at the points of a piece of `ticks` from `tick` on.
+    """Set f to the wave that arrives by line l, at the points of a piece.
+
+    The piece has `ticks` from `tick` on.
 
     If the wave jumps at the end of the piece, its value is the one before.
     """
@@ -116,8 +126,8 @@ def sample(
         return
     for j in range(POINTS):
         u = 0.5 * (X[j] + 1) * ticks  # time since `begin`
-        # Go on to the piece that holds at this time; but not beyond a piece that ends where the
-        # sampled time ends.
+        # Go on to the piece that holds at this time; but not beyond a piece that ends
+        # where the sampled time ends.
         while (
             piece.next != NONE and begin + u > piece.end and piece.end < begin + ticks
         ):
@@ -128,11 +138,13 @@ def sample(
 
 
 def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
-    """Return the moments of the wave, less a velocity, that a line sent over `ticks` from `begin`.
+    """Return the moments of the wave that a line sent, less a velocity.
 
-    i is the row of the log of a piece of the line at or before `begin`; `speed` is the velocity,
-    m/s. The moments are integrals over y, from -1 at `begin` to 1 after `ticks`. Each piece is
-    integrated with the weights of the stages.
+    It was sent over `ticks` from `begin`.
+
+    i is the row of the log of a piece of the line at or before `begin`; `speed` is the
+    velocity, m/s. The moments are integrals over y, from -1 at `begin` to 1 after
+    `ticks`. Each piece is integrated with the weights of the stages.
     """
     whole = 0.0
     tilt = 0.0
@@ -149,7 +161,8 @@ def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
                 in_piece = 2 * ((low - piece.start) + u) / (piece.end - piece.start) - 1
                 y = 2 * ((low - begin) + u) / ticks - 1
                 v = at(piece, in_piece) - speed
-                # v times its weight: the part of the piece is (high - low)/ticks of the time
+                # v times its weight: the part of the piece is (high - low)/ticks of the
+                # time
                 w = (high - low) / ticks * WEIGHTS[j] * v
                 whole += w
                 tilt += w * y
@@ -162,7 +175,9 @@ def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
 def project(
     lines: Lines, log: Log, l: int, tick: int, ticks: int, f: MutableValues
 ) -> None:
-    """Set f to the parabola nearest to the wave that arrives by line l in `ticks` from `tick` on.
+    """Set f to the parabola nearest to the wave that arrives by line l.
+
+    The wave arrives in `ticks` from `tick` on.
 
     It has the same momentum, and never more energy. f are its values at the points.
     """
@@ -182,11 +197,11 @@ def append_piece(
     degree: int,
     c: Values,
 ) -> int:
-    """Append the piece of the series c from `tick` to `stop` to line l; return its row in the log.
+    """Append the series c from `tick` to `stop` to line l; return its row in the log.
 
-    A constant wave stays one piece as long as it is constant: a front is a piece of degree 0. If
-    the new piece only goes on with it, the old one is made longer, and NONE is returned. The new
-    piece has no break at its start (SMOOTH): callers set one.
+    A constant wave stays one piece as long as it is constant: a front is a piece of
+    degree 0. If the new piece only goes on with it, the old one is made longer, and
+    NONE is returned. The new piece has no break at its start (SMOOTH): callers set one.
     """
     i = int(run.piece_count)
     line = lines[l]
@@ -223,7 +238,9 @@ def append_values(
     f: Values,
     c: MutableValues,
 ) -> int:
-    """Append the piece of `ticks` from `tick` on with the values f at its points to line l.
+    """Append a piece with the values f at its points to line l.
+
+    It has `ticks` from `tick` on.
 
     Return its row in the log, or NONE, as `append_piece`. c is scratch.
     """
@@ -243,13 +260,16 @@ def append_values(
 def send(
     run: Run, lines: Lines, log: Log, l: int, node: Node, ticks: int, order: int
 ) -> None:
-    """Append `node.outgoing`, over `ticks` from now, to line l; it begins with a break of `order`.
+    """Append `node.outgoing`, over `ticks` from now, to line l.
 
-    `order` is the lowest that theory allows: where less jumps, the break gets a higher order. Hard
-    breaks are counted as unread.
+    It begins with a break of `order`.
 
-    A constant wave that starts to change makes a hard break, however smooth the start is. So no
-    piece of any node reaches across the arrival of this wave, and nothing moves before it arrives.
+    `order` is the lowest that theory allows: where less jumps, the break gets a higher
+    order. Hard breaks are counted as unread.
+
+    A constant wave that starts to change makes a hard break, however smooth the start
+    is. So no piece of any node reaches across the arrival of this wave, and nothing
+    moves before it arrives.
     """
     old = lines[l].last_piece
     i = append_values(
@@ -266,15 +286,18 @@ def send(
 
 
 def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
-    """Raise the order of the break between pieces `old` and i if less jumps; count a hard one.
+    """Raise the order of the break between pieces `old` and i if less jumps.
 
-    `break_order` of piece i is the lowest that theory allows. A wave whose value does not jump has
-    order 1 or more; one whose slope and curvature do not jump either is SMOOTH. Jumps of these are
-    taken as changes of values in a quarter of the shortest transit.
+    A hard break is counted.
 
-    That is s = (shortest transit)/(2 duration) in y, in which T_m changes by s T_m' + s^2 T_m''/2.
-    T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end of a piece, with the signs (-1)^(m+1) and
-    (-1)^m at its start.
+    `break_order` of piece i is the lowest that theory allows. A wave whose value does
+    not jump has order 1 or more; one whose slope and curvature do not jump either is
+    SMOOTH. Jumps of these are taken as changes of values in a quarter of the shortest
+    transit.
+
+    That is s = (shortest transit)/(2 duration) in y, in which T_m changes by s T_m' +
+    s^2 T_m''/2. T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end of a piece, with the
+    signs (-1)^(m+1) and (-1)^m at its start.
     """
     before = log[old]
     new = log[i]
@@ -302,10 +325,13 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
 
 
 def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
-    """Send the piece that arrives at a free end back, unchanged; return the tick of its end.
+    """Send the piece that arrives at a free end back, unchanged.
 
-    v = (a + b)/2 and no force: the wave that leaves is the one that arrives, with its break. The
-    piece is appended to the outgoing line; the caller sets `now` of the node.
+    Return the tick of its end.
+
+    v = (a + b)/2 and no force: the wave that leaves is the one that arrives, with its
+    break. The piece is appended to the outgoing line; the caller sets `now` of the
+    node.
     """
     # Side of the node on which its rod is
     if node.mobility[1] > 0:
@@ -327,7 +353,8 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
         log[i].break_order = 0
         classify_break(run, lines, log, old, i)
     elif i != NONE and node.now == piece.start + delay:
-        # The start of the piece arrives now, and its break is sent on: one more, if it is hard.
+        # The start of the piece arrives now, and its break is sent on: one more, if it
+        # is hard.
         log[i].break_order = piece.break_order
         lines[target].unread_breaks += piece.break_order <= HARD
     return int(stop)

@@ -1,8 +1,11 @@
-"""The loop over nodes: the one furthest behind goes next, up to what is known of its inputs.
+"""The loop over nodes.
 
-A node can always go on by the shortest transit beside it, so there is no common time step
-(conservative simulation of Chandy and Misra, IEEE Trans. Software Eng. SE-5, 1979). One step is:
-limit of what is known, inputs at the points of a piece, collocation, first event, leaving waves.
+The one furthest behind goes next, up to what is known of its inputs.
+
+A node can always go on by the shortest transit beside it, so there is no common time
+step (conservative simulation of Chandy and Misra, IEEE Trans. Software Eng. SE-5,
+1979). One step is: limit of what is known, inputs at the points of a piece,
+collocation, first event, leaving waves.
 """
 
 import math
@@ -17,30 +20,44 @@ from .records import HARD, NEVER, NONE, Lines, Log, Node, Nodes, Run, State
 from .series import N
 
 MAX_STATUS_CHANGES = 1000
-"""Changes of status at one instant; more are chattering, and the piece goes on without an event."""
+"""Changes of status at one instant, at most.
+
+More are chattering, and the piece goes on without an event.
+"""
 MIN_CHATTER_CHANGES = 8
-"""Changes of status at the start of a piece, besides one for each pair of links of the node, after
-which it is shortened."""
+"""Changes of status at the start of a piece after which it is shortened.
+
+There may be one more for each pair of links of the node.
+"""
 CUT_OF_CHATTER = 10
 """Factor by which such a piece is shortened."""
 MIN_PIECE_TICKS = 16
-"""Ticks of a piece that is accepted whatever its truncation error: its points are whole ticks."""
+"""Ticks of a piece that is accepted whatever its truncation error.
+
+Its points are whole ticks.
+"""
 ROWS_PER_LINK = 4
-"""Rows of the log of pieces that a link may add in a step: a wave, and three of its history."""
+"""Rows of the log that a link may add in a step: a wave, and three of history."""
 MAX_GROWTH = 4.0
 """Largest duration of a piece over that of the one before it."""
 MIN_GROWTH = 0.25
 """Smallest duration of a piece that is wanted, over that of the one before it."""
 GROWTH_SAFETY = 0.9
-"""Factor on the duration that would just meet the tolerance: a piece that fails costs a step."""
+"""Factor on the duration that would just meet the tolerance.
+
+A piece that fails costs a step.
+"""
 MAX_SHORTENING = 0.6
 """Largest part of a piece that is tried after the whole piece has failed."""
 MIN_SHORTENING = 0.1
 """Smallest such part, where the error falls fast with the duration."""
 MIN_SHORTENING_OF_STARTS = 1e-4
-"""Smallest such part at a start like t^(3/2): there the error falls slowly with the duration."""
+"""Smallest such part at a start like t^(3/2), where the error falls slowly."""
 SLOW_POWER = 4
-"""Exponent of the error by the duration, up to which it falls slowly: a smooth one has N."""
+"""Exponent of the error by the duration, up to which it falls slowly.
+
+A smooth one has N.
+"""
 SHORTENING_SAFETY = 0.8
 """Factor on the part that would just meet the tolerance."""
 
@@ -54,10 +71,12 @@ class PieceResult(NamedTuple):
 
 
 def run_nodes(state: State) -> int:
-    """Run all nodes to `end_tick`, or to the proof of finality and `ticks_after_proof` more.
+    """Run all nodes to `end_tick`, or to the proof of finality.
 
-    All is in the state: a run whose log is full goes on with a longer one. The motion of its groups
-    is set at each check of finality, and at its end.
+    Behind a proof come `ticks_after_proof` more.
+
+    All is in the state: a run whose log is full goes on with a longer one. The motion
+    of its groups is set at each check of finality, and at its end.
 
     Returns
     -------
@@ -65,7 +84,8 @@ def run_nodes(state: State) -> int:
         A `Stop`: CAP, FULL or STUCK are set here, DONE by `finality.check_finality`.
     """
     run = state.runs[0]
-    # Machine code would count references to these arrays in every step: borrowed ones have none.
+    # Machine code would count references to these arrays in every step: borrowed ones
+    # have none.
     state = State(
         borrowed(state.runs),
         borrowed(state.nodes),
@@ -84,8 +104,8 @@ def run_nodes(state: State) -> int:
     while run.stop_reason == Stop.NONE:
         earliest = state.nodes[earliest_node(state.nodes)]
         check_tick = min(run.end_tick, run.next_proof_tick)
-        # `last_proof_tick` is the tick of the last check, whether it proved anything or not. The
-        # first one is due at once: it notes the velocities at t = 0.
+        # `last_proof_tick` is the tick of the last check, whether it proved anything or
+        # not. The first one is due at once: it notes the velocities at t = 0.
         is_due = run.last_proof_tick == NONE or earliest.now >= check_tick
         is_log_full = run.piece_count + step_rows > len(state.log)
         event_rows = run.contact_event_count + step_events
@@ -117,10 +137,10 @@ def earliest_node(nodes: Nodes) -> int:
 def advance(state: State, node: Node) -> bool:
     """Take one step of a node; return whether there was a solution.
 
-    The step is a piece, up to its first event. It moves the node on: states and totals of its
-    links and masses, leaving waves, `now`, and `next_ticks`, the wanted duration of the next piece.
-    At an event the status of its link changes. Errors and steps that took means are noted in the
-    run.
+    The step is a piece, up to its first event. It moves the node on: states and totals
+    of its links and masses, leaving waves, `now`, and `next_ticks`, the wanted duration
+    of the next piece. At an event the status of its link changes. Errors and steps that
+    took means are noted in the run.
     """
     run = state.runs[0]
     all_lines = state.lines
@@ -162,8 +182,8 @@ def advance(state: State, node: Node) -> bool:
 def event_ticks(run: Run, status: int, result: PieceResult) -> int:
     """Return the ticks from the start of a piece to its event, 1 or more.
 
-    `status` is that of the link before the event. The place of the event is rounded, but down where
-    a contact yields: the force stays below that at which it does.
+    `status` is that of the link before the event. The place of the event is rounded,
+    but down where a contact yields: the force stays below that at which it does.
     """
     full = result.ticks
     rounding = 0.5
@@ -179,10 +199,13 @@ def event_ticks(run: Run, status: int, result: PieceResult) -> int:
 
 
 def cut_piece(state: State, node: Node, full: int, ticks: int) -> None:
-    """Shorten the piece that is solved at a node from `full` ticks to its first `ticks`.
+    """Shorten the piece that is solved at a node to its first `ticks`.
 
-    Its polynomials are restricted to them. An averaging node is solved anew: means over the shorter
-    time are needed, or momentum would be lost. With `full` ticks nothing changes.
+    It had `full` ticks.
+
+    Its polynomials are restricted to them. An averaging node is solved anew: means over
+    the shorter time are needed, or momentum would be lost. With `full` ticks nothing
+    changes.
     """
     run = state.runs[0]
     if ticks < full and node.is_averaging:
@@ -199,9 +222,9 @@ def record_error(
 ) -> None:
     """Raise the largest errors of a run by those of a piece, of which `ticks` are kept.
 
-    `is_limited` says that something else than the truncation error set the duration of the piece. A
-    run at another tolerance takes the same step then, and does not show its error. Values decide
-    when an event is, integrals all else.
+    `is_limited` says that something else than the truncation error set the duration of
+    the piece. A run at another tolerance takes the same step then, and does not show
+    its error. Values decide when an event is, integrals all else.
     """
     run = state.runs[0]
     if node.is_averaging == 0 and result.ticks > MIN_PIECE_TICKS:
@@ -217,8 +240,9 @@ def record_error(
 def begin_after_event(state: State, node: Node, event: Event) -> None:
     """Begin a piece of a node at an event at its end: change the status of the link.
 
-    The waves at the start of the piece are those at the end of the last one. If the link opens, the
-    next proof of finality is tried as soon as all nodes have come so far.
+    The waves at the start of the piece are those at the end of the last one. If the
+    link opens, the next proof of finality is tried as soon as all nodes have come so
+    far.
     """
     run = state.runs[0]
     node.halved_until = 0
@@ -233,10 +257,13 @@ def begin_after_event(state: State, node: Node, event: Event) -> None:
 
 
 def set_next_ticks(run: Run, node: Node, result: PieceResult, is_limited: bool) -> None:
-    """Set `next_ticks`, the wanted duration of the next piece, from the error of this one.
+    """Set `next_ticks`, the wanted duration of the next piece.
 
-    The error is about proportional to the N-th power of the duration. A piece whose duration
-    something else has limited (`is_limited`) does not make the next one shorter.
+    It follows from the error of this one.
+
+    The error is about proportional to the N-th power of the duration. A piece whose
+    duration something else has limited (`is_limited`) does not make the next one
+    shorter.
     """
     growth = MAX_GROWTH
     if result.error > 0:
@@ -249,7 +276,10 @@ def set_next_ticks(run: Run, node: Node, result: PieceResult, is_limited: bool) 
 
 
 def count_averaged_step(run: Run, tick: int) -> None:
-    """Count a step from `tick` on that took means of its waves, and note when the first was."""
+    """Count a step that took means of its waves.
+
+    It begins at `tick`; when the first was is noted.
+    """
     run.averaged_steps += 1
     if run.first_averaged_tick == NONE:
         run.first_averaged_tick = tick
@@ -258,14 +288,14 @@ def count_averaged_step(run: Run, tick: int) -> None:
 def piece_end(state: State, node: Node, is_after_break: bool) -> int:
     """Return the last tick to which the next piece of a node may go.
 
-    That is the first of: the wanted duration, what is known of the waves, their next hard break,
-    the end or the next proof of the run, and after a hard break twice the duration of the incoming
-    piece. `is_after_break` says that a hard break arrives now. In a comparison run a piece that the
-    wanted duration does not limit is halved, and so is the first. This sets `is_averaging` and
-    `halved_until` of the node.
+    That is the first of: the wanted duration, what is known of the waves, their next
+    hard break, the end or the next proof of the run, and after a hard break twice the
+    duration of the incoming piece. `is_after_break` says that a hard break arrives now.
+    In a comparison run a piece that the wanted duration does not limit is halved, and
+    so is the first. This sets `is_averaging` and `halved_until` of the node.
 
-    Where breaks are too dense to be followed one by one, see `is_dense`, the piece is averaging: it
-    lasts up to `min_break_spacing` and takes means of its waves.
+    Where breaks are too dense to be followed one by one, see `is_dense`, the piece is
+    averaging: it lasts up to `min_break_spacing` and takes means of its waves.
     """
     run = state.runs[0]
     all_lines = state.lines
@@ -293,8 +323,8 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
             return int(averaged_end)
     node.is_averaging = 0
     if is_after_break:
-        # A piece that follows a break is at most twice as long as the incoming piece that begins
-        # with it.
+        # A piece that follows a break is at most twice as long as the incoming piece
+        # that begins with it.
         for side in range(2):
             source = node.incoming_lines[side]
             if lines.order_at(all_lines, log, source, tick) <= HARD:
@@ -302,8 +332,9 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
                 end = min(end, tick + 2 * (piece.end - piece.start))
     is_limited = tick == 0 or end < tick + node.next_ticks
     if run.halves_pieces and is_limited and end > node.halved_until:
-        # A first piece, like one that breaks limit, is as long at any tolerance: the comparison
-        # differs there only if it halves the piece. The second half is not halved again.
+        # A first piece, like one that breaks limit, is as long at any tolerance: the
+        # comparison differs there only if it halves the piece. The second half is not
+        # halved again.
         node.halved_until = end
         end = tick + (end - tick + 1) // 2
     return end
@@ -312,9 +343,10 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
 def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
     """Return whether hard breaks in line l are too dense to be followed one by one.
 
-    They are if their mean distance is below half of `min_break_spacing`. The mean is taken over
-    the part of the line that is known and not yet read at `tick`, or over the shortest transit if
-    that is longer: two breaks in a short known part are no dense series.
+    They are if their mean distance is below half of `min_break_spacing`. The mean is
+    taken over the part of the line that is known and not yet read at `tick`, or over
+    the shortest transit if that is longer: two breaks in a short known part are no
+    dense series.
     """
     known_ticks = lines.known_until(all_lines, log, l) - tick
     stretch = max(known_ticks, run.shortest_transit)
@@ -325,10 +357,10 @@ def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
 def solve(state: State, node: Node, ticks: int) -> PieceResult:
     """Solve a node on a piece of up to `ticks`, shortened until it is smooth.
 
-    An event at the start of the piece happens before the piece begins: the status of its link is
-    changed, and the piece is solved anew. So the event of the result is behind the start. Without a
-    solution on a piece of one tick the result has 0 ticks. After MAX_STATUS_CHANGES at the start it
-    has no event.
+    An event at the start of the piece happens before the piece begins: the status of
+    its link is changed, and the piece is solved anew. So the event of the result is
+    behind the start. Without a solution on a piece of one tick the result has 0 ticks.
+    After MAX_STATUS_CHANGES at the start it has no event.
     """
     run = state.runs[0]
     links = state.links
@@ -374,10 +406,12 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
 
 
 def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
-    """Set `node.incoming` to the waves that arrive from both sides in a piece of `ticks` from now.
+    """Set `node.incoming` to the waves from both sides in a piece.
 
-    They are values at the points of the piece, or those of the nearest parabola if the node is
-    averaging.
+    The piece has `ticks` from now.
+
+    They are values at the points of the piece, or those of the nearest parabola if the
+    node is averaging.
     """
     # Machine code counts no references to borrowed arrays.
     all_lines = borrowed(all_lines)
@@ -394,15 +428,17 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
 def shortening(
     tolerance: float, error: float, ticks_before: int, ticks: int, error_before: float
 ) -> float:
-    """Return the part of a piece of `ticks`, below 1, whose error may be within the tolerance.
+    """Return the part of a piece whose error may be within the tolerance.
 
-    The error falls like a power of the duration, `(tolerance/error)^(1/power)`. The power follows
-    from the error of the piece, and from that of a longer one of `ticks_before` ticks, which failed
-    before; a smooth piece has N. After a touch the force starts like a power of time, often 3/2,
-    and the error falls as slowly.
+    The piece has `ticks`; the part is below 1.
 
-    Without a solution `error` is below 0 and tells nothing: then the part is MIN_GROWTH, as small
-    as a piece may be wanted beside the one before it.
+    The error falls like a power of the duration, `(tolerance/error)^(1/power)`. The
+    power follows from the error of the piece, and from that of a longer one of
+    `ticks_before` ticks, which failed before; a smooth piece has N. After a touch the
+    force starts like a power of time, often 3/2, and the error falls as slowly.
+
+    Without a solution `error` is below 0 and tells nothing: then the part is
+    MIN_GROWTH, as small as a piece may be wanted beside the one before it.
     """
     if error <= 0:
         return MIN_GROWTH
@@ -424,11 +460,13 @@ def send_outgoing(
 ) -> None:
     """Append the waves that leave a node in a piece of `ticks` from now to their lines.
 
-    `left_order` and `right_order` are the orders of the breaks that arrive from both sides. A wave
-    that leaves breaks with the one that arrives on its side, or with the force of the first link
-    there. Each link, and each mass between links, makes breaks smoother on their way.
+    `left_order` and `right_order` are the orders of the breaks that arrive from both
+    sides. A wave that leaves breaks with the one that arrives on its side, or with the
+    force of the first link there. Each link, and each mass between links, makes breaks
+    smoother on their way.
 
-    The waves of an averaging node are replaced by their nearest parabolas, and may jump.
+    The waves of an averaging node are replaced by their nearest parabolas, and may
+    jump.
     """
     run = state.runs[0]
     links = state.links

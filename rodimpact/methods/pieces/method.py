@@ -1,9 +1,12 @@
-"""The method "characteristics": rods are pure delays, contacts small equations between them.
+"""The method "characteristics".
 
-Waves are lists of polynomial pieces; a node, the chain of links and masses between two rods, is
-integrated by itself as far as its inputs are known. There is no time step: every piece is as long
-as what happens in it is smooth. A second run in other pieces tells how wrong the first is.
-A single collision is a family of one that keeps its pieces.
+Rods are pure delays, contacts small equations between them.
+
+Waves are lists of polynomial pieces; a node, the chain of links and masses between two
+rods, is integrated by itself as far as its inputs are known. There is no time step:
+every piece is as long as what happens in it is smooth. A second run in other pieces
+tells how wrong the first is. A single collision is a family of one that keeps its
+pieces.
 """
 
 import math
@@ -52,7 +55,7 @@ MAX_TOLERANCE = 1e-6
 MIN_TOLERANCE = 1e-13
 """Smallest tolerance of pieces: below it, round-off decides."""
 MAX_MEMBERS_PER_CALL = 1024
-"""Number of members of one call: records of more would not stay in the processor's cache."""
+"""Number of members of one call: records of more would leave the cache."""
 
 
 def solve(
@@ -62,11 +65,13 @@ def solve(
     rtol: float | None = None,
     report: Report = no_report,
 ) -> Run:
-    """Run a single collision to `until`, s, or to its proof of finality and one round trip more.
+    """Run a single collision to `until`, s, or to its proof of finality.
 
-    It runs once, with a tolerance that follows from `rtol`, in `max_events` steps of nodes at most.
-    A second, coarser run then tells the errors: they are stated, and a result that misses `rtol` is
-    not refined.
+    Behind a proof it runs one round trip more.
+
+    It runs once, with a tolerance that follows from `rtol`, in `max_events` steps of
+    nodes at most. A second, coarser run then tells the errors: they are stated, and a
+    result that misses `rtol` is not refined.
 
     Raises
     ------
@@ -94,8 +99,8 @@ def solve(
 def members_per_call(row: Row) -> int:
     """How many members to run in one call; 0 where each is to be run alone.
 
-    That is where profiles or drives vary, with laws of the user, and with bonds between rigid
-    bodies: their force follows from signals, which a family does not keep.
+    That is where profiles or drives vary, with laws of the user, and with bonds between
+    rigid bodies: their force follows from signals, which a family does not keep.
     """
     has_rigid_bond = any(i < 0 for i in row.contact_link)  # such a bond is no link
     if not has_no_profiles(row) or has_rigid_bond or own_laws(row):
@@ -115,8 +120,8 @@ def solve_family(
 ) -> Columns:
     """Columns of every member, as `family.family_columns` makes them.
 
-    A member whose numbers are beyond the scales, or whose walls squeeze a mass, is refused: its
-    numbers are nan.
+    A member whose numbers are beyond the scales, or whose walls squeeze a mass, is
+    refused: its numbers are nan.
 
     Parameters
     ----------
@@ -157,10 +162,12 @@ def stated_errors(
     stop: Callable[[], bool] = lambda: False,
     report: Report = no_report,
 ) -> Any:
-    """Relative error of each of the `MEASURES`, [member, measure], of members that have run.
+    """Relative error of each of the `MEASURES`, [member, measure].
 
-    Members run again in other steps, at a coarser tolerance, and the results are compared. Members
-    that are not in `members` have nan.
+    The members have run.
+
+    Members run again in other steps, at a coarser tolerance, and the results are
+    compared. Members that are not in `members` have nan.
     """
     coarser = fine.request._replace(
         tolerance=COARSER * fine.request.tolerance, keep=False
@@ -187,16 +194,18 @@ def tolerance_of(rtol: float | None) -> float:
 def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run:
     """The `Run` of a single collision, a family of one that has run.
 
-    It has the times of the proof and of the last contact, the status in sentences, totals of
-    contacts, motion before and after, and a function that makes the signals. `accuracy` are the
-    stated errors by measure, `goal` is the relative error that was aimed at.
+    It has the times of the proof and of the last contact, the status in sentences,
+    totals of contacts, motion before and after, and a function that makes the signals.
+    `accuracy` are the stated errors by measure, `goal` is the relative error that was
+    aimed at.
     """
     row = members.row
     until = members.request.until
     state = members.state()
     ended = members.ended(0)
     run = ended.run
-    # The clock of the run itself, in single numbers: that of the family has arrays by member.
+    # The clock of the run itself, in single numbers: that of the family has arrays by
+    # member.
     transits = [int(transit) for transit in members.clock.transits]
     clock = clock_of(row, transits, run.tick_duration, scale=float(members.clock.scale))
     tick = clock.tick
@@ -247,14 +256,15 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
 def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     """Bound of the absolute strain in all segments up to a tick, without dimension.
 
-    The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c, each twice its
-    velocity. With abs(a) and abs(b) up to v it is at most v/c. A piece of a wave is at most the sum
-    of the absolute coefficients of its Chebyshev series.
+    The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c, each
+    twice its velocity. With abs(a) and abs(b) up to v it is at most v/c. A piece of a
+    wave is at most the sum of the absolute coefficients of its Chebyshev series.
 
-    In the frame of the run, which falls, waves of a row that is held grow by g t without any
-    strain. In the frame of the ground they are a + u(t) and b + u(t) with the velocity u(t) of the
-    frame. Values that meet have left the ends of the segment at times that differ by its transit
-    time T at most, so that the strain is at most v/c + g T/(2 c). The smaller bound is taken.
+    In the frame of the run, which falls, waves of a row that is held grow by g t
+    without any strain. In the frame of the ground they are a + u(t) and b + u(t) with
+    the velocity u(t) of the frame. Values that meet have left the ends of the segment
+    at times that differ by its transit time T at most, so that the strain is at most
+    v/c + g T/(2 c). The smaller bound is taken.
     """
     row = clock.row
     waves = log[log["line"] < 2 * len(row.segments)]
@@ -285,13 +295,19 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
 
 
 def _struck_together(row: Row) -> str:
-    """Sentence of the status on rigid bodies that touch at t = 0; empty if no two contacts do."""
+    """Sentence of the status on rigid bodies that touch at t = 0.
+
+    It is empty if no two contacts do.
+    """
     touching = []
     for i, link in enumerate(row.links):
         if link.law == Law.IMPACT and float(link.gap) == 0:
             touching.append(i)
     if any(j == i + 1 for i, j in pairwise(touching)):
-        return " Rigid bodies that touch are struck together; with gaps the outcome differs."
+        return (
+            " Rigid bodies that touch are struck together; "
+            "with gaps the outcome differs."
+        )
     return ""
 
 
@@ -310,7 +326,8 @@ def _tallies(
     for k, i in enumerate(row.contact_link):
         if i >= 0:
             tally = totals.tally_of(links[i], tick, now)
-        else:  # a bond of rigid bodies is no link: its force follows from those beside it
+        else:
+            # A bond of rigid bodies is no link: its force follows from those beside it.
             tally = _bond_tally(make_signals().contacts[k].force, tick, now)
         tallies.append(tally)
     return tuple(tallies)
@@ -362,7 +379,8 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     )
     before = []
     after = []
-    # The first part of a group has the number of its parts, and the motion of the group.
+    # The first part of a group has the number of its parts, and the motion of the
+    # group.
     for head in np.flatnonzero(parts["part_count"][0] > 0):
         group = parts[:, head].reshape(shape)
         before.append(group["initial_velocity"] + row.frame)
@@ -371,10 +389,12 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
 
 
 def vibration_of(family: Members) -> list[Any]:
-    """Vibration energy of each body about the velocity of its group, J, [body] by member.
+    """Vibration energy of each body, J, [body] by member.
 
-    That of a rod is the sum of its segments; a mass that is bonded to others has its share, by
-    mass, of the energy of the mass that they make together.
+    It is that about the velocity of its group.
+
+    That of a rod is the sum of its segments; a mass that is bonded to others has its
+    share, by mass, of the energy of the mass that they make together.
     """
     row = family.row
     parts = family.parts
@@ -398,9 +418,12 @@ def vibration_of(family: Members) -> list[Any]:
 
 
 def _columns_of(family: Members, refused: Any) -> Columns:
-    """Columns of a family whose members have run, as `family.family_columns` makes them.
+    """Columns of a family whose members have run.
 
-    Numbers are nan, and the proof does not count, where a member is `refused`, [member].
+    They are as `family.family_columns` makes them.
+
+    Numbers are nan, and the proof does not count, where a member is `refused`,
+    [member].
     """
     row = family.row
     run = family.runs[:, 0]
@@ -420,10 +443,12 @@ def _columns_of(family: Members, refused: Any) -> Columns:
 
 
 def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
-    """Totals of every contact in SI units, [contact] by member, by the names of `CONTACT_COLUMNS`.
+    """Totals of every contact in SI units, [contact] by member.
 
-    `zero_or_nan` is nan where a member is refused, else 0; it is not added to `episodes`, which are
-    counts. Impacts have no peak force: nan.
+    They have the names of `CONTACT_COLUMNS`.
+
+    `zero_or_nan` is nan where a member is refused, else 0; it is not added to
+    `episodes`, which are counts. Impacts have no peak force: nan.
     """
     tick = family.runs[:, 0]["tick_duration"]
     contacts: dict[str, list[Any]] = {

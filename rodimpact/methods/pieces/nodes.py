@@ -1,17 +1,19 @@
-"""One piece of a node: the chain of links and masses between two rods, driven by two waves.
+"""One piece of a node.
 
-In every link acts a force F. All else follows from the forces: velocities of the masses, then the
-closing rates without own force, then the overlaps,
+A node is the chain of links and masses between two rods, driven by two waves.
+
+In every link acts a force F. All else follows from the forces: velocities of the
+masses, then the closing rates without own force, then the overlaps,
 
     m v' = F before - F behind,    closing = velocity on the left - on the right,
     d' = closing - Y F,            Y the mobility of the link,
 
-where a rod's end counts with the wave that comes in. Forces that depend on this are found by
-collocation (Radau IIA) and Newton's method.
+where a rod's end counts with the wave that comes in. Forces that depend on this are
+found by collocation (Radau IIA) and Newton's method.
 
-Indices: link q of a node lies between its masses q - 1 and q. In front of link 0 and behind the
-last link are the ends of rods, with `incoming[0]` on the left and `incoming[1]` on the right. j is
-a point of the piece: 0 its start, 1 to N the stages.
+Indices: link q of a node lies between its masses q - 1 and q. In front of link 0 and
+behind the last link are the ends of rods, with `incoming[0]` on the left and
+`incoming[1]` on the right. j is a point of the piece: 0 its start, 1 to N the stages.
 """
 
 from .. import contact_laws
@@ -29,32 +31,36 @@ DIVERGED = 1e300
 PIECE_PER_TRANSIT = 0.1
 """Duration of a typical piece over the shortest transit.
 
-It makes the tail of a force a velocity: a force acts for about so long before the next piece.
+It makes the tail of a force a velocity: a force acts for about so long before the next
+piece.
 """
 RESIDUAL_RTOL = 1e-7
 """Residual of the contact laws before the last Newton step, relative to the force.
 
-Newton's method converges quadratically: the step after it leaves 1e-14, which is round-off.
+Newton's method converges quadratically: the step after it leaves 1e-14, which is
+round-off.
 """
 CANCELLATION_RTOL = 1e-6
-"""Force over the terms that cancel in it, below which its residual is measured by these terms.
+"""Force over the terms that cancel in it, below which these measure its residual.
 
-A residual of RESIDUAL_RTOL times the force would then be below 1e-13 of the terms: round-off.
+A residual of RESIDUAL_RTOL times the force would then be below 1e-13 of the terms:
+round-off.
 """
 SWING_FACTOR = 1.1
-"""Factor on the deepest swing below 0 that samples show: the true one is little deeper."""
+"""Factor on the deepest swing below 0 of samples: the true one is little deeper."""
 SWING_ROUND_OFF = 8e-15
 """Round-off of evaluating the polynomial of a force, over the largest force."""
 
 
-# What the links are -------------------------------------------------------------------------------
+# What the links are
+# -------------------------------------------------------------------------------
 
 
 def overlap_changes(link: Link) -> bool:
     """Return whether the overlap of a link changes over a piece.
 
-    That of a bond, of bodies at rest and of a rigid contact that presses is constant. A joint has
-    the status BOND, but deforms.
+    That of a bond, of bodies at rest and of a rigid contact that presses is constant. A
+    joint has the status BOND, but deforms.
     """
     if link.status == Status.BOND:
         return bool(link.law == Law.JOINT)
@@ -65,7 +71,8 @@ def overlap_changes(link: Link) -> bool:
 def elastic_share(link: Link) -> float:
     """Return the elastic part of the overlap rate, over the whole: d'/(closing - Y F).
 
-    It is 1, but for a link that yields: there it is the hardening share, and the rest is plastic.
+    It is 1, but for a link that yields: there it is the hardening share, and the rest
+    is plastic.
     """
     if link.status == Status.PLASTIC:
         return link.hardening_share
@@ -73,19 +80,20 @@ def elastic_share(link: Link) -> float:
 
 
 def outer_link(node: Node, side: int) -> int:
-    """Return the number of the first link of a node (side 0) or of the last one (side 1)."""
+    """Return the number of the first (side 0) or last (side 1) link of a node."""
     return int(node.first_link + side * (node.link_count - 1))
 
 
-# Forces and motion --------------------------------------------------------------------------------
+# Forces and motion
+# --------------------------------------------------------------------------------
 
 
 def start_forces(links: Links, node: Node) -> int:
-    """Start a piece: set the forces of links that are given, and number the unknown ones.
+    """Start a piece: set given forces of links, and number the unknown ones.
 
-    Given are pushes on the ends, 0 in open contacts, and the force between two rods alone, which
-    follows from the waves. An unknown force is 0 until it is found; its number is `unknown_index`.
-    Return the number of unknown forces.
+    Given are pushes on the ends, 0 in open contacts, and the force between two rods
+    alone, which follows from the waves. An unknown force is 0 until it is found; its
+    number is `unknown_index`. Return the number of unknown forces.
     """
     unknown_count = 0
     for q in range(node.link_count):
@@ -113,7 +121,9 @@ def start_forces(links: Links, node: Node) -> int:
 
 
 def integrate(rate: Values, h: float, f: MutableValues) -> None:
-    """Set f, behind f[0], to f[0] plus the integral of a rate over a piece of duration h, s.
+    """Set f behind f[0] to f[0] plus the integral of a rate.
+
+    The piece has the duration h, s.
 
     Both are values at the points; that of the rate at the start is not used.
     """
@@ -126,12 +136,15 @@ def integrate(rate: Values, h: float, f: MutableValues) -> None:
 
 
 def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
-    """Set the velocities of masses, and closing and overlaps of links, from the present forces.
+    """Set velocities of masses, and closing and overlaps of links.
+
+    They follow from the present forces.
 
     m v' = F before - F behind,  closing = velocity on the left - on the right,
-    d' = share (closing - Y F) with the elastic share; a link that cannot deform has share 0.
+    d' = share (closing - Y F) with the elastic share, 0 of a link that cannot deform.
 
-    h is the duration of the piece, s. `scratch_values` of the node holds derivatives meanwhile.
+    h is the duration of the piece, s. `scratch_values` of the node holds derivatives
+    meanwhile.
     """
     for i in range(node.link_count - 1):
         before = links[node.first_link + i]
@@ -163,18 +176,22 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
             integrate(node.scratch_values, h, link.overlaps)
 
 
-# Newton's method ----------------------------------------------------------------------------------
+# Newton's method
+# ----------------------------------------------------------------------------------
 
 
 def linearise(link: Link, h: float, is_first: bool) -> float:
-    """Set the tangent F = base + by_overlap d + by_closing closing of a link at each stage.
+    """Set the tangent of the force of a link at each stage.
 
-    In the first Newton step the tangent is taken at the extrapolated overlap d + d' u + d'' u^2/2,
-    u the time since the start of the piece, whose duration is h, s.
+    It is F = base + by_overlap d + by_closing closing.
 
-    Return the residual, the largest difference of the law from the present force, relative to the
-    largest force, or to the round-off of the terms that cancel in it: a law with damping has almost
-    no force where bodies part almost as fast as it lets go. Without any force it is 0.
+    In the first Newton step the tangent is taken at the extrapolated overlap d + d' u +
+    d'' u^2/2, u the time since the start of the piece, whose duration is h, s.
+
+    Return the residual, the largest difference of the law from the present force,
+    relative to the largest force, or to the round-off of the terms that cancel in it: a
+    law with damping has almost no force where bodies part almost as fast as it lets go.
+    Without any force it is 0.
     """
     residual = 0.0
     largest = 0.0
@@ -199,10 +216,13 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
 
 
 def linearise_links(links: Links, node: Node, h: float, is_first: bool) -> float:
-    """Linearise all links of a node whose forces are unknown; return the largest residual.
+    """Linearise all links of a node whose forces are unknown.
 
-    A linear law needs one Newton step, whatever its residual, and counts as 0. The residual of a
-    nonlinear law is 1 in the first step, whose tangents are taken at an extrapolation.
+    Return the largest residual.
+
+    A linear law needs one Newton step, whatever its residual, and counts as 0. The
+    residual of a nonlinear law is 1 in the first step, whose tangents are taken at an
+    extrapolation.
     """
     residual = 0.0
     for q in range(node.link_count):
@@ -219,14 +239,17 @@ def linearise_links(links: Links, node: Node, h: float, is_first: bool) -> float
 def set_equations(
     links: Links, masses: Masses, node: Node, h: float, G: Matrix, unknown_count: int
 ) -> None:
-    """Set the equations G of a Newton step: its changes of forces fulfil the tangent laws.
+    """Set the equations G of a Newton step.
 
-    Each of the `unknown_count` forces has an equation at each of the N stages: that of force u at
-    stage j is row N u + j of `G`, and its change is column N u + j. The column behind these is the
-    right side, in newtons. The tangent law of a link is F = base + by_overlap d +
-    by_closing closing, with d and closing after the step. So the right side is the force by the
-    present d and closing, less the present force. A link at rest (REST) has no law: its force is
-    such that `closing` becomes 0, and the right side is the present `closing`, m/s.
+    Its changes of forces fulfil the tangent laws.
+
+    Each of the `unknown_count` forces has an equation at each of the N stages: that of
+    force u at stage j is row N u + j of `G`, and its change is column N u + j. The
+    column behind these is the right side, in newtons. The tangent law of a link is F =
+    base + by_overlap d + by_closing closing, with d and closing after the step. So the
+    right side is the force by the present d and closing, less the present force. A link
+    at rest (REST) has no law: its force is such that `closing` becomes 0, and the right
+    side is the present `closing`, m/s.
     """
     right_side = N * unknown_count
     for q in range(node.link_count):
@@ -251,10 +274,13 @@ def set_equations(
 
 
 def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
-    """Return the change of the closing rate of link q by a unit impulse in link p, 1/kg.
+    """Return the change of the closing rate of link q by a unit impulse, 1/kg.
 
-    An impulse in the link itself drives the masses on both sides apart: -1/m_left - 1/m_right. One
-    in a neighbour pushes the mass between them towards link q: 1/m. Others change nothing.
+    The impulse is in link p.
+
+    An impulse in the link itself drives the masses on both sides apart: -1/m_left -
+    1/m_right. One in a neighbour pushes the mass between them towards link q: 1/m.
+    Others change nothing.
     """
     # 1/m of the masses on both sides of link q; 0 for the end of a rod
     left = 0.0
@@ -275,15 +301,19 @@ def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
 def set_block(
     link: Link, by_impulse: float, is_same: bool, h: float, G: Matrix, column: int
 ) -> None:
-    """Set the N by N block of G in the rows of a link, from `column` on: the forces of one link.
+    """Set the N by N block of G in the rows of a link, from `column` on.
 
-    `by_impulse` is the change of the closing rate of the link by a unit impulse of the other one,
-    1/kg; `is_same` says that both are one. Changes x of that force, at the stages, change
+    It is that of the forces of one link.
 
-        closing by (h/2) by_impulse S x,  d by share (h/2) S (change of closing - Y x if same),
+    `by_impulse` is the change of the closing rate of the link by a unit impulse of the
+    other one, 1/kg; `is_same` says that both are one. Changes x of that force, at the
+    stages, change
 
-    with S = STAGES, S S = TWICE and the elastic share. The block is 1 (if same, and not at rest)
-    less by_closing times the first and by_overlap times the second.
+        closing by (h/2) by_impulse S x,
+        d by share (h/2) S (change of closing - Y x if same),
+
+    with S = STAGES, S S = TWICE and the elastic share. The block is 1 (if same, and not
+    at rest) less by_closing times the first and by_overlap times the second.
     """
     # Factors of the matrices in the docstring
     half = 0.5 * h
@@ -304,7 +334,8 @@ def set_block(
         row = G[N * link.unknown_index + j]
         stages = STAGES[j]
         twice = TWICE[j]
-        # Changes x of the force change what the tangent law says at stage j by (a S + b S S) x.
+        # Changes x of the force change what the tangent law says at stage j by (a S + b
+        # S S) x.
         a = link.by_closing[j + 1] * by_closing - link.by_overlap[j + 1] * by_force
         b = link.by_overlap[j + 1] * share * by_closing
         for m in range(N):
@@ -323,12 +354,14 @@ def take_step(
     G: Matrix,
     unknown_count: int,
 ) -> None:
-    """Add the changes of forces in the last column of G to the forces, and update the motion.
+    """Add the changes of forces to the forces, and update the motion.
 
-    Where dF/dd times the velocity scale times h is above the force, the link is stiff: its overlap
-    is a small difference of large numbers. It is then computed from the force by the tangent law,
-    d = (F - base - by_closing closing)/by_overlap, as integrating the closing rate would lose
-    digits.
+    They are the last column of G.
+
+    Where dF/dd times the velocity scale times h is above the force, the link is stiff:
+    its overlap is a small difference of large numbers. It is then computed from the
+    force by the tangent law, d = (F - base - by_closing closing)/by_overlap, as
+    integrating the closing rate would lose digits.
     """
     solution = N * unknown_count  # column of G with the changes
     for q in range(node.link_count):
@@ -355,13 +388,16 @@ def take_step(
 def collocate(
     run: Run, links: Links, masses: Masses, node: Node, h: float, G: Matrix
 ) -> bool:
-    """Solve a node over a piece of duration h, s; return whether Newton's method converged.
+    """Solve a node over a piece; return whether Newton's method converged.
 
-    Forces, velocities, closing rates and overlaps at the points of the piece are set, from the
-    incoming waves of the node and the states of its links and masses. G is scratch. Newton's method
-    fails if it diverges, or takes more than MAX_NEWTON_STEPS.
+    The piece has the duration h, s.
 
-    Radau IIA is stiffly accurate: contacts far stiffer than the piece is long do no harm.
+    Forces, velocities, closing rates and overlaps at the points of the piece are set,
+    from the incoming waves of the node and the states of its links and masses. G is
+    scratch. Newton's method fails if it diverges, or takes more than MAX_NEWTON_STEPS.
+
+    Radau IIA is stiffly accurate: contacts far stiffer than the piece is long do no
+    harm.
     """
     # Machine code counts no references to borrowed arrays.
     links = borrowed(links)
@@ -388,7 +424,9 @@ def collocate(
 
 
 def set_initial_forces(links: Links, node: Node) -> None:
-    """Set the unknown forces at the start of a piece, and their derivatives, by the contact laws.
+    """Set the unknown forces at the start of a piece, and their derivatives.
+
+    The contact laws give them.
 
     The force between bodies at rest follows no law: it is extrapolated from the stages.
     """
@@ -406,16 +444,19 @@ def set_initial_forces(links: Links, node: Node) -> None:
             link.by_closing[0] = by_closing
 
 
-# After the solution -------------------------------------------------------------------------------
+# After the solution
+# -------------------------------------------------------------------------------
 
 
 def forbid_pulling(links: Links, node: Node) -> None:
-    """Let no contact of a node pull, at any time in the piece, with the same impulse as before.
+    """Let no contact of a node pull at any time in the piece.
 
-    Where a force falls to 0 its polynomial may swing below 0 by about the tolerance. With m > 0
-    (`swing`) at least as large as that, and J the integral of F over the piece of duration h,
-    F := (F + m) J/(J + m h) is never negative and has the integral J. Here J is taken over y, and
-    the duration in y is 2.
+    The impulse stays as before.
+
+    Where a force falls to 0 its polynomial may swing below 0 by about the tolerance.
+    With m > 0 (`swing`) at least as large as that, and J the integral of F over the
+    piece of duration h, F := (F + m) J/(J + m h) is never negative and has the integral
+    J. Here J is taken over y, and the duration in y is 2.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -440,10 +481,13 @@ def forbid_pulling(links: Links, node: Node) -> None:
 
 
 def set_outgoing(links: Links, node: Node, side: int) -> None:
-    """Set `node.outgoing` to the wave that leaves a node on a side, at the points of the piece.
+    """Set `node.outgoing` to the wave that leaves a node on a side.
 
-    On the left (side 0) the wave a comes in and a - 2 F/Z leaves, F the force of the first link. On
-    the right (side 1) b comes in and b + 2 F/Z leaves, F the force of the last link.
+    It is that at the points of the piece.
+
+    On the left (side 0) the wave a comes in and a - 2 F/Z leaves, F the force of the
+    first link. On the right (side 1) b comes in and b + 2 F/Z leaves, F the force of
+    the last link.
     """
     link = links[outer_link(node, side)]
     mobility = node.mobility[side]
@@ -456,9 +500,10 @@ def set_outgoing(links: Links, node: Node, side: int) -> None:
 def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     """Return the truncation error of a piece, m/s: the largest tail of its series.
 
-    The series are those of incoming and leaving waves, of velocities of masses, and of forces.
-    Incoming waves count too, as they may cancel in leaving ones. Forces count as velocities: a push
-    as 2 Y F, the force of a link as the velocity that it makes in a typical piece.
+    The series are those of incoming and leaving waves, of velocities of masses, and of
+    forces. Incoming waves count too, as they may cancel in leaving ones. Forces count
+    as velocities: a push as 2 Y F, the force of a link as the velocity that it makes in
+    a typical piece.
     """
     worst = 0.0
     for side in range(2):
@@ -481,16 +526,20 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     for q in range(count):
         link = links[node.first_link + q]
         if overlap_changes(link):
-            # What 1 N makes in a typical piece; the mobility is that of a whole transit.
+            # What 1 N makes in a typical piece; the mobility is that of a whole
+            # transit.
             velocity = PIECE_PER_TRANSIT * link.effective_mobility
             worst = max(worst, velocity * series.truncation_estimate(link.force))
     return worst
 
 
 def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
-    """Return the largest `series.remainder` of the waves that arrive and leave in a piece, m/s.
+    """Return the largest `series.remainder` of the waves of a piece, m/s.
 
-    That is an estimate of their error, or of the error of their integrals if `integrated`.
+    They are those that arrive and leave.
+
+    That is an estimate of their error, or of the error of their integrals if
+    `integrated`.
     """
     largest = 0.0
     for side in range(2):
@@ -502,10 +551,12 @@ def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
 
 
 def restrict_piece(links: Links, masses: Masses, node: Node, y: float) -> None:
-    """Cut a piece of a node at y, from -1 at its start to 1 at its end, and keep the part before.
+    """Cut a piece of a node at y, and keep the part before.
 
-    The values of its incoming waves, forces, overlaps, closing rates and velocities become those of
-    the same polynomials at the points of that part.
+    y is -1 at its start and 1 at its end.
+
+    The values of its incoming waves, forces, overlaps, closing rates and velocities
+    become those of the same polynomials at the points of that part.
     """
     for side in range(2):
         series.restrict(node.incoming[side], y, node.scratch_series)

@@ -1,4 +1,7 @@
-"""Initial states and drives as pieces: as long as they fit, between the breaks of a profile."""
+"""Initial states and drives as pieces.
+
+They are as long as they fit, between the breaks of a profile.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -19,7 +22,7 @@ VALUES_PER_INTERVAL = 6
 SHARES = (
     1 - np.cos(np.pi * np.arange(VALUES_PER_INTERVAL) / (VALUES_PER_INTERVAL - 1))
 ) / 2
-"""Places of these values, as shares of the width of the interval from 0 to 1: Chebyshev points."""
+"""Chebyshev points, as shares of the width of an interval from 0 to 1."""
 _SERIES = np.array(SERIES)
 _X = np.array(X)
 
@@ -33,10 +36,12 @@ class Fit(NamedTuple):
 
 
 def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> Pieces:
-    """A profile along a rod, or over time, as a signal in ticks; its last value holds on.
+    """A profile along a rod, or over time, as a signal in ticks.
 
-    `length` is that of the rod, m, or the time, s, over which samples without a step are spread.
-    `ticks_of` makes ticks of places, m, or of times, s.
+    Its last value holds on.
+
+    `length` is that of the rod, m, or the time, s, over which samples without a step
+    are spread. `ticks_of` makes ticks of places, m, or of times, s.
     """
     if isinstance(profile, Steps):
         starts = np.array([0.0, *map(float, profile.at)])
@@ -52,7 +57,9 @@ def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> P
 def _from_samples(
     profile: Samples, length: float, ticks_of: Callable[[Any], Ints]
 ) -> Pieces:
-    """Signal through samples: straight lines, or a spline of degree 5 if they are smooth.
+    """Signal through samples.
+
+    It has straight lines, or is a spline of degree 5 if they are smooth.
 
     Samples without a step of their own are spread evenly over `length`.
     """
@@ -70,7 +77,8 @@ def _from_samples(
     spline = make_interp_spline(edges, samples, 5)
     # Values in each interval between two samples, [interval, place]
     values = spline(edges[:-1, None] + step * SHARES)
-    # The spline passes through the samples but for round-off, which would be a jump of the signal.
+    # The spline passes through the samples but for round-off, which would be a jump of
+    # the signal.
     values[:, 0] = samples[:-1]
     values[:, -1] = samples[1:]
     degree = VALUES_PER_INTERVAL - 1
@@ -82,7 +90,10 @@ def _from_samples(
 def _from_polynomials(
     profile: Polynomials, length: float, ticks_of: Callable[[Any], Ints]
 ) -> Pieces:
-    """Signal of polynomials along `length`, without those that are shorter than a tick."""
+    """Signal of polynomials along `length`.
+
+    Those that are shorter than a tick are left out.
+    """
     ticks = ticks_of(np.array([0.0, *profile.inner, length]))
     ticks = np.minimum(ticks, ticks[-1])  # polynomials in time may go beyond the run
     lasting = np.diff(ticks) > 0
@@ -95,10 +106,10 @@ def in_pieces(
 ) -> tuple[Any, float]:
     """A signal between two ticks as pieces that are as long as they fit.
 
-    Pieces begin at breaks of the signal. A kink is one if it changes values by more than
-    `break_size` until the next break: straight lines between close samples of a smooth curve have
-    none. So does what is constant at first or at last: no piece reaches into it, as nothing may
-    move before a wave arrives.
+    Pieces begin at breaks of the signal. A kink is one if it changes values by more
+    than `break_size` until the next break: straight lines between close samples of a
+    smooth curve have none. So does what is constant at first or at last: no piece
+    reaches into it, as nothing may move before a wave arrives.
 
     Parameters
     ----------
@@ -135,7 +146,8 @@ def in_pieces(
     kinks = _kinks(series, (stops - starts) * 1.0)
     before = edges[inner] - edges[inner - 1]  # width of the interval before the edge
     after = edges[inner + 1] - edges[inner]
-    # Lines between samples w apart of a smooth curve, whose slope changes by k, miss it by k w/8.
+    # Lines between samples w apart of a smooth curve, whose slope changes by k, miss it
+    # by k w/8.
     bends = kinks * np.minimum(before, after) / 8
     # The order of a break is 0 where the value jumps, 1 where the slope does.
     kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)
@@ -152,10 +164,12 @@ def in_pieces(
 
 
 def _kinks(series: Floats, widths: Floats) -> Floats:
-    """Absolute jumps of the slope from each piece of `series` to the next, per tick, [piece - 1].
+    """Absolute jumps of the slope between the pieces of `series`, per tick.
 
-    `widths` are the durations of the pieces, ticks. The Chebyshev polynomial T_k has the slope k^2
-    at 1, and (-1)^(k + 1) k^2 at -1; y runs through 2 in a piece.
+    There is one from each piece to the next, [piece - 1].
+
+    `widths` are the durations of the pieces, ticks. The Chebyshev polynomial T_k has
+    the slope k^2 at 1, and (-1)^(k + 1) k^2 at -1; y runs through 2 in a piece.
     """
     k = np.arange(POINTS)
     # Slopes at the end and at the start of each piece
@@ -167,8 +181,9 @@ def _kinks(series: Floats, widths: Floats) -> Floats:
 def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
     """Whether an edge borders the constant stretch at the start or at the end, [edge].
 
-    Changes in an interval up to `round_off` count as none. A signal that never changes has no such
-    border; the first edge is none, the last one is if the signal changes up to it.
+    Changes in an interval up to `round_off` count as none. A signal that never changes
+    has no such border; the first edge is none, the last one is if the signal changes up
+    to it.
     """
     series = signal.cut(edges[:-1], int(edges[-1])).coefficients
     changing = np.flatnonzero(np.abs(series[:, 1:]).sum(axis=1) > round_off)
@@ -182,11 +197,13 @@ def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
 
 
 def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> Fit:
-    """Fit pieces of 2^n intervals without a jump inside: those that miss too much are halved.
+    """Fit pieces of 2^n intervals without a jump inside.
 
-    `jumps` says for each edge behind the first whether no piece may reach across it; `tolerance` is
-    the largest miss. An interval by itself keeps the series of the signal. The pieces are in order
-    of time.
+    Those that miss too much are halved.
+
+    `jumps` says for each edge behind the first whether no piece may reach across it;
+    `tolerance` is the largest miss. An interval by itself keeps the series of the
+    signal. The pieces are in order of time.
     """
     jumps_before = np.cumsum(np.append(0, jumps[:-1]))  # [interval]
     n = len(edges) - 1
@@ -226,9 +243,12 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
 def _through(
     signal: Pieces, edges: Ints, first: Ints, width: int
 ) -> tuple[Floats, Floats]:
-    """Series through `width` intervals from each `first` on, [piece, coefficient], and misses.
+    """Series through `width` intervals from each `first` on, and misses.
 
-    The miss of a piece is its largest difference from the signal, at `SHARES` of each interval.
+    Series are [piece, coefficient].
+
+    The miss of a piece is its largest difference from the signal, at `SHARES` of each
+    interval.
     """
     low = edges[first]
     high = edges[first + width]
@@ -253,8 +273,8 @@ def _through(
 def backwards(pieces: Any) -> Any:
     """Pieces with time reversed: from the last to the first, at negative ticks.
 
-    T_m(-y) = (-1)^m T_m(y). The break at the start of a piece is at its end then, and so at the
-    start of the next one. `pieces` is not changed.
+    T_m(-y) = (-1)^m T_m(y). The break at the start of a piece is at its end then, and
+    so at the start of the next one. `pieces` is not changed.
     """
     back = pieces[::-1].copy()
     back["start"] = -pieces["end"][::-1]

@@ -12,8 +12,8 @@ from . import lines
 def waves_of(log: Any, count: int) -> list[Any]:
     """The pieces of each of `count` lines of a log, as a table by line.
 
-    Each table has the ``log``, and lists by piece: ``piece``, its ``place`` in the log, its
-    ``start``, tick, and ``passed``, the integrals of `passed_by` up to the start.
+    Each table has the ``log``, and lists by piece: ``piece``, its ``place`` in the log,
+    its ``start``, tick, and ``passed``, the integrals of `passed_by` up to the start.
     """
     waves: list[Any] = [
         {"log": log, "piece": [], "place": [], "start": [], "passed": []}
@@ -32,12 +32,18 @@ def waves_of(log: Any, count: int) -> list[Any]:
 
 
 def place_of(wave: Any, tick: float) -> int:
-    """Number of the piece of a wave that holds at a tick; the first one before all of them."""
+    """Number of the piece of a wave that holds at a tick.
+
+    Before all pieces it is the first one.
+    """
     return max(0, bisect_right(wave["start"], tick) - 1)
 
 
 def share_of(piece: Any, tick: float) -> float:
-    """Place of a tick in a piece, from -1 at its start to 1 at its end, and 1 behind it."""
+    """Place of a tick in a piece, from -1 to 1.
+
+    It is -1 at its start, and 1 at its end and behind it.
+    """
     return min(1.0, 2 * ((tick - piece.start) / (piece.end - piece.start)) - 1)
 
 
@@ -48,9 +54,12 @@ def value_at(wave: Any, tick: float) -> float:
 
 
 def passed_by(wave: Any, tick: float) -> tuple[float, float]:
-    """Integrals of a wave and of its square over ticks, from the start of its line to a tick.
+    """Integrals of a wave and of its square over ticks.
 
-    Those up to the piece that holds there are known: what this piece adds is integrated.
+    They go from the start of its line to a tick.
+
+    Those up to the piece that holds there are known: what this piece adds is
+    integrated.
     """
     i = place_of(wave, tick)
     begin = wave["start"][i]

@@ -1,9 +1,9 @@
 """The records that the kernels of this method work on.
 
-Conventions. Compression is positive: F > 0 presses two neighbours apart, `overlap` > 0 is their
-overlap (below 0: the gap), `closing` the rate at which a link would close without its own force,
-`mobility` the sum of 1/Z of the rod ends that it joins. Times are ticks, velocities m/s in the
-frame of the run, forces N.
+Conventions. Compression is positive: F > 0 presses two neighbours apart, `overlap` > 0
+is their overlap (below 0: the gap), `closing` the rate at which a link would close
+without its own force, `mobility` the sum of 1/Z of the rod ends that it joins. Times
+are ticks, velocities m/s in the frame of the run, forces N.
 """
 
 from collections.abc import MutableSequence, Sequence
@@ -58,7 +58,10 @@ class Piece:
 
 
 class Line:
-    """What leaves one end of a segment and arrives at the other, or what comes from outside."""
+    """What leaves one end of a segment and arrives at the other.
+
+    What comes from outside is a line, too.
+    """
 
     delay: Tick  # transit time
     first_piece: int  # row in the log
@@ -68,7 +71,10 @@ class Line:
 
 
 class Node:
-    """The chain of links and masses between two rods, solved up to its own time `now`."""
+    """The chain of links and masses between two rods.
+
+    It is solved up to its own time `now`.
+    """
 
     now: Tick
     next_ticks: Tick  # wanted duration of the next piece
@@ -99,7 +105,8 @@ class Link(link.Link):
     rate_step: float  # the same by the rate of the overlap, m/s
     resting_force: float  # scale of forces between bodies that rest, N
     mobility: float  # sum of 1/Z of the rod ends beside it, s/kg
-    next_knot: int  # number of the next force at which a yielding contact changes its hardening
+    # Number of the next force at which a yielding contact changes its hardening
+    next_knot: int
 
     # State at the end of the last piece
     overlap: float  # d, m
@@ -122,8 +129,8 @@ class Link(link.Link):
     last_opening_tick: Tick
     starts_episode: int  # 1: the next force begins another episode
     force_ticks: Tick  # total time with force
-    # Time since it closed, without a force that counts; NONE if this has lasted for so long that
-    # its force is round-off
+    # Time since it closed, without a force that counts; NONE if this has lasted for so
+    # long that its force is round-off
     faint_ticks: Tick
     fading_ticks: Tick  # its last piece with force, if its end is faint
     cut_ticks: Tick  # time in which a force became faint, or acted and counts as none
@@ -131,7 +138,8 @@ class Link(link.Link):
     event_error: float  # largest error of the time of an event in its piece, s
     event_lag: float  # largest change of such a time by velocities of the scale, s
 
-    # Over the piece that is being solved, at its points: F = base + by_overlap d + by_closing c
+    # Over the piece that is being solved, at its points: F = base + by_overlap d +
+    # by_closing c
     overlaps: Series  # d, m
     closing: Series  # c, closing velocity without its own force, m/s
     force: Series  # F, N
@@ -149,7 +157,10 @@ class Mass:
 
 
 class ContactEvent:
-    """A row of the log of contacts: one is touched, presses or opens, or bodies strike."""
+    """A row of the log of contacts.
+
+    One is touched, presses or opens, or bodies strike.
+    """
 
     tick: Tick
     link: int
@@ -159,7 +170,10 @@ class ContactEvent:
 
 
 class GroupPart:
-    """A part of a group: of bodies that are bonded, between two contacts that can open."""
+    """A part of a group of bonded bodies.
+
+    The group is between two contacts that can open.
+    """
 
     kind: int  # `Part`
     index: int  # number of the segment, mass or link

@@ -1,10 +1,13 @@
-"""Polynomials on a piece of time: Chebyshev series in y, from -1 at its start to 1 at its end.
+"""Polynomials on a piece of time, as Chebyshev series in y.
 
-A piece is known by its values at its start and at the N points of Radau IIA, the last of which is
-the end: collocation there damps what is stiffer than the piece is long (Hairer and Wanner, Solving
-Ordinary Differential Equations II, section IV.5).
+y goes from -1 at the start of the piece to 1 at its end.
 
-f are values at the points, c coefficients of a series: sum of c[m] T_m(y), T_m(cos x) = cos(m x).
+A piece is known by its values at its start and at the N points of Radau IIA, the last
+of which is the end: collocation there damps what is stiffer than the piece is long
+(Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.5).
+
+f are values at the points, c coefficients of a series: sum of c[m] T_m(y), T_m(cos x) =
+cos(m x).
 """
 
 import math
@@ -21,20 +24,27 @@ POINTS = N + 1
 SAMPLES = 32
 """Intervals of a piece in which its smallest value is looked for."""
 POSITIVE_RTOL = 0.1
-"""Smallest over largest value at the points, above which a polynomial has no zero between them."""
+"""Smallest over largest value at the points, above which no zero is between them."""
 NEXT_INTEGRAL = 0.01
 """Integral of the Chebyshev polynomial of the next degree, about."""
 MAX_DECAY = 0.75
-"""Largest ratio of coefficients two degrees apart that counts as falling: more is not resolved."""
+"""Largest ratio of coefficients two degrees apart that falls: more is unresolved."""
 EXTREMUM_STEPS = 36
-"""Steps to an extremum, each of which leaves two thirds of the width: 5e-7 of it at the end."""
-BISECTIONS = 54
-"""Steps to a zero, each of which leaves half of the width: that is below round-off at the end."""
-EXTREMUM_RTOL = 4 * (2 / 3) ** (2 * EXTREMUM_STEPS)
-"""By how much the value there may miss the extremum, over the rise to it from the lower neighbour.
+"""Steps to an extremum.
 
-A parabola whose vertex is in a width w rises to it by r = |f''| w^2/8 at least from the lower end;
-at a distance of u w from the vertex it is lower by |f''| (u w)^2/2 = 4 u^2 r.
+Each leaves two thirds of the width: 5e-7 of it at the end.
+"""
+BISECTIONS = 54
+"""Steps to a zero.
+
+Each leaves half of the width: that is below round-off at the end.
+"""
+EXTREMUM_RTOL = 4 * (2 / 3) ** (2 * EXTREMUM_STEPS)
+"""Possible miss of an extremum there, over the rise to it from the lower neighbour.
+
+A parabola whose vertex is in a width w rises to it by r = abs(f'') w^2/8 at least from
+the lower end; at a distance of u w from the vertex it is lower by
+abs(f'') (u w)^2/2 = 4 u^2 r.
 """
 
 Values: TypeAlias = Sequence[float]
@@ -52,7 +62,7 @@ _SERIES_AT_START = chebyshev.chebvander([-1.0], N - 1)
 _INTEGRALS = [
     chebyshev.Chebyshev(column).integ(lbnd=-1) for column in _STAGES_TO_SERIES.T
 ]
-"""Integrals from -1 on of the polynomials that are 1 at one stage and 0 at the others."""
+"""Integrals from -1 on of polynomials that are 1 at one stage, 0 at the others."""
 
 X: list[float] = _START_AND_STAGES.tolist()
 """Places of the points."""
@@ -123,8 +133,8 @@ def slope(c: Values, y: float) -> float:
 def set_series(f: Values, c: MutableValues) -> None:
     """Set c to the coefficients of the series with the values f at the points."""
     for m in range(POINTS):
-        # Coefficient m is the product of row m of SERIES with the values. The row is taken out of
-        # the inner loop, as a view costs more than a product.
+        # Coefficient m is the product of row m of SERIES with the values. The row is
+        # taken out of the inner loop, as a view costs more than a product.
         row = SERIES[m]
         s = 0.0
         for j in range(POINTS):
@@ -133,7 +143,9 @@ def set_series(f: Values, c: MutableValues) -> None:
 
 
 def integral(f: Values) -> float:
-    """Return the integral over y from -1 to 1 of the polynomial with the values f at the points.
+    """Return the integral over y from -1 to 1 of a polynomial.
+
+    It has the values f at the points.
 
     The value at the start, f[0], is not needed.
     """
@@ -159,12 +171,15 @@ def truncation_estimate(f: Values) -> float:
 
 
 def remainder(f: Values, integrated: bool) -> float:
-    """Return an estimate of the error of the polynomial with the values f, or of its integral.
+    """Return an estimate of the error of a polynomial, or of its integral.
 
-    Coefficients fall by a factor r from degree to degree. The polynomial misses the next ones, two
-    and two about tail r (1 + r^2 + r^4 + ...). Integrals of them are about a hundredth of that; and
-    collocation integrates far better than it follows values, about as the tail times r^3. So the
-    error is e = tail r/(1 - r^2), or e (r^2 + 0.01) if `integrated`.
+    It has the values f at the points.
+
+    Coefficients fall by a factor r from degree to degree. The polynomial misses the
+    next ones, two and two about tail r (1 + r^2 + r^4 + ...). Integrals of them are
+    about a hundredth of that; and collocation integrates far better than it follows
+    values, about as the tail times r^3. So the error is e = tail r/(1 - r^2), or e (r^2
+    + 0.01) if `integrated`.
     """
     last = 0.0  # tail: abs(c[N - 1]) + abs(c[N])
     before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])
@@ -191,9 +206,9 @@ def remainder(f: Values, integrated: bool) -> float:
 def error_at(f: Values, y: float) -> float:
     """Return an estimate of the error of the polynomial with the values f at y.
 
-    The next coefficient, c, is missed by c (T_(N+1)(y) - its polynomial through the points). That
-    is c 2^N (y - x_0) (y - x_1) ...: it is 0 at the points, where values have the error of
-    collocation.
+    The next coefficient, c, is missed by c (T_(N+1)(y) - its polynomial through the
+    points). That is c 2^N (y - x_0) (y - x_1) ...: it is 0 at the points, where values
+    have the error of collocation.
     """
     share = 1.0  # 2^(N + 1) (y - x_0) (y - x_1) ..., of which half is wanted
     for j in range(POINTS):
@@ -203,7 +218,10 @@ def error_at(f: Values, y: float) -> float:
 
 
 def is_constant(f: Values) -> bool:
-    """Return whether the values at all points are the same, so that the polynomial is constant."""
+    """Return whether the values at all points are the same.
+
+    The polynomial is constant then.
+    """
     same = True
     for j in range(1, POINTS):
         same = same and f[j] == f[0]
@@ -211,7 +229,9 @@ def is_constant(f: Values) -> bool:
 
 
 def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
-    """Replace f by the values of the same polynomial at the points of the part from -1 to y.
+    """Replace f by the values of the same polynomial in the part from -1 to y.
+
+    They are those at the points of that part.
 
     c is scratch. A constant f stays as it is.
     """
@@ -225,7 +245,9 @@ def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
 
 
 def first_zero(c: Values, low: float, high: float) -> float:
-    """Return the place between `low` and `high` at which the series c falls below 0, by bisection.
+    """Return the place between `low` and `high` at which the series c falls below 0.
+
+    It is found by bisection.
 
     The series is 0 or more at `low`, and negative at `high` and at the place returned.
     """
@@ -257,8 +279,8 @@ def smallest(f: Values) -> float:
 def place_of_minimum(c: Values, low: float, high: float) -> float:
     """Return the place between `low` and `high` at which the series c has its minimum.
 
-    There is one minimum in between, which may be at an end. Of three thirds, each step leaves out
-    the outer one beside the larger of the two values in between.
+    There is one minimum in between, which may be at an end. Of three thirds, each step
+    leaves out the outer one beside the larger of the two values in between.
     """
     for _ in range(EXTREMUM_STEPS):
         third = (high - low) / 3
@@ -270,10 +292,12 @@ def place_of_minimum(c: Values, low: float, high: float) -> float:
 
 
 def minimum(c: Values) -> float:
-    """Return the smallest value of the series c, searched for beside the smallest of samples.
+    """Return the smallest value of the series c.
 
-    A series is c[0] - abs(c[1]) - abs(c[2]) - ... or more. If this bound is not negative, it is
-    returned in place of the smallest value.
+    It is searched for beside the smallest of samples.
+
+    A series is c[0] - abs(c[1]) - abs(c[2]) - ... or more. If this bound is not
+    negative, it is returned in place of the smallest value.
     """
     least = c[0]  # the bound
     for m in range(1, POINTS):
@@ -296,12 +320,15 @@ def minimum(c: Values) -> float:
 
 
 def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
-    """Return the largest value of the polynomial with the values f at the points, and its place.
+    """Return the largest value of a polynomial, and its place.
 
-    c is scratch. The place is searched for beside the largest of these values. A vertex beside the
-    outermost points counts too: a parabola through three points would miss it. If no value between
-    the points can be more than `least`, the largest of the values at the points is returned: a
-    series is c[0] + abs(c[1]) + abs(c[2]) + ... or less.
+    It has the values f at the points.
+
+    c is scratch. The place is searched for beside the largest of these values. A vertex
+    beside the outermost points counts too: a parabola through three points would miss
+    it. If no value between the points can be more than `least`, the largest of the
+    values at the points is returned: a series is c[0] + abs(c[1]) + abs(c[2]) + ... or
+    less.
     """
     best = 0  # point of the largest value
     for j in range(POINTS):
@@ -317,7 +344,8 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
         reach += abs(c[m])
     if reach <= least:
         return Maximum(f[best], X[best], 0.0)
-    # Of three thirds, the outer one beside the smaller of the two values in between is left out.
+    # Of three thirds, the outer one beside the smaller of the two values in between is
+    # left out.
     for _ in range(EXTREMUM_STEPS):
         first_third = (2 * low + high) / 3
         second_third = (low + 2 * high) / 3
@@ -333,10 +361,12 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
 
 
 def set_parabola(f: MutableValues, whole: float, tilt: float, bend: float) -> None:
-    """Set f to the parabola p whose integrals of p P0, p P1 and p P2 are `whole`, `tilt`, `bend`.
+    """Set f to the parabola p with these integrals.
 
-    The integrals are over y from -1 to 1. P are the Legendre polynomials, P2 = 1.5 y^2 - 0.5, so
-    p = (1/2) whole P0 + (3/2) tilt P1 + (5/2) bend P2.
+    Those of p P0, p P1 and p P2 are `whole`, `tilt` and `bend`.
+
+    The integrals are over y from -1 to 1. P are the Legendre polynomials, P2 = 1.5 y^2
+    - 0.5, so p = (1/2) whole P0 + (3/2) tilt P1 + (5/2) bend P2.
     """
     for j in range(POINTS):
         f[j] = 0.5 * whole + 1.5 * tilt * X[j] + 2.5 * bend * (1.5 * X[j] * X[j] - 0.5)
@@ -345,7 +375,8 @@ def set_parabola(f: MutableValues, whole: float, tilt: float, bend: float) -> No
 def flatten(f: MutableValues) -> None:
     """Replace f by the parabola that is nearest to its polynomial in mean squares.
 
-    That is the parabola with the same integrals times the Legendre polynomials P0, P1 and P2.
+    That is the parabola with the same integrals times the Legendre polynomials P0, P1
+    and P2.
     """
     whole = 0.0  # integral of f P0
     tilt = 0.0  # of f P1
@@ -359,16 +390,19 @@ def flatten(f: MutableValues) -> None:
 
 
 def eliminate(G: Matrix, n: int, band: int) -> None:
-    """Solve n equations by Gauss elimination in place: column n of G, the right side, becomes x.
+    """Solve n equations by Gauss elimination in place.
 
-    All coefficients are less than `band` from the diagonal; pivoting fills as much again on the
-    right. The other columns of G are spoilt.
+    Column n of G, the right side, becomes x.
+
+    All coefficients are less than `band` from the diagonal; pivoting fills as much
+    again on the right. The other columns of G are spoilt.
     """
     for i in range(n):
         # Column i is 0 from row `below` on, row i from column `right` on.
         below = min(n, i + band)
         right = min(n, i + 2 * band)
-        p = i  # row of the pivot, the largest coefficient of column i from the diagonal on
+        # Row of the pivot, the largest coefficient of column i from the diagonal on
+        p = i
         most = abs(G[i][i])
         for j in range(i + 1, below):
             if abs(G[j][i]) > most:

@@ -1,4 +1,7 @@
-"""From the log of a run to signals: waves, contacts, masses, and what acts from outside."""
+"""From the log of a run to signals.
+
+They are of waves, contacts, masses, and what acts from outside.
+"""
 
 from itertools import pairwise
 from typing import Any
@@ -18,7 +21,9 @@ NOTHING = Pieces([0], [0.0])
 
 
 def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
-    """Signals of a run: waves, force and gap of each contact, actions on the ends, and masses.
+    """Signals of a run.
+
+    They are waves, force and gap of each contact, actions on the ends, and masses.
 
     A bond of rigid bodies is no link: its force follows from the forces beside it.
 
@@ -85,8 +90,9 @@ def _masses(
 ) -> dict[int, Pieces]:
     """Velocity of each rigid body in the frame, m/s, by the number of the body.
 
-    A body that is bonded to a wall moves with the wall. A blow at t = 0 takes one tick, in which
-    bodies keep the velocities before it; so do those of a run that ends at t = 0.
+    A body that is bonded to a wall moves with the wall. A blow at t = 0 takes one tick,
+    in which bodies keep the velocities before it; so do those of a run that ends at t =
+    0.
     """
     starts_with_blow = bool(np.any((turns["impulse"] > 0) & (turns["tick"] == 0)))
     count = len(row.masses)
@@ -109,7 +115,8 @@ def _with_blows(
 ) -> BoundaryAction | None:
     """What acts on an end; on a wall that is the force of its contact, with its blows.
 
-    `contacts` begin at the end; those that are None are bonds of rigid bodies to the wall.
+    `contacts` begin at the end; those that are None are bonds of rigid bodies to the
+    wall.
     """
     if outside is None or not isinstance(body, Wall):
         return outside
@@ -120,7 +127,10 @@ def _with_blows(
 
 
 def _lines(log: Any, count: int) -> list[Pieces]:
-    """Signals of the first `count` lines from their pieces in the log; `NOTHING` if it has none."""
+    """Signals of the first `count` lines from their pieces in the log.
+
+    A line without pieces has `NOTHING`.
+    """
     log = log[np.argsort(log["line"], kind="stable")]  # line by line, in order of time
     bounds = np.searchsorted(log["line"], np.arange(count + 1))
     lines = []
@@ -137,11 +147,13 @@ def _lines(log: Any, count: int) -> list[Pieces]:
 
 
 def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
-    """Force, gap and closing velocity of a link, and the episodes that its `turns` bound.
+    """Force, gap and closing velocity of a link, and its episodes.
 
-    `turns` are its rows in the log of contacts, `tick` is the duration of a tick, s. Blows, the
-    impacts, are forces of one tick, in which the closing velocity is that of their work. Bonds have
-    no gap, and joints no episodes.
+    Its `turns` bound the episodes.
+
+    `turns` are its rows in the log of contacts, `tick` is the duration of a tick, s.
+    Blows, the impacts, are forces of one tick, in which the closing velocity is that of
+    their work. Bonds have no gap, and joints no episodes.
     """
     # What the lines that follow this one keep: see `layout.number_history_lines`.
     history_line = link["history_line"]
@@ -193,7 +205,8 @@ def _outside(
 ) -> BoundaryAction | None:
     """Force on the left (0) or right (1) end of the row, and the velocity of that end.
 
-    None at a free end. `lines` are the signals of all lines, `frame` is the velocity of the frame.
+    None at a free end. `lines` are the signals of all lines, `frame` is the velocity of
+    the frame.
     """
     kind, value = row.boundaries[side]
     if kind == "none":

@@ -10,7 +10,7 @@ from ..states import Status, Stop
 from ..status import RunEnd, describe_end, last_contact, proof_sentence
 
 MISSED_GOAL_FACTOR = 10.0
-"""Ratio of the stated error to rtol above which the status says that rtol was not reached."""
+"""Stated error over rtol above which the status says that rtol was not reached."""
 
 
 def tally_of(link: Any, tick: float, now: int) -> ContactTally:
@@ -36,12 +36,15 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
 
 
 def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
-    """Time of the end of the last contact, s, by `status.last_contact`; nan without a proof.
+    """Time of the end of the last contact, s; nan without a proof.
 
-    Contacts that have pressed count. An impact is over at once: one that is open now has parted,
-    even though PRESS was logged last, as it struck.
+    It is found by `status.last_contact`.
 
-    `end` is the end of the run, s, `round_trip` the longest time in a body there and back, s.
+    Contacts that have pressed count. An impact is over at once: one that is open now
+    has parted, even though PRESS was logged last, as it struck.
+
+    `end` is the end of the run, s, `round_trip` the longest time in a body there and
+    back, s.
     """
     if run.proved_tick < 0:
         return math.nan
@@ -105,15 +108,16 @@ def accuracy_sentence(worst: float, goal: float) -> str:
 def simplifications_text(run: Any) -> str:
     """Sentences of the status on what the run has simplified.
 
-    That are jumps too dense to follow, which are smoothed, and rigid bodies set at rest.
+    That are jumps too dense to follow, which are smoothed, and rigid bodies set at
+    rest.
     """
     text = ""
     if run.averaged_steps:
         start = format_si(run.first_averaged_tick * run.tick_duration, "s")
         text += (
             f" From {start} on, waves jump more than "
-            f"{run.shortest_transit // run.min_break_spacing} times in the shortest transit time. "
-            "Such waves are smoothed, which keeps their momentum."
+            f"{run.shortest_transit // run.min_break_spacing} times in the shortest "
+            "transit time. Such waves are smoothed, which keeps their momentum."
         )
     if run.resting_impacts:
         text += (
@@ -123,17 +127,21 @@ def simplifications_text(run: Any) -> str:
 
 
 def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
-    """Path and sentence of the error where no forces in a node satisfy the laws of its links.
+    """Path and sentence of the error where a node has no solution.
 
-    The reason is two walls that squeeze a rigid mass, or else numbers out of range; the path is
-    that of all contacts, or of the last contact in the node.
+    No forces in it satisfy the laws of its links.
+
+    The reason is two walls that squeeze a rigid mass, or else numbers out of range; the
+    path is that of all contacts, or of the last contact in the node.
     """
     time = format_si(seconds, "s")
-    # Mobility is 0 where no rod begins: what leaves such masses no solution are two walls.
+    # Mobility is 0 where no rod begins: what leaves such masses no solution are two
+    # walls.
     if node.link_count > 1 and node.mobility[0] == 0 and node.mobility[1] == 0:
         return (
             "contacts",
-            f"two walls squeeze a rigid mass at {time}; give one of its contacts a compliant law",
+            f"two walls squeeze a rigid mass at {time}; give one of its contacts a "
+            "compliant law",
         )
     path = "contacts"
     for k, link in enumerate(row.contact_link):
@@ -141,5 +149,6 @@ def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
             path = f"contacts.{k}"
     return (
         path,
-        f"no force satisfies the law at {time}; its numbers may be out of range: give others",
+        f"no force satisfies the law at {time}; its numbers may be out of range: give "
+        "others",
     )
