@@ -1,17 +1,18 @@
 """Links on a time step: their laws, and chains of links that are solved together.
 
-A force F > 0 in a link pushes two bodies apart. Over one step the bodies obey linear laws, so the
-links close by w = force_free_closing - A F, with A a tridiagonal Stieltjes matrix: a link feels its
-own force, and through the body between them the forces of its two neighbours. Its law gives F of w.
+A force F > 0 in a link pushes two bodies apart. Over one step the bodies obey linear
+laws, so the links close by w = force_free_closing - A F, with A a tridiagonal Stieltjes
+matrix: a link feels its own force, and through the body between them the forces of its
+two neighbours. Its law gives F of w.
 
-A compliant contact has the overlap x, and over a step the force (U(x1) - U(x0))/(x1 - x0) of its
-stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), and the mean force of its
-dashpot over the same path. It pulls nowhere. This force is convex and increasing in x1, so Newton's
-method falls on the root from the right. A joint is a spring and a dashpot that pull as well. A
-yielding contact is a spring up to its yield force; x counts from where its faces have moved to. A
-rigid contact takes the force that keeps its closing below `max_closing`. An impact of rigid bodies
-takes the force that leaves a closing velocity of at most -e times the one before (Moreau, CISM 302,
-1988).
+A compliant contact has the overlap x, and over a step the force (U(x1) - U(x0))/(x1 -
+x0) of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), and
+the mean force of its dashpot over the same path. It pulls nowhere. This force is convex
+and increasing in x1, so Newton's method falls on the root from the right. A joint is a
+spring and a dashpot that pull as well. A yielding contact is a spring up to its yield
+force; x counts from where its faces have moved to. A rigid contact takes the force that
+keeps its closing below `max_closing`. An impact of rigid bodies takes the force that
+leaves a closing velocity of at most -e times the one before (Moreau, CISM 302, 1988).
 
 Units are those of `records`.
 """
@@ -25,9 +26,9 @@ from .records import Link
 
 EPS = 1 / (1 << 52)
 UNSOLVED_RTOL = 1 / (1 << 24)
-"""A chain whose closings still change by this part of the largest speed has no solution."""
+"""Change of closings, over the largest speed, at which a chain has no solution."""
 NEWTON_RTOL = 1 / (1 << 27)
-"""Relative Newton step after which the next one is round-off, as convergence is quadratic."""
+"""Relative Newton step behind which the next one is round-off (it is quadratic)."""
 MAX_NEWTON_STEPS = 100
 """Iterations of one contact: a bound that is not met in practice."""
 MAX_SWEEPS = 1000
@@ -54,8 +55,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     y = link.self_mobility
     top = x0 + c  # x1 without the own force, the largest that it may be
     if link.law == Law.JOINT:  # which pulls as well
-        # F = k (x0 + x1)/2 + d (x1 - x0) = k x0 + slope (x1 - x0) is linear; d is the damping,
-        # as force by closing in a step.
+        # F = k (x0 + x1)/2 + d (x1 - x0) = k x0 + slope (x1 - x0) is linear; d is the
+        # damping, as force by closing in a step.
         k = link.stiffness
         slope = k / 2 + link.damping
         divisor = 1 + y * slope
@@ -65,10 +66,12 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     # x is the guess of x1, which Newton's method mends.
     yields = False  # whether x1 is beyond the elastic limit
     if link.law == Law.YIELD:
-        # The mean force bends both ways, its work only up: begin on the right of the root.
+        # The mean force bends both ways, its work only up: begin on the right of the
+        # root.
         elastic_limit = link.yield_force / link.stiffness
         force_at_limit, _ = contact_laws.mean_force(link, x0, elastic_limit)
-        # The residual of Newton's method, below, is < 0 at the limit if the root is beyond.
+        # The residual of Newton's method, below, is < 0 at the limit if the root is
+        # beyond.
         yields = elastic_limit - top + y * force_at_limit < 0
         if yields:
             x = top
@@ -81,8 +84,9 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     for _ in range(MAX_NEWTON_STEPS):
         F, slope = contact_laws.mean_force(link, x0, x)
         residual = x - top + y * F
-        # Where the contact yields, Newton's method is for (x - x0) residual, which only bends up.
-        # Its slope, divided by x - x0, is that of the residual and one term more.
+        # Where the contact yields, Newton's method is for (x - x0) residual, which only
+        # bends up. Its slope, divided by x - x0, is that of the residual and one term
+        # more.
         further_slope = 0.0
         if yields:
             further_slope = residual / (x - x0)
@@ -94,8 +98,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
             size = x
         else:
             size = x0 - x
-        # In a contact that is not stiff, round-off of the closing is round-off of x. The overlap
-        # of a stiff one is small beside the closing that it stops.
+        # In a contact that is not stiff, round-off of the closing is round-off of x.
+        # The overlap of a stiff one is small beside the closing that it stops.
         tolerance = 0.0
         if y * slope <= 1:
             tolerance = 4 * EPS * (abs(x0) + abs(c))
@@ -108,10 +112,12 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
 
 
 def closing_without_own_force(links: Any, i: int) -> float:
-    """Closing of link i in this step without its own force, by those of both neighbours.
+    """Closing of link i in this step without its own force.
 
-    The first link of a chain shares nothing with the one before it: its coupling is 0. Behind the
-    last of all links comes the first.
+    The forces of both neighbours count.
+
+    The first link of a chain shares nothing with the one before it: its coupling is 0.
+    Behind the last of all links comes the first.
     """
     link = links[i]
     after = links[i + 1 - len(links)]  # an index below 0 counts from the end
@@ -126,11 +132,13 @@ def closing_without_own_force(links: Any, i: int) -> float:
 def gauss_seidel_sweep(
     links: Any, first: int, last: int, speed: float
 ) -> tuple[float, float]:
-    """Set the forces of the links of a chain one after the other, with the others as they are.
+    """Set the forces of the links of a chain one after the other.
 
-    Their slopes are set too, and the overlaps of those that are not rigid. The closing without the
-    own force is c. A rigid link, or an impact, takes
-    F = max(0, (c - max_closing)/mobility); other links are solved by `solve_link`.
+    Each is found with the others as they are.
+
+    Their slopes are set too, and the overlaps of those that are not rigid. The closing
+    without the own force is c. A rigid link, or an impact, takes F = max(0, (c -
+    max_closing)/mobility); other links are solved by `solve_link`.
 
     Parameters
     ----------
@@ -145,7 +153,8 @@ def gauss_seidel_sweep(
     float
         The largest change of a closing.
     float
-        The largest speed: that of the bodies, and the closings that single forces change.
+        The largest speed: that of the bodies, and the closings that single forces
+        change.
     """
     change = 0.0
     largest = speed
@@ -171,13 +180,13 @@ def gauss_seidel_sweep(
 def take_newton_step(links: Any, first: int, last: int) -> None:
     """Take a Newton step for the forces of all links of a chain together.
 
-    With the tangent of its law each link has F = F0 + s (x1 - overlap), s the slope, and
-    x1 = -gap + closing, which the forces of neighbours change. Where the closing is fixed, as at a
-    rigid contact, that condition takes its place. The equations are tridiagonal: they are
-    eliminated from the first link to the last, and solved back.
+    With the tangent of its law each link has F = F0 + s (x1 - overlap), s the slope,
+    and x1 = -gap + closing, which the forces of neighbours change. Where the closing is
+    fixed, as at a rigid contact, that condition takes its place. The equations are
+    tridiagonal: they are eliminated from the first link to the last, and solved back.
 
-    The forces before it are stored in `force_before`. Contacts never pull. Indices count round: the
-    link behind i is i + 1 - len(links).
+    The forces before it are stored in `force_before`. Contacts never pull. Indices
+    count round: the link behind i is i + 1 - len(links).
     """
     for i in range(first, last + 1):
         link = links[i]
@@ -208,11 +217,14 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
 
 
 def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
-    """Set the forces of a chain; return False where there are none (a mass squeezed by walls).
+    """Set the forces of a chain; return False where there are none.
 
-    Gauss-Seidel sweeps descend on a convex function, the dual energy of the step, and so always
-    converge, if slowly. A Newton step is kept where it halves the change in the next sweep. One
-    link alone needs one sweep. `speed` is that of the bodies, whose round-off is no change.
+    There are none where walls squeeze a mass.
+
+    Gauss-Seidel sweeps descend on a convex function, the dual energy of the step, and
+    so always converge, if slowly. A Newton step is kept where it halves the change in
+    the next sweep. One link alone needs one sweep. `speed` is that of the bodies, whose
+    round-off is no change.
     """
     change = math.inf  # largest change of a closing in the last sweep that is kept
     largest = speed  # largest speed in it
@@ -240,11 +252,13 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
 
 
 def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
-    """Let impacts of a chain begin whose gaps would close in this step; return whether one does.
+    """Let impacts of a chain begin whose gaps would close in this step.
 
-    An impact that has not begun has an infinite `max_closing`. The one that begins at the closing
-    velocity u is to leave -e u: the mean over the step is (1 - e) u/2. Gaps within `tolerance`
-    below 0 are closed already.
+    Return whether one does.
+
+    An impact that has not begun has an infinite `max_closing`. The one that begins at
+    the closing velocity u is to leave -e u: the mean over the step is (1 - e) u/2. Gaps
+    within `tolerance` below 0 are closed already.
     """
     has_new_impact = False
     for i in range(first, last + 1):
@@ -264,9 +278,9 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
 def updated_gap(link: Link, w: float, tolerance: float) -> float:
     """Return the gap of a link at the end of a step in which it closes by w.
 
-    Set what else has changed: whether a rigid contact is closed, and yield force and hardening of
-    one that yields. Closing velocities within `tolerance` are 0. The gap in the link stays that at
-    the start of the step.
+    Set what else has changed: whether a rigid contact is closed, and yield force and
+    hardening of one that yields. Closing velocities within `tolerance` are 0. The gap
+    in the link stays that at the start of the step.
     """
     gap: float
     if link.law == Law.RIGID or link.law == Law.IMPACT:  # these have no overlap
@@ -280,7 +294,8 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
             if link.force > 0:  # it closes in this step
                 link.is_closed = 1
         elif link.force <= 0 and final_closing < -tolerance:
-            # It opens at the kick in the middle of the step: the gap is -final_closing/2.
+            # It opens at the kick in the middle of the step: the gap is
+            # -final_closing/2.
             link.is_closed = 0
             gap = link.initial_closing / 2 - w
         else:  # it stays closed
@@ -288,8 +303,8 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
     elif link.law == Law.IMPACT and is_at_rest:
         gap = link.gap  # the round-off of w does not move it
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
-        # It hardens, and its faces move for good: from where they are now its overlap is the
-        # elastic one at the new yield force.
+        # It hardens, and its faces move for good: from where they are now its overlap
+        # is the elastic one at the new yield force.
         link.yield_force, _, next_knot = contact_laws.load_plastically(
             link, -link.gap, link.overlap
         )

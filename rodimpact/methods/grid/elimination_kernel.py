@@ -4,9 +4,10 @@ The left side of equation i is x[i] where its value is prescribed, else
 
     diagonal[i] x[i] - off_diagonal[i] x[i - 1] - off_diagonal[i + 1] x[i + 1].
 
-Pieces are not coupled to each other, so all of them are solved at once, from both ends of the row
-to its middle: two recurrences that do not wait for each other. Seen from its end, the node before i
-is i - 1 in the left half and i + 1 in the right half, and is eliminated already.
+Pieces are not coupled to each other, so all of them are solved at once, from both ends
+of the row to its middle: two recurrences that do not wait for each other. Seen from its
+end, the node before i is i - 1 in the left half and i + 1 in the right half, and is
+eliminated already.
 """
 
 from typing import Any
@@ -20,14 +21,16 @@ def factor(
     inverse_diagonal: Any,
     upper: Any,
 ) -> None:
-    """Store the LU factors of the equations in `lower`, `inverse_diagonal` and `upper` [node].
+    """Store the LU factors of the equations, [node] each.
 
-    `is_prescribed` is 1 at nodes whose values are prescribed: their equation is x[i] = right side.
-    The factors of the middle node are those of its neighbours: `lower` of the left one, `upper` of
-    the right one.
+    They are `lower`, `inverse_diagonal` and `upper`.
 
-    With the entries d of the diagonal and e of the off-diagonal towards the node before and f
-    towards the one after it, the factors of a node are
+    `is_prescribed` is 1 at nodes whose values are prescribed: their equation is x[i] =
+    right side. The factors of the middle node are those of its neighbours: `lower` of
+    the left one, `upper` of the right one.
+
+    With the entries d of the diagonal and e of the off-diagonal towards the node before
+    and f towards the one after it, the factors of a node are
 
         lower = e inverse_before,  inverse_diagonal = 1/(d - e upper_before),
         upper = f inverse_diagonal.
@@ -79,14 +82,14 @@ def factor(
 def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
     """Solve the equations: x holds their right sides and becomes the solution.
 
-    The factors are those of `factor`. Node i of the left half goes together with node 2 m - i of
-    the right half, m the middle node. In the left half the recurrences are
+    The factors are those of `factor`. Node i of the left half goes together with node 2
+    m - i of the right half, m the middle node. In the left half the recurrences are
 
         y[i] = x[i] + lower[i] y[i - 1] to the middle, and
         x[i] = inverse_diagonal[i] y[i] + upper[i] x[i + 1] back,
 
-    and the same from the other side in the right half, whose values are z. The terms are added, as
-    the off-diagonal entries of the equations are negative.
+    and the same from the other side in the right half, whose values are z. The terms
+    are added, as the off-diagonal entries of the equations are negative.
     """
     n = len(x)
     m = (n - 1) // 2  # the middle node

@@ -1,4 +1,7 @@
-"""Forces between bodies and on the ends of the row, as means over the steps of a run."""
+"""Forces between bodies and on the ends of the row.
+
+They are means over the steps of a run.
+"""
 
 import numpy as np
 
@@ -11,8 +14,8 @@ from .run import GridRun
 def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
     """Mean force of each contact in each step, N [contact][step].
 
-    `left` is what acts on the left end of the row: forces in bonds of rigid bodies follow from
-    there.
+    `left` is what acts on the left end of the row: forces in bonds of rigid bodies
+    follow from there.
     """
     row = run.row
     forces: list[Floats | None] = []
@@ -37,11 +40,13 @@ def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
 
 
 def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
-    """Force and velocity of what acts on the left (0) or right (1) end, in the laboratory.
+    """Force and velocity of what acts on the left (0) or right (1) end.
 
-    Both are means over the steps. The force is that of the contact of a wall, of the bond of a held
-    or moved end, of an endless bar, Z (wave - v) inward, or the one that is given. None at a free
-    end, and in a run without steps.
+    They are those in the laboratory.
+
+    Both are means over the steps. The force is that of the contact of a wall, of the
+    bond of a held or moved end, of an endless bar, Z (wave - v) inward, or the one that
+    is given. None at a free end, and in a run without steps.
     """
     row = run.row
     if side == 0:
@@ -75,7 +80,10 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
 
 
 def over_steps(run: GridRun, means: Floats) -> Pieces:
-    """A signal, by ticks, with these means over the steps of a run; 0 in a run without steps."""
+    """A signal, by ticks, with these means over the steps of a run.
+
+    It is 0 in a run without steps.
+    """
     if run.steps == 0:
         return Pieces([0], [0.0])
     return Pieces(run.edges[:-1], means)

@@ -1,31 +1,35 @@
-"""Rods on a staggered grid: velocities at nodes, forces in the cells between them, step by step.
+"""Rods on a staggered grid, step by step.
 
-Half of the mass of each cell sits at either of its nodes, so that u_tt = (F_right - F_left)/m at a
-node and F = E A du/dx in a cell. In every step the nodes drift half a step, are kicked by the
-forces in the middle of it, and drift the other half (leapfrog). For a Courant number of 1 in a
-uniform rod this carries waves without error, above 1 it is unstable. With u the displacement at the
-end of a step, the energy v M v/2 + (u K u - v K v/4)/2 is kept to round-off.
+Velocities are at nodes, forces in the cells between them.
 
-Where a rod is damped (sigma = E eps + eta d(eps)/dt) or has lateral inertia
-(rho A u_tt - rho nu^2 I_p u_xxtt = E A u_xx), the force of a cell depends on the new velocities,
-half of the viscous force by the mean over the step: (M + J + D/2) dv = forces - D v. This matrix is
-tridiagonal, so the step follows from the wave speed alone; see `elimination_kernel`.
+Half of the mass of each cell sits at either of its nodes, so that u_tt = (F_right -
+F_left)/m at a node and F = E A du/dx in a cell. In every step the nodes drift half a
+step, are kicked by the forces in the middle of it, and drift the other half (leapfrog).
+For a Courant number of 1 in a uniform rod this carries waves without error, above 1 it
+is unstable. With u the displacement at the end of a step, the energy v M v/2 + (u K u -
+v K v/4)/2 is kept to round-off.
 
-By Mindlin and Herrmann each cell has a radial strain q of its own. In a cell of stiffness k at
-constant q, du its elongation, and between neighbours,
+Where a rod is damped (sigma = E eps + eta d(eps)/dt) or has lateral inertia (rho A u_tt
+- rho nu^2 I_p u_xxtt = E A u_xx), the force of a cell depends on the new velocities,
+half of the viscous force by the mean over the step: (M + J + D/2) dv = forces - D v.
+This matrix is tridiagonal, so the step follows from the wave speed alone; see
+`elimination_kernel`.
+
+By Mindlin and Herrmann each cell has a radial strain q of its own. In a cell of
+stiffness k at constant q, du its elongation, and between neighbours,
 
     tension = k du + b q,    J q_tt = change of (s times the change of q) - G q - b du
 
-so that G q + b du is (G - b^2/k) q + b/k times the tension. Both are kicked and drift together with
-the nodes, which keeps the same energy with q among the displacements u.
+so that G q + b du is (G - b^2/k) q + b/k times the tension. Both are kicked and drift
+together with the nodes, which keeps the same energy with q among the displacements u.
 
-Bodies bonded together are one *piece* of neighbouring nodes; between pieces lies a cell without
-stiffness. Contacts are the links of `contact_kernel` between the last node of a piece and the
-first of the next, with the discrete inertia seen there. Their w is the mean closing velocity of a
-step. A rigid contact does not update its gap while it is closed: the two nodes move on with one
-velocity. The energy that the nodes lose as it closes is of the size of a cell. Viscous ends that
-touch at t = 0 have already begun to slow down, see `start.slow_down`: all that follows would be
-half a step too late.
+Bodies bonded together are one *piece* of neighbouring nodes; between pieces lies a cell
+without stiffness. Contacts are the links of `contact_kernel` between the last node of a
+piece and the first of the next, with the discrete inertia seen there. Their w is the
+mean closing velocity of a step. A rigid contact does not update its gap while it is
+closed: the two nodes move on with one velocity. The energy that the nodes lose as it
+closes is of the size of a cell. Viscous ends that touch at t = 0 have already begun to
+slow down, see `start.slow_down`: all that follows would be half a step too late.
 """
 
 import math
@@ -41,16 +45,18 @@ from .records import INDEX_MASK, NONE, Run
 
 
 def run_steps(grid: Any, history: Any, until: int) -> bool:
-    """Take steps until `until` steps are taken, and fill the window `history` with them.
+    """Take steps until `until` are taken, and fill the window `history` with them.
 
-    A step is drift, kick, contacts, drift; see above. States are kept at the ends of steps.
+    A step is drift, kick, contacts, drift; see above. States are kept at the ends of
+    steps.
 
     Parameters
     ----------
     grid : Grid
     history : StepHistory
-        Its entries are those of the steps from `run.first_step` on. `prescribed` and `when` are
-        given: values at the ends, and the steps after which states are stored.
+        Its entries are those of the steps from `run.first_step` on. `prescribed` and
+        `when` are given: values at the ends, and the steps after which states are
+        stored.
     until : int
 
     Returns
@@ -58,8 +64,8 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
     bool
         False if a rigid mass was caught between walls that leave it no room.
     """
-    # All arrays are unpacked before the loop: reading a field of a NamedTuple inside makes
-    # machine code update the reference count of every array in each step.
+    # All arrays are unpacked before the loop: reading a field of a NamedTuple inside
+    # makes machine code update the reference count of every array in each step.
     run = grid.run[0]
     v = borrowed(grid.velocity)
     force = borrowed(grid.force)
@@ -171,7 +177,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
 def keep_nodes(
     run: Run, v: Any, force: Any, stiffness: Any, kept_velocity: Any, kept_force: Any
 ) -> None:
-    """Store velocities and tensions at the end of a step in the next state that is kept.
+    """Store velocities and tensions at the end of a step in the next state kept.
 
     Tensions are known in the middle of a step: half a step adds k (v[i] - v[i - 1])/2.
     """
@@ -196,7 +202,9 @@ def keep_radial_strains(
     kept_radial: Any,
     kept_rate: Any,
 ) -> None:
-    """Store radial strains q, and their rates, at the end of a step in the next state that is kept.
+    """Store radial strains q and their rates at the end of a step.
+
+    They go to the next state that is kept.
 
     q is known in the middle of a step: half a step adds rate/2.
     """
@@ -209,7 +217,7 @@ def keep_radial_strains(
 def add_radial_tensions(
     run: Run, radial_rate: Any, coupling: Any, kept_force: Any
 ) -> None:
-    """Add what radial strains change in half a step, b rate/2, to the tensions that are kept."""
+    """Add what radial strains change in half a step, b rate/2, to the tensions kept."""
     cells = (run.kept_states * len(coupling)) & INDEX_MASK  # first entry of this state
     for i in range(len(coupling)):
         kept_force[cells + i] += coupling[i] * radial_rate[i] / 2
@@ -218,7 +226,10 @@ def add_radial_tensions(
 def keep_pieces(
     run: Run, pieces: Any, lost: Any, kept_displacement: Any, kept_lost: Any
 ) -> None:
-    """Store displacements of pieces, and the energy lost in all cells, in the next state kept."""
+    """Store displacements of pieces and the energy lost in all cells.
+
+    They go to the next state that is kept.
+    """
     first = run.kept_states * len(pieces)  # first entry of the state
     for i in range(len(pieces)):
         kept_displacement[first + i] = pieces[i].displacement
@@ -229,7 +240,10 @@ def keep_pieces(
 
 
 def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) -> None:
-    """Set what is prescribed at the ends in this step, and the closing velocities before it."""
+    """Set what is prescribed at the ends in this step.
+
+    The closing velocities before it are set, too.
+    """
     for i in range(len(links)):
         link = links[i]
         link.initial_closing = v[link.left_node] - v[link.right_node]
@@ -239,14 +253,17 @@ def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) 
 
 
 def store_selected(run: Run, values: Any, selected: Any, table: Any) -> None:
-    """Store the `values` at the indices `selected` in the row of a table of this step."""
+    """Store `values` at the indices `selected` in the row of a table of this step."""
     row = run.step - run.first_step
     for k in range(len(selected)):
         table[row * len(selected) + k] = values[selected[k]]
 
 
 def drift_pieces(pieces: Any, v: Any) -> None:
-    """Let pieces drift for half a step: their displacements grow by v/2 of the first node."""
+    """Let pieces drift for half a step.
+
+    Their displacements grow by v/2 of the first node.
+    """
     for p in range(len(pieces)):
         pieces[p].displacement += v[pieces[p].first_node] / 2
 
@@ -263,7 +280,10 @@ def drift_cells(v: Any, force: Any, stiffness: Any) -> None:
 def drift_radially(
     radial_strain: Any, radial_rate: Any, coupling: Any, force: Any
 ) -> None:
-    """Move radial strains to the middle of the step, and add their part b dq of the tensions."""
+    """Move radial strains to the middle of the step.
+
+    Their part b dq of the tensions is added.
+    """
     for i in range(len(radial_strain)):
         radial_strain[i] += radial_rate[i]
         force[i] += coupling[i] * radial_rate[i]
@@ -280,9 +300,11 @@ def kick_radially(
 ) -> None:
     """Move the rates of radial strain to the end of the step.
 
-    J dq_t = s_i (q[i + 1] - q[i]) - s_(i-1) (q[i] - q[i - 1]) - (G - b^2/k) q - b/k tension.
+    J dq_t = s_i (q[i + 1] - q[i]) - s_(i-1) (q[i] - q[i - 1]) - (G - b^2/k) q - b/k
+    tension.
 
-    J and the stiffnesses are those of `records.Grid`; s_i lies between the cells i and i + 1.
+    J and the stiffnesses are those of `records.Grid`; s_i lies between the cells i and
+    i + 1.
     """
     before = 0.0  # shear force from the cell on the left
     for i in range(len(radial_strain) - 1):
@@ -296,8 +318,8 @@ def kick_radially(
 def push_ends(v: Any, force: Any, ends: Any) -> None:
     """Set the forces from outside, as tensions of cells beyond the ends of the row.
 
-    An endless bar of impedance Z that sends a wave presses with Z (wave - v) to the right at the
-    left end, and with Z (v - wave) to the left at the right end.
+    An endless bar of impedance Z that sends a wave presses with Z (wave - v) to the
+    right at the left end, and with Z (v - wave) to the left at the right end.
     """
     for side in range(2):
         end = ends[side]
@@ -309,8 +331,8 @@ def push_ends(v: Any, force: Any, ends: Any) -> None:
             wave = end.background_wave + end.prescribed
             inward = 1 - 2 * side  # 1 on the left, -1 on the right
             push = inward * end.impedance * (wave - v[end.node])
-        # Cell i is on the left of node i: beyond the left end is the cell of its node, beyond
-        # the right end the next one.
+        # Cell i is on the left of node i: beyond the left end is the cell of its node,
+        # beyond the right end the next one.
         force[end.node + side] = -push
 
 
@@ -326,10 +348,12 @@ def kick(v: Any, force: Any, inverse_mass: Any) -> None:
 def find_implicit_forces(
     v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any
 ) -> None:
-    """Set x, the right side of the equations of a step: elastic and viscous forces on the nodes.
+    """Set x, the right side of the equations of a step.
 
-    The viscous force is eta A/dx (v[i + 1] - v[i]) with the velocities before the step, which are
-    kept in `old_velocity`. Node i lies between the cells i and i + 1.
+    It has the elastic and viscous forces on the nodes.
+
+    The viscous force is eta A/dx (v[i + 1] - v[i]) with the velocities before the step,
+    which are kept in `old_velocity`. Node i lies between the cells i and i + 1.
     """
     before = force[0]  # tension on the left of node i
     for i in range(len(v) - 1):
@@ -344,7 +368,10 @@ def find_implicit_forces(
 
 
 def prescribe_changes(v: Any, x: Any, ends: Any) -> None:
-    """Set the right side x of the equation of each moved end: the change of its velocity."""
+    """Set the right side x of the equation of each moved end.
+
+    It is the change of the velocity of that end.
+    """
     for side in range(2):
         if ends[side].kind == BoundaryKind.MOVED:
             x[ends[side].node] = ends[side].prescribed - v[ends[side].node]
@@ -375,10 +402,12 @@ def solve_contacts(run: Run, v: Any, links: Any) -> bool:
 
 
 def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
-    """Find the forces of a chain of links, whose first is link `first`; False if there are none.
+    """Find the forces of a chain of links; return False if there are none.
 
-    Links that are coupled by bodies between them make a chain, see `contact_kernel`. `v` are the
-    velocities at the end of the step without link forces; they stay so.
+    Link `first` is the first of the chain.
+
+    Links that are coupled by bodies between them make a chain, see `contact_kernel`.
+    `v` are the velocities at the end of the step without link forces; they stay so.
     """
     last = links[first].chain_end
     speed = 0.0
@@ -388,15 +417,16 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
         left = v[link.left_node]
         right = v[link.right_node]
         speed = max(speed, abs(left) + abs(right) + abs(link.initial_closing))
-        # The closing of a step is the mean of the closing velocities before and after it.
+        # The closing of a step is the mean of the closing velocities before and after
+        # it.
         link.force_free_closing = (link.initial_closing + left - right) / 2
         link.force_slope = 0.0
         # Guess: the closing of the last step goes on
         link.overlap = link.closing - link.gap
         link.max_closing = math.inf  # an impact waits until it happens
         if link.law != Law.IMPACT:
-            # A rigid contact that is closed closes no more at the end of the step. One that closes
-            # inside the step is stopped over two steps.
+            # A rigid contact that is closed closes no more at the end of the step. One
+            # that closes inside the step is stopped over two steps.
             if link.is_closed == 1:
                 max_closing = link.initial_closing / 2
             else:
@@ -418,9 +448,10 @@ def push_pieces(
 ) -> None:
     """Change the velocities on both sides of the links by the forces that were found.
 
-    The force of a rigid link is set to 0 where it is round-off: where the closing velocity that it
-    takes away is within `tolerance`, m/s. Such forces are not negative. `by_first` and `by_last`
-    are the velocities by a unit force on the first and on the last node of a piece.
+    The force of a rigid link is set to 0 where it is round-off: where the closing
+    velocity that it takes away is within `tolerance`, m/s. Such forces are not
+    negative. `by_first` and `by_last` are the velocities by a unit force on the first
+    and on the last node of a piece.
     """
     for i in range(len(links)):
         link = links[i]
@@ -428,8 +459,8 @@ def push_pieces(
         if is_stiff and link.force * link.self_mobility <= tolerance:
             link.force = 0.0
         if link.force != 0:
-            # The nodes of the piece on the left, then of that on the right. INDEX_MASK changes no
-            # index, but shows the compiler that none is negative.
+            # The nodes of the piece on the left, then of that on the right. INDEX_MASK
+            # changes no index, but shows the compiler that none is negative.
             for n in range(
                 link.leftmost_node & INDEX_MASK, (link.left_node & INDEX_MASK) + 1
             ):
@@ -441,10 +472,13 @@ def push_pieces(
 
 
 def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
-    """Set closings and gaps of the links at the end of the step; store them with the forces.
+    """Set closings and gaps of the links at the end of the step.
 
-    `signals` has a row for each step of the window. In the first step the force that contacts had
-    as they closed at t = 0 is added, and the closing is such that force times closing is the work.
+    They are stored with the forces.
+
+    `signals` has a row for each step of the window. In the first step the force that
+    contacts had as they closed at t = 0 is added, and the closing is such that force
+    times closing is the work.
     """
     for i in range(len(links)):
         link = links[i]
@@ -470,7 +504,7 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
 
 
 def dissipate(v: Any, old_velocity: Any, viscous: Any, lost: Any) -> None:
-    """Add the energy that viscosity turned to heat in this step to that `lost` in each cell.
+    """Add to `lost` the energy that viscosity turned to heat in this step, by cell.
 
     It is eta A/dx times the square of the mean rate of elongation.
     """

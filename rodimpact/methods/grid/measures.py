@@ -1,7 +1,10 @@
-"""Measures of a force that is known by its means over time steps, and by gaps at their ends.
+"""Measures of a force that is known by its means over time steps.
 
-Largest force, begin and end of forces, contact intervals and openings. Times are counted in steps.
-Arrays of forces have an entry for each step, N, those of gaps one entry more, m.
+Gaps are known at the ends of the steps.
+
+Largest force, begin and end of forces, contact intervals and openings. Times are
+counted in steps. Arrays of forces have an entry for each step, N, those of gaps one
+entry more, m.
 """
 
 import math
@@ -13,32 +16,34 @@ from ..signals import Floats
 from ..states import Status
 
 MAX_CLOSING_STEPS = 2.0
-"""A gap can close later than its contact first presses, by less than this number of steps."""
+"""Steps, at most, by which a gap closes later than its contact first presses."""
 NEGLIGIBLE_FORCE_RATIO = 1e-6
 """A first mean force of less than this part of the next one is round-off."""
 JUMP_RATIO = 0.3
 """Relative change of forces from step to step, beyond which they jump."""
 KINK_CURVATURE_RATIO = 4
-"""A parabola across a jump or kink is this many times as curved as one beside it, or more."""
+"""Curvature, at least, of a parabola across a jump or kink over one beside it."""
 FLAT_RTOL = 1e-9
 """Relative change of forces from step to step that is round-off."""
 
 
 def largest_force(force: Floats) -> float:
-    """Largest force of a curve with these means over steps, N, in the step of the largest mean.
+    """Largest force of a curve with these means over steps, N.
 
-    The curve is the parabola with the means of this step and of both neighbours. Where these span
-    a jump or a kink, it is the parabola through this step and two steps before or behind it. That
-    one must have much less curvature, and be smooth: its curvature is less than its slope, or the
-    force is constant.
+    It is that in the step of the largest mean.
+
+    The curve is the parabola with the means of this step and of both neighbours. Where
+    these span a jump or a kink, it is the parabola through this step and two steps
+    before or behind it. That one must have much less curvature, and be smooth: its
+    curvature is less than its slope, or the force is constant.
     """
     if np.max(force, initial=0.0) <= 0:  # no force presses
         return 0.0
     top = int(np.argmax(force))
     # Two steps more on both sides, so that `top` is the middle of five
     earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
-    # The curve is value + slope t + curve t^2, t in steps; at t = 0 the first of its three
-    # steps begins.
+    # The curve is value + slope t + curve t^2, t in steps; at t = 0 the first of its
+    # three steps begins.
     value, slope, curve = _parabola(before, F, after)
     begin = 1  # begin of the top step, in steps behind that of the first of the three
     largest = F
@@ -53,7 +58,8 @@ def largest_force(force: Floats) -> float:
             slope = b
             curve = c
             begin = 0
-            # The other side, in its turn, is taken if it is much less curved than this one.
+            # The other side, in its turn, is taken if it is much less curved than this
+            # one.
             least_curvature = KINK_CURVATURE_RATIO * abs(c)
             largest = max(a, a + b + c)  # values at both ends of the step
     # If the vertex lies in the top step it is the largest force.
@@ -73,16 +79,18 @@ def _parabola(first: float, second: float, third: float) -> tuple[float, float, 
 
 
 def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
-    """Times in steps, [n, 3]: begin and end of each force, and the opening before the next one.
+    """Times of forces in steps, [n, 3].
 
-    `gap` is at the ends of steps, with one entry more than `force`. A gap has opened once it passes
-    `open_gap`, m. A time that does not come is nan.
+    They are begin and end of each force, and the opening before the next one.
+
+    `gap` is at the ends of steps, with one entry more than `force`. A gap has opened
+    once it passes `open_gap`, m. A time that does not come is nan.
     """
     # Steps in which forces begin, and those behind their last ones, in turn
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
     wide = np.flatnonzero(gap > open_gap)  # step ends at which the gap is open
-    # Step in which the next force begins: every other edge from the third on; then the end of the
-    # run
+    # Step in which the next force begins: every other edge from the third on; then the
+    # end of the run
     next_begins = [*edges, len(force)][2::2]
     intervals = []
     for first, stop, following in zip(
@@ -102,10 +110,12 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
 
 
 def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
-    """Episodes of touching, from the first force until a gap has opened; times in steps.
+    """Episodes of touching, from the first force until a gap has opened.
 
-    A row of `intervals` holds the begin and the end of a force and the opening, in steps; what has
-    not happened yet is nan.
+    Times are in steps.
+
+    A row of `intervals` holds the begin and the end of a force and the opening, in
+    steps; what has not happened yet is nan.
     """
     changes = [Status.PRESS, Status.GRAZE, Status.OPEN]
     statuses = np.broadcast_to(changes, intervals.shape)
@@ -117,7 +127,8 @@ def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
     """Time at which the force begins that first presses in step i, in steps.
 
-    It begins where the gap closes, if the gap goes on as in the step before; else with step i.
+    It begins where the gap closes, if the gap goes on as in the step before; else with
+    step i.
     """
     # The force of step i is round-off: that of the next step begins the contact.
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
@@ -132,11 +143,12 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
 def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
     """Time at which the force ends that presses in the steps i to j - 1, in steps.
 
-    The force of a compliant contact ends where its overlap does, on the parabola through the last
-    three step ends. The force of a rigid contact drops to 0 inside its last step: with Fe
-    extrapolated from the earlier step means and Fm the mean of the last step, it ends after the
-    fraction Fm/Fe of that step. If it falls evenly, it ends where the line through the last means
-    reaches 0. A dashpot can lose its force while there is overlap: then it ends as a rigid one.
+    The force of a compliant contact ends where its overlap does, on the parabola
+    through the last three step ends. The force of a rigid contact drops to 0 inside its
+    last step: with Fe extrapolated from the earlier step means and Fm the mean of the
+    last step, it ends after the fraction Fm/Fe of that step. If it falls evenly, it
+    ends where the line through the last means reaches 0. A dashpot can lose its force
+    while there is overlap: then it ends as a rigid one.
     """
     begin = j - 1  # begin of the last step with force
     first_gap = float(gap[j - 1])  # gaps at its begin and at its end
@@ -155,8 +167,9 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
             if extrapolated <= 0:
                 return begin
             return begin + min(1.0, 2 * last / extrapolated)
-        # The force falls evenly, at least half and at most twice as fast as before, and reaches 0
-        # within a step of its last mean, which it has in the middle of the step.
+        # The force falls evenly, at least half and at most twice as fast as before, and
+        # reaches 0 within a step of its last mean, which it has in the middle of the
+        # step.
         if 0 < fall <= 2 * last_fall <= 4 * fall and last <= last_fall:
             return begin + 0.5 + last / last_fall
     if first_gap < 0:
@@ -167,9 +180,9 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
 def _closing_share(gap: Floats, i: int, j: int) -> float:
     """Time in step j - 1 at which its overlap becomes 0, as a share of the step.
 
-    The force began in step i. The gap is the parabola through the last three step ends if it has
-    pressed for three steps, else a line. With s the time in step j - 1, the gap is first_gap + rate
-    (slope s + curve s^2).
+    The force began in step i. The gap is the parabola through the last three step ends
+    if it has pressed for three steps, else a line. With s the time in step j - 1, the
+    gap is first_gap + rate (slope s + curve s^2).
     """
     first_gap = float(gap[j - 1])
     rate = float(gap[j]) - first_gap
@@ -187,9 +200,9 @@ def _closing_share(gap: Floats, i: int, j: int) -> float:
 def share_of_jump(force: Floats) -> float:
     """Fraction Fm/Fe of the last step during which a force acts that ends with a jump.
 
-    Fm is the mean of the last step, the last of `force`, and Fe is extrapolated from up to three
-    means before: along a line if they are smooth, else it is the last of them. The fraction is 1 if
-    Fe - Fm is at most twice the curvature of these means.
+    Fm is the mean of the last step, the last of `force`, and Fe is extrapolated from up
+    to three means before: along a line if they are smooth, else it is the last of them.
+    The fraction is 1 if Fe - Fm is at most twice the curvature of these means.
     """
     *before, last = force.tolist()
     extrapolated = 0.0
@@ -206,13 +219,16 @@ def share_of_jump(force: Floats) -> float:
 
 
 def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
-    """Time at which bodies part whose gap passes `open_gap`, m, before step end k, in steps.
+    """Time at which bodies part before step end k, in steps.
 
-    Their force ended at `force_end`. Numerical dispersion opens small false gaps. Take the vertex
-    of the parabola through the times t and s at which the gap passes `open_gap` and half of it,
-    t - (t - s)/(1 - sqrt(1/2)). If the gap before the vertex did not accelerate, it is false, and
-    the vertex is the opening; else the last zero of the gap is. A gap that accelerates is at a half
-    of the time a quarter of what it is in the end, or less; a third is the bound.
+    Their gap passes `open_gap`, m, there.
+
+    Their force ended at `force_end`. Numerical dispersion opens small false gaps. Take
+    the vertex of the parabola through the times t and s at which the gap passes
+    `open_gap` and half of it, t - (t - s)/(1 - sqrt(1/2)). If the gap before the vertex
+    did not accelerate, it is false, and the vertex is the opening; else the last zero
+    of the gap is. A gap that accelerates is at a half of the time a quarter of what it
+    is in the end, or less; a third is the bound.
     """
     last_zero = max(_passing_time(gap, k, 0.0), force_end)
     half = _passing_time(gap, k, open_gap / 2)
@@ -226,9 +242,12 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
 
 
 def _passing_time(gap: Floats, k: int, level: float) -> float:
-    """Last time before step end k at which a gap, larger there, was at this level, in steps.
+    """Last time before step end k at which a gap was at this level, in steps.
 
-    Gaps are straight lines between step ends. It is k - 1 if the gap was never so small.
+    At step end k the gap is larger.
+
+    Gaps are straight lines between step ends. It is k - 1 if the gap was never so
+    small.
     """
     for i in range(k - 1, -1, -1):
         if gap[i] <= level:  # it passes the level in step i

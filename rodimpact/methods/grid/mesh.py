@@ -1,9 +1,9 @@
 """The mesh of a row: which node and which cell belongs to which body.
 
-A segment of N cells has N + 1 nodes. Half of the mass of each cell sits at either of its nodes.
-Bodies that are bonded share a node and make one piece of neighbouring nodes. A wall that can be
-touched is a node by itself. Cell i lies between the nodes i - 1 and i. Cell 0, the cells between
-pieces and the last cell have no mass and no stiffness.
+A segment of N cells has N + 1 nodes. Half of the mass of each cell sits at either of
+its nodes. Bodies that are bonded share a node and make one piece of neighbouring nodes.
+A wall that can be touched is a node by itself. Cell i lies between the nodes i - 1 and
+i. Cell 0, the cells between pieces and the last cell have no mass and no stiffness.
 """
 
 import math
@@ -23,10 +23,12 @@ from ..row import Array, Row
 STEP_TICKS = 1 << 36
 """Ticks of a time step: times between two states are looked up in these."""
 MAX_COUPLING = 2.0**32
-"""Largest coupling of neighbouring nodes over the inertia of a cell: beyond it round-off hides
-the motion."""
+"""Largest coupling of neighbouring nodes over the inertia of a cell.
+
+Beyond it round-off hides the motion.
+"""
 CELL_ROOM = 2.0**40
-"""Largest ratio of the radial inertia or stiffness of a segment to that of its cells."""
+"""Largest ratio of radial inertia or stiffness of a segment to that of its cells."""
 MODAL_CELLS = 200
 """Cells of a rod whose lowest modes are computed."""
 MODES = 8
@@ -34,12 +36,15 @@ MODES = 8
 
 
 class Cells(NamedTuple):
-    """Properties of the cells, all [cell]; q is the radial strain of `lateral_inertia`."""
+    """Properties of the cells, all [cell].
+
+    q is the radial strain by Mindlin and Herrmann.
+    """
 
     cell_mass: Array
     """rho A dx, kg."""
     stiffness: Array
-    """E A/dx, N/m; (lambda + 2 mu) A/dx, the stiffness at constant q, by Mindlin and Herrmann."""
+    """E A/dx, N/m; by Mindlin and Herrmann (lambda + 2 mu) A/dx, at constant q."""
     viscous: Array
     """eta A/dx, N s/m."""
     lateral_inertia: Array
@@ -62,7 +67,10 @@ class Cells(NamedTuple):
 
 
 class GridMotion(NamedTuple):
-    """The motion on a grid: the mesh, states at some times, and forces from outside a piece."""
+    """The motion on a grid at some times.
+
+    It has the mesh, states, and forces from outside a piece.
+    """
 
     counts: Sequence[int]
     """Cells of each segment."""
@@ -88,7 +96,10 @@ class GridMotion(NamedTuple):
     lost: Array
     """Energy turned to heat, W times steps [state]."""
     radial: Array
-    """Radial strain, 1/s times steps [state, cell]; [state, 0] where no cell has its own."""
+    """Radial strain, 1/s times steps [state, cell].
+
+    It is [state, 0] where no cell has its own.
+    """
     radial_rate: Array
     """Rate of the radial strain, 1/s [state, cell]."""
     resistance: Array
@@ -98,7 +109,7 @@ class GridMotion(NamedTuple):
     soil_force: Array
     """Force of the soil, N, to the right [state, node that soil holds]."""
     pushes: Mapping[int, Array]
-    """Mean force to the right from outside its piece in each step, N [steps], by node."""
+    """Mean force to the right from outside its piece in a step, N [step], by node."""
 
     def stretches(self, step: float) -> Array:
         """Elongation of the cells, m [state, cell]; `step` in s.
@@ -113,12 +124,15 @@ class GridMotion(NamedTuple):
     def energies(
         self, nodes: slice, mass: Array, state: int, v: Array, step: float
     ) -> tuple[float, float]:
-        """Kinetic and strain energy of neighbouring nodes, and of the cells between them, J.
+        """Kinetic and strain energy of neighbouring nodes and their cells, J.
 
-        At the end of a step h the scheme keeps (v M v - h^2 v K v/4 + u K u)/2. The first two terms
-        are the kinetic energy: K is k between neighbours, and lateral inertia adds to M there. The
-        radial strain q of a cell has an inertia J, stiffnesses G and s, and the coupling b with the
-        elongation; in terms of the tension its own stiffness is G - b^2/k.
+        The cells are those between these nodes.
+
+        At the end of a step h the scheme keeps (v M v - h^2 v K v/4 + u K u)/2. The
+        first two terms are the kinetic energy: K is k between neighbours, and lateral
+        inertia adds to M there. The radial strain q of a cell has an inertia J,
+        stiffnesses G and s, and the coupling b with the elongation; in terms of the
+        tension its own stiffness is G - b^2/k.
 
         Parameters
         ----------
@@ -170,7 +184,8 @@ class Mesh:
     counts : list of int
         Number of cells of each segment.
     first, last : list of int
-        First and last node of each segment, counted from 1 as in the row; entry 0 is empty.
+        First and last node of each segment, counted from 1 as in the row; entry 0 is
+        empty.
     node_of_mass : list of int
         Node of each rigid mass.
     starts, stops : list of int
@@ -181,14 +196,15 @@ class Mesh:
     cell_mass, stiffness, viscous, lateral, width : [cell] array
         Columns of `cells`.
     shear : [node] array
-        Shear stiffness between the radial strains of the two cells of a node, N m: those of
-        `Cells` in series.
+        Shear stiffness between the radial strains of the two cells of a node, N m:
+        those of `Cells` in series.
     touching : dict of int to (int, int)
         Nodes on the left and on the right of each link that has a law.
     ends, end_cells : list of int
         Node on which the outside acts, left and right, and the cell beside it.
     bonds : dict of int to (int, int)
-        Node of each bonded link whose force is recorded, and the cell of a rod beside it.
+        Node of each bonded link whose force is recorded, and the cell of a rod beside
+        it.
     watched, pulled : list of int
         Nodes whose velocities, and cells whose forces, are recorded in each step.
     groups : list of (int, int)
@@ -196,7 +212,8 @@ class Mesh:
     has_radial_strain : bool
         Whether cells have a radial strain of their own.
     implicit : bool
-        Whether new velocities depend on each other: there is damping or lateral inertia.
+        Whether new velocities depend on each other: there is damping or lateral
+        inertia.
 
     Raises
     ------
@@ -205,10 +222,12 @@ class Mesh:
     """
 
     def __init__(self, row: Row, counts: list[int]) -> None:
-        """Lay out a row on a grid with `counts` cells in its segments, and set all attributes.
+        """Lay out a row on a grid with `counts` cells in its segments.
 
-        Pieces end at contacts and joints, groups at contacts only. Nodes of rigid masses, of the
-        ends, and beside cells whose forces are recorded are watched.
+        All attributes are set.
+
+        Pieces end at contacts and joints, groups at contacts only. Nodes of rigid
+        masses, of the ends, and beside cells whose forces are recorded are watched.
         """
         self.row = row
         self.counts = counts
@@ -252,10 +271,13 @@ class Mesh:
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral_inertia))
 
     def _lay_out(self, driven: list[int]) -> int:
-        """Set which nodes and cells belong to what, from left to right; return the last node.
+        """Set which nodes and cells belong to what, from left to right.
 
-        This sets `first`, `last`, `node_of_mass`, `touching`, `bonds` and `cells`. `driven` are the
-        sides whose velocity is prescribed: the force there is recorded.
+        Return the last node.
+
+        This sets `first`, `last`, `node_of_mass`, `touching`, `bonds` and `cells`.
+        `driven` are the sides whose velocity is prescribed: the force there is
+        recorded.
         """
         row = self.row
         outer_links = (0, len(row.links) - 1)
@@ -297,7 +319,8 @@ def _between(
 ) -> tuple[list[int], list[int]]:
     """First nodes, and last nodes, of the spans of nodes between cuts, [span] each.
 
-    Nodes are counted from 0 to `last`. A cut is a pair of neighbouring nodes, from left to right.
+    Nodes are counted from 0 to `last`. A cut is a pair of neighbouring nodes, from left
+    to right.
     """
     starts = [0]
     stops = []
@@ -310,8 +333,9 @@ def _between(
 def _cells(segment: Any, count: int) -> Cells:
     """The properties of `count` cells of a segment, of equal lengths.
 
-    Where the area varies, each cell has the mean of its own. Radial motion adds a lateral inertia
-    (Rayleigh and Love), or a radial strain with equations of its own (Mindlin and Herrmann).
+    Where the area varies, each cell has the mean of its own. Radial motion adds a
+    lateral inertia (Rayleigh and Love), or a radial strain with equations of its own
+    (Mindlin and Herrmann).
     """
     material = segment.material
     dx = float(segment.length) / count
@@ -350,7 +374,9 @@ NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
 
 
 def _in_series(springs: Array) -> Array:
-    """Stiffness [node] between the middles of neighbouring cells with these springs [cell].
+    """Stiffness between the middles of neighbouring cells, [node].
+
+    The cells have these springs, [cell].
 
     Two half springs, of stiffness 2 a and 2 b, are in series: 2 a b/(a + b).
     """
@@ -365,10 +391,10 @@ def quotient(a: Any, b: Array) -> Array:
 
 
 def check_polar_moments(row: Row) -> None:
-    """Raise InvalidModel where radial inertia or stiffness in a section is beyond floats.
+    """Raise InvalidModel if radial inertia or stiffness of a section is beyond floats.
 
-    They are rho I_p L, kg m^2, and E I_p/L, N m; in cells they are a number of times larger or
-    smaller, and their squares are computed.
+    They are rho I_p L, kg m^2, and E I_p/L, N m; in cells they are a number of times
+    larger or smaller, and their squares are computed.
     """
     # Path 0 is empty: segments are counted from 1.
     for path, segment in zip(row.paths[1:], row.segments, strict=True):
@@ -384,8 +410,9 @@ def check_polar_moments(row: Row) -> None:
             )
             if min(sizes) < SMALLEST * CELL_ROOM or max(sizes) > LARGEST / CELL_ROOM:
                 message = (
-                    "makes radial inertia or stiffness whose squares overflow or vanish, got "
-                    f"{area!r}; take an area nearer to 1 in consistent units"
+                    "makes radial inertia or stiffness whose squares overflow or "
+                    f"vanish, got {area!r}; take an area nearer to 1 in consistent "
+                    "units"
                 )
                 raise InvalidModel([(f"{path}.area", message)])
 
@@ -399,7 +426,10 @@ def half_cell_edges(left: float, length: float, count: int) -> Array:
 
 
 def nodes_of_half_cells(count: int) -> Array:
-    """Node beside each half cell of `count` cells in a row, [2 * count]: 0, 1, 1, 2, 2, ..."""
+    """Node beside each half cell of `count` cells in a row, [2 * count].
+
+    The nodes are 0, 1, 1, 2, 2, ...
+    """
     return np.asarray((np.arange(2 * count) + 1) // 2)
 
 
@@ -414,15 +444,17 @@ def crossing_time(segment: Any) -> float:
 def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
     """Longest stable step of a segment in `count` cells, s.
 
-    Leapfrog is stable up to 2/omega of the fastest motion. Soil of a stiffness per length, N/m^2,
-    adds soil_stiffness/(rho A) to the square of omega. The fastest motion of a cell with transit
-    time t has omega = 2/t; lateral inertia by Rayleigh and Love makes it slower. By Mindlin and
-    Herrmann it is the motion in which all nodes and all radial strains swing against their
-    neighbours. Its equation is a bound where cells differ, too::
+    Leapfrog is stable up to 2/omega of the fastest motion. Soil of a stiffness per
+    length, N/m^2, adds soil_stiffness/(rho A) to the square of omega. The fastest
+    motion of a cell with transit time t has omega = 2/t; lateral inertia by Rayleigh
+    and Love makes it slower. By Mindlin and Herrmann it is the motion in which all
+    nodes and all radial strains swing against their neighbours. Its equation is a bound
+    where cells differ, too::
 
         (omega^2 - 4 k/m) (omega^2 - (G + 4 s)/J) = 4 b^2/(m J)
 
-    with the mass m, stiffness k, coupling b, radial G, shear s and radial inertia J of a cell.
+    with the mass m, stiffness k, coupling b, radial G, shear s and radial inertia J of
+    a cell.
     """
     by_soil = 0.0
     if soil_stiffness > 0:
@@ -445,11 +477,13 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
 
 
 def most_cells(segment: Any, count: int, step: float) -> int:
-    """Largest number of cells of a segment, up to `count`, for which a step in s is stable.
+    """Largest number of cells of a segment for which a step in s is stable.
 
-    It is at least 1, even if a step is too long for a single cell. The longest stable step falls
-    with the number of cells, so the stable numbers come first, and there are as many as the place
-    of the first unstable one.
+    It is `count` at most.
+
+    It is at least 1, even if a step is too long for a single cell. The longest stable
+    step falls with the number of cells, so the stable numbers come first, and there are
+    as many as the place of the first unstable one.
     """
     stable_count = bisect_left(
         range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step
@@ -470,14 +504,16 @@ def _refuse_stiff(path: str, cells: Cells) -> None:
     for name, size in sizes.items():
         if size.max() > MAX_COUPLING:
             message = (
-                f"couples cells {size.max():.2g} times as strongly as their inertia, so round-off "
-                "hides the motion; take a smaller value, or a RigidMass"
+                f"couples cells {size.max():.2g} times as strongly as their inertia, "
+                "so round-off hides the motion; take a smaller value, or a RigidMass"
             )
             raise InvalidModel([(f"{path}.{name}", message)])
 
 
 def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
-    """Find the mode of a free rod by itself that lasts longest, among the lowest `MODES`.
+    """Find the mode of a free rod by itself that lasts longest.
+
+    It is one of the lowest `MODES`.
 
     Returns
     -------
@@ -501,7 +537,8 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     n = len(axial_inertia)
     K[:n, n:] = _differences(n).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
-    # Unknowns with inertia: without lateral inertia radial strains have none, and are left out.
+    # Unknowns with inertia: without lateral inertia radial strains have none, and are
+    # left out.
     moves = np.append(np.ones(n, bool), cells.radial_inertia > 0)
     inside = np.ix_(moves, moves)
     M = block_diag(axial_inertia, np.diag(cells.radial_inertia))[inside]
@@ -515,7 +552,9 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
 
 
 def _chain(values: Array) -> Array:
-    """Matrix of springs, dashpots or inertances with these constants [cell] between neighbours.
+    """Matrix of springs, dashpots or inertances between neighbours.
+
+    Their constants are [cell].
 
     It is D^T diag(values) D, D the differences of neighbouring nodes.
     """
@@ -524,5 +563,5 @@ def _chain(values: Array) -> Array:
 
 
 def _differences(n: int) -> Array:
-    """Matrix [n - 1, n] that takes values at n nodes to the differences of neighbours."""
+    """Matrix [n - 1, n] from values at n nodes to the differences of neighbours."""
     return np.diff(np.eye(n), axis=0)

@@ -1,13 +1,14 @@
 """The method "finite-difference": rods on a staggered grid.
 
-It carries everything that the other methods carry, and also damping, tapers and lateral inertia. It
-stores states and rebuilds nothing from signals at the ends.
+It carries everything that the other methods carry, and also damping, tapers and lateral
+inertia. It stores states and rebuilds nothing from signals at the ends.
 
-Waves cross nearly a cell in a step (Courant number 0.999) in the segment with the longest transit.
-Every other segment gets as many cells as its transit time has whole steps, so its Courant number is
-just below: one cell more would be unstable, one less would disperse waves more than necessary. At a
-Courant number of exactly 1 leapfrog has no error, but the even and the odd nodes are not coupled: a
-contact that acts between two steps makes them part for good, and velocities never converge.
+Waves cross nearly a cell in a step (Courant number 0.999) in the segment with the
+longest transit. Every other segment gets as many cells as its transit time has whole
+steps, so its Courant number is just below: one cell more would be unstable, one less
+would disperse waves more than necessary. At a Courant number of exactly 1 leapfrog has
+no error, but the even and the odd nodes are not coupled: a contact that acts between
+two steps makes them part for good, and velocities never converge.
 """
 
 import math
@@ -47,7 +48,7 @@ MAX_CELLS = 1 << 20
 EQUAL_WASTE = 2.0**-20
 """Courant numbers that differ by less are equally good."""
 UNTIL_RTOL = 1e-12
-"""An end that exceeds a whole number of steps by this part of it is that number of steps."""
+"""Relative excess up to which an end counts as a whole number of steps."""
 
 LACKS = (physics.RODLESS, physics.OWN_LAWS)
 
@@ -69,19 +70,23 @@ def run_grid(
     snapshots: int | tuple[float, ...] | None = None,
     report: Report = no_report,
 ) -> GridRun:
-    """Run a single collision on a mesh that is fine enough; return the run on the finest one.
+    """Run a single collision on a mesh that is fine enough.
 
-    The step is divided until velocities and impulses no longer change. The errors of the peak force
-    and of the duration are stated, but the mesh is not refined for them: beside a jump waves
-    overshoot on any mesh, flat ends of viscous rods, or of rods with lateral inertia, meet with a
-    force that has no largest value, and weak forces begin and end late.
+    Return the run on the finest mesh.
+
+    The step is divided until velocities and impulses no longer change. The errors of
+    the peak force and of the duration are stated, but the mesh is not refined for them:
+    beside a jump waves overshoot on any mesh, flat ends of viscous rods, or of rods
+    with lateral inertia, meet with a force that has no largest value, and weak forces
+    begin and end late.
 
     Parameters
     ----------
     row : Row
         Row of a single system.
     until : float, optional
-        End of the run, s; by default a round trip of the longest rod after the proof of finality.
+        End of the run, s; by default a round trip of the longest rod after the proof of
+        finality.
     max_events : int
         Cap on steps times contacts and ends, where no end is given.
     cells : int, optional
@@ -89,7 +94,8 @@ def run_grid(
     dt : float, optional
         Step, s; it is smaller where `until` is no multiple of it.
     rtol : float, optional
-        Relative accuracy to which the mesh is refined, where neither cells nor step are given.
+        Relative accuracy to which the mesh is refined, where neither cells nor step are
+        given.
     snapshots : int or tuple of float, optional
         Largest number of states to keep, or the times at which to keep them, s.
     report : function
@@ -112,7 +118,10 @@ def run_grid(
     runs: list[GridRun] = []
 
     def run_level(factor: int) -> GridRun:
-        """Run on a mesh with the step divided by a factor, and append the run to `runs`."""
+        """Run on a mesh with the step divided by a factor.
+
+        The run is appended to `runs`.
+        """
         mesh = Mesh(row, [factor * count for count in counts])
         h = step / factor
         if until is None:
@@ -150,11 +159,15 @@ def run_grid(
     return run
 
 
-# Running ------------------------------------------------------------------------------------------
+# Running
+# --------------------------------------------------------------------------------------
 
 
 def _run_to_end(run: GridRun, last: int, report: Report) -> None:
-    """Run to step `last`, and try the proof of finality on the way, which sets `run.proved`."""
+    """Run to step `last`, and try the proof of finality on the way.
+
+    A proof sets `run.proved`.
+    """
 
     def report_of(taken: int) -> None:
         """Report the steps taken of all steps."""
@@ -165,7 +178,7 @@ def _run_to_end(run: GridRun, last: int, report: Report) -> None:
 
 
 def _run_to_proof(run: GridRun, last: int, report: Report) -> None:
-    """Run to the proof of finality, but not beyond step `last`; set `run.stopped_by`."""
+    """Run to the proof of finality, or to step `last`; set `run.stopped_by`."""
 
     def report_of(taken: int) -> None:
         """Report the steps taken."""
@@ -180,7 +193,10 @@ def _run_to_proof(run: GridRun, last: int, report: Report) -> None:
 def _advance_until_proved(
     run: GridRun, last: int, report_of: Callable[[int], None]
 ) -> None:
-    """Run until the proof of finality succeeds, but not beyond step `last`; set `run.proved`."""
+    """Run until the proof of finality succeeds, or to step `last`.
+
+    A proof sets `run.proved`.
+    """
     longest = run.round_trip // 2  # steps in which waves cross the longest rod
     report_of(0)
     while run.proved < 0:
@@ -196,13 +212,14 @@ def _advance_until_proved(
             break
 
 
-# The mesh -----------------------------------------------------------------------------------------
+# The mesh
+# --------------------------------------------------------------------------------------
 
 
 def mesh_size(
     row: Row, cells: int | None, dt: float | None, until: float | None
 ) -> tuple[list[int], float]:
-    """Numbers of cells of all segments, [segment], and the step, s, that is stable for them.
+    """Numbers of cells, [segment], and the step, s, that is stable for them.
 
     `cells`, `dt` and `until` are those of `run_grid`.
 
@@ -231,20 +248,23 @@ def mesh_size(
     worst = int(np.argmin(stable_steps))
     if step > STABLE_COURANT * stable_steps[worst]:
         message = (
-            f"would be unstable in {row.paths[worst + 1]}, where {counts[worst]:g} cells "
-            f"allow {stable_steps[worst]:.6g} s, got {dt!r}; take a smaller dt or fewer cells"
+            f"would be unstable in {row.paths[worst + 1]}, where {counts[worst]:g} "
+            f"cells allow {stable_steps[worst]:.6g} s, got {dt!r}; take a smaller dt "
+            "or fewer cells"
         )
         raise InvalidModel([("dt", message)])
     return counts, step
 
 
 def _least_wasteful(transits: Array, until: float | None) -> int:
-    """Number of cells of the longest transit for which all Courant numbers are nearest to 1.
+    """Number of cells of the longest transit with Courant numbers nearest to 1.
 
-    Segments have whole numbers of cells, and waste 1 less their Courant number; the largest waste
-    of any segment counts. It is the first best number among those from the fewest that are needed
-    up to twice as many. `transits` in s are those of the segments, `until` is the end of the run,
-    s.
+    Those of all segments count.
+
+    Segments have whole numbers of cells, and waste 1 less their Courant number; the
+    largest waste of any segment counts. It is the first best number among those from
+    the fewest that are needed up to twice as many. `transits` in s are those of the
+    segments, `until` is the end of the run, s.
     """
     longest = float(transits.max())
     least = max(MIN_LONGEST_CELLS, math.ceil(MIN_CELLS * longest / transits.min()))
@@ -265,8 +285,8 @@ def _stable_counts(
 ) -> list[int]:
     """Number of cells of each segment, [segment]: as many as are stable with a step.
 
-    The step is `dt`, or that in which waves cross a cell of the longest transit, which has `cells`.
-    Segments are crossed in `transits`, s. `name` is the path of an error.
+    The step is `dt`, or that in which waves cross a cell of the longest transit, which
+    has `cells`. Segments are crossed in `transits`, s. `name` is the path of an error.
 
     Raises
     ------
@@ -278,7 +298,8 @@ def _stable_counts(
     step: Any = dt
     if cells is not None:
         step = float(transits[longest]) / cells
-    # As many cells as the transit time has whole steps; the factor lets round-off cost none.
+    # As many cells as the transit time has whole steps; the factor lets round-off cost
+    # none.
     counts = np.floor(transits / step * STABLE_COURANT)
     if cells is not None:
         counts[longest] = cells  # exactly, whatever the rounding of the quotient
@@ -307,8 +328,8 @@ def _stable_counts(
     whole: list[int] = counts.astype(int).tolist()
     if cells is not None:
         return whole  # `mesh_size` takes a step that is stable for so many cells
-    # By Mindlin and Herrmann the stable step is no whole share of the transit: fewer cells may be
-    # stable with the step that is given.
+    # By Mindlin and Herrmann the stable step is no whole share of the transit: fewer
+    # cells may be stable with the step that is given.
     most = []
     for segment, count in zip(row.segments, whole, strict=True):
         most.append(most_cells(segment, count, step / STABLE_COURANT))

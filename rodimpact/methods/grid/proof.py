@@ -1,8 +1,10 @@
-"""The proof of finality on a grid: how each side of a contact moves, from the present state.
+"""The proof of finality on a grid.
 
-On each side stands a group of pieces with the joints between them. A semi-infinite bar of impedance
-Z yields by the momentum that it has taken, over Z. A joint without a spring yields by the change of
-momentum over the constant of its dashpot.
+It tells from the present state how each side of a contact moves.
+
+On each side stands a group of pieces with the joints between them. A semi-infinite bar
+of impedance Z yields by the momentum that it has taken, over Z. A joint without a
+spring yields by the change of momentum over the constant of its dashpot.
 """
 
 import math
@@ -28,8 +30,9 @@ class GroupState(NamedTuple):
 def finality_time(run: GridRun) -> float:
     """Time after which the proof that no contact closes again can succeed, s.
 
-    It is 0 if the proof succeeds now, and inf if the mean motions do not open the gaps, while a
-    contact presses, and where a drive acts. The longest time of all contacts counts.
+    It is 0 if the proof succeeds now, and inf if the mean motions do not open the gaps,
+    while a contact presses, and where a drive acts. The longest time of all contacts
+    counts.
     """
     if abilities.has_external_drive(run.row.system):
         return math.inf
@@ -88,7 +91,8 @@ def add_joints(
     group : (int, int)
         First and last node.
     g, stretch, compliance : array
-        Mass fraction beyond, elongation, m, and compliance, m/N, of each cell of the group.
+        Mass fraction beyond, elongation, m, and compliance, m/N, of each cell of the
+        group.
     energy : float
         Energy of the group without joints, J.
 
@@ -101,7 +105,8 @@ def add_joints(
     """
     first, last = group
     shift_by_momentum = 0.0
-    # Link `link` of the row is link `column` of the grid; it lies on the left of node `right`.
+    # Link `link` of the row is link `column` of the grid; it lies on the left of node
+    # `right`.
     for column, (link, (_, right)) in enumerate(run.mesh.touching.items()):
         if first < right <= last:  # a joint
             cell = right - first - 1  # its place among the cells of the group
@@ -111,7 +116,8 @@ def add_joints(
                 compliance[cell] = 1 / k
                 energy += k * stretch[cell] ** 2 / 2
             else:
-                # A dashpot c yields by g (change of momentum)/c: twice the largest momentum.
+                # A dashpot c yields by g (change of momentum)/c: twice the largest
+                # momentum.
                 shift_by_momentum += 2 * g[cell] / float(run.row.links[link].damping)
     return energy, shift_by_momentum
 
@@ -133,14 +139,15 @@ def side_of(
 
     `state` is that of `present`.
 
-    The mean velocity is that of the centre of mass; of the far end where that is held, and that of
-    the wave from outside where an endless bar is there.
+    The mean velocity is that of the centre of mass; of the far end where that is held,
+    and that of the wave from outside where an endless bar is there.
 
-    With g(x) the mass fraction beyond x as seen from this end, or 1 where the far end is held or
-    endless, the end deviates from the mean motion by integral(g eps dx), and by at most
-    sqrt(2 E_vib integral(g^2 dx/(E A))). An endless bar of impedance Z at the far end and dashpots
-    of joints make the bound larger, by the momentum that they can take. The end is half a step
-    ahead of the cells, by no more than the velocity that the energy gives.
+    With g(x) the mass fraction beyond x as seen from this end, or 1 where the far end
+    is held or endless, the end deviates from the mean motion by integral(g eps dx), and
+    by at most sqrt(2 E_vib integral(g^2 dx/(E A))). An endless bar of impedance Z at
+    the far end and dashpots of joints make the bound larger, by the momentum that they
+    can take. The end is half a step ahead of the cells, by no more than the velocity
+    that the energy gives.
     """
     mesh = run.mesh
     motion, elongation = state
@@ -168,7 +175,8 @@ def side_of(
         mean = float(run.grid.ends["background_wave"][side])
     if a == b:
         return GroupState(mean, 0.0, 0.0)
-    # Mass fraction beyond each cell: on its left, as seen from the right end, or else on its right
+    # Mass fraction beyond each cell: on its left, as seen from the right end, or else
+    # on its right
     on_left = np.cumsum(m[:-1]) / mass
     if mesh.is_prescribed[far] or Z:
         g = np.ones(b - a)
@@ -185,11 +193,11 @@ def side_of(
     energy, shift_by_momentum = add_joints(run, (a, b), g, stretch, compliance, energy)
     deviation = float(stretch @ g) * sign
     compliance_integral = float(g * g @ compliance)
-    # A momentum is sqrt(2 E m) at most. Each motion that it makes adds to that of the cells, and
-    # (d1 + d2)^2 <= 2 (d1^2 + d2^2) bounds the square of their sum.
+    # A momentum is sqrt(2 E m) at most. Each motion that it makes adds to that of the
+    # cells, and (d1 + d2)^2 <= 2 (d1^2 + d2^2) bounds the square of their sum.
     if Z > 0:
-        # The far end yields to the bar by the momentum of the group over Z, in the direction
-        # of that momentum, whichever side it is on.
+        # The far end yields to the bar by the momentum of the group over Z, in the
+        # direction of that momentum, whichever side it is on.
         deviation -= float(m @ (v - mean)) / Z
         compliance_integral = 2 * (compliance_integral + mass / (Z * Z))
     if shift_by_momentum > 0:

@@ -1,16 +1,18 @@
 """The arrays and records on which the kernels of the grid work.
 
-Loops over all nodes and cells run on plain arrays of numbers, all else is records. Cell i lies
-between the nodes i - 1 and i. Cell 0, the cells between pieces and the last cell stand for nothing.
+Loops over all nodes and cells run on plain arrays of numbers, all else is records. Cell
+i lies between the nodes i - 1 and i. Cell 0, the cells between pieces and the last cell
+stand for nothing.
 
-Time is counted in steps h. Velocities stay in m/s and forces in N, so a length is a velocity times
-steps: in a step of velocity v something moves by v, in half a step by v/2, and what resists with a
-stiffness k changes its force by k v. Masses and stiffnesses are scaled to match: M/h, E A h/dx,
-k h^p for a force k x^p, the constant of a dashpot as it is. With a radial strain q/h, its inertia
-is J/h and its stiffnesses are G h, b h and s h.
+Time is counted in steps h. Velocities stay in m/s and forces in N, so a length is a
+velocity times steps: in a step of velocity v something moves by v, in half a step by
+v/2, and what resists with a stiffness k changes its force by k v. Masses and
+stiffnesses are scaled to match: M/h, E A h/dx, k h^p for a force k x^p, the constant of
+a dashpot as it is. With a radial strain q/h, its inertia is J/h and its stiffnesses are
+G h, b h and s h.
 
-In machine code a list of records is a structured array, in plain Python a list of objects with the
-same fields, see `compiling`.
+In machine code a list of records is a structured array, in plain Python a list of
+objects with the same fields, see `compiling`.
 """
 
 from typing import Any, NamedTuple
@@ -24,8 +26,8 @@ NONE = -1  # no link
 INDEX_MASK = (1 << 40) - 1
 """Mask that changes no index: n & INDEX_MASK is n for every index, which is 0 or more.
 
-It tells the compiler that n >= 0, so that it vectorises the loop over entries from n on. Loops over
-a few entries do without.
+It tells the compiler that n >= 0, so that it vectorises the loop over entries from n
+on. Loops over a few entries do without.
 """
 
 
@@ -54,7 +56,8 @@ class Piece:
 class Link(link.Link):
     """A contact or joint between two neighbouring pieces.
 
-    The gap and the yield force are those at present, and the gap is the stretch of a joint.
+    The gap and the yield force are those at present, and the gap is the stretch of a
+    joint.
     """
 
     next_knot: int  # index of the knot at which the hardening changes next
@@ -83,7 +86,10 @@ class Link(link.Link):
 
 
 class Soil:
-    """The soil, or the drag, at one node of a rod: drag has a damping, and no resistance."""
+    """The soil, or the drag, at one node of a rod.
+
+    Drag has a damping, and no resistance.
+    """
 
     node: int
     shaft: int  # number of the rod among those that soil holds
@@ -112,8 +118,9 @@ class End:
     node: int
     impedance: float  # impedance of a semi-infinite bar
     background_wave: float  # wave that comes from this bar in addition to the given one
-    # What is given in the present step: of a pushed end the force, N; of a moved one the velocity,
-    # m/s; of an endless bar the wave that comes in beside `background_wave`, m/s
+    # What is given in the present step: of a pushed end the force, N; of a moved one
+    # the velocity, m/s; of an endless bar the wave that comes in beside
+    # `background_wave`, m/s
     prescribed: float
 
 
@@ -194,7 +201,10 @@ STATE_FIELDS = StepHistory._fields[5:]
 
 
 def filled(kind: np.dtype[Any], count: int, /, **columns: Any) -> Any:
-    """Array of `count` records of a kind, with fields from `columns`; all others are 0."""
+    """Array of `count` records of a kind, with fields from `columns`.
+
+    All other fields are 0.
+    """
     records = np.zeros(count, kind)
     for name, values in columns.items():
         records[name] = values

@@ -1,4 +1,4 @@
-"""Refine a mesh until the outcome of a run no longer changes, and estimate its error."""
+"""Refine a mesh until the outcome of a run is settled, and estimate its error."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -19,14 +19,15 @@ from .run import MAX_STATES_BYTES, GridRun
 FACTORS = (1, *(k << n for n in range(60) for k in (2, 3)))
 """Factors by which the step is divided on each level: not powers of two only.
 
-An error that depends on where in a step something happens may be the same on all of those.
+An error that depends on where in a step something happens may be the same on all of
+those.
 """
 MIN_LEVELS = 4
 """Levels, from which on an error is estimated."""
 MAX_COMPARED = 4
 """Coarser levels with which the finest is compared."""
 SAFETY_FACTOR = 3
-"""Estimated error over the error that the changes tell: where they cancel, errors are larger."""
+"""Estimated error over the error that the changes tell, as they may cancel."""
 DURATION_FACTOR = 5 / 3
 """Further factor of the error of a duration: all levels may miss a weak force alike."""
 TIME_RESOLUTION = 0.1
@@ -56,8 +57,8 @@ def refined(
     Parameters
     ----------
     run_level : function
-        Run with the step divided by about a factor. It raises `TooLong` where it takes too much
-        memory. A run that met a cap on events is refined no further.
+        Run with the step divided by about a factor. It raises `TooLong` where it takes
+        too much memory. A run that met a cap on events is refined no further.
     measures : function
         Measures of the outcome of a run; those of `UNREFINED` need not come to `rtol`.
     order : float
@@ -71,7 +72,8 @@ def refined(
     run : GridRun
         The finest one.
     estimates : dict of str to float
-        Error of each measure, relative to its largest value; inf where there are too few levels.
+        Error of each measure, relative to its largest value; inf where there are too
+        few levels.
     """
     levels: list[Level] = []
     for factor in takewhile(lambda factor: factor <= max(4, max_factor), FACTORS):
@@ -100,9 +102,10 @@ def refined(
 def error_of(levels: Sequence[Level], name: str, order: float) -> float:
     """Estimated error of a measure on the last level, relative to its largest value.
 
-    With q(g) the result of a coarser step g, an error that falls with the power p of the step h is
-    abs(q(g) - q(h))/((g/h)^p - 1); one of higher order is less. The estimate is the largest over
-    the last coarser levels: errors that differ from level to level are not all equal by accident.
+    With q(g) the result of a coarser step g, an error that falls with the power p of
+    the step h is abs(q(g) - q(h))/((g/h)^p - 1); one of higher order is less. The
+    estimate is the largest over the last coarser levels: errors that differ from level
+    to level are not all equal by accident.
     """
     if len(levels) < MIN_LEVELS:
         return math.inf
@@ -131,11 +134,13 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
 def comparable_runs(
     runs: Sequence[GridRun], finest: GridRun, order: float
 ) -> list[tuple[float, GridRun]]:
-    """Return the last coarser runs, with the share of differences of fields that bounds the error.
+    """Return the last coarser runs, and a share for the error.
 
-    An error that falls with the power p = `order` of the step h is 1/((g/h)^p - 1) of the
-    difference from a run with step g. There are none if the levels are too few, or if the states
-    would take too much memory.
+    That share of the differences of fields bounds the error.
+
+    An error that falls with the power p = `order` of the step h is 1/((g/h)^p - 1) of
+    the difference from a run with step g. There are none if the levels are too few, or
+    if the states would take too much memory.
     """
     coarser = [run for run in runs if run.step > finest.step][-MAX_COMPARED:]
     if len(coarser) + 1 < MIN_LEVELS:  # the finest one is a level, too
@@ -150,11 +155,13 @@ def comparable_runs(
 
 
 def measures_of(run: GridRun) -> dict[str, Array]:
-    """Measures of the outcome of a run, by name: velocities, impulses, peak forces and durations.
+    """Measures of the outcome of a run, by name.
 
-    Restitution follows from the impulses. A row without contacts has no forces among its measures.
-    Bonds and joints count in runs to a given end only. The last impulse and the last peak force are
-    round-off, an entry that only sets a scale.
+    They are velocities, impulses, peak forces and durations.
+
+    Restitution follows from the impulses. A row without contacts has no forces among
+    its measures. Bonds and joints count in runs to a given end only. The last impulse
+    and the last peak force are round-off, an entry that only sets a scale.
     """
     measures = {VELOCITY: velocities_of(run)}
     impulses: list[float] = []
@@ -165,7 +172,8 @@ def measures_of(run: GridRun) -> dict[str, Array]:
     for k, force in enumerate(forces):
         if k in run.row.unilateral_links:
             impulses.append(float(force.sum()) * run.step)
-            # Impacts of rigid bodies have no peak force and no duration: their impulse jumps.
+            # Impacts of rigid bodies have no peak force and no duration: their impulse
+            # jumps.
             if run.row.links[run.row.contact_link[k]].law != Law.IMPACT:
                 begins, ends = run.spans(run.pressed(k))  # times of all its forces, s
                 peaks.append(largest_force(force))
@@ -173,8 +181,8 @@ def measures_of(run: GridRun) -> dict[str, Array]:
         elif run.stopped_by == "until":
             impulses.extend(_impulses_of_bond(force, run.step))
             peaks.append(float(force.max(initial=0.0)))
-    # Changes from run to run are compared with the largest entry. If all are round-off, this one
-    # keeps their changes from being errors.
+    # Changes from run to run are compared with the largest entry. If all are round-off,
+    # this one keeps their changes from being errors.
     round_off = round_off_of(run) * float(run.mesh.mass.sum())  # N s
     if impulses:
         measures[IMPULSE] = np.array([*impulses, round_off])
@@ -187,7 +195,7 @@ def measures_of(run: GridRun) -> dict[str, Array]:
 
 
 def _impulses_of_bond(force: Array, step: float) -> list[float]:
-    """Impulse of a bond or joint up to the end of the run, N s, and the largest on the way.
+    """Impulse of a bond or joint in all of a run, N s, and the largest on the way.
 
     The last may be small beside the largest. A run without steps has no last one.
     """
@@ -202,11 +210,13 @@ def round_off_of(run: GridRun) -> float:
 
 
 def velocities_of(run: GridRun) -> Array:
-    """Velocities at the end of a run, m/s; first comes their scale, beside which errors are small.
+    """Velocities at the end of a run, m/s, behind their scale.
 
-    They are the mean velocities of groups of joined bodies none of which is driven: these last
-    after the last contact. At a given end those of rods and of rigid masses are added, which
-    oscillate in their groups.
+    Errors are small beside that scale.
+
+    They are the mean velocities of groups of joined bodies none of which is driven:
+    these last after the last contact. At a given end those of rods and of rigid masses
+    are added, which oscillate in their groups.
     """
     mesh = run.mesh
     v = run.grid.velocity

@@ -1,4 +1,7 @@
-"""A run on a grid: its steps, compiled or in plain Python, and the results of each step."""
+"""A run on a grid: its steps, and the results of each step.
+
+Steps are compiled or in plain Python.
+"""
 
 import math
 from collections.abc import Callable
@@ -32,7 +35,7 @@ MIN_STATES_IN_THREES = 12
 MAX_STATES_BYTES = 64 << 20
 """Memory of the states that are kept where their number is not given."""
 CELL_TIMES = 7e-10, 8e-7
-"""Time of a cell and a step, s, compiled and in plain Python, where nothing is implicit."""
+"""Time of an explicit step of a cell, s, compiled and in plain Python."""
 STEP_TIMES = 3e-7, 1e-5
 """Time of a step beside that of its cells, with the results made of it, s."""
 
@@ -58,12 +61,13 @@ class GridRun:
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
     estimates : dict of str to float
-        Estimated error of each measure of the outcome, relative to its largest value, see
-        `refinement.refined`; empty where the step was given.
+        Estimated error of each measure of the outcome, relative to its largest value,
+        see `refinement.refined`; empty where the step was given.
     rtol : float
         Bound that was wanted for them.
     coarser : list of (float, GridRun)
-        Runs on coarser meshes, with the share of the differences of fields that bounds the error.
+        Runs on coarser meshes, with the share of the differences of fields that bounds
+        the error.
 
     Parameters
     ----------
@@ -87,10 +91,13 @@ class GridRun:
         snapshots: int | tuple[float, ...] | None = None,
         expected_steps: int | None = None,
     ) -> None:
-        """Make the grid in its state at t = 0, which is kept; raise TooLong if memory is short.
+        """Make the grid in its state at t = 0, which is kept.
 
-        How many states are kept at most follows from `snapshots`, or from the memory that they may
-        take; states of damped rods are kept in threes if there may be enough.
+        Raise TooLong if memory is short.
+
+        How many states are kept at most follows from `snapshots`, or from the memory
+        that they may take; states of damped rods are kept in threes if there may be
+        enough.
         """
         self.mesh = mesh
         self.step = step
@@ -101,7 +108,8 @@ class GridRun:
         self._stride = 1  # steps between two states
         self._chosen_steps: Array | None = None  # steps after which states are kept
         if snapshots is None or isinstance(snapshots, int):
-            # Two numbers of 8 bytes a node and its cell, twice as many with radial strains
+            # Two numbers of 8 bytes a node and its cell, twice as many with radial
+            # strains
             state_bytes = 16 * len(mesh.mass) * (1 + mesh.has_radial_strain)
             count = snapshots
             if not count:
@@ -137,10 +145,13 @@ class GridRun:
         """Steps in which waves cross the longest rod and come back."""
         return 2 * max(1, math.ceil(self.clock.longest / STEP_TICKS))
 
-    # The steps ------------------------------------------------------------------------------------
+    # The steps
+    # ----------------------------------------------------------------------------------
 
     def _require_memory(self, steps: int) -> None:
-        """Raise TooLong where so many steps, with states and results, take too much memory.
+        """Raise TooLong where so many steps take too much memory.
+
+        Their states and results count.
 
         Else note them in `checked_steps`. Numbers are counted, of 8 bytes each.
         """
@@ -150,8 +161,8 @@ class GridRun:
         self.checked_steps = steps
         # Numbers of a step that the kernel records: of links, ends, nodes and cells
         recorded = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
-        # Records of the kernel, twice while they are joined; force, gap, path, rate and power
-        # of a contact with their integrals; masses; ends and times.
+        # Records of the kernel, twice while they are joined; force, gap, path, rate and
+        # power of a contact with their integrals; masses; ends and times.
         results = 10 * len(row.contact_link) + 5 * len(row.masses) + 26
         record = steps * (2.0 * recorded + results)
         # Two of each state, while they are joined or fields are made of them.
@@ -174,10 +185,12 @@ class GridRun:
         )
 
     def _choose_states(self, end: int) -> Array:
-        """Steps [state] at whose ends states are kept, of a run to step `end`; widen the stride.
+        """Steps at whose ends states are kept in a run to step `end`, [state].
 
-        The stride of states is doubled until no more are kept than wanted. The last state, and with
-        damping those one step before and after each, are kept too.
+        This may widen the stride.
+
+        The stride of states is doubled until no more are kept than wanted. The last
+        state, and with damping those one step before and after each, are kept too.
         """
         if self._chosen_steps is not None:
             steps = self._chosen_steps[self._chosen_steps <= end].astype(int)
@@ -194,7 +207,9 @@ class GridRun:
         return np.asarray(steps[(steps >= 0) & (steps <= end)])
 
     def _bound_states(self, end: int) -> int:
-        """Upper bound of the number of states that are kept of a run to step `end`, by the stride.
+        """Upper bound of the number of states kept in a run to step `end`.
+
+        It follows from the stride.
 
         Threes of neighbouring states overlap where each step is kept.
         """
@@ -203,7 +218,9 @@ class GridRun:
         return end // self._stride + 2
 
     def _empty_history(self, steps: int, states: int) -> StepHistory:
-        """Arrays for the records of the kernel over some steps, with some states; not set yet.
+        """Arrays for the records of the kernel over some steps, with some states.
+
+        They are not set yet.
 
         Radial strains have no columns where cells have none.
         """
@@ -229,8 +246,8 @@ class GridRun:
     def advance(self, end: int, report: Callable[[int], None] | None = None) -> None:
         """Run to step `end`; `report` is told the steps taken, several times a second.
 
-        The records of the new steps and the states that are kept of them are joined to `history`.
-        Kept states that a wider stride no longer wants are dropped.
+        The records of the new steps and the states that are kept of them are joined to
+        `history`. Kept states that a wider stride no longer wants are dropped.
         """
         if end > self.checked_steps:
             self._require_memory(max(end, 2 * self.checked_steps))
@@ -257,10 +274,12 @@ class GridRun:
     def _run_kernel(
         self, window: StepHistory, end: int, report: Callable[[int], None] | None
     ) -> None:
-        """Take the steps to `end`, compiled or in plain Python, and fill a window with them.
+        """Take the steps to `end`, and fill a window with them.
 
-        The grid and the window are changed in place; in plain Python lists are made of them, and
-        copied back.
+        They are compiled or in plain Python.
+
+        The grid and the window are changed in place; in plain Python lists are made of
+        them, and copied back.
 
         Raises
         ------
@@ -300,11 +319,15 @@ class GridRun:
         if not is_solved:
             raise squeezed(self.steps * self.step)
 
-    # Results --------------------------------------------------------------------------------------
+    # Results
+    # ----------------------------------------------------------------------------------
 
     @property
     def edges(self) -> Array:
-        """Ticks at the ends of steps, from 0 on [steps + 1]: signals are averages between them."""
+        """Ticks at the ends of steps, from 0 on [steps + 1].
+
+        Signals are averages between them.
+        """
         return STEP_TICKS * np.arange(self.steps + 1)
 
     @property
@@ -313,7 +336,10 @@ class GridRun:
         return np.asarray(self.edges * self.clock.tick)
 
     def motion(self, states: Any = slice(None)) -> GridMotion:
-        """The motion in the states that were kept, or in some of them; its `pushes` are empty."""
+        """The motion in the states that were kept, or in some of them.
+
+        Its `pushes` are empty.
+        """
         mesh = self.mesh
         fields = {name: getattr(self.history, name)[states] for name in STATE_FIELDS}
         return GridMotion(
@@ -331,7 +357,10 @@ class GridRun:
         )
 
     def recorded(self, link: int, field: str) -> Array:
-        """Values of a field of `SIGNAL` of a link that has a law, [step]; time in steps."""
+        """Values of a field of `SIGNAL` of a link that has a law, [step].
+
+        Time is in steps.
+        """
         column = list(self.mesh.touching).index(link)  # number of the link in the grid
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
@@ -353,9 +382,9 @@ class GridRun:
     def pressed(self, contact: int) -> Array:
         """Times of the forces of a contact, s [n, 3].
 
-        They are begin and end of each force, and the opening before the next one; nan for what
-        does not come, see `contact_intervals`.
-        There are none for a contact that cannot open.
+        They are begin and end of each force, and the opening before the next one; nan
+        for what does not come, see `contact_intervals`. There are none for a contact
+        that cannot open.
         """
         if contact not in self.row.unilateral_links:
             return np.zeros((0, 3))
@@ -364,7 +393,9 @@ class GridRun:
         return self.step * contact_intervals(force, gap, open_gap)
 
     def spans(self, pressed: Array) -> tuple[Array, Array]:
-        """Times at which forces begin, and end, s [n] each; `pressed` is that of a contact.
+        """Times at which forces of a contact begin, and end, s [n] each.
+
+        `pressed` is that of the contact.
 
         A force that still acts ends with the run.
         """
@@ -372,7 +403,10 @@ class GridRun:
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def velocity(self, node: int) -> Array:
-        """Velocity of a watched node in the frame, m/s, at the ends of steps from t = 0 on."""
+        """Velocity of a watched node in the frame at the ends of steps, m/s.
+
+        The first one is at t = 0.
+        """
         velocities = self.history.velocities[:, self.mesh.watched.index(node)]
         return np.concatenate((self.history.velocity[:1, node], velocities))
 
@@ -388,7 +422,9 @@ class GridRun:
         return self.velocity(self.mesh.node_of_mass[mass])
 
     def bond_force(self, link: int) -> Array:
-        """Mean force in a bonded link in each step, N: Newton's law for the half cell beside it.
+        """Mean force in a bonded link in each step, N.
+
+        It follows from Newton's law for the half cell beside it.
 
         With sign 1 for a half cell on the left of the link and -1 on its right,
         F = -tension - sign (m/2 dv/dt - force of the soil).
@@ -401,7 +437,8 @@ class GridRun:
             sign = -1
         v = self.velocity(node)
         stretch_rate = sign * (v - self.velocity(node - sign))  # that of the cell
-        # Tension in the step: elastic, viscous, and what depends on the change of velocities
+        # Tension in the step: elastic, viscous, and what depends on the change of
+        # velocities
         coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
         implicit = coupling * np.diff(stretch_rate)
         elastic = self.history.tensions[:, mesh.pulled.index(cell)]
@@ -418,10 +455,12 @@ class GridRun:
         return np.ascontiguousarray(self.history.shafts[:, shaft][field])
 
     def _soil_forces(self, fields: dict[str, Array]) -> Array:
-        """Force of the soil to the right in states with these fields, N [state, node in soil].
+        """Force of the soil to the right in some states, N [state, node in soil].
 
-        It is -(R + c v) with the damping c = J abs(R) by Smith's law and a constant one else, v the
-        velocity against the ground.
+        The states have these fields.
+
+        It is -(R + c v) with the damping c = J abs(R) by Smith's law and a constant one
+        else, v the velocity against the ground.
         """
         soil = self.grid.soil
         t = fields["when"][:, None] * self.step
@@ -433,9 +472,12 @@ class GridRun:
         return np.asarray(-resistance - damping * velocity)
 
     def _soil_at_end(self, node: int, sign: int) -> Array:
-        """Force of the soil on the half cell at an end of a rod, N [step]; 0 without soil.
+        """Force of the soil on the half cell at an end of a rod, N [step].
 
-        The end is the right (`sign` = 1) or left (-1) one of the rod that has this node there.
+        It is 0 without soil.
+
+        The end is the right (`sign` = 1) or left (-1) one of the rod that has this node
+        there.
         """
         for shaft, body in enumerate(shaft_bodies(self.row)):
             first, last = self.row.spans[body]
@@ -460,9 +502,9 @@ class GridRun:
     def overshoot(self) -> float:
         """Relative overshoot of the peak force of rigid contacts.
 
-        It is (peak of the step means - peak of the means over `OVERSHOOT_STEPS`)/peak. Beside a
-        jump waves on a grid overshoot by a share that no finer mesh makes less; averages over a few
-        steps do not.
+        It is (peak of the step means - peak of the means over `OVERSHOOT_STEPS`)/peak.
+        Beside a jump waves on a grid overshoot by a share that no finer mesh makes
+        less; averages over a few steps do not.
         """
         largest_peak = 0.0
         largest_excess = 0.0
@@ -471,7 +513,8 @@ class GridRun:
                 continue
             force = self.contact(contact)[0]
             sums = np.concatenate((np.zeros(OVERSHOOT_STEPS), np.cumsum(force)))
-            # Means over the last few steps: differences of sums that are so many steps apart
+            # Means over the last few steps: differences of sums that are so many steps
+            # apart
             means = (sums[OVERSHOOT_STEPS:] - sums[:-OVERSHOOT_STEPS]) / OVERSHOOT_STEPS
             peak = largest_force(force)
             excess = peak - float(means.max(initial=0.0))
@@ -485,8 +528,8 @@ class GridRun:
     def peak_error(self) -> float:
         """Relative error of the peak force that no finer mesh makes less.
 
-        It is inf where flat ends of damped rods, or of rods with lateral inertia, meet: any finer
-        mesh finds a larger force.
+        It is inf where flat ends of damped rods, or of rods with lateral inertia, meet:
+        any finer mesh finds a larger force.
         """
         mesh = self.mesh
         is_dispersive = mesh.lateral_inertia.any() or mesh.has_radial_strain
@@ -498,7 +541,8 @@ class GridRun:
 
 def step_time(mesh: Mesh, *, plain: bool) -> float:
     """Approximate time of a step, s, in plain Python or compiled."""
-    # Equations to be solved take six, or in plain Python two, times as long as the rest.
+    # Equations to be solved take six, or in plain Python two, times as long as the
+    # rest.
     implicit = 6
     if plain:
         implicit = 2
@@ -510,8 +554,8 @@ def step_time(mesh: Mesh, *, plain: bool) -> float:
 def clock_on(mesh: Mesh, step: float) -> Clock:
     """Clock of a mesh with steps of `step`, s, each of which has `STEP_TICKS` ticks.
 
-    Transit times are those of the segments, rounded to ticks, not those of their cells. Impedances
-    of segments are means, so that impedance times transit time is the mass.
+    Transit times are those of the segments, rounded to ticks, not those of their cells.
+    Impedances of segments are means, so that impedance times transit time is the mass.
     """
     row = mesh.row
     tick = step / STEP_TICKS
@@ -519,7 +563,8 @@ def clock_on(mesh: Mesh, step: float) -> Clock:
     impedances = [0.0]
     for s, segment in enumerate(row.segments, start=1):
         transit = max(1, round(float(segment.transit_time) / tick))
-        # Cell i lies on the left of node i: none of this segment on the left of its first node.
+        # Cell i lies on the left of node i: none of this segment on the left of its
+        # first node.
         cells = slice(mesh.first[s] + 1, mesh.last[s] + 1)
         transits.append(transit)
         impedances.append(float(mesh.cell_mass[cells].sum()) / (transit * tick))

@@ -1,4 +1,7 @@
-"""The constants of the equations of a grid: from a mesh and a step to the arrays of the kernels."""
+"""The constants of the equations of a grid, as arrays of the kernels.
+
+They follow from a mesh and a step.
+"""
 
 from typing import Any, NamedTuple
 
@@ -20,7 +23,7 @@ from .soil import ground_velocities, shaft_bodies, soil_of
 SMALLEST_STIFFNESS = 2.0**-800
 """Smallest stiffness of a contact with time in steps: below it forces vanish."""
 VELOCITY_RTOL = 2.0**-40
-"""Contacts graze below this part of the velocity scale, which is round-off of many steps."""
+"""Part of the velocity scale below which contacts graze: round-off of many steps."""
 KINDS = {
     "none": BoundaryKind.STEADY,
     "force": BoundaryKind.PUSHED,
@@ -46,16 +49,20 @@ class Responses(NamedTuple):
 
 
 def grid_of(mesh: Mesh, step: float) -> Grid:
-    """Make the grid of a mesh for steps of `step`, s: at rest, without force, with the given gaps.
+    """Make the grid of a mesh for steps of `step`, s.
 
-    The equations of a step are (M + J + D/2) dv = forces, see `grid_kernel`: a cell adds
-    J + D/2 to the diagonal of both of its nodes, and to the off-diagonal between them; half of the
-    impedance of an endless bar and of the damping of soil are on the diagonal.
+    It is at rest, without force, with the given gaps.
+
+    The equations of a step are (M + J + D/2) dv = forces, see `grid_kernel`: a cell
+    adds J + D/2 to the diagonal of both of its nodes, and to the off-diagonal between
+    them; half of the impedance of an endless bar and of the damping of soil are on the
+    diagonal.
     """
     row = mesh.row
     n = len(mesh.mass)
     cells = mesh.cells
-    # Time is counted in steps, see `records`: M becomes M/h, and a stiffness k becomes k h.
+    # Time is counted in steps, see `records`: M becomes M/h, and a stiffness k becomes
+    # k h.
     mass = mesh.mass / step
     impedance = _end_impedances(mesh)
     mass[mesh.ends] += impedance / 2
@@ -118,15 +125,20 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
 
 
 def off_diagonal_of(mesh: Mesh, step: float) -> Array:
-    """Off-diagonal entries of the matrix M + J + D/2, with opposite sign, kg/s [cell]."""
+    """Off-diagonal entries of the matrix M + J + D/2, kg/s [cell].
+
+    They have the opposite sign.
+    """
     return np.asarray(mesh.lateral_inertia / step + mesh.viscous / 2)
 
 
 def _end_impedances(mesh: Mesh) -> Array:
-    """Impedances of semi-infinite bars beyond both ends, kg/s [end]; 0 where there is none.
+    """Impedances of semi-infinite bars beyond both ends, kg/s [end].
 
-    They are sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the first and the last cell of the row.
-    E A/dx is `relaxed`, as slow waves feel it.
+    They are 0 where there is none.
+
+    They are sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the first and the last cell
+    of the row. E A/dx is `relaxed`, as slow waves feel it.
     """
     cells = mesh.end_cells
     endless = [kind == "absorbing" for kind, _ in mesh.row.boundaries]
@@ -145,7 +157,9 @@ def factorise(mesh: Mesh, diagonal: Array, off_diagonal: Array) -> Factors:
 
 
 def velocity_changes(factors: Factors, forces: Any) -> Array:
-    """Solve the equations of a step: changes of velocity, m/s [node], by forces on the nodes, N.
+    """Changes of velocity in a step by forces on the nodes, N; m/s [node].
+
+    They solve the equations of the step.
 
     At nodes whose velocity is prescribed `forces` has the change itself.
     """
@@ -155,9 +169,12 @@ def velocity_changes(factors: Factors, forces: Any) -> Array:
 
 
 def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
-    """Velocities by unit forces on the ends of all pieces, by the equations with these factors.
+    """Velocities by unit forces on the ends of all pieces.
 
-    Forces on all pieces act at once, as pieces are not coupled. Prescribed nodes take none.
+    They solve the equations with these factors.
+
+    Forces on all pieces act at once, as pieces are not coupled. Prescribed nodes take
+    none.
     """
     n = len(mesh.mass)
     unit_force = np.where(mesh.is_prescribed == 0, 1.0, 0.0)
@@ -170,14 +187,17 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
     )
 
 
-# Links -------------------------------------------------------------------------------------------
+# Links
+# --------------------------------------------------------------------------------------
 
 
 def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
-    """Links between neighbouring pieces at t = 0, [link] `records.LINK`; time is counted in steps.
+    """Links between neighbouring pieces at t = 0, [link] `records.LINK`.
 
-    Links that are coupled make a chain, whose forces are solved together: `chain_end` is the last
-    link of a chain at its first link, and NONE at the others.
+    Time is counted in steps.
+
+    Links that are coupled make a chain, whose forces are solved together: `chain_end`
+    is the last link of a chain at its first link, and NONE at the others.
 
     Raises
     ------
@@ -192,8 +212,8 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     vanishes = in_time_steps["stiffness"] < SMALLEST_STIFFNESS
     for i in np.flatnonzero((k > 0) & vanishes):
         message = (
-            f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} vanishes in "
-            f"steps of {step:.3g} s; use a lower power"
+            f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} "
+            f"vanishes in steps of {step:.3g} s; use a lower power"
         )
         raise InvalidModel([("contacts", message)])
     left = np.array(mesh.stops[:-1], np.int64)
@@ -206,9 +226,10 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     else:  # or that of its node alone
         leftmost = left
         rightmost = right
-    # Two links are coupled by a piece of one node, or by one that moves as a whole. `left` of a
-    # link is the last node of the piece before it, whose first node the link before pushes. Half
-    # of a velocity counts, as a closing is the mean of those before and after the step.
+    # Two links are coupled by a piece of one node, or by one that moves as a whole.
+    # `left` of a link is the last node of the piece before it, whose first node the
+    # link before pushes. Half of a velocity counts, as a closing is the mean of those
+    # before and after the step.
     coupling = np.zeros(count)
     coupling[1:] = responses.by_first[left[1:]] / 2
     begins = np.flatnonzero(coupling == 0)  # first links of chains
@@ -234,21 +255,22 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     return links
 
 
-# What drives the ends -----------------------------------------------------------------------------
+# What drives the ends
+# -----------------------------------------------------------------------------
 
 
 def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     """Value that is prescribed at an end in each of the first `steps` steps, [step].
 
-    It is a force, N, a wave, m/s, or the velocity at the end of the step in the frame, m/s. `side`
-    is 0 on the left, 1 on the right; `step` in s.
+    It is a force, N, a wave, m/s, or the velocity at the end of the step in the frame,
+    m/s. `side` is 0 on the left, 1 on the right; `step` in s.
     """
     kind, value = mesh.row.boundaries[side]
     if kind == "velocity":
         times = step * np.arange(1, steps + 1)
         return boundary_velocity(mesh.row, step, value, times)
-    # At each kick the mean over two steps, which waves can follow: four half steps about the middle
-    # of the step. Before t = 0 the value is as in the first half step.
+    # At each kick the mean over two steps, which waves can follow: four half steps
+    # about the middle of the step. Before t = 0 the value is as in the first half step.
     halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)  # half steps
     around = np.concatenate((halves[:1], halves))
     first = around[:-3:2]  # half steps about the kick of each step
@@ -262,7 +284,9 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
 
 
 def boundary_velocity(row: Row, step: float, value: Any, t: Array) -> Array:
-    """Velocity in the frame of a wall or a driven end, m/s, averaged over a step about each time.
+    """Velocity in the frame of a wall or a driven end, m/s.
+
+    It is averaged over a step about each time.
 
     Times t, s, are a step apart. Before t = 0 the value is that at t = 0.
     """

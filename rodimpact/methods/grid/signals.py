@@ -1,4 +1,7 @@
-"""The `Run` that all methods return, made of a run on a grid: signals, tallies and a status."""
+"""The `Run` that all methods return, made of a run on a grid.
+
+It has signals, tallies and a status.
+"""
 
 import math
 from functools import partial
@@ -41,8 +44,9 @@ STEP_RTOL = 1e-9
 def make_run(run: GridRun, until: float | None) -> Run:
     """Make the `Run` that all methods return of a finished run on a grid to `until`, s.
 
-    It has the times of the proof and of the last contact, totals of contacts, the status in
-    sentences, the coarser runs for errors of fields, and a function that makes the signals.
+    It has the times of the proof and of the last contact, totals of contacts, the
+    status in sentences, the coarser runs for errors of fields, and a function that
+    makes the signals.
     """
     outside = outside_of(run, 0), outside_of(run, 1)
     forces = contact_forces(run, outside[0])
@@ -90,13 +94,15 @@ def make_run(run: GridRun, until: float | None) -> Run:
     )
 
 
-# Status -------------------------------------------------------------------------------------------
+# Status
+# --------------------------------------------------------------------------------------
 
 
 def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
     """Sentences on why the run ended, its mesh, and how accurate it is.
 
-    `proof` is the sentence of its proof of finality, `events` the number of steps times links.
+    `proof` is the sentence of its proof of finality, `events` the number of steps times
+    links.
     """
     cap = f"{events} steps times ends"
     end = format_si(t_end, "s")
@@ -105,7 +111,10 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
     size = sum(run.mesh.counts)
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
     if t_end and not run.steps:
-        status += " The run ends before half a step, and none was taken. More cells shorten it."
+        status += (
+            " The run ends before half a step, and none was taken. "
+            "More cells shorten it."
+        )
     status += _accuracy_sentence(run)
     status += _overshoot_sentence(run)
     return status + strain_warning(run.largest_strain)
@@ -114,16 +123,16 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
 def _overshoot_sentence(run: GridRun) -> str:
     """Warning of a peak force that depends on the mesh; empty if it does not.
 
-    It does where flat ends of damped rods or of rods with lateral inertia meet, and where waves
-    overshoot by more than is told.
+    It does where flat ends of damped rods or of rods with lateral inertia meet, and
+    where waves overshoot by more than is told.
     """
     reason = ""
     if run.peak_error == math.inf:
         reason = "flat ends meet, and a finer mesh finds a larger force"
     elif run.overshoot > max(run.rtol, OVERSHOOT_TO_TELL):
         reason = (
-            f"waves overshoot beside jumps, and the mean over {OVERSHOOT_STEPS} steps is lower by "
-            f"{100 * run.overshoot:.1g} %"
+            f"waves overshoot beside jumps, and the mean over {OVERSHOOT_STEPS} steps "
+            f"is lower by {100 * run.overshoot:.1g} %"
         )
     if reason == "":
         return ""
@@ -133,7 +142,8 @@ def _overshoot_sentence(run: GridRun) -> str:
 def _accuracy_sentence(run: GridRun) -> str:
     """Stated errors of the outcome, and the remedy where they are too large.
 
-    Peak forces and durations may stay inaccurate: they depend on few steps and on weak forces.
+    Peak forces and durations may stay inaccurate: they depend on few steps and on weak
+    forces.
     """
     stated = []
     for name, error in run.estimates.items():
@@ -149,14 +159,15 @@ def _accuracy_sentence(run: GridRun) -> str:
     return sentence
 
 
-# Contacts and signals -----------------------------------------------------------------------------
+# Contacts and signals
+# -----------------------------------------------------------------------------
 
 
 def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTally:
     """Totals of contact k in SI units.
 
-    `force` is its mean force in each step, `intervals` are the times of `GridRun.pressed`. An
-    impact has no peak force (nan).
+    `force` is its mean force in each step, `intervals` are the times of
+    `GridRun.pressed`. An impact has no peak force (nan).
     """
     law = run.row.system.contacts[k]
     begins, ends = run.spans(intervals)
@@ -187,9 +198,12 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
 def _signals(
     run: GridRun, forces: list[Floats], intervals: list[Floats], outside: Any
 ) -> Signals:
-    """Signals of contacts, ends, masses and soil, and the motion with the forces between pieces.
+    """Signals of contacts, ends, masses and soil, and the motion.
 
-    `forces`, N, and `intervals`, s, are those of the contacts; `outside` acts on both ends.
+    The motion has the forces between pieces.
+
+    `forces`, N, and `intervals`, s, are those of the contacts; `outside` acts on both
+    ends.
     """
     row = run.row
     mesh = run.mesh

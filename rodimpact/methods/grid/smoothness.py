@@ -1,7 +1,8 @@
 """Whether waves jump: a mesh finds a jump more slowly than what is smooth.
 
-Waves jump where flat ends meet, where something that is given jumps, and at t = 0 where two bodies
-that are joined move with different velocities or press with different forces.
+Waves jump where flat ends meet, where something that is given jumps, and at t = 0 where
+two bodies that are joined move with different velocities or press with different
+forces.
 """
 
 from itertools import pairwise
@@ -49,8 +50,8 @@ def order_of(row: Row) -> float:
 def waves_jump(row: Row) -> bool:
     """Whether any wave jumps, from t = 0 on or later on.
 
-    A wave jumps if a profile has steps, if flat ends may meet, or if neighbours do not fit at t =
-    0.
+    A wave jumps if a profile has steps, if flat ends may meet, or if neighbours do not
+    fit at t = 0.
     """
     system = row.system
     for part in (*system.bodies, *system.ends):
@@ -70,9 +71,9 @@ def waves_jump(row: Row) -> bool:
 def _jumps_between_bodies(row: Row) -> bool:
     """Whether waves jump at t = 0 between two neighbours.
 
-    Bonded bodies must have one velocity and one force. At a joint or a contact velocities may
-    differ: each face must have the force of the joint, or none at a contact. A contact with an
-    overlap always jumps, as it presses at once.
+    Bonded bodies must have one velocity and one force. At a joint or a contact
+    velocities may differ: each face must have the force of the joint, or none at a
+    contact. A contact with an overlap always jumps, as it presses at once.
     """
     system = row.system
     for k, (left_body, right_body) in enumerate(pairwise(system.bodies)):
@@ -82,7 +83,8 @@ def _jumps_between_bodies(row: Row) -> bool:
         if isinstance(law, Bonded):
             if _differ(row, left.velocity, right.velocity):
                 return True
-            # A rigid body on the left takes any force; `_forces_differ` asks for one on the right.
+            # A rigid body on the left takes any force; `_forces_differ` asks for one on
+            # the right.
             if left.force is not None and _forces_differ(row, right, left.force):
                 return True
         else:
@@ -99,10 +101,12 @@ def _jumps_between_bodies(row: Row) -> bool:
 
 
 def _jumps_at_ends(row: Row) -> bool:
-    """Whether what is outside an end moves or presses differently at t = 0 from the body there.
+    """Whether what is outside an end differs at t = 0 from the body there.
 
-    A free end has no force, a fixed one no velocity, a moved or pushed one what is given; a wave
-    that comes in must begin with 0.
+    It may move or press differently.
+
+    A free end has no force, a fixed one no velocity, a moved or pushed one what is
+    given; a wave that comes in must begin with 0.
     """
     bodies = row.system.bodies
     faces = _face(bodies[0], 0), _face(bodies[-1], -1)
@@ -134,7 +138,10 @@ def _jumps_at_steps(row: Row) -> bool:
 
 
 def _face(body: Any, last: int) -> Face:
-    """State of the left end of a body (`last` = 0) or of its right end (`last` = -1) at t = 0."""
+    """State of the left or right end of a body at t = 0.
+
+    `last` is 0 for the left end, -1 for the right one.
+    """
     velocity = _value(body.velocity, last)
     if not isinstance(body, Rod):
         return Face(velocity, None)
@@ -146,7 +153,10 @@ def _face(body: Any, last: int) -> Face:
 
 
 def _value(profile: Any, last: int) -> float:
-    """First value of a number or of samples (`last` = 0), or the last one (`last` = -1)."""
+    """First or last value of a number or of samples.
+
+    `last` is 0 for the first one, -1 for the last one.
+    """
     if isinstance(profile, Samples | Polynomials):
         return float(profile.values[last])
     return float(profile)

@@ -1,4 +1,4 @@
-"""Soil and drag along the shafts of the rods of a mesh, as records for `soil_kernel`."""
+"""Soil and drag along the shafts of rods, as records for `soil_kernel`."""
 
 from typing import Any
 
@@ -39,8 +39,9 @@ def soil_of(mesh: Mesh, step: float) -> Array:
 def _soil_of_rod(mesh: Mesh, step: float, shaft_index: int, body: int) -> Array:
     """Soil of one rod at t = 0 as `records.SOIL`, [node in soil].
 
-    A node has the ultimate and the mobilised resistance of the halves of the cells beside it; nodes
-    without either have no record. `shaft_index` is the place of the rod among the `shaft_bodies`.
+    A node has the ultimate and the mobilised resistance of the halves of the cells
+    beside it; nodes without either have no record. `shaft_index` is the place of the
+    rod among the `shaft_bodies`.
     """
     rod = mesh.row.system.bodies[body]
     soil = rod.shaft
@@ -74,8 +75,8 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft_index: int, body: int) -> Array:
 def _drag_of_rod(mesh: Mesh, shaft_index: int, body: int) -> Array:
     """Drag of one rod as `records.SOIL`, [node with drag].
 
-    Each node has that of the halves of the cells beside it, as a damping without resistance.
-    `shaft_index` is the place of the rod among the `shaft_bodies`.
+    Each node has that of the halves of the cells beside it, as a damping without
+    resistance. `shaft_index` is the place of the rod among the `shaft_bodies`.
     """
     rod = mesh.row.system.bodies[body]
     edges = _edges_of_half_cells(mesh, body)
@@ -91,8 +92,8 @@ def _drag_of_rod(mesh: Mesh, shaft_index: int, body: int) -> Array:
 def _records_at(mesh: Mesh, body: int, shaft_index: int, places: Array) -> Array:
     """Records of `places`, nodes of a rod counted from its left end, [node].
 
-    They have the node in the mesh, `shaft_index`, and which end of the rod the node is; all
-    else is 0.
+    They have the node in the mesh, `shaft_index`, and which end of the rod the node is;
+    all else is 0.
     """
     is_first_node = np.where(places == 0, 1, 0)
     is_last_node = np.where(places == _nodes_of_half_cells(mesh, body)[-1], 1, 0)
@@ -114,7 +115,10 @@ def _nodes_of_half_cells(mesh: Mesh, body: int) -> Array:
 
 
 def _edges_of_half_cells(mesh: Mesh, body: int) -> Array:
-    """Edges of the half cells of a rod, m from its left end; each once, also between segments."""
+    """Edges of the half cells of a rod, m from its left end.
+
+    Each is there once, also between segments.
+    """
     edges = [np.zeros(1)]
     left = 0.0
     start, stop = mesh.row.spans[body]
@@ -127,7 +131,9 @@ def _edges_of_half_cells(mesh: Mesh, body: int) -> Array:
 
 
 def soil_stiffnesses(row: Row) -> list[float]:
-    """Largest stiffness of the soil along the rod of each segment, N/m^2; 0 without soil.
+    """Largest stiffness of the soil along the rod of each segment, N/m^2.
+
+    It is 0 without soil.
 
     Drag has no stiffness.
     """

@@ -1,17 +1,21 @@
-"""Soil along the shafts of rods in a time step: one record for each node that soil holds.
+"""Soil along the shafts of rods in a time step.
 
-The static resistance R follows the displacement u of the node against the ground, elastic between
--R_u and R_u with the stiffness k = R_u/q. It is known in the middle of a step, as the tension of a
-cell is. The damping c is J abs(R) by Smith's law and J R_u by the viscous one. In a step the soil
-pulls the node back by
+There is one record for each node that soil holds.
+
+The static resistance R follows the displacement u of the node against the ground,
+elastic between -R_u and R_u with the stiffness k = R_u/q. It is known in the middle of
+a step, as the tension of a cell is. The damping c is J abs(R) by Smith's law and J R_u
+by the viscous one. In a step the soil pulls the node back by
 
     R + c v,        v the mean velocity of the node against the ground,
 
-so that c belongs to the left side of the equations of the step, and limits no step. R is explicit:
-its stiffness is part of the stable step. Smith's c changes, and the equations with it.
+so that c belongs to the left side of the equations of the step, and limits no step. R
+is explicit: its stiffness is part of the stable step. Smith's c changes, and the
+equations with it.
 
-With R before and after a slip s of the soil, a step does the work (R_before + R_after) s/2 on it,
-which is never negative, and the damping takes c v v: soil never gives back more than it took.
+With R before and after a slip s of the soil, a step does the work (R_before + R_after)
+s/2 on it, which is never negative, and the damping takes c v v: soil never gives back
+more than it took.
 """
 
 from typing import Any
@@ -29,10 +33,12 @@ def ground_velocity(run: Run) -> float:
 
 
 def move_soil(run: Run, soil: Any, v: Any) -> None:
-    """Move the static resistances to the middle of the step, and set the dampings for this step.
+    """Move the static resistances to the middle of the step.
 
-    Over a step the resistance grows by k (v - ground), within -R_u and R_u. By Smith's law the
-    damping is c = J abs(R); by the viscous law it stays as it is.
+    The dampings of this step are set, too.
+
+    Over a step the resistance grows by k (v - ground), within -R_u and R_u. By Smith's
+    law the damping is c = J abs(R); by the viscous law it stays as it is.
     """
     ground = ground_velocity(run)
     for i in range(len(soil)):
@@ -45,10 +51,12 @@ def move_soil(run: Run, soil: Any, v: Any) -> None:
 
 
 def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
-    """Subtract R + c (v - ground) of the soil from x, the right sides of the equations of the step.
+    """Subtract the force R + c (v - ground) of the soil from x.
 
-    v are the velocities before the step; the ground has its mean velocity over the step. What c
-    does by the change of v in the step is on the left side.
+    x has the right sides of the equations of the step.
+
+    v are the velocities before the step; the ground has its mean velocity over the
+    step. What c does by the change of v in the step is on the left side.
     """
     ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
     for i in range(len(soil)):
@@ -58,10 +66,13 @@ def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
 
 
 def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> None:
-    """Set the entries of this step in `shafts`: force of the soil on each rod, and its power.
+    """Set the entries of this step in `shafts`.
 
-    The force on a node is -(R + c u), u its mean velocity against the ground in the step, from
-    `old_velocity` before the step and `v` behind it; its power is that force times u.
+    They are the force of the soil on each rod, and its power.
+
+    The force on a node is -(R + c u), u its mean velocity against the ground in the
+    step, from `old_velocity` before the step and `v` behind it; its power is that force
+    times u.
     """
     ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
     first = (run.step - run.first_step) * run.shafts  # first entry of this step
@@ -88,8 +99,8 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
 def keep_soil(run: Run, soil: Any, v: Any, kept_resistance: Any) -> None:
     """Store the static resistances at the end of a step in the next state that is kept.
 
-    The soil has them in the middle of the step: half a step adds k (v - ground)/2, as velocities
-    are lengths by step.
+    The soil has them in the middle of the step: half a step adds k (v - ground)/2, as
+    velocities are lengths by step.
     """
     ground = ground_velocity(run)
     first = (run.kept_states * len(soil)) & INDEX_MASK  # first entry of this state
@@ -100,11 +111,14 @@ def keep_soil(run: Run, soil: Any, v: Any, kept_resistance: Any) -> None:
 
 
 def load_equations(run: Run, soil: Any, diagonal: Any, loaded: Any) -> None:
-    """Set `loaded` to the diagonal of the equations of a step with the present dampings, D + c/2.
+    """Set `loaded` to the diagonal of the equations of a step, D + c/2.
 
-    This and the functions that follow do nothing where soil does not change the equations. Each of
-    them asks that itself: were it asked around their calls, arrays would be last used behind a
-    condition, and machine code would count references to them in every step.
+    c are the present dampings.
+
+    This and the functions that follow do nothing where soil does not change the
+    equations. Each of them asks that itself: were it asked around their calls, arrays
+    would be last used behind a condition, and machine code would count references to
+    them in every step.
     """
     if run.soil_changes_equations == 0:
         return
@@ -123,7 +137,10 @@ def factor_equations(
     inverse_diagonal: Any,
     upper: Any,
 ) -> None:
-    """Set the LU factors `lower`, `inverse_diagonal` and `upper` of the loaded equations."""
+    """Set the LU factors of the loaded equations.
+
+    They are `lower`, `inverse_diagonal` and `upper`.
+    """
     if run.soil_changes_equations == 0:
         return
     elimination.factor(
@@ -134,10 +151,10 @@ def factor_equations(
 def push_ends_of_pieces(
     run: Run, pieces: Any, is_prescribed: Any, by_first: Any, by_last: Any
 ) -> None:
-    """Set right sides: unit forces on the first node of each piece, and on the last one.
+    """Set right sides: unit forces on the first and on the last node of each piece.
 
-    `by_first` becomes 1 at first nodes, `by_last` at last nodes, and both 0 elsewhere, as at nodes
-    whose velocity is prescribed.
+    `by_first` becomes 1 at first nodes, `by_last` at last nodes, and both 0 elsewhere,
+    as at nodes whose velocity is prescribed.
     """
     if run.soil_changes_equations == 0:
         return
@@ -155,21 +172,25 @@ def push_ends_of_pieces(
 def solve_equations(
     run: Run, lower: Any, inverse_diagonal: Any, upper: Any, x: Any
 ) -> None:
-    """Replace x, forces on the nodes, by the changes of velocity that they make in a step."""
+    """Replace x, forces on the nodes, by their changes of velocity in a step."""
     if run.soil_changes_equations == 0:
         return
     elimination.substitute(lower, inverse_diagonal, upper, x)
 
 
 def renew_mobilities(run: Run, links: Any, by_first: Any, by_last: Any) -> None:
-    """Set the mobilities of the links from the velocities by unit forces on the ends of pieces.
+    """Set the mobilities of the links.
 
-    `self_mobility` of a link is the closing that its own unit force takes away in a step,
-    `coupling_mobility` the closing that a unit force in the link before it adds through the piece
-    between both. Half of a change of velocity counts, as a closing is a mean over the step.
+    They follow from the velocities by unit forces on the ends of pieces.
 
-    `by_first` and `by_last` have the velocity of each node by a unit force on the first and on the
-    last node of its piece, (m/s)/N [node]. Nothing changes where soil does not change equations.
+    `self_mobility` of a link is the closing that its own unit force takes away in a
+    step, `coupling_mobility` the closing that a unit force in the link before it adds
+    through the piece between both. Half of a change of velocity counts, as a closing is
+    a mean over the step.
+
+    `by_first` and `by_last` have the velocity of each node by a unit force on the first
+    and on the last node of its piece, (m/s)/N [node]. Nothing changes where soil does
+    not change equations.
     """
     if run.soil_changes_equations == 0:
         return

@@ -1,7 +1,7 @@
 """The state of motion at t = 0 on a grid.
 
-Velocities are known at t = 0, forces of cells half a step before and behind. So the first kick by
-the forces at t = 0 decides how far cells have come half a step before.
+Velocities are known at t = 0, forces of cells half a step before and behind. So the
+first kick by the forces at t = 0 decides how far cells have come half a step before.
 """
 
 from typing import Any
@@ -19,14 +19,14 @@ from .mesh import Mesh, half_cell_edges, nodes_of_half_cells, quotient
 from .records import LINK, Grid
 
 LITTLE_RETARDATION = 1 / 64
-"""Retardation time eta/E, in steps, with which ends that touch are slowed down by half as much."""
+"""Retardation time eta/E, in steps, that halves the slowing of touching ends."""
 
 
 def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     """Store the state at t = 0 in a grid: velocities then, forces half a step before.
 
-    Displacements of pieces, radial strains, the resistance of soil, waves from endless bars and
-    contacts that are closed are set too.
+    Displacements of pieces, radial strains, the resistance of soil, waves from endless
+    bars and contacts that are closed are set too.
 
     Returns
     -------
@@ -43,8 +43,8 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     grid.radial_strain[:] = radial / step
     tension = mesh.stiffness * elongation + cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
-    # Half a step behind t = 0 the tension is T + k (v + kick)/2, by differences of neighbours. The
-    # first drift adds k v to the tension half a step before.
+    # Half a step behind t = 0 the tension is T + k (v + kick)/2, by differences of
+    # neighbours. The first drift adds k v to the tension half a step before.
     stretching = np.diff(kick - v, prepend=0.0, append=0.0)
     grid.force[:] = tension + grid.stiffness * stretching / 2
     _begin_soil(grid, kick)
@@ -58,7 +58,9 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
 
 
 def _begin_soil(grid: Grid, kick: Array) -> None:
-    """Move the static resistance of soil to half a step before t = 0, as the tension of cells.
+    """Move the static resistance of soil to half a step before t = 0.
+
+    The tension of cells is there, too.
 
     `kick` are the velocities by half a kick at t = 0.
     """
@@ -66,22 +68,24 @@ def _begin_soil(grid: Grid, kick: Array) -> None:
     # Against the ground: the velocity at t = 0, and its change by half a kick
     v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
     change = kick[soil["node"]] - grid.run["ground_acceleration"] / 2
-    # As for cells: half a step later the resistance is R + k (v + change)/2, a step adds k v.
+    # As for cells: half a step later the resistance is R + k (v + change)/2, a step
+    # adds k v.
     soil["resistance"] += soil["stiffness"] * (change - v) / 2
 
 
 def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
     """Waves that come from semi-infinite bars in the state at t = 0, m/s [end].
 
-    They are v - F/Z on the left and v + F/Z on the right, F the tension. Both are extrapolated to
-    the end from means over half a cell (v) and over a cell (F).
+    They are v - F/Z on the left and v + F/Z on the right, F the tension. Both are
+    extrapolated to the end from means over half a cell (v) and over a cell (F).
     """
     v = grid.velocity
     nodes = np.array(mesh.ends)
     cells = np.array(mesh.end_cells)
-    # INWARD is 1 at the left end and -1 at the right one: it leads to the next node or cell. The
-    # end is half a cell from the middle of its cell; the mean over half a cell is that at a quarter
-    # of a cell from the end, and the next one is three quarters of a cell further on.
+    # INWARD is 1 at the left end and -1 at the right one: it leads to the next node or
+    # cell. The end is half a cell from the middle of its cell; the mean over half a
+    # cell is that at a quarter of a cell from the end, and the next one is three
+    # quarters of a cell further on.
     in_last_cell = tension[cells]
     tension_at_end = in_last_cell - (tension[cells + INWARD] - in_last_cell) / 2
     velocity_at_end = v[nodes] - (v[nodes + INWARD] - v[nodes]) / 3
@@ -90,10 +94,12 @@ def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
 
 
 def _velocities(mesh: Mesh, elongation: Array) -> Array:
-    """Velocities of all nodes at t = 0 in the frame, m/s [node]; set the elongations of cells.
+    """Velocities of all nodes at t = 0 in the frame, m/s [node].
 
-    The velocity of a node is the mean of those of the half cells beside it, and of its rigid mass,
-    by their masses. `elongation` becomes that of each cell, m [cell].
+    The elongations of cells are set.
+
+    The velocity of a node is the mean of those of the half cells beside it, and of its
+    rigid mass, by their masses. `elongation` becomes that of each cell, m [cell].
     """
     row = mesh.row
     v = np.zeros(len(mesh.mass))
@@ -105,7 +111,8 @@ def _velocities(mesh: Mesh, elongation: Array) -> Array:
             L = float(row.segments[s - 1].length)
             N = mesh.counts[s - 1]
             edges = half_cell_edges(left, L, N)
-            # Velocities and masses of half cells, whose momenta are added up for each node
+            # Velocities and masses of half cells, whose momenta are added up for each
+            # node
             halves = averages(body.velocity, edges, float(body.length))
             masses = np.repeat(mesh.cell_mass[first + 1 : last + 1] / 2, 2)
             v[first : last + 1] += np.bincount(nodes_of_half_cells(N), masses * halves)
@@ -120,8 +127,8 @@ def _velocities(mesh: Mesh, elongation: Array) -> Array:
 def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
     """Changes of velocity, m/s [node], by driven ends whose velocity jumps at t = 0.
 
-    Lateral inertia takes neighbours of the end along: the equations are (M + J) dv = 0 with the
-    jump prescribed at the end.
+    Lateral inertia takes neighbours of the end along: the equations are (M + J) dv = 0
+    with the jump prescribed at the end.
     """
     jump = np.zeros(len(mesh.mass))
     off_diagonal = mesh.lateral_inertia / step
@@ -137,9 +144,9 @@ def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
 def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     """Changes of velocity, m/s [node], that half a kick by the forces at t = 0 makes.
 
-    In the middle of the first step the nodes are where these velocities bring them. A force that
-    begins at t = 0 lies between two kicks, and would otherwise leave a motion that changes its sign
-    from node to node.
+    In the middle of the first step the nodes are where these velocities bring them. A
+    force that begins at t = 0 lies between two kicks, and would otherwise leave a
+    motion that changes its sign from node to node.
     """
     row = mesh.row
     force = np.diff(tension)  # forces on the nodes
@@ -152,7 +159,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         if kind == "force":
             force[node] += INWARD[side] * scheme.boundary_values(mesh, step, side, 1)[0]
         elif kind == "absorbing":
-            # The background wave holds the state at t = 0: the given wave alone changes it.
+            # The background wave holds the state at t = 0: the given wave alone changes
+            # it.
             wave = scheme.boundary_values(mesh, step, side, 1)[0]
             force[node] = grid.ends["impedance"][side] * wave
     for link in grid.links:
@@ -181,8 +189,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
 def _initial_push(grid: Grid, link: Any) -> float:
     """Mean force over the first step of a compliant contact that begins pressed, N.
 
-    Lengths are in steps, as in the links of a grid: m/s, so that a closing velocity is the change
-    of the overlap in a step.
+    Lengths are in steps, as in the links of a grid: m/s, so that a closing velocity is
+    the change of the overlap in a step.
     """
     v = grid.velocity
     closing = v[link["left_node"]] - v[link["right_node"]]
@@ -193,18 +201,22 @@ def _initial_push(grid: Grid, link: Any) -> float:
 
 
 def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
-    """Slow down ends that close before the first kick, as a step before t = 0 would have done.
+    """Slow down ends that close before the first kick.
+
+    A step before t = 0 would have done so.
 
     Velocities, displacements of pieces, lost energy of cells, and `initial_force` and
     `initial_loss` of the links are changed.
 
-    An end that closes inside a step is stopped over two steps, so that the mean force is right from
-    then on. Where ends touch at t = 0 the first of the two would begin before. It takes half of the
-    velocity by which they close, or the part that closes beyond a small gap; `kick` is the velocity
-    that half a kick by the forces at t = 0 gives. Links and damped cells lose this energy.
+    An end that closes inside a step is stopped over two steps, so that the mean force
+    is right from then on. Where ends touch at t = 0 the first of the two would begin
+    before. It takes half of the velocity by which they close, or the part that closes
+    beyond a small gap; `kick` is the velocity that half a kick by the forces at t = 0
+    gives. Links and damped cells lose this energy.
 
-    Without viscosity all follows half a step late: a sharp front that comes back to a contact at a
-    kick, as it left it, opens it as it closed, and ends get back the energy that they lost.
+    Without viscosity all follows half a step late: a sharp front that comes back to a
+    contact at a kick, as it left it, opens it as it closed, and ends get back the
+    energy that they lost.
     """
     v = grid.velocity
     links = grid.links
@@ -215,7 +227,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     parting = kick[right] - kick[left]
     # Overlap at the first kick, half a step behind t = 0
     overlap = (closing - parting) / 2 - links["gap"]
-    # Links whose ends are to be slowed down: rigid ones that close faster than forces part them
+    # Links whose ends are to be slowed down: rigid ones that close faster than forces
+    # part them
     is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
     is_late &= links["self_mobility"] > 0  # one of the ends can move
     is_late &= overlap > grid.run["velocity_tolerance"]
@@ -234,7 +247,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     for i in np.flatnonzero(is_late):
         link = links[i]
         v_before = v.copy()
-        # This takes share times overlap from the closing velocity: mobilities have half of one.
+        # This takes share times overlap from the closing velocity: mobilities have half
+        # of one.
         push = share[i] * overlap[i] / (2 * mobility[i])
         nodes = slice(link["leftmost_node"], link["left_node"] + 1)
         v[nodes] -= responses.by_last[nodes] * push
@@ -242,8 +256,9 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         v[nodes] += responses.by_first[nodes] * push
         dv = v - v_before
         grid.pieces["displacement"] += dv[mesh.starts] / 2
-        # Changes of the kinetic energy, m v dv with the mean velocity v, and the same for lateral
-        # inertia; and work of the forces that are there on half a step of dv.
+        # Changes of the kinetic energy, m v dv with the mean velocity v, and the same
+        # for lateral inertia; and work of the forces that are there on half a step of
+        # dv.
         mean = (v + v_before) / 2
         stretching = np.diff(mean, prepend=0.0, append=0.0)
         dv_stretching = np.diff(dv, prepend=0.0, append=0.0)
