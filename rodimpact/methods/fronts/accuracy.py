@@ -26,11 +26,11 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
     """Relative error of each measure of the outcome that rounded transit times make.
 
     The exact transit time lies between the rounded one and the next tick on its other
-    side. A second run uses that tick. The difference between both outcomes is the stated
-    error: it exceeds the error of an outcome that varies steadily between both ticks.
-    It is empty where round-off is larger or the cap ended the run, and inf where both
-    runs end for different reasons. Errors of velocities are relative to the velocity
-    scale, others to the largest value of the measure.
+    side. A second run uses that tick. The difference between both outcomes is the
+    stated error: it exceeds the error of an outcome that varies steadily between both
+    ticks. It is empty where round-off is larger or the cap ended the run, and inf where
+    both runs end for different reasons. Errors of velocities are relative to the
+    velocity scale, others to the largest value of the measure.
     """
     if finished.clock.transit_error <= ROUNDED or finished.stopped_by == "max_events":
         return NO_ERRORS
@@ -58,7 +58,8 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
 def measures_of(finished: FrontRun) -> dict[str, Array]:
     """Values of each of `runs.MEASURES` in SI units, by body or by contact.
 
-    Times are three of each contact; that of NONE, where there was no force, is a tick before 0.
+    Times are three of each contact; that of NONE, where there was no force, is a tick
+    before 0.
     """
     tick = finished.clock.tick
     tallies = [tally_of(node, tick) for node in finished.contacts]
@@ -77,7 +78,9 @@ def measures_of(finished: FrontRun) -> dict[str, Array]:
 
 
 def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
-    """Sentence that states the largest error by rounded transit times; "" without errors.
+    """Sentence that states the largest error by rounded transit times.
+
+    It is empty without errors.
 
     An infinite error is one that is not known.
     """

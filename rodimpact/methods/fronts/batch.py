@@ -81,7 +81,9 @@ class FrontBatch(Batch[State]):
     def __init__(
         self, layout: FamilyLayout, request: RunRequest, *, is_compiled: bool
     ) -> None:
-        """Make the records of the layout, with the request in that of the run, for no members yet.
+        """Make the records of the layout for no members yet.
+
+        The request is in the record of the run.
 
         They are lists of objects, or arrays if the members are to run in machine code.
         """
@@ -94,7 +96,10 @@ class FrontBatch(Batch[State]):
             self.to_arrays()
 
     def load_members(self, values: Array) -> None:
-        """Take the values of other members, [member, value], and make room for their results."""
+        """Take the values of other members, [member, value].
+
+        Room for their results is made.
+        """
         member_count = len(values)
         node_count = len(self.layout.closed_status)
         if self.is_compiled:
@@ -109,7 +114,9 @@ class FrontBatch(Batch[State]):
         self.state = self.state._replace(values=rows, results=results)
 
     def run_to_end(self, report: Report = no_report) -> None:
-        """Run the members that were loaded to their ends, with a longer log as often as it is full.
+        """Run the members that were loaded to their ends.
+
+        The log grows as often as it is full.
 
         Raises
         ------
@@ -117,7 +124,8 @@ class FrontBatch(Batch[State]):
             If the log of one of them takes too much memory.
         """
         while not self.run():
-            # An unfinished run is expected to take as long again as it has taken so far.
+            # An unfinished run is expected to take as long again as it has taken so
+            # far.
             self.choose_form(len(self.state.log) * PLAIN_ROW_TIME)
             run = self.progress
             report(int(run.events), expected_events(run))
@@ -125,11 +133,15 @@ class FrontBatch(Batch[State]):
             self.lengthen("log")
 
     def _ask_for_log(self) -> None:
-        """Raise TooLong if the next, longer log takes too much memory, with its signals."""
+        """Raise TooLong if the next, longer log takes too much memory.
+
+        Its signals count, too.
+        """
         rows = len(self.state.log)
         # Numbers of 8 bytes
         if self.is_compiled:
-            # A longer array takes memory as its rows are used: twice as many are counted.
+            # A longer array takes memory as its rows are used: twice as many are
+            # counted.
             numbers = rows * 2 * NUMBERS_PER_ROW
         else:
             numbers = rows * NUMBERS_PER_LIST_ROW

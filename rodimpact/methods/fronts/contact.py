@@ -14,14 +14,17 @@ from .records import CHANGE, IDLE, NEVER, NONE, Amplitude, Front, Node, Run
 FAINT_TOLERANCES = 1 << 24
 """Velocity tolerances in the closing velocity of a faint force.
 
-A force that decays as r^n falls below the tolerance from less than tolerance/r. So every decay
-with r > 2^-24 passes through faint forces, and with the tolerance of 2^-48 also every smaller r
-that is no round-off. Other forces end as waves cancel, and do not pass through faint ones.
+A force that decays as r^n falls below the tolerance from less than tolerance/r. So
+every decay with r > 2^-24 passes through faint forces, and with the tolerance of 2^-48
+also every smaller r that is no round-off. Other forces end as waves cancel, and do not
+pass through faint ones.
 """
 
 
 def reset_node(node: Node, zero: Amplitude) -> None:
-    """Set a node to t = 0: no force, no motion, all totals 0; `zero` is 0 of its kind of number.
+    """Set a node to t = 0: no force, no motion, all totals 0.
+
+    `zero` is 0 of its kind of number.
 
     `closed_status` and `gap` are set before; a node with a gap is open.
     """
@@ -46,11 +49,14 @@ def reset_node(node: Node, zero: Amplitude) -> None:
 def resolve_contact(
     node: Node, closing: Amplitude, dt: int, tolerance: Amplitude, window: int
 ) -> int:
-    """Decide what status a contact has after arrivals, and return it; set its gap and gap rate.
+    """Return the status that a contact has after arrivals.
 
-    Signorini: gap >= 0, force >= 0, and one of them is 0. So a closed contact presses if its
-    faces would close without a force, and opens if they part; its gap rate is exactly 0. Gap and
-    gap rate of the node become those of now; its status and force do not change yet.
+    Its gap and gap rate are set.
+
+    Signorini: gap >= 0, force >= 0, and one of them is 0. So a closed contact presses
+    if its faces would close without a force, and opens if they part; its gap rate is
+    exactly 0. Gap and gap rate of the node become those of now; its status and force do
+    not change yet.
 
     Parameters
     ----------
@@ -66,7 +72,8 @@ def resolve_contact(
     """
     gap = node.gap + node.gap_rate * dt
     status: int = node.status
-    # It closes now if it would do so within the window, at the speed before or after the arrivals.
+    # It closes now if it would do so within the window, at the speed before or after
+    # the arrivals.
     if status == Status.OPEN and gap <= max(-node.gap_rate, closing) * window:
         gap = 0 * gap  # 0 of the same kind of number: a float, or a fraction
         status = Status.TOUCH.value
@@ -93,9 +100,12 @@ def log_contact_change(
     status: int,
     mobility: Amplitude,
 ) -> None:
-    """Change the status of the contact at node k, with its episodes, and log the change.
+    """Change the status of the contact at node k, and log the change.
 
-    First and last force, the last opening and when to try the next proof are brought up to date.
+    Its episodes are kept up to date.
+
+    First and last force, the last opening and when to try the next proof are brought up
+    to date.
 
     Parameters
     ----------
@@ -149,8 +159,8 @@ def solve_force(
     """Set the force of a node and the velocity of its left face.
 
     Where the node presses or is bonded, both faces move alike: F = (a - b)/(Y1 + Y2).
-    At an end under a given force, F Y arrives from outside as a wave. Elsewhere there is
-    no force.
+    At an end under a given force, F Y arrives from outside as a wave. Elsewhere there
+    is no force.
 
     Returns
     -------
@@ -177,15 +187,16 @@ def solve_force(
 def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
     """Add the effects of the force in the `dt` ticks since the node was solved last.
 
-    These are impulse, integral(F t dt), work, peak force, and the times with a force or a faint
-    one.
+    These are impulse, integral(F t dt), work, peak force, and the times with a force or
+    a faint one.
     """
     if node.force != 0:
         impulse = node.force * dt
         node.impulse += impulse
         node.impulse_moment += impulse * (node.solved_tick + dt / 2)
         node.work += node.force * node.face_velocity * dt
-        # A shorter force comes from waves that meet at one tick, but for their rounding.
+        # A shorter force comes from waves that meet at one tick, but for their
+        # rounding.
         if dt > window:
             node.peak_force = max(node.peak_force, node.force)
     if node.status == Status.PRESS:

@@ -107,7 +107,8 @@ def solve_many(
     columns: dict[tuple[str, int], Array] = {}
     for name, k in fields:
         columns[name, k] = np.empty(count, NODE_RESULT[name])
-    # Time of a member in plain Python, s: estimated, until a block that took long is measured
+    # Time of a member in plain Python, s: estimated, until a block that took long is
+    # measured
     member_time = INITIAL_LOG_ROWS * PLAIN_ROW_TIME
     is_measured = False
     batch = FrontBatch(layout, request, is_compiled=False)
@@ -149,12 +150,15 @@ def solve_many(
 class MemberValues:
     """The values of the members of a family, block by block.
 
-    A block is some members that run one after the other; `_block`, [member, value], is filled for
-    each block anew with what varies.
+    A block is some members that run one after the other; `_block`, [member, value], is
+    filled for each block anew with what varies.
     """
 
     def __init__(self, layout: FamilyLayout) -> None:
-        """Fill in the values that all members share; keep the others, [member] each, aside."""
+        """Fill in the values that all members share.
+
+        The others are kept aside, [member] each.
+        """
         size = min(layout.row.members, MAX_BLOCK_SIZE)
         self._block = np.empty((size, len(layout.values)))
         self._varying: dict[int, Array] = {}

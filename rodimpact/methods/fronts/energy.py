@@ -12,7 +12,9 @@ from .records import NONE, Amplitude, Log, Segment, State
 
 
 def update_motion(state: State) -> None:
-    """Set velocities of groups, and momenta and vibration energies of segments, to those of now.
+    """Set velocities of groups, and momenta and energies of segments, to those of now.
+
+    The energies are those of vibration.
 
     The vibration at t = 0 is found for runs past the proof only.
     """
@@ -20,7 +22,8 @@ def update_motion(state: State) -> None:
     nodes = state.nodes
     last = nodes[len(nodes) - 1]
     is_anchored = nodes[0].status == Status.BOND or last.status == Status.BOND
-    # The velocities follow from the momenta at t = 0, and where something is bonded to the outside.
+    # The velocities follow from the momenta at t = 0, and where something is bonded to
+    # the outside.
     if is_anchored or run.events == 0:
         measure_segments(state)
     set_group_velocities(state)
@@ -32,7 +35,8 @@ def update_motion(state: State) -> None:
 def measure_segments(state: State) -> None:
     """Set momentum, and vibration energy about `group_velocity`, of each segment.
 
-    Both are sums over its two waves: what was sent to either end in the last transit time.
+    Both are sums over its two waves: what was sent to either end in the last transit
+    time.
     """
     now = state.runs[0].now
     log = state.log
@@ -64,7 +68,9 @@ def measure_segments(state: State) -> None:
 
 
 def set_group_velocities(state: State) -> None:
-    """Set the velocities V of bonded groups of mass m: from their momenta p, then impulses.
+    """Set the velocities V of bonded groups of mass m.
+
+    They follow from their momenta p, then from impulses.
 
     V = p/m at t = 0, and V(0) + (impulse on the left - impulse on the right)/m later:
     impulses are more exact than the momenta of waves, and independent of them. A group
@@ -94,7 +100,7 @@ def set_group_velocities(state: State) -> None:
 
 
 def store_initial_motion(segments: Sequence[Segment]) -> None:
-    """Copy the present motion of all segments to their fields of the motion at t = 0."""
+    """Copy the present motion of all segments to their fields for t = 0."""
     for segment in segments:
         segment.initial_group_velocity = segment.group_velocity
         segment.initial_momentum = segment.momentum
@@ -116,7 +122,9 @@ def find_wave_differences(state: State) -> None:
 def largest_difference(
     log: Log, a: int, b: int, transit: int, end_tick: int, window: int
 ) -> Amplitude:
-    """Largest absolute difference of two waves where they meet, between 0 and `end_tick`.
+    """Largest absolute difference of two waves where they meet.
+
+    Meetings between 0 and `end_tick` count.
 
     Waves that leave the two ends of a segment at p and q meet at (p + q + T)/2 if
     abs(p - q) < T, its transit time.
@@ -141,7 +149,8 @@ def largest_difference(
         # Waves that left the other end a transit before this one do not meet it.
         while log[b].next_row != NONE and log[log[b].next_row].tick <= a0 - transit:
             b = log[b].next_row
-        # Waves that left the other end a transit after this one, or later, do not meet it either.
+        # Waves that left the other end a transit after this one, or later, do not meet
+        # it either.
         r = b
         while r != NONE and log[r].tick < a1 + transit and a1 - a0 > window:
             wave_b = log[r]

@@ -55,7 +55,9 @@ def start(state: State) -> None:
 
 
 def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
-    """Take all fronts off the lines, and set the waves that arrive inside the row to `zero`.
+    """Take all fronts off the lines.
+
+    The waves that arrive inside the row become `zero`.
 
     What arrives from outside, on the first two and the last two lines, stays.
     """
@@ -73,7 +75,8 @@ def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
 def chain_initial_fronts(state: State) -> None:
     """Put the fronts of the log at t = 0 on their lines.
 
-    The first front of a line has just arrived: it is the incoming wave. The second arrives next.
+    The first front of a line has just arrived: it is the incoming wave. The second
+    arrives next.
     """
     log = state.log
     for r in range(state.runs[0].initial_rows):
@@ -197,8 +200,8 @@ def advance(state: State, horizon: int) -> int:
         )
         force = node.force
 
-        # A front is sent where the outgoing wave changes: on line 2 k + 1 to the left, or on line
-        # 2 k + 2 to the right.
+        # A front is sent where the outgoing wave changes: on line 2 k + 1 to the left,
+        # or on line 2 k + 2 to the right.
         for side in range(2):
             l = 2 * k + 1 + side
             if side == 0:
@@ -231,10 +234,13 @@ def advance(state: State, horizon: int) -> int:
 
 
 def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> int:
-    """Why a run stops before its next event, that at `tick`, as `states.Stop`; NONE if it goes on.
+    """Why a run stops before its next event, as `states.Stop`; NONE if it goes on.
 
-    Other nodes may have an event at the same tick as the last one: the cap waits for them.
-    `is_full` says that the log has no room for an event, `events` is the number so far.
+    The event is at `tick`.
+
+    Other nodes may have an event at the same tick as the last one: the cap waits for
+    them. `is_full` says that the log has no room for an event, `events` is the number
+    so far.
     """
     if tick > horizon:
         return Stop.DONE.value
@@ -248,7 +254,9 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 
 
 def receive(line: Line, log: Log, transit: int) -> None:
-    """Take the front that arrives off a line: its value is the incoming wave from now on, m/s.
+    """Take the front that arrives off a line.
+
+    Its value is the incoming wave from now on, m/s.
 
     The front behind it is next; it arrives a transit time after it was sent.
     """
@@ -263,7 +271,10 @@ def receive(line: Line, log: Log, transit: int) -> None:
 def send(
     line: Line, log: Log, log_row: int, tick: int, l: int, wave: Amplitude
 ) -> None:
-    """Enter the front of a wave that leaves on line l in a row of the log, behind the last one."""
+    """Enter the front of a wave that leaves on line l in a row of the log.
+
+    It comes behind the last one of the line.
+    """
     front: Front = log[log_row]
     front.tick = tick
     front.next_row = NONE

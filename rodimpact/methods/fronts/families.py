@@ -41,7 +41,10 @@ class ResultColumns(NamedTuple):
 
 
 def members_per_call(row: Row) -> int:
-    """Number of members to run in one call, 1 or more, so that they take little memory."""
+    """Number of members to run in one call, 1 or more.
+
+    It is such that they take little memory.
+    """
     # Values of a member, and about six numbers of results a node
     numbers = len(lay_out_family(row).values) + 6 * (len(row.segments) + 2)
     fitting = MAX_BYTES_PER_CALL // (8 * numbers)
@@ -56,11 +59,13 @@ def solve_family(
     later_members: int = 0,
     also: Sequence[str] = (),
 ) -> Columns:
-    """Columns of every member, as `family.family_columns` makes them, and those named in `also`.
+    """Columns of every member, and those named in `also`.
 
-    Energy lost in contacts, which is 0, is always among them; stress and displacement need the
-    waves of each member, and are found only if they are named. A refused member has nan. The other
-    arguments are those of `driver.solve_many`.
+    They are as `family.family_columns` makes them.
+
+    Energy lost in contacts, which is 0, is always among them; stress and displacement
+    need the waves of each member, and are found only if they are named. A refused
+    member has nan. The other arguments are those of `driver.solve_many`.
     """
     layout = lay_out_family(row)
     group_segments = segments_of_groups(row.system, row.spans)
@@ -112,7 +117,8 @@ def body_columns(
 ) -> list[Array]:
     """Velocities of the bodies, m/s, [body][member], from those of their groups.
 
-    `name` is the field of the velocities; `group_segments` are the first segments of the groups.
+    `name` is the field of the velocities; `group_segments` are the first segments of
+    the groups.
     """
     shape = row.system.shape
     group_velocities = [results.fields[name, s].reshape(shape) for s in group_segments]
@@ -127,7 +133,7 @@ def body_columns(
 
 
 def wave_fields(segments: int) -> list[tuple[str, int]]:
-    """Fields of `records.NodeResult` from which stress and displacement follow, each with its node.
+    """Fields of `records.NodeResult` for stress and displacement, each with its node.
 
     There are so many `segments` in the row; those of segment s are at node s.
     """
@@ -141,7 +147,9 @@ def wave_fields(segments: int) -> list[tuple[str, int]]:
 
 
 def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
-    """Displacement of each body, m, and the largest stress in each rod, Pa, [member] by name.
+    """Displacement of each body and largest stress in each rod, by name.
+
+    They are in m and Pa, [member].
 
     Names are such as "displacement.0", with the number of the body.
     """
@@ -158,10 +166,12 @@ def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
 
 
 def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) -> Array:
-    """Displacement of the centre of a rod of the segments `first` to `last`, m [member].
+    """Displacement of the centre of a rod, m [member].
 
-    Newton's law integrated twice: m u = p0 t + integral(J1 - J2) dt in the frame, p0 the
-    momentum at t = 0, J1 and J2 the impulses at the left and at the right end.
+    The rod has the segments `first` to `last`.
+
+    Newton's law integrated twice: m u = p0 t + integral(J1 - J2) dt in the frame, p0
+    the momentum at t = 0, J1 and J2 the impulses at the left and at the right end.
     """
     mass: Array | float = 0.0
     momentum: Array | float = 0.0

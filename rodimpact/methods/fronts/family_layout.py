@@ -85,8 +85,8 @@ class FamilyLayout(NamedTuple):
 def lay_out_family(row: Any) -> FamilyLayout:
     """The layout of a row of which the method lacks no physics.
 
-    It counts the pieces, durations and fronts that a member has at most at t = 0: each segment, and
-    each jump of a profile or a drive, adds to them.
+    It counts the pieces, durations and fronts that a member has at most at t = 0: each
+    segment, and each jump of a profile or a drive, adds to them.
     """
     values = values_of(row)
     profiles = append_profiles(row, values)
@@ -120,7 +120,8 @@ def lay_out_family(row: Any) -> FamilyLayout:
 def values_of(row: Any) -> list[Any]:
     """The values of a row in the order of `initial_state`, up to the gaps.
 
-    These are wave speeds, impedances and lengths of the segments, frame, velocity scale and gaps.
+    These are wave speeds, impedances and lengths of the segments, frame, velocity scale
+    and gaps.
     """
     values: list[Any] = []
     for segment in row.segments:
@@ -138,7 +139,8 @@ def values_of(row: Any) -> list[Any]:
 def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
     """Append the profiles of bodies and drives to the values; return their places.
 
-    Those of all bodies come first, from left to right, then those of the ends that are not free.
+    Those of all bodies come first, from left to right, then those of the ends that are
+    not free.
     """
     system = row.system
     outside = len(row.segments) + 1
@@ -172,7 +174,9 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
 def append_profile(
     values: list[Any], segment: int, velocity: Any, strain: Any, boundary_kind: int
 ) -> Profile:
-    """Append a velocity and a strain, each constant or in steps, to the values; return their place.
+    """Append a velocity and a strain to the values; return their place.
+
+    Each is constant or in steps.
 
     They belong to the body that begins with `segment`, or to what lies outside an end.
     """

@@ -48,7 +48,8 @@ def finality_tick(state: State, now: int) -> int:
 
 def no_front_in_flight(lines: Sequence[Line], first: int, last: int) -> bool:
     """Whether no front is in flight in the segments from `first` to `last`."""
-    for l in range(2 * first, 2 * last + 2):  # noqa: SIM110 - kernels have no generators
+    # Kernels have no generators.
+    for l in range(2 * first, 2 * last + 2):  # noqa: SIM110
         if lines[l].next_row != NONE:
             return False
     return True
@@ -70,7 +71,8 @@ def least_opening_velocity(
 def ticks_until_apart(state: State, k: int, now: int) -> float:
     """Ticks until contact k may be proved not to close again, see `finality_kernel`.
 
-    0 if it may be proved `now`. The segments beside the contact get the motions of their groups.
+    0 if it may be proved `now`. The segments beside the contact get the motions of
+    their groups.
     """
     tolerance = state.runs[0].velocity_tolerance
     left = state.segments[k]
@@ -100,8 +102,8 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
 
     They are stored in the segments k and k + 1. The bounds hold as long as nothing
     touches the group, if it is a uniform free segment (its waves go round unchanged), a
-    semi-infinite bar, a wall, or a group at rest. The mean velocity of a group bonded to
-    a wall or to a semi-infinite bar is the velocity that it finally takes.
+    semi-infinite bar, a wall, or a group at rest. The mean velocity of a group bonded
+    to a wall or to a semi-infinite bar is the velocity that it finally takes.
     """
     for side in range(2):
         s = k + side
@@ -118,11 +120,14 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
 
 
 def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
-    """Set mean velocity and velocity bounds of the group of segment s, on one side of contact k.
+    """Set mean velocity and velocity bounds of the group of segment s.
 
-    The mean velocity is momentum over mass: sum of (1/Y) integral(a + b) over the sum of 2 T/Y.
-    That of a group bonded to the outside is the wave that arrives from there. The bounds are those
-    of all its waves; if these are steady, both are the mean velocity.
+    The group is on one side of contact k.
+
+    The mean velocity is momentum over mass: sum of (1/Y) integral(a + b) over the sum
+    of 2 T/Y. That of a group bonded to the outside is the wave that arrives from there.
+    The bounds are those of all its waves; if these are steady, both are the mean
+    velocity.
     """
     segments = state.segments
     nodes = state.nodes
@@ -165,7 +170,8 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     if first == last:  # a uniform segment: its waves go round unchanged
         group.is_end_velocity_bounded = 1
 
-    # What the group is bonded to outside: on one side at most, as the contact is on the other
+    # What the group is bonded to outside: on one side at most, as the contact is on the
+    # other
     is_semi_infinite = False
     for side in range(2):
         if side == 0:
@@ -180,7 +186,8 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
             is_semi_infinite = outside_mobility > 0
             if not is_semi_infinite:  # a wall, which turns waves round
                 group.is_end_velocity_bounded = 0
-    # Steady waves are all the mean velocity; but a semi-infinite bar gives way while it is pressed.
+    # Steady waves are all the mean velocity; but a semi-infinite bar gives way while it
+    # is pressed.
     if is_steady and not (is_semi_infinite and is_pressing):
         group.min_end_velocity = group.mean_velocity
         group.max_end_velocity = group.mean_velocity
@@ -212,13 +219,15 @@ def bound_deviations(state: State, k: int, now: int) -> None:
 
 
 def bound_deviation(state: State, k: int, s: int, now: int) -> None:
-    """Set deviation and bound of the end of the group of segment s, on one side of contact k.
+    """Set deviation and bound of the end of the group of segment s.
 
-    Segments are taken from the far end to the contact. g grows from g0 to g1 over a segment; its
-    part of integral(g^2 dx/(E A)) is Y T (g0^2 + g0 g1 + g1^2)/3. A wave w about the mean motion,
-    sent over `width` ticks, has the energy w^2 width/(4 Y), the momentum w width/(2 Y) and the
-    part w width g/2 of integral(strain g dx), with the sign of (b - a). The bound stays 0 where the
-    motion is steady.
+    The group is on one side of contact k.
+
+    Segments are taken from the far end to the contact. g grows from g0 to g1 over a
+    segment; its part of integral(g^2 dx/(E A)) is Y T (g0^2 + g0 g1 + g1^2)/3. A wave w
+    about the mean motion, sent over `width` ticks, has the energy w^2 width/(4 Y), the
+    momentum w width/(2 Y) and the part w width g/2 of integral(strain g dx), with the
+    sign of (b - a). The bound stays 0 where the motion is steady.
     """
     segments = state.segments
     log = state.log
@@ -289,7 +298,10 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
 def group_mass(
     segments: Sequence[Segment], first: int, last: int, zero: Amplitude
 ) -> Amplitude:
-    """Mass of the segments from `first` to `last`, kg over the tick, T/Y each; `zero` plus that."""
+    """Mass of the segments from `first` to `last`, plus `zero`, kg over the tick.
+
+    Each segment has T/Y.
+    """
     mass = zero
     for s in range(first, last + 1):
         mass += segments[s].transit / segments[s].mobility
@@ -309,9 +321,12 @@ def from_far_end(first: int, last: int, i: int, is_right: bool) -> int:
 def fraction_at(
     covered: Amplitude, g0: Amplitude, g1: Amplitude, runs_to_contact: bool
 ) -> Amplitude:
-    """Mass fraction g at the place to which a wave has covered a part of a segment, from 0 to 1.
+    """Mass fraction g at the place to which a wave has covered a part of a segment.
 
-    It is g0 at the end of the segment that is far from the contact, and g1 at the other.
+    The part is from 0 to 1.
+
+    It is g0 at the end of the segment that is far from the contact, and g1 at the
+    other.
     """
     if runs_to_contact:
         return g0 + (g1 - g0) * covered

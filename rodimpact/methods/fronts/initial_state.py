@@ -30,11 +30,13 @@ from .records import (
 )
 
 FRONT_VELOCITY_RTOL = 2.0**-48
-"""Smallest change of a wave that counts as a front, relative to the velocity scale
-(`scales.scale_of`: the spread of the velocities, plus wave speed times strain, plus force
-over impedance). The same tolerance decides
-whether contacts press or graze. The error of a wave is at most this tolerance times
-the number of ends that it has passed."""
+"""Smallest change of a wave that counts as a front, relative to the velocity scale.
+
+That scale is the spread of the velocities, plus wave speed times strain, plus force
+over impedance, see `scales.scale_of`. The same tolerance decides whether contacts press
+or graze. The error of a wave is at most this tolerance times the number of ends that it
+has passed.
+"""
 
 TRANSIT_RTOL = 2.0**-48  # a smaller relative change of a transit time is round-off
 CLOSING_WINDOW_BITS = 40
@@ -85,11 +87,13 @@ def line_inward(n: int, side: int) -> int:
 
 
 def choose_clock(state: State, values: Values) -> None:
-    """Set the frame, the clock and the tolerances of a member, and the transits of its segments.
+    """Set the frame, the clock and the tolerances of a member.
 
-    The clock counts transit times, times to jumps of the initial state, and times at which drives
-    jump. If all equal those of the previous member, its ticks are kept. `Run.stop_reason` becomes
-    NONE, or says why there is no clock.
+    The transits of its segments are set, too.
+
+    The clock counts transit times, times to jumps of the initial state, and times at
+    which drives jump. If all equal those of the previous member, its ticks are kept.
+    `Run.stop_reason` becomes NONE, or says why there is no clock.
     """
     run = state.runs[0]
     durations = state.durations
@@ -176,8 +180,8 @@ def split_at_jumps(state: State, values: Values) -> int:
             pieces[piece_count].strain = values[strains + j]
             if x > left:
                 time_to_jump = (x - left) / length * transit_time
-                # Behind n transit times. The first pieces of the s segments so far begin
-                # at no jump.
+                # Behind n transit times. The first pieces of the s segments so far
+                # begin at no jump.
                 jump_index = n + piece_count - s
                 durations[jump_index].time = time_to_jump
             piece_count += 1
@@ -196,8 +200,8 @@ def split_at_jumps(state: State, values: Values) -> int:
 def default_horizon(state: State, values: Values) -> float:
     """Time that the clock of a run without a given end must be able to count, s.
 
-    It follows by `tick_rule.default_horizon` from the longest transit, the time to cross the row,
-    and the time to cross all gaps.
+    It follows by `tick_rule.default_horizon` from the longest transit, the time to
+    cross the row, and the time to cross all gaps.
     """
     run = state.runs[0]
     n = len(state.nodes) - 1
@@ -248,7 +252,8 @@ def set_drive_times(
 def same_durations(durations: Sequence[CachedDuration]) -> bool:
     """Whether all durations equal those of the previous member, whose ticks then hold.
 
-    Neighbours in a family often share lengths. The durations are kept for the next member.
+    Neighbours in a family often share lengths. The durations are kept for the next
+    member.
     """
     same = True
     for duration in durations:
@@ -265,8 +270,8 @@ def set_transits(
 ) -> None:
     """Set transit and mobility of the segments, and the number of the shortest one.
 
-    With `perturb_rounding` a transit that was rounded gets the next tick on the other side of the
-    exact one.
+    With `perturb_rounding` a transit that was rounded gets the next tick on the other
+    side of the exact one.
     """
     n = len(segments) - 2
     run.shortest_segment = 1
@@ -291,8 +296,8 @@ def find_clock_fault(
 ) -> int:
     """Why a member has no clock, as `states.Stop`; Stop.NONE if it has one.
 
-    Energies would overflow (OVERFLOW), the run is too long (LONG: `bits`, the base-2 logarithm of
-    the longest transit, are too few), or a transit is too short (SHORT).
+    Energies would overflow (OVERFLOW), the run is too long (LONG: `bits`, the base-2
+    logarithm of the longest transit, are too few), or a transit is too short (SHORT).
     """
     n = len(segments) - 2
     max_impedance = 0.0
@@ -319,8 +324,9 @@ def find_clock_fault(
 def initialise_member(state: State, values: Values) -> None:
     """Set the gaps, the end of the run, and the fronts that fill the row at t = 0.
 
-    What lies outside gets its mobility (0, or that of an endless bar) and the wave that it sends,
-    or the fronts of what drives the end. The clock is chosen, and the log is long enough.
+    What lies outside gets its mobility (0, or that of an endless bar) and the wave that
+    it sends, or the fronts of what drives the end. The clock is chosen, and the log is
+    long enough.
     """
     run = state.runs[0]
     segments = state.segments
@@ -353,8 +359,8 @@ def initialise_member(state: State, values: Values) -> None:
 def set_end(run: Run, segments: Sequence[Segment]) -> None:
     """Set the tick to run to, or the ticks to run on after the proof.
 
-    These are a round trip of the longest body if that is asked for, or if velocities may still
-    change; else 1.
+    These are a round trip of the longest body if that is asked for, or if velocities
+    may still change; else 1.
     """
     run.end_tick = NONE
     run.ticks_after_proof = 1
@@ -380,8 +386,8 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     """Append the fronts that fill segment s with its initial state to the log.
 
     The waves are a = v - c eps and b = v + c eps in the frame. The piece between x0 and
-    x1, in ticks from the left end, was sent from the left end x1 ticks ago as part of a,
-    and from the right end T - x0 ticks ago as part of b, T the transit time.
+    x1, in ticks from the left end, was sent from the left end x1 ticks ago as part of
+    a, and from the right end T - x0 ticks ago as part of b, T the transit time.
     """
     run = state.runs[0]
     durations = state.durations
@@ -394,13 +400,15 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
         start = run.log_rows
         sign = 2 * leftward - 1  # sign of c eps: -1 in a, 1 in b
         for k in range(stop - first):
-            # In order of time: what is nearest to the end where it arrives was sent first.
+            # In order of time: what is nearest to the end where it arrives was sent
+            # first.
             if leftward:
                 i = first + k
             else:
                 i = stop - 1 - k
             piece = pieces[i]
-            # Ends of the piece; the duration up to the jump that begins piece i is number n + i - s
+            # Ends of the piece; the duration up to the jump that begins piece i is
+            # number n + i - s
             x0 = 0
             x1 = transit
             if i > first:
@@ -423,12 +431,12 @@ def append_driven_fronts(
 ) -> None:
     """Append the fronts of what drives an end of the row to the log.
 
-    The wave from outside is V in the frame for a given velocity V, F Y for a force F, and
-    a0 - 2 c eps (left end) or b0 + 2 c eps (right end) for a strain eps that comes
+    The wave from outside is V in the frame for a given velocity V, F Y for a force F,
+    and a0 - 2 c eps (left end) or b0 + 2 c eps (right end) for a strain eps that comes
     through a semi-infinite bar, a0 or b0 the wave that this end sends inward at t = 0.
     A front holds the new wave, not its change. The times of the jumps are the durations
-    from `first_jump` on. Jumps after the end of the run, and values that last no tick, are
-    left out.
+    from `first_jump` on. Jumps after the end of the run, and values that last no tick,
+    are left out.
     """
     run = state.runs[0]
     log = state.log

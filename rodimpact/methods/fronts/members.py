@@ -15,8 +15,8 @@ from .records import CHANGE, IDLE, NEVER, NONE, NodeResult, Run, State
 def run_members(state: State) -> bool:
     """Run every member to its end, and set its results; return whether all have ended.
 
-    If the log is full, call this again with a longer one: the member goes on. A member without a
-    clock is not run, and its results say so.
+    If the log is full, call this again with a longer one: the member goes on. A member
+    without a clock is not run, and its results say so.
     """
     run = state.runs[0]
     segments = state.segments
@@ -62,10 +62,10 @@ def run_to_end(state: State) -> int:
 
     Notes
     -----
-    CHECK never comes back: `events.advance` stops with it where a proof is due, which is
-    tried here, and the run goes on. A proof is due after the tick `next_proof_tick`,
-    the earliest that the last attempt left possible, and not before the number of events
-    is `next_proof_event`, so that proofs cost no more than the run.
+    CHECK never comes back: `events.advance` stops with it where a proof is due, which
+    is tried here, and the run goes on. A proof is due after the tick `next_proof_tick`,
+    the earliest that the last attempt left possible, and not before the number of
+    events is `next_proof_event`, so that proofs cost no more than the run.
     """
     run = state.runs[0]
     runs_to_proof = run.end_tick == NONE
@@ -94,8 +94,8 @@ def run_to_end(state: State) -> int:
 def find_horizon(run: Run) -> int:
     """Tick at which a run ends, as far as is known.
 
-    It is `end_tick` where an end was asked for; else `ticks_after_proof` behind the proof;
-    the last tick of the clock as long as there is no proof.
+    It is `end_tick` where an end was asked for; else `ticks_after_proof` behind the
+    proof; the last tick of the clock as long as there is no proof.
     """
     if run.end_tick != NONE:
         return run.end_tick
@@ -129,7 +129,10 @@ def try_proof(state: State, stop: int) -> None:
 
 
 def find_max_wave(state: State) -> None:
-    """Set `max_wave`, the largest absolute wave, from which the largest strain follows."""
+    """Set `max_wave`, the largest absolute wave.
+
+    The largest strain follows from it.
+    """
     run = state.runs[0]
     log = state.log
     run.max_wave = 0 * run.tick_duration

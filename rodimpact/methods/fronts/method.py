@@ -71,9 +71,10 @@ def make_run(
 ) -> Run:
     """The `Run` that all methods return, of a finished run to `until`, s.
 
-    It has the times of the proof and of the last contact, the status in sentences, totals of
-    contacts and of the row, and a function that makes the signals. `rounding_errors` are those of
-    `effect_of_rounding`, by measure; errors by faint forces are added.
+    It has the times of the proof and of the last contact, the status in sentences,
+    totals of contacts and of the row, and a function that makes the signals.
+    `rounding_errors` are those of `effect_of_rounding`, by measure; errors by faint
+    forces are added.
     """
     clock = finished.clock
     now = finished.run.now

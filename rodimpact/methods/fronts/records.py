@@ -36,7 +36,7 @@ CHANGE = -1  # `Front.line` of a row in which a contact changes its status
 
 
 Amplitude: TypeAlias = Annotated[Any, "f8"]
-"""A float; in exact arithmetic, a fraction, also one that records how it was computed."""
+"""A float; in exact arithmetic, a fraction, which may record how it was computed."""
 Tick: TypeAlias = Annotated[Any, "i8"]
 """A time in ticks: a whole number; in exact arithmetic, a fraction."""
 Int32: TypeAlias = Annotated[int, "i4"]

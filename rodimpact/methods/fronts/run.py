@@ -64,7 +64,8 @@ class FrontRun:
         self.clock = self._clock()
         self.stopped_by = REASONS[Stop(self.run.stop_reason)]
         self.proved_tick = self.run.proved_tick
-        # A proof means nothing where an end is driven; such a run always has an end `until`.
+        # A proof means nothing where an end is driven; such a run always has an end
+        # `until`.
         if self.run.until >= 0 and has_external_drive(self.layout.row.system):
             self.proved_tick = NONE
 
@@ -86,7 +87,10 @@ class FrontRun:
         return self.run.until
 
     def _clock(self) -> Clock:
-        """The clock of the run; a semi-infinite bar has the impedance of the segment beside it."""
+        """The clock of the run.
+
+        A semi-infinite bar has the impedance of the segment beside it.
+        """
         row = self.layout.row
         impedance = [float(segment.impedance) for segment in row.segments]
         impedance = [0.0, *impedance, 0.0]  # the outside included
@@ -104,7 +108,9 @@ class FrontRun:
         )
 
     def _why_no_clock(self) -> tuple[str, str]:
-        """Path and sentence for a collision that has no clock, or whose energies overflow.
+        """Path and sentence for a collision that cannot be run.
+
+        It has no clock, or its energies overflow.
 
         The reason is velocities (OVERFLOW), a long run (LONG), or else a short transit.
         """

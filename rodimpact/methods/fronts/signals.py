@@ -26,7 +26,10 @@ Lines = list[Pieces | None]
 
 
 def signals_of(finished: FrontRun) -> Signals:
-    """All signals of a finished run: waves by line, contacts, and what acts on the ends."""
+    """All signals of a finished run.
+
+    They are waves by line, contacts, and what acts on the ends.
+    """
     lines = waves_by_line(finished)
     is_change = finished.log["line"] == CHANGE  # rows of the log that are no fronts
     changes = finished.log[is_change]  # changes of status
@@ -65,10 +68,10 @@ def contact_signal(
 ) -> ContactSignal:
     """Force, gap and closing velocity of a contact, in SI units, and its episodes.
 
-    They follow from the waves that arrive and the changes of status: F = (a - b)/(Y1 + Y2)
-    while the contact presses, and the gap is the integral of b - a while it is open. A
-    bonded contact always presses, and has no episodes. The status before any change holds
-    from tick -1 on.
+    They follow from the waves that arrive and the changes of status: F = (a - b)/(Y1 +
+    Y2) while the contact presses, and the gap is the integral of b - a while it is
+    open. A bonded contact always presses, and has no episodes. The status before any
+    change holds from tick -1 on.
     """
     clock = finished.clock
     end_tick = finished.run.now
@@ -120,13 +123,15 @@ def gaps_at_starts(
 ) -> Array:
     """Gap at each of `ticks` as if the contact were open, velocity times ticks.
 
-    `gap_rate` is that from each tick to the next. At each of the ticks `changes` the gap is 0;
-    before the first one it began as `first_gap`. So it is what the faces have travelled since then.
+    `gap_rate` is that from each tick to the next. At each of the ticks `changes` the
+    gap is 0; before the first one it began as `first_gap`. So it is what the faces have
+    travelled since then.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
     travelled = np.concatenate(([0.0], np.cumsum(steps)))  # way since t = 0
     at_changes = travelled[np.searchsorted(ticks, changes)]
-    # What was travelled where the gap was 0; the last one is read by index -1: no change yet
+    # What was travelled where the gap was 0; the last one is read by index -1: no
+    # change yet
     zeros = np.append(at_changes, -first_gap)
     last_change = np.searchsorted(changes, ticks, "right") - 1
     return np.asarray(travelled - zeros[last_change])
@@ -135,8 +140,9 @@ def gaps_at_starts(
 def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
     """Wave that arrives at node k from the left (0) or the right (1), m/s.
 
-    `lines` are the signals of the whole run; `finished.lines` are the records of the kernel, of
-    which those from outside, the first and the last, hold the constant wave of a wall.
+    `lines` are the signals of the whole run; `finished.lines` are the records of the
+    kernel, of which those from outside, the first and the last, hold the constant wave
+    of a wall.
     """
     segment = k + side
     wave = None
@@ -151,10 +157,12 @@ def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
 def outside_signal(
     finished: FrontRun, lines: Lines, contacts: list[ContactSignal], side: int
 ) -> BoundaryAction | None:
-    """What acts on the left (0) or the right (1) end of the row; None at a free or fixed end.
+    """What acts on the left (0) or the right (1) end of the row.
 
-    A driven end sends the wave w in, where u arrives: v = (w + u)/2, and the push into the row is
-    Z (w - u)/2 at the left end, Z (u - w)/2 at the right end.
+    It is None at a free or fixed end.
+
+    A driven end sends the wave w in, where u arrives: v = (w + u)/2, and the push into
+    the row is Z (w - u)/2 at the left end, Z (u - w)/2 at the right end.
     """
     clock = finished.clock
     end_tick = finished.run.now

@@ -30,8 +30,8 @@ class Simulation(State):
     def run_to_proof(self, max_events: int, tolerance: Amplitude = 0.0) -> Stop:
         """Run to the proof of finality, and one tick more; return why it stopped.
 
-        `max_events` is the cap on events, `tolerance` the smallest change of a wave that is a
-        front.
+        `max_events` is the cap on events, `tolerance` the smallest change of a wave
+        that is a front.
         """
         self.run.end_tick = NONE
         self.run.ticks_after_proof = 1
@@ -40,7 +40,10 @@ class Simulation(State):
     def run_to(
         self, end_tick: Any, max_events: int, tolerance: Amplitude = 0.0
     ) -> Stop:
-        """Run to tick `end_tick`; return why it stopped. The others are as in `run_to_proof`."""
+        """Run to tick `end_tick`; return why it stopped.
+
+        The other arguments are as in `run_to_proof`.
+        """
         self.run.end_tick = end_tick
         return self._run(max_events, tolerance)
 

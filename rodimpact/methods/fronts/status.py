@@ -51,7 +51,9 @@ def end_of_run(
 
 
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
-    """Sentence on a collision that is proved final; `t_final` is the end of the last contact, s.
+    """Sentence on a collision that is proved final.
+
+    `t_final` is the end of the last contact, s.
 
     If contacts go on pressing, it names them.
     """
@@ -72,8 +74,8 @@ def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
 def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
     """Sentence on contacts whose force decays below the tolerance; empty without any.
 
-    It names them, and says how much longer their forces may last: for ever if no end was given and
-    one still grazes.
+    It names them, and says how much longer their forces may last: for ever if no end
+    was given and one still grazes.
     """
     faint: list[int] = []
     longest = 0

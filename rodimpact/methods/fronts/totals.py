@@ -31,9 +31,12 @@ def tally_of(node: Node, tick_duration: float) -> ContactTally:
 
 
 def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float:
-    """Time at which the last contact ended in a proved run, s, by `status.last_contact`.
+    """Time at which the last contact ended in a proved run, s.
 
-    `round_trip` is the longest time in a body there and back, s. The page has this as JavaScript.
+    It is found by `status.last_contact`.
+
+    `round_trip` is the longest time in a body there and back, s. The page has this as
+    JavaScript.
     """
     ends: list[list[float]] = []
     for node in contacts:
@@ -93,17 +96,22 @@ def initial_motion(
 
 
 def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> Motion:
-    """Motion of the bodies when it was measured last; the page has this as JavaScript."""
+    """Motion of the bodies when it was measured last.
+
+    The page has this as JavaScript.
+    """
     velocities = [segment.group_velocity for segment in segments]
     energies = [segment.vibration_energy for segment in segments]
     return motion_of(clock, masses, velocities, energies)
 
 
 def totals_of(finished: FrontRun) -> Totals:
-    """Totals of a finished run: motion before and after, works, and what the balances miss.
+    """Totals of a finished run.
 
-    Missing momentum is what the row gained, less the impulse from outside. Missing energy is what
-    it gained, less the work of walls and drives, plus what was radiated.
+    They are motion before and after, works, and what the balances miss.
+
+    Missing momentum is what the row gained, less the impulse from outside. Missing
+    energy is what it gained, less the work of walls and drives, plus what was radiated.
     """
     clock = finished.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
@@ -111,7 +119,8 @@ def totals_of(finished: FrontRun) -> Totals:
     after = final_motion(clock, masses, finished.segments)
     boundary = BoundaryEffects(finished, masses, after.velocities)
 
-    # Momenta of segments are in N ticks, as impulses are: times the tick they are in N s.
+    # Momenta of segments are in N ticks, as impulses are: times the tick they are in N
+    # s.
     start_momentum = math.fsum(
         segment.initial_momentum for segment in finished.segments
     )
@@ -164,9 +173,12 @@ class BoundaryEffects:
     def __init__(
         self, finished: FrontRun, masses: list[float], velocities: Sequence[float]
     ) -> None:
-        """Add up what acts on both ends of a run; masses and velocities are those of the bodies.
+        """Add up what acts on both ends of a run.
 
-        Work in the laboratory is work in the frame plus velocity of the frame times impulse.
+        Masses and velocities are those of the bodies.
+
+        Work in the laboratory is work in the frame plus velocity of the frame times
+        impulse.
         """
         self.impulse = 0.0
         self.wall_work = 0.0
@@ -174,7 +186,8 @@ class BoundaryEffects:
         self.radiated = 0.0
         clock = finished.clock
         for side in (0, -1):  # first and last of nodes, bodies and ends
-            # A push on the row acts to the right at its left end, to the left at its right end.
+            # A push on the row acts to the right at its left end, to the left at its
+            # right end.
             sign = 1 if side == 0 else -1
             impulse = sign * finished.nodes[side].impulse * clock.tick
             self.impulse += impulse
