@@ -35,8 +35,8 @@ Needs = list[tuple[str, str]]
 def needs(system: model.System) -> Needs:
     """List all physics of a system that not every method has: path and name of each.
 
-    These are gravity, a row without a rod, rigid masses, what rods need, the laws of contacts that
-    are neither rigid nor bonded, and drives that are no steps.
+    These are gravity, a row without a rod, rigid masses, what rods need, the laws of
+    contacts that are neither rigid nor bonded, and drives that are no steps.
     """
     physics: Needs = []
     if not vanishes(system.gravity):
@@ -65,9 +65,12 @@ def needs(system: model.System) -> Needs:
 
 
 def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
-    """List all physics of a rod at this path that not every method has: path and name of each.
+    """List all physics of a rod at this path that not every method has.
 
-    Physics of its segments have the path of the segment, or that of the rod if there is only one.
+    Each entry is a path and a name.
+
+    Physics of its segments have the path of the segment, or that of the rod if there is
+    only one.
     """
     physics: Needs = []
     if rod.shaft is not None:
@@ -95,8 +98,8 @@ def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
 def has_external_drive(system: Any) -> bool:
     """Whether forces from outside act: no bound says when the last contact is over.
 
-    These are drives, soil or drag, and gravity on a row that is held; in free fall it does nothing.
-    The page has this as JavaScript.
+    These are drives, soil or drag, and gravity on a row that is held; in free fall it
+    does nothing. The page has this as JavaScript.
     """
     is_held = False  # a wall or a semi-infinite bar holds the row
     is_pushed = False

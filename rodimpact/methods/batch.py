@@ -1,7 +1,7 @@
 """The state of a kernel, which members of a family use one after the other.
 
-Plain Python runs on lists of objects until machine code pays: then all goes on in arrays of
-records.
+Plain Python runs on lists of objects until machine code pays: then all goes on in
+arrays of records.
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,8 @@ class Batch(Generic[StateT]):
     Parameters
     ----------
     kernel : function
-        It takes the state. All that it changes is in the state: called again, it goes on.
+        It takes the state. All that it changes is in the state: called again, it goes
+        on.
     state : StateT
         In machine code of arrays, else of lists of objects.
     record_types : dict of str to dtype
@@ -51,7 +52,10 @@ class Batch(Generic[StateT]):
         self.user_laws = user_laws
 
     def run(self) -> Any:
-        """Run the kernel on the state, in the form that it has; return what the kernel returns."""
+        """Run the kernel on the state, in the form that it has.
+
+        Return what the kernel returns.
+        """
         kernel: Any
         if self.is_compiled:
             kernel = compiling.compiled(self.kernel, self.user_laws)
@@ -60,10 +64,13 @@ class Batch(Generic[StateT]):
         return kernel(self.state)
 
     def choose_form(self, seconds: float) -> None:
-        """Bring the state to the form in which so many seconds in plain Python take less time.
+        """Bring the state to the form that takes less time.
 
-        These are arrays for machine code, or lists for plain Python. The seconds are counted for
-        the kernel: once all that it took would have paid for compiling it, it is compiled.
+        The run takes so many seconds in plain Python.
+
+        These are arrays for machine code, or lists for plain Python. The seconds are
+        counted for the kernel: once all that it took would have paid for compiling it,
+        it is compiled.
         """
         # Machine code cannot call laws of the user that are not compiled.
         pays = compiling.can_be(self.user_laws)
@@ -74,19 +81,28 @@ class Batch(Generic[StateT]):
             self.to_lists()
 
     def to_arrays(self) -> None:
-        """Make arrays of all fields of the state: from now on machine code runs on them."""
+        """Make arrays of all fields of the state.
+
+        From now on machine code runs on them.
+        """
         arrays = {name: self.array(name) for name in self.state._fields}
         self.state = type(self.state)(**arrays)
         self.is_compiled = True
 
     def to_lists(self) -> None:
-        """Make lists of all fields of the state: from now on plain Python runs on them."""
+        """Make lists of all fields of the state.
+
+        From now on plain Python runs on them.
+        """
         lists = {name: self.objects(name) for name in self.state._fields}
         self.state = type(self.state)(**lists)
         self.is_compiled = False
 
     def array(self, name: str) -> Any:
-        """A field of the state as an array of numbers or records; [member, i] of lists of lists."""
+        """A field of the state as an array of numbers or records.
+
+        It is [member, i] of lists of lists.
+        """
         values: Any = getattr(self.state, name)
         if self.is_compiled:
             return values

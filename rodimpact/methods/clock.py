@@ -1,7 +1,10 @@
-"""The clock of a row: how time and velocities are measured, in whole ticks and in a moving frame.
+"""The clock of a row.
 
-Lists by segment are of two kinds: `transits` has the segments alone, from 0 on; those "with the
-outside" have an entry for what lies left of the row in front, and one for what lies right behind.
+It measures time in whole ticks, and velocities in a moving frame.
+
+Lists by segment are of two kinds: `transits` has the segments alone, from 0 on; those
+"with the outside" have an entry for what lies left of the row in front, and one for
+what lies right behind.
 
 One class serves all methods, fields and the page. In a family its numbers are arrays.
 """
@@ -27,8 +30,8 @@ MIN_TRANSIT = 4096
 class Clock:
     """A row on a clock of whole ticks.
 
-    Lists by segment with the outside have the index 0 for what lies left of the row, and n + 1 for
-    what lies right of it.
+    Lists by segment with the outside have the index 0 for what lies left of the row,
+    and n + 1 for what lies right of it.
 
     Attributes
     ----------
@@ -112,7 +115,9 @@ class Clock:
 
 
 def mass_of(clock: Clock, body: int) -> float:
-    """Mass of a rod with the transit times in use, kg: the sum of impedance times transit time.
+    """Mass of a rod with the transit times in use, kg.
+
+    It is the sum of impedance times transit time.
 
     The page has this as JavaScript.
     """
@@ -180,7 +185,9 @@ def crossing_time_of(row: Any) -> Any:
 
 
 def flight_time_of(row: Any, scale: Any) -> Any:
-    """Time to cross all gaps, one after the other, at the velocity scale, s; `scale` in m/s.
+    """Time to cross all gaps, one after the other, s.
+
+    The velocity is the velocity scale, `scale` in m/s.
 
     An overlap is no gap.
     """
@@ -195,8 +202,8 @@ def count_ticks(
 ) -> tuple[int, list[int]]:
     """Ticks of the longest transit, and of all durations, on the clock of one member.
 
-    `durations` and the `longest` transit are times, s; the clock must count to `end`, s. If it
-    cannot, 0 and an empty list are returned.
+    `durations` and the `longest` transit are times, s; the clock must count to `end`,
+    s. If it cannot, 0 and an empty list are returned.
     """
     bits = rule.clock_bits(end / longest)
     if bits < rule.MIN_TRANSIT_BITS:
@@ -211,11 +218,13 @@ def count_ticks(
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
-    """Largest relative change of a transit time on the clock, and the path of its segment.
+    """Largest relative change of a transit time on the clock, and its path.
 
-    `ticks` are the transit times by segment, on a clock of this `tick`, s. If nothing is rounded,
-    the path is that of the first segment; "" in a row without segments. The page has this as
-    JavaScript.
+    The path is that of the segment.
+
+    `ticks` are the transit times by segment, on a clock of this `tick`, s. If nothing
+    is rounded, the path is that of the first segment; "" in a row without segments. The
+    page has this as JavaScript.
     """
     error = 0.0
     worst = 0  # segment counted from 1; `paths` has "" for 0
@@ -230,17 +239,24 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
 
 
 def too_long(end: float, longest: float) -> tuple[str, str]:
-    """Path and sentence for a run to `end`, s, which no clock counts; `longest` transit time, s."""
+    """Path and sentence for a run to `end`, s, which no clock counts.
+
+    `longest` is the longest transit time, s.
+    """
     most = rule.countable_time(longest)
     return "until", (
-        f"a run of {end:g} s is {end / longest:.3g} times the longest transit time {longest:g} s, "
-        f"more than the clock can count; stop before {most:.3g} s"
+        f"a run of {end:g} s is {end / longest:.3g} times the longest transit time "
+        f"{longest:g} s, more than the clock can count; stop before {most:.3g} s"
     )
 
 
 def too_short(path: str, transit: float, longest: float) -> tuple[str, str]:
-    """Path and sentence for a segment, if no clock holds its transit time beside the longest, s."""
+    """Path and sentence for a segment, if no clock holds its transit time.
+
+    It stands beside the longest transit time; both are in s.
+    """
     return path, (
-        f"its transit time {transit:.3g} s is too short beside the longest, {longest:.3g} s: the "
+        f"its transit time {transit:.3g} s is too short beside the longest, "
+        f"{longest:.3g} s: the "
         "clock holds ratios up to about 2e11; leave this segment out"
     )

@@ -1,14 +1,15 @@
 """How kernels become machine code: stock numba, by its public names.
 
-A kernel module holds plain functions, whole constants and tables of numbers (nested lists), and
-imports other kernel modules whole. Plain Python runs it as it stands. Compiled, it has a twin in
-which every function is jitted and every table is an array. State is lists of
-records, see `record_lists`.
+A kernel module holds plain functions, whole constants and tables of numbers (nested
+lists), and imports other kernel modules whole. Plain Python runs it as it stands.
+Compiled, it has a twin in which every function is jitted and every table is an array.
+State is lists of records, see `record_lists`.
 
-Numba counts references to the arrays of a function, atomically, unless it sees that each is last
-used in one place that is always reached, and that no call before may raise. A kernel that runs
-often returns at its end, and uses no array for the last time behind a condition: loops around it do
-that. Or it is given arrays that are `borrowed`, of which no references are counted.
+Numba counts references to the arrays of a function, atomically, unless it sees that
+each is last used in one place that is always reached, and that no call before may
+raise. A kernel that runs often returns at its end, and uses no array for the last time
+behind a condition: loops around it do that. Or it is given arrays that are `borrowed`,
+of which no references are counted.
 """
 
 import contextlib
@@ -29,7 +30,7 @@ import numpy as np
 T = TypeVar("T")
 Kernel = Callable[..., Any]
 Functions = tuple[tuple[int, Any], ...]
-"""Functions of the user that stand for the kernel function `user_force`, by its first argument."""
+"""Functions of the user for the kernel function `user_force`, by its argument 0."""
 
 OPTIONS = {
     "error_model": "numpy",  # division by zero gives inf, as the kernels expect
@@ -39,16 +40,22 @@ OPTIONS = {
 """Options of every kernel for numba."""
 
 INNER = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Options of functions that only kernels call: without an entry from Python they compile faster."""
+"""Options of functions that only kernels call.
+
+Without an entry from Python they compile faster.
+"""
 
 OPTIMISATION_LEVEL = 2
-"""LLVM's level for kernels. Level 3, numba's default, takes longer, and its code is no faster."""
+"""LLVM's level for kernels.
+
+Level 3, numba's default, takes longer, and its code is no faster.
+"""
 
 LARGE_FRAME = 1 << 15
 """Words of a stack frame that is larger than a chunk of CPython's stack."""
 
 ONE_AT_A_TIME = threading.RLock()
-"""Lock for threads that start numba or compile; a thread that forks waits for it, too."""
+"""Lock for threads that start numba or compile; a forking thread waits, too."""
 
 
 def compiler() -> Any:
@@ -63,7 +70,8 @@ def compiler() -> Any:
 def uncollected() -> Iterator[None]:
     """Suspend the garbage collector.
 
-    Numba makes millions of objects that stay; looking through them takes a seventh of its time.
+    Numba makes millions of objects that stay; looking through them takes a seventh of
+    its time.
     """
     before = gc.isenabled()
     gc.disable()
@@ -78,8 +86,8 @@ def uncollected() -> Iterator[None]:
 def optimised_for_kernels() -> Iterator[None]:
     """Compile at `OPTIMISATION_LEVEL`, or at a lower level that NUMBA_OPT asks for.
 
-    Numba documents the variable NUMBA_OPT, and that its values are in `numba.config`; it reads
-    this one whenever it compiles.
+    Numba documents the variable NUMBA_OPT, and that its values are in `numba.config`;
+    it reads this one whenever it compiles.
     """
     config = compiler().config
     before = config.OPT
@@ -99,15 +107,16 @@ def _call(function: Kernel, argument: Any) -> None:
 call_on_deep_stack = FunctionType(
     _call.__code__.replace(co_stacksize=LARGE_FRAME), globals()
 )
-"""Call a function with an argument, with room on the stack for a thousand frames below it.
+"""Call a function with an argument, with room on the stack for a thousand frames.
 
-CPython keeps the frames of Python functions in chunks of 16 kB. A call that crosses the end of a
-chunk allocates the next one, and its return frees it. Numba calls so deeply, and so often at one
-depth, that this took a quarter of the time of compiling. A frame larger than a chunk gets one that
-holds twice as much as the frame, so that all calls below fit into it.
+CPython keeps the frames of Python functions in chunks of 16 kB. A call that crosses the
+end of a chunk allocates the next one, and its return frees it. Numba calls so deeply,
+and so often at one depth, that this took a quarter of the time of compiling. A frame
+larger than a chunk gets one that holds twice as much as the frame, so that all calls
+below fit into it.
 
-`code.replace` is documented; the chunks are an implementation detail of CPython 3.11 to 3.14. If
-that changes, compiling takes longer and nothing else changes.
+`code.replace` is documented; the chunks are an implementation detail of CPython 3.11 to
+3.14. If that changes, compiling takes longer and nothing else changes.
 """
 
 
@@ -136,7 +145,10 @@ class Compiled:
     """
 
     def __init__(self, kernel: Any, user_functions: Functions = ()) -> None:
-        """Prepare the machine code of a kernel; it is compiled or read at the first call."""
+        """Prepare the machine code of a kernel.
+
+        It is compiled or read at the first call.
+        """
         self._twin = _entry(kernel, user_functions)
         # Code that calls functions of the user is theirs, and is not kept.
         self._make(keep=not user_functions)
@@ -144,8 +156,8 @@ class Compiled:
     def _make(self, keep: bool) -> None:
         """Set the machine code, still to be compiled, and the place where it is kept.
 
-        Without `keep`, or where no directory can be written, it is compiled in each process, and
-        its place is empty.
+        Without `keep`, or where no directory can be written, it is compiled in each
+        process, and its place is empty.
         """
         njit = compiler().njit
         options = {"no_cfunc_wrapper": True, **OPTIONS}
@@ -159,9 +171,9 @@ class Compiled:
     def __call__(self, *arguments: Any) -> Any:
         """Run the machine code with these arguments, and return what it returns.
 
-        At the first call it is read from disk, or compiled for the types of the arguments. Machine
-        code on disk that cannot be read is deleted with a warning, and compiled anew; on a full
-        disk it is compiled anew and not kept.
+        At the first call it is read from disk, or compiled for the types of the
+        arguments. Machine code on disk that cannot be read is deleted with a warning,
+        and compiled anew; on a full disk it is compiled anew and not kept.
         """
         try:
             if not self._ready:
@@ -191,7 +203,9 @@ class Compiled:
         warnings.warn(message, DamagedCache, stacklevel=4)
 
     def files(self) -> list[Path]:
-        """Files on disk that list machine code of this kernel, be it of these sources or others.
+        """Files on disk that list machine code of this kernel.
+
+        They may be of these sources or of others.
 
         There are none if it is kept nowhere.
         """
@@ -201,7 +215,10 @@ class Compiled:
 
 
 def compiled(kernel: Kernel, user_functions: Functions = ()) -> Compiled:
-    """Return a kernel as machine code, with functions that numba has compiled for `user_force`."""
+    """Return a kernel as machine code.
+
+    It has functions that numba has compiled for `user_force`.
+    """
     with ONE_AT_A_TIME:
         return _compiled(kernel, user_functions)
 
@@ -224,13 +241,16 @@ def can_be(user_functions: Functions) -> bool:
 
 
 def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
-    """The twin of a kernel, to be compiled: a function that closes over a digest of its sources.
+    """The twin of a kernel, to be compiled.
 
-    It has the code of the kernel; its globals are those of a copy of the module with all functions
-    jitted. Functions that only one other function uses are inlined there.
+    It is a function that closes over a digest of its sources.
 
-    Numba compiles anew a function that closes over another value than the one on disk, and else
-    looks at the kernel's file alone. So a change in any source compiles the kernel anew.
+    It has the code of the kernel; its globals are those of a copy of the module with
+    all functions jitted. Functions that only one other function uses are inlined there.
+
+    Numba compiles anew a function that closes over another value than the one on disk,
+    and else looks at the kernel's file alone. So a change in any source compiles the
+    kernel anew.
     """
     module = sys.modules[kernel.__module__]
     code = kernel.__code__.replace(co_freevars=("digest",))
@@ -244,7 +264,7 @@ def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
 
 
 def _names_used_once(module: ModuleType) -> frozenset[str]:
-    """Names that one function alone uses, of all functions in a kernel module and its imports.
+    """Names that one function alone uses, in a kernel module and its imports.
 
     Names of attributes count, too.
     """
@@ -262,9 +282,10 @@ def _twin(
 ) -> ModuleType:
     """Copy a kernel module, with the functions of the user in place of `user_force`.
 
-    Without `once` the copy is for plain Python. For machine code all its functions are jitted, and
-    lists become arrays; `once` has the names of functions that one function uses. These are made
-    part of it, which takes no more code, as handing arrays over takes time.
+    Without `once` the copy is for plain Python. For machine code all its functions are
+    jitted, and lists become arrays; `once` has the names of functions that one function
+    uses. These are made part of it, which takes no more code, as handing arrays over
+    takes time.
     """
     twin = ModuleType(module.__name__)
 
@@ -303,9 +324,9 @@ def borrowed(array: T) -> T:
 def _borrowing() -> Any:
     """Compiled form of the kernel function `borrowed`.
 
-    It makes an array of the same memory that owns nothing: numba has no references of it to count,
-    and leaves the counting out where it sees so. The memory must stay until the kernel returns,
-    which the caller's own array sees to.
+    It makes an array of the same memory that owns nothing: numba has no references of
+    it to count, and leaves the counting out where it sees so. The memory must stay
+    until the kernel returns, which the caller's own array sees to.
     """
     numba = compiler()
     pointer = numba.types.voidptr
@@ -328,9 +349,12 @@ def _borrowing() -> Any:
 
 
 def _one_of(functions: Functions, jit: Any) -> Any:
-    """A function of (number, d, rate) that calls the function of the user with this number.
+    """A function of (number, d, rate) that calls a function of the user.
 
-    `jit` compiles a function. The functions are tried one after the other, the last one unasked.
+    It calls the one with this number.
+
+    `jit` compiles a function. The functions are tried one after the other, the last one
+    unasked.
     """
     number, function = functions[0]
     later = functions[1:]
@@ -348,7 +372,10 @@ def _one_of(functions: Functions, jit: Any) -> Any:
 
 
 def _is_kernel(value: Any) -> bool:
-    """Whether a value is a module of this package: modules that kernels import are kernels."""
+    """Whether a value is a module of this package.
+
+    Modules that kernels import are kernels.
+    """
     package = __name__.partition(".")[0]
     return isinstance(value, ModuleType) and value.__name__.startswith(f"{package}.")
 
@@ -364,10 +391,12 @@ def _modules(module: ModuleType) -> list[ModuleType]:
 
 
 def digest_of(module: ModuleType) -> str:
-    """Digest of all sources in the folders of a kernel module and of those that it imports.
+    """Digest of all sources of a kernel module.
 
-    Whole folders are taken because a module imports constants and records by value: it does not
-    tell from which files they come.
+    They are those in its folder, and in the folders of its imports.
+
+    Whole folders are taken because a module imports constants and records by value: it
+    does not tell from which files they come.
     """
     folders = {Path(str(each.__file__)).parent for each in _modules(module)}
     files = {Path(__file__)}

@@ -1,16 +1,21 @@
-"""Contact laws in kernels: what each law says, for both methods that carry compliant contacts.
+"""Contact laws in kernels.
 
-Compression is positive: F > 0 presses two neighbours apart, d > 0 is their overlap, d' its rate.
+They say what each law says, for both methods that carry compliant contacts.
 
-The method "characteristics" asks for the force of a link by d and by `closing`, the rate at which
-the link would close without its own force: d' = closing - Y F, Y the mobility beside the link. It
-asks as well what ends the status of a link. The grid asks for the mean force over a time step.
+Compression is positive: F > 0 presses two neighbours apart, d > 0 is their overlap, d'
+its rate.
 
-A new law is a branch in `force` and in `mean_force`, and in `pressing_sign` if its force can end
-while there is still overlap. The page has the part for characteristics as JavaScript.
+The method "characteristics" asks for the force of a link by d and by `closing`, the
+rate at which the link would close without its own force: d' = closing - Y F, Y the
+mobility beside the link. It asks as well what ends the status of a link. The grid asks
+for the mean force over a time step.
 
-Letters: k stiffness, p exponent, c damping of a dashpot, chi damping of Hunt and Crossley, Y
-mobility, F force.
+A new law is a branch in `force` and in `mean_force`, and in `pressing_sign` if its
+force can end while there is still overlap. The page has the part for characteristics as
+JavaScript.
+
+Letters: k stiffness, p exponent, c damping of a dashpot, chi damping of Hunt and
+Crossley, Y mobility, F force.
 """
 
 import math
@@ -21,13 +26,17 @@ from .link import Law
 from .states import Status
 
 MAX_ITERATIONS = 20
-"""Most steps to find a force that depends on the rate which it makes; the last one counts."""
-FORCE_RTOL = 1e-14
-"""Relative change of that force in the last step: the next change is below round-off."""
-SERIES_RANGE = 1 / (1 << 6)
-"""Relative change of the overlap below which a difference quotient is taken as a series.
+"""Most steps to find a force that depends on the rate which it makes.
 
-Below it the quotient loses 6 bits and more; the series leaves out the fourth power.
+The last one counts.
+"""
+FORCE_RTOL = 1e-14
+"""Relative change of that force in the last step; the next is below round-off."""
+SERIES_RANGE = 1 / (1 << 6)
+"""Relative change of the overlap below which a difference is taken as a series.
+
+Below it the difference quotient loses 6 bits and more; the series leaves out the fourth
+power.
 """
 
 
@@ -35,7 +44,9 @@ Below it the quotient loses 6 bits and more; the series leaves out the fourth po
 
 
 def has_dashpot(link: Any) -> bool:
-    """Whether a link has a dashpot beside its spring, which presses without overlap too.
+    """Whether a link has a dashpot beside its spring.
+
+    A dashpot presses without overlap too.
 
     The damping of a contact that yields is no such dashpot.
     """
@@ -59,10 +70,12 @@ def is_nonlinear(link: Any) -> bool:
 
 
 def lets_go(link: Any) -> bool:
-    """Whether losses can end the force of a link, which is no dashpot, before its overlap ends.
+    """Whether losses can end the force of a link before its overlap ends.
 
-    A dashpot beside a spring can, too, but it presses without overlap as well: `pressing_sign` is
-    its first guard then, not an additional one.
+    The link is no dashpot.
+
+    A dashpot beside a spring can, too, but it presses without overlap as well:
+    `pressing_sign` is its first guard then, not an additional one.
     """
     # Behind SPRING come powers, yielding laws and those of the user.
     return bool(link.law > Law.SPRING and link.damping > 0)
@@ -74,11 +87,11 @@ def lets_go(link: Any) -> bool:
 def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
     """Force F of a link that is not open, N, with dF/dd, N/m, and dF/dclosing, N s/m.
 
-    A law that feels d' = closing - Y F is solved for F. Below d = 0 a power goes on as an odd
-    function, so that Newton's method and the search for d = 0 pass.
+    A law that feels d' = closing - Y F is solved for F. Below d = 0 a power goes on as
+    an odd function, so that Newton's method and the search for d = 0 pass.
 
-    A link at rest (REST) has no law: its force is such that `closing` is 0. In place of F stands
-    what must become 0, `closing`.
+    A link at rest (REST) has no law: its force is such that `closing` is 0. In place of
+    F stands what must become 0, `closing`.
     """
     law = link.law
     if link.status == Status.REST:
@@ -108,10 +121,13 @@ def spring_force(link: Any, d: float, closing: float) -> tuple[float, float, flo
 
 
 def power_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = g (1 + chi d'), N, with g = k d^p (Hunt and Crossley 1975); dF/dd and dF/dclosing.
+    """F = g (1 + chi d'), N, with g = k d^p; dF/dd and dF/dclosing.
+
+    This is the law of Hunt and Crossley (1975).
 
     d' = closing - Y F. Solved for F, with share = 1/(1 + g chi Y):
-    F = g (1 + chi closing) share,  dF/dg = (1 + chi closing) share^2,  dF/dclosing = g chi share.
+    F = g (1 + chi closing) share,  dF/dg = (1 + chi closing) share^2,
+    dF/dclosing = g chi share.
 
     Soil at a toe is the same with p = 1 and its J for chi (Smith 1960).
     """
@@ -137,16 +153,19 @@ def power_force(link: Any, d: float, closing: float) -> tuple[float, float, floa
 def user_force(function: int, d: float, rate: float) -> float:  # noqa: ARG001
     """Force f(d, d') of the law of the user with this number, N.
 
-    This text stands for laws of the user, and is never run: `compiling` puts theirs in its place.
+    This text stands for laws of the user, and is never run: `compiling` puts theirs in
+    its place.
     """
     return 0.0
 
 
 def odd_user_force(link: Any, d: float, rate: float) -> float:
-    """Force of the law of the user, N: f(d, d') for d >= 0, and f(0, d') - f(-d, 0) below.
+    """Force of the law of the user, N.
 
-    Nobody has defined f for d < 0. It goes on falling there, so that Newton's method and the search
-    for d = 0 pass.
+    It is f(d, d') for d >= 0, and f(0, d') - f(-d, 0) below.
+
+    Nobody has defined f for d < 0. It goes on falling there, so that Newton's method
+    and the search for d = 0 pass.
     """
     number = link.function
     if d < 0:
@@ -157,9 +176,9 @@ def odd_user_force(link: Any, d: float, rate: float) -> float:
 def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
     """F = f(d, d'), N, of a law of the user, with dF/dd and dF/dclosing.
 
-    d' = closing - Y F. F is found by Newton's method for f(d, closing - Y F) - F = 0, with
-    differences for the derivatives of f. Those of F are smaller by share = 1/(1 + Y df/dd'), as the
-    force slows down the closing that makes it.
+    d' = closing - Y F. F is found by Newton's method for f(d, closing - Y F) - F = 0,
+    with differences for the derivatives of f. Those of F are smaller by share = 1/(1 +
+    Y df/dd'), as the force slows down the closing that makes it.
     """
     Y = link.mobility
     F = odd_user_force(link, d, closing)  # first guess: the force does not slow it down
@@ -211,9 +230,10 @@ def guard_count(link: Any) -> int:
 def pressing_sign(link: Any, d: float, closing: float, F: float, scale: float) -> float:
     """A number without dimension that has the sign of the force of a law with losses.
 
-    That is f Y/scale for a law of the user, (k d/c + closing)/scale for a dashpot beside a spring,
-    and 1 + chi closing else: there `closing` stands for d', which is the same where F is 0.
-    `effective_mobility` is taken for Y, as Y is 0 between masses.
+    That is f Y/scale for a law of the user, (k d/c + closing)/scale for a dashpot
+    beside a spring, and 1 + chi closing else: there `closing` stands for d', which is
+    the same where F is 0. `effective_mobility` is taken for Y, as Y is 0 between
+    masses.
     """
     damping = link.damping
     if link.law == Law.OWN:
@@ -236,12 +256,14 @@ def guard(
     scale: float,
     length: float,
 ) -> tuple[float, int]:
-    """Value of guard number `which` of a link, without dimension, and the status that follows it.
+    """Value of guard number `which` of a link, and the status that follows it.
 
-    The status of the link lasts until one of its guards falls below 0; that guard tells the next
-    status. A dashpot lets go while there is still overlap: GRAZE, until that is gone or it presses
-    again. What yields goes on as elastic, with a new yield force, once it no longer closes; at a
-    knot of its table it goes on with another hardening.
+    The value has no dimension.
+
+    The status of the link lasts until one of its guards falls below 0; that guard tells
+    the next status. A dashpot lets go while there is still overlap: GRAZE, until that
+    is gone or it presses again. What yields goes on as elastic, with a new yield force,
+    once it no longer closes; at a knot of its table it goes on with another hardening.
 
     Parameters
     ----------
@@ -314,12 +336,14 @@ def follows_overlap(link: Any, which: int) -> bool:
 
 
 def break_order(link: Any, order: int) -> Any:
-    """Order of the break in the force of a link where the velocity beside it has one of `order`.
+    """Order of the break in the force of a link.
 
-    The force of a rigid link, a bond or a damped one follows velocities: the order is the same.
-    That of a spring follows their integral: it is one order smoother. A link that is open or lets
-    go has no force that follows. A break of the link itself, at its last event, counts if it is
-    rougher.
+    The velocity beside it has a break of `order`.
+
+    The force of a rigid link, a bond or a damped one follows velocities: the order is
+    the same. That of a spring follows their integral: it is one order smoother. A link
+    that is open or lets go has no force that follows. A break of the link itself, at
+    its last event, counts if it is rougher.
     """
     status = link.status
     law = link.law
@@ -336,9 +360,12 @@ def break_order(link: Any, order: int) -> Any:
 
 
 def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
-    """Mean force F of a compliant contact while its overlap goes from x0 to x1, N, and dF/dx1.
+    """Mean force F of a compliant contact, N, and dF/dx1.
 
-    x is the overlap, at a constant rate. Time is counted in steps, so that dx/dt = x1 - x0 = w.
+    Its overlap goes from x0 to x1.
+
+    x is the overlap, at a constant rate. Time is counted in steps, so that dx/dt = x1 -
+    x0 = w.
 
     SPRING: mean of k x + c w where x > 0 and this presses.
     POWER: mean of k x^p where x > 0, times 1 + chi w.
@@ -363,8 +390,8 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
         F, dF = mean_spring(k, 0.0, x0, x1)
     else:  # a spring, which may have a dashpot
         F, dF = mean_spring(k, damping, x0, x1)
-    # `damping` is chi here; c of a spring is in its mean already. Where nothing damps what yields,
-    # the factor is 1.
+    # `damping` is chi here; c of a spring is in its mean already. Where nothing damps
+    # what yields, the factor is 1.
     if law == Law.POWER or (law == Law.YIELD and damping > 0):
         factor = 1 + damping * w
         dF = dF * factor + F * damping
@@ -389,15 +416,17 @@ def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]
     b = max(x1, least)
     share = (b - a) / w  # part of the way on which it presses
     F = share * (k * (a + b) / 2 + c * w)
-    # F w is the integral of k x + c w over the way from a to b. Its derivative by x1 is the force
-    # at the end of the way, 0 once it has let go, and c (b - a), as the rate w rises.
+    # F w is the integral of k x + c w over the way from a to b. Its derivative by x1 is
+    # the force at the end of the way, 0 once it has let go, and c (b - a), as the rate
+    # w rises.
     return F, (max(last, 0.0) - F) / w + share * c
 
 
 def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     """Mean F of k x^p, 0 for x < 0, from x0 to x1, N, and dF/dx1.
 
-    F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0, and dF/dx1 = (k x1^p - F)/w.
+    F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0, and dF/dx1 = (k x1^p -
+    F)/w.
 
     Where x1 is near x0 these lose digits. With h = w/x0 and q = p + 1 they are
     F = k x0^p ((1 + h)^q - 1)/(q h), and a series for the derivative,
@@ -425,10 +454,12 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 
 
 def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int]:
-    """Load a yielding contact from overlap x0 to x1, past its yield force, along its table.
+    """Load a yielding contact from overlap x0 to x1, along its table.
 
-    The force rises with the stiffness k to the yield force, and then with the slope shares[i] k up
-    to each force knots[i]. The link is not changed.
+    This goes past its yield force.
+
+    The force rises with the stiffness k to the yield force, and then with the slope
+    shares[i] k up to each force knots[i]. The link is not changed.
 
     Returns
     -------

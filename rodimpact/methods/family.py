@@ -1,7 +1,7 @@
 """Columns of a family of collisions, by the names that users read; one entry a member.
 
-A method that runs many members in one call hands these columns back. Those of a member that was
-refused are nan, and 0 where they are whole numbers.
+A method that runs many members in one call hands these columns back. Those of a member
+that was refused are nan, and 0 where they are whole numbers.
 """
 
 import math
@@ -33,10 +33,12 @@ def family_columns(
     final: Any,
     status: Ints,
 ) -> Columns:
-    """Columns that every family has: restitution, vibration, final, status, and those by number.
+    """Columns that every family has.
 
-    Velocities after have the number of the body, such as "velocity_after.0", totals of contacts
-    that of the contact. Restitution is nan unless one contact alone can open.
+    They are restitution, vibration, final, status, and those by number.
+
+    Velocities after have the number of the body, such as "velocity_after.0", totals of
+    contacts that of the contact. Restitution is nan unless one contact alone can open.
 
     Parameters
     ----------
@@ -76,8 +78,9 @@ def family_columns(
 def status_column(refused: Any, final: Any, capped: Any, until: float | None) -> Ints:
     """Place in `STOPPED_BY` of each member, [member].
 
-    It was refused, is final in a run without a given end, or met the cap on events; else it ran to
-    `until`, or to the end of the clock. The first three are arrays of bool.
+    It was refused, is final in a run without a given end, or met the cap on events;
+    else it ran to `until`, or to the end of the clock. The first three are arrays of
+    bool.
     """
     # The first reason that holds counts.
     reasons = {

@@ -1,10 +1,10 @@
 """Proof that the two sides of a contact never meet again, for all methods.
 
-On each side stands a group of bonded bodies, or a wall. As long as nothing touches the group, its
-end moves with the mean velocity of the group, and deviates from that motion by no more than a
-bound: d = integral(strain g dx), g the mass fraction beyond x as seen from that end, is at most
-sqrt(2 U integral(g^2 dx/(E A))), U the vibration energy, which never grows. Methods say what
-their groups do; the proof is the same.
+On each side stands a group of bonded bodies, or a wall. As long as nothing touches the
+group, its end moves with the mean velocity of the group, and deviates from that motion
+by no more than a bound: d = integral(strain g dx), g the mass fraction beyond x as seen
+from that end, is at most sqrt(2 U integral(g^2 dx/(E A))), U the vibration energy,
+which never grows. Methods say what their groups do; the proof is the same.
 """
 
 import math
@@ -25,11 +25,11 @@ def separation_time(
     least_opening : float
         Least velocity at which their ends can part as long as both are free.
     mean_gap : float
-        Gap between the mean motions: the gap, less the deviation of the right end, plus that of
-        the left end.
+        Gap between the mean motions: the gap, less the deviation of the right end, plus
+        that of the left end.
     bound_squared : float
-        Square of the distance that vibration can bridge. The proof itself takes no root, so that
-        it works on fractions.
+        Square of the distance that vibration can bridge. The proof itself takes no
+        root, so that it works on fractions.
     tolerance : float
         Velocity that counts as zero.
     """

@@ -1,4 +1,6 @@
-"""Bodies that are bonded or joined together: which they are, and what their common velocity is.
+"""Bodies that are bonded or joined together.
+
+This finds which they are, and their common velocity.
 
 The page has `body_velocities` and what it calls as JavaScript.
 """
@@ -23,7 +25,9 @@ def unilateral(system: Any) -> list[int]:
 
 
 def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
-    """Velocities of the walls and fixed ends that hold a group, from left to right, m/s.
+    """Velocities of the walls and fixed ends that hold a group, m/s.
+
+    They come from left to right.
 
     `group` has the numbers of its bodies; there are two velocities at most.
     """
@@ -39,10 +43,13 @@ def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
 def velocities_in_group(
     system: Any, group: list[int], inside: list[int], mean: Any
 ) -> list[Any]:
-    """Velocities of the bodies of a group, m/s: that of the wall that holds them, or their mean.
+    """Velocities of the bodies of a group, m/s.
 
-    Between two walls of different velocities a group has its mean velocity: it swings about none.
-    Bodies outside of those `inside`, walls and masses bonded to them, have that of their wall.
+    They are that of the wall that holds them, or their mean.
+
+    Between two walls of different velocities a group has its mean velocity: it swings
+    about none. Bodies outside of those `inside`, walls and masses bonded to them, have
+    that of their wall.
 
     Parameters
     ----------
@@ -78,7 +85,10 @@ def velocities_in_group(
 
 
 def movable(system: System) -> list[int]:
-    """Bodies that can move against the walls: all but the walls and the masses bonded to them."""
+    """Bodies that can move against the walls.
+
+    They are all but the walls and the masses bonded to them.
+    """
     row = build_row(system)
     bodies = []
     for i, mass in enumerate(row.mass_of):
@@ -94,7 +104,9 @@ def without_walls(system: Any, group: list[int]) -> list[int]:
 
 
 def body_velocities(system: Any, means: list[Any]) -> list[Any]:
-    """Velocities of all bodies, m/s: the mean of their group, or that of the wall that holds it.
+    """Velocities of all bodies, m/s.
+
+    Each is the mean of its group, or that of the wall that holds it.
 
     `means` has the mean velocity of each group, m/s.
     """
@@ -106,10 +118,12 @@ def body_velocities(system: Any, means: list[Any]) -> list[Any]:
 
 
 def segments_of_groups(system: Any, spans: Any) -> list[int]:
-    """The first segment of each group of bonded bodies: that of its first body that is no wall.
+    """The first segment of each group of bonded bodies.
 
-    A lone wall has no segment: what is returned for it, the first entry of its span, has no
-    meaning, and its velocity is its own.
+    It is that of its first body that is no wall.
+
+    A lone wall has no segment: what is returned for it, the first entry of its span,
+    has no meaning, and its velocity is its own.
 
     Parameters
     ----------
@@ -136,7 +150,8 @@ def fill_bonds(
 ) -> list[Any]:
     """Return the forces of all contacts, also those between bonded rigid bodies.
 
-    By Newton's law the force on the right of a rigid body is that on its left less m dv/dt.
+    By Newton's law the force on the right of a rigid body is that on its left less m
+    dv/dt.
 
     Parameters
     ----------
@@ -150,8 +165,8 @@ def fill_bonds(
     """
     filled = [*forces]
     is_rigid = [force is None for force in forces]  # a bond of rigid bodies
-    # Forces between a wall on the left and the first rod follow from the right: what pushes a wall
-    # is not known.
+    # Forces between a wall on the left and the first rod follow from the right: what
+    # pushes a wall is not known.
     first = 0
     if isinstance(system.bodies[0], Wall) and False in is_rigid:
         first = is_rigid.index(False)

@@ -1,7 +1,7 @@
 """When kernels run compiled: plain Python goes first, machine code where it pays.
 
-Both run the same source, bit for bit. `worth_compiling` says which, `compiled(kernel)` runs on
-arrays of records. Where there is no numba, everything is plain Python.
+Both run the same source, bit for bit. `worth_compiling` says which, `compiled(kernel)`
+runs on arrays of records. Where there is no numba, everything is plain Python.
 """
 
 import contextlib
@@ -21,7 +21,7 @@ __all__ = ["Kernel", "compiled"]
 STARTING = 0.4  # numba starts
 LOADING = 0.1  # machine code is read from disk
 COMPILING = 3.0
-"""Time in plain Python after which a kernel is compiled, whatever that takes: it is kept."""
+"""Time in plain Python after which a kernel is compiled at any cost: it is kept."""
 LIST_TIME = 5e-8  # a number goes to a list and back
 
 
@@ -41,15 +41,18 @@ class NoCompiler(UserWarning):
 
 
 def enabled() -> bool:
-    """Whether kernels may be compiled: numba is there, and NUMBA_DISABLE_JIT does not say no."""
+    """Whether kernels may be compiled.
+
+    Then numba is there, and NUMBA_DISABLE_JIT does not say no.
+    """
     return _asked_for() and importlib.util.find_spec("numba") is not None
 
 
 def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     """Whether a job shall run compiled.
 
-    The seconds of all jobs of a kernel in this process are added up, until it is worth it; from
-    then on it always is.
+    The seconds of all jobs of a kernel in this process are added up, until it is worth
+    it; from then on it always is.
 
     Parameters
     ----------
@@ -76,7 +79,10 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
 
 @contextlib.contextmanager
 def forced(compiling: bool) -> Iterator[None]:
-    """Context in which everything is compiled (True), or nothing is (False), whatever it costs."""
+    """Context in which everything is compiled (True), or nothing is (False).
+
+    The cost does not matter.
+    """
     global _forced
     before = _forced
     _forced = compiling
@@ -92,9 +98,12 @@ _ready: set[Kernel] = set()  # paid for by this process
 
 
 def _pays(seconds: float, kernel: Kernel) -> bool:
-    """Whether machine code of a kernel costs less than so many seconds, at least in the long run.
+    """Whether machine code of a kernel costs less than so many seconds.
 
-    Who waits for it to be compiled is told; and who waits for plain Python, as nothing can be.
+    In the long run is enough.
+
+    Who waits for it to be compiled is told; and who waits for plain Python, as nothing
+    can be.
     """
     price = LOADING
     if not _ready:  # numba has not started yet
@@ -110,7 +119,10 @@ def _pays(seconds: float, kernel: Kernel) -> bool:
 
 
 def why_not() -> str:
-    """Why nothing is compiled; empty if it can be, which is known once numba has started."""
+    """Why nothing is compiled.
+
+    It is empty if it can be, which is known once numba has started.
+    """
     if not _asked_for():
         return "disabled by NUMBA_DISABLE_JIT"
     return _fault()
@@ -129,7 +141,8 @@ def _fault() -> str:
     try:
         compiling.compiler()
     except Exception as error:
-        # The fault may be numba's, that of what it needs, or a variable with a wrong value.
+        # The fault may be numba's, that of what it needs, or a variable with a wrong
+        # value.
         variables = []
         for name, value in os.environ.items():
             if name.startswith("NUMBA_"):
@@ -143,7 +156,10 @@ def _fault() -> str:
 
 @functools.cache  # once is enough
 def _tell(reason: str) -> None:
-    """Warn why nothing is compiled; without a reason, tell a terminal that compiling takes time."""
+    """Warn why nothing is compiled.
+
+    Without a reason, tell a terminal that compiling takes time.
+    """
     if reason:
         message = f"{reason}; long runs go in plain Python, some fifty times slower"
         warnings.warn(message, NoCompiler, stacklevel=2)
@@ -154,7 +170,8 @@ def _tell(reason: str) -> None:
 
 
 if hasattr(os, "register_at_fork"):
-    import logging  # noqa: F401 - its lock is taken after this one, as numba does: else both wait
+    # Its lock is taken after this one, as numba does: else both wait.
+    import logging  # noqa: F401
 
     # a child that is forked while a thread starts numba or compiles would wait for ever
     os.register_at_fork(

@@ -1,8 +1,11 @@
-"""The link of a row: a contact, a joint, a bond, or the push on an end, as numbers for kernels.
+"""The link of a row, as numbers for kernels.
 
-A link has the numbers of its law, each with one meaning, whatever the method. A contact law states
-in its class which of them it fills, and by which branch of the kernels it acts (`acts_as`). Methods
-append fields of their own to `LINK`: what a link does during a run.
+It is a contact, a joint, a bond, or the push on an end.
+
+A link has the numbers of its law, each with one meaning, whatever the method. A contact
+law states in its class which of them it fills, and by which branch of the kernels it
+acts (`acts_as`). Methods append fields of their own to `LINK`: what a link does during
+a run.
 """
 
 from enum import IntEnum
@@ -16,10 +19,10 @@ from .record_lists import blank, dtype_of
 class Law(IntEnum):
     """What acts in a link.
 
-    The order counts: <= PUSH_RIGHT is no law of an overlap, but a bond or a given force; >= JOINT
-    lets its two neighbours move against each other, so that it has an overlap or a gap; >= RIGID is
-    a contact that can open; >= SPRING is one whose force follows from its overlap; > SPRING is one
-    whose force is not that of a spring.
+    The order counts: <= PUSH_RIGHT is no law of an overlap, but a bond or a given
+    force; >= JOINT lets its two neighbours move against each other, so that it has an
+    overlap or a gap; >= RIGID is a contact that can open; >= SPRING is one whose force
+    follows from its overlap; > SPRING is one whose force is not that of a spring.
     """
 
     BOND = 0
@@ -37,8 +40,8 @@ class Law(IntEnum):
 class Link:
     """Numbers of a link; in a family they are arrays.
 
-    Of what yields, the numbers are those of now: yielding raises the yield force, and goes on along
-    the next line of a table.
+    Of what yields, the numbers are those of now: yielding raises the yield force, and
+    goes on along the next line of a table.
     """
 
     law: int  # kind of law, `Law`: the branch of the kernels
@@ -46,7 +49,8 @@ class Link:
     stretch: float  # s of a joint at t = 0, m
     stiffness: float  # k, N/m; N/m^p for a power
     exponent: float  # p of the force k d^p
-    damping: float  # c of a dashpot (JOINT, SPRING), N s/m; else chi of Hunt and Crossley, s/m
+    # c of a dashpot (JOINT, SPRING), N s/m; else chi of Hunt and Crossley, s/m
+    damping: float
     restitution: float  # e of an impact between rigid bodies
     yield_force: float  # force from which on the contact yields, N
     hardening_share: float  # slope of the force while it yields, over the stiffness
@@ -75,7 +79,10 @@ def link_of(law: int) -> Any:
 
 
 def link_of_contact(law: Any, gap: Any) -> Any:
-    """The link of a contact with this law; `gap` in m. The page has this as JavaScript."""
+    """The link of a contact with this law; `gap` in m.
+
+    The page has this as JavaScript.
+    """
     link = link_of(KINDS[law.law])
     link.gap = gap
     for name in FILLED[law.law]:
@@ -90,8 +97,8 @@ def link_of_contact(law: Any, gap: Any) -> Any:
 def in_steps(links: Any, step: float) -> dict[str, Any]:
     """Fields of links that change where time is counted in steps, by name; `step` in s.
 
-    Velocities stay in m/s, so that lengths d become x = d/step, m/s; forces stay in N. A number c
-    of a force c d^q d' becomes c step^q.
+    Velocities stay in m/s, so that lengths d become x = d/step, m/s; forces stay in N.
+    A number c of a force c d^q d' becomes c step^q.
     """
     return {
         "stiffness": links["stiffness"] * step ** links["exponent"],

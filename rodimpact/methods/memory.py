@@ -1,9 +1,12 @@
-"""How much memory a run may take: checked before it is taken, and refused with the figure.
+"""How much memory a run may take.
 
-What a method takes it counts itself, at its largest: the arrays of its kernel, the record made of
-them, and the copies that results need. The limit is the same on all but small machines, so that a
-search for an accurate step ends at the same step on each. Runs side by side in threads have it too,
-but those that take more than their share of it go one after the other.
+It is checked before it is taken, and refused with the figure.
+
+What a method takes it counts itself, at its largest: the arrays of its kernel, the
+record made of them, and the copies that results need. The limit is the same on all but
+small machines, so that a search for an accurate step ends at the same step on each.
+Runs side by side in threads have it too, but those that take more than their share of
+it go one after the other.
 """
 
 import math
@@ -13,20 +16,23 @@ import threading
 from ..model.frozen import InvalidModel
 
 MAX_BYTES = 2e9
-"""Memory that a run may take: a fixed number, so that searches end alike on all machines."""
+"""Memory that a run may take: a fixed number, so that searches end alike everywhere."""
 SHARE = 1 / 4
-"""Part of the machine's memory that a run may take, where that is less than `MAX_BYTES`."""
+"""Part of the machine's memory for a run, where that is less than `MAX_BYTES`."""
 
 _turn = threading.Lock()  # held by the one thread that takes more than its share
 _thread = threading.local()
-"""Of a thread that `limit_to_share` has limited: its `share`, bytes, and whether it `has_turn`.
+"""What a thread that `limit_to_share` has limited may take.
 
-Other threads have neither.
+It has its `share`, bytes, and whether it `has_turn`. Other threads have neither.
 """
 
 
 def _new_turns() -> None:
-    """Begin turns anew in a forked child, where the thread whose turn it was is missing."""
+    """Begin turns anew in a forked child.
+
+    The thread whose turn it was is missing there.
+    """
     global _turn
     _turn = threading.Lock()
     _thread.has_turn = False
@@ -54,7 +60,9 @@ def max_numbers() -> float:
 
 
 def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
-    """Raise TooLong where so many numbers of 8 bytes are too much; wait if they are a large share.
+    """Raise TooLong where so many numbers of 8 bytes are too much.
+
+    Wait if they are a large share.
 
     A thread that is limited to a share, see `limit_to_share`, waits here for its turn.
 
@@ -74,10 +82,14 @@ def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
     """
     most = max_numbers()
     if numbers > most:
-        size = f"{work} needs {8e-9 * numbers:.3g} GB of memory, more than {8e-9 * most:.3g} GB"
+        size = (
+            f"{work} needs {8e-9 * numbers:.3g} GB of memory, "
+            f"more than {8e-9 * most:.3g} GB"
+        )
         raise TooLong([(field, f"{size}; {remedy}")])
     share = getattr(_thread, "share", math.inf)
-    # A thread that has a share has `has_turn` as well; without a share nothing is more than inf.
+    # A thread that has a share has `has_turn` as well; without a share nothing is more
+    # than inf.
     if 8 * numbers > share and not _thread.has_turn:
         _turn.acquire()
         _thread.has_turn = True
@@ -92,7 +104,7 @@ class LargeFile(MemoryError):
 
 
 def check_file(path: object, size: float, remedy: str) -> None:
-    """Raise LargeFile where a file takes more bytes than half of this machine's memory."""
+    """Raise LargeFile where a file takes over half of this machine's memory."""
     if size > installed() / 2:
         taken = f"takes up to {size / 1e9:.3g} GB of memory, more than half of the"
         raise LargeFile(str(path), f"{taken} {installed() / 1e9:.3g} GB here; {remedy}")
@@ -101,15 +113,19 @@ def check_file(path: object, size: float, remedy: str) -> None:
 def limit_to_share(threads: int) -> None:
     """Limit this thread to its part of what all `threads` may take together.
 
-    A thread that needs more waits in `require_memory` until no other thread takes more; its turn
-    lasts until `give_back`. All together take half of the machine's memory at most.
+    A thread that needs more waits in `require_memory` until no other thread takes more;
+    its turn lasts until `give_back`. All together take half of the machine's memory at
+    most.
     """
     _thread.share = SHARE * installed() / threads
     _thread.has_turn = False
 
 
 def give_back() -> None:
-    """End the turn of this thread, if it has it: another may take more than its share."""
+    """End the turn of this thread, if it has it.
+
+    Then another may take more than its share.
+    """
     if getattr(_thread, "has_turn", False):
         _thread.has_turn = False
         _turn.release()

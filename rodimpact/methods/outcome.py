@@ -1,7 +1,9 @@
-"""The numbers of which an outcome is made: motion before and after, works, and what is missing.
+"""The numbers of which an outcome is made.
 
-Each method hands over these records, or they are read off its fields; `results.outcome` makes the
-`Outcome` of them. The page uses `Motion` in JavaScript.
+They are motion before and after, works, and what is missing.
+
+Each method hands over these records, or they are read off its fields; `results.outcome`
+makes the `Outcome` of them. The page uses `Motion` in JavaScript.
 """
 
 from collections.abc import Sequence
@@ -14,7 +16,8 @@ class Motion(NamedTuple):
     Attributes
     ----------
     velocities : [body] sequence of float
-        Velocities of the centres of mass, m/s; that of its group for a body bonded to others.
+        Velocities of the centres of mass, m/s; that of its group for a body bonded to
+        others.
     vibration : [body] sequence of float
         Energy of the motion relative to these velocities, and of strain, J.
     kinetic : float
@@ -27,7 +30,10 @@ class Motion(NamedTuple):
 
 
 class Works(NamedTuple):
-    """Works and losses over a run, and what contacts store, J, as an `Outcome` names them."""
+    """Works and losses over a run, and what contacts store, J.
+
+    `Outcome` has the same names.
+    """
 
     wall_work: float = 0.0
     drive_work: float = 0.0
@@ -64,7 +70,10 @@ class Totals(NamedTuple):
 
 
 def relative_residual(missing: float, scale: float) -> float:
-    """What is missing in a balance over what took part in it, `scale`; 0 where nothing did."""
+    """What is missing in a balance over what took part in it, `scale`.
+
+    It is 0 where nothing did.
+    """
     if scale > 0:
         return missing / scale
     return 0.0

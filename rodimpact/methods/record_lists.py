@@ -1,8 +1,10 @@
-"""Lists of records: what kernels work on, as structured arrays or as lists of small objects.
+"""Lists of records, on which kernels work.
 
-A record class names its fields with their types. In machine code a list of records is a structured
-array, in plain Python a list of objects with the same fields: attributes of an object are read
-faster than fields of an array's element.
+They are structured arrays or lists of small objects.
+
+A record class names its fields with their types. In machine code a list of records is a
+structured array, in plain Python a list of objects with the same fields: attributes of
+an object are read faster than fields of an array's element.
 """
 
 import dataclasses
@@ -19,10 +21,12 @@ GROWTH_OF_ARRAYS = 4  # what an array has room for takes no memory until it is s
 
 
 def dtype_of(record: type) -> np.dtype[Any]:
-    """Return the structured type of a record class: a field for each annotated name, in order.
+    """Return the structured type of a record class.
 
-    What a field is in an array stands in its annotation: ``tick: int``, or where that differs from
-    what it is in plain Python, ``line: Annotated[int, "i4"]``.
+    It has a field for each annotated name, in order.
+
+    What a field is in an array stands in its annotation: ``tick: int``, or where that
+    differs from what it is in plain Python, ``line: Annotated[int, "i4"]``.
     """
     fields = []
     for name, hint in typing.get_type_hints(record, include_extras=True).items():
@@ -47,18 +51,25 @@ def _object_class(record: Any) -> Any:
 
 
 def blank(count: int, record: Any) -> list[Any]:
-    """Return objects with the fields of a record, numbers and lists of numbers, all 0."""
+    """Return objects with the fields of a record, all 0.
+
+    Fields are numbers and lists of numbers.
+    """
     make = _object_class(record)
     return [make() for _ in range(count)]
 
 
 def as_objects(records: Any) -> list[Any]:
-    """Return an array as a list, for plain Python: of numbers, or of small objects for records."""
+    """Return an array as a list, for plain Python.
+
+    It has numbers, or small objects for records.
+    """
     record = records.dtype
     if record.names is None:
         return records.tolist()  # type: ignore[no-any-return]
     make = _object_class(record)
-    # Fields that are arrays become lists of their own; without any, whole records are faster.
+    # Fields that are arrays become lists of their own; without any, whole records are
+    # faster.
     if any(record[name].subdtype for name in record.names):
         columns = [records[name].tolist() for name in record.names]
         return list(map(make, *columns))
@@ -75,7 +86,10 @@ def as_records(objects: list[Any], record: Any) -> Any:
 
 
 def lengthened(records: Any, record: Any) -> Any:
-    """Return records with room for more behind them: blank objects, or records not set yet."""
+    """Return records with room for more behind them.
+
+    There are blank objects, or records not set yet.
+    """
     if isinstance(records, list):
         return records + blank((GROWTH_OF_LISTS - 1) * len(records), record)
     longer = np.empty(GROWTH_OF_ARRAYS * len(records), record)

@@ -1,4 +1,7 @@
-"""The methods, the physics that each lacks, and what a run is asked for, checked in one place."""
+"""The methods, the physics that each lacks, and the options of a run.
+
+Options are checked in one place.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +53,8 @@ class Method(NamedTuple):
     members_per_call : function
         How many of a row's members; 0 where each member is to be run alone.
     also : tuple of str
-        Further columns that `family` finds if asked. All others are read member by member.
+        Further columns that `family` finds if asked. All others are read member by
+        member.
     """
 
     lacks: Sequence[str]
@@ -86,7 +90,10 @@ METHODS = {
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve
     ),
 }
-"""In the order in which ``"auto"`` tries them: the fastest first; the last can do anything."""
+"""Methods in the order in which ``"auto"`` tries them.
+
+The fastest is first; the last can do anything.
+"""
 
 LARGEST_COUNT = 10**15
 METHOD_NAMES = ("auto", *METHODS)
@@ -137,9 +144,12 @@ class Options(FrozenDataclass):
     snapshots: int | ArrayLike | None = None
 
     def _check(self, problems: Problems) -> None:
-        """Check all options, and note what is wrong; counts and times are set as plain numbers.
+        """Check all options, and note what is wrong.
 
-        `rtol` must be 1 or less, and excludes `dt` and `cells`. An unknown method is refused.
+        Counts and times are set as plain numbers.
+
+        `rtol` must be 1 or less, and excludes `dt` and `cells`. An unknown method is
+        refused.
         """
         self._set(max_events=count(problems, "max_events", self.max_events))
         if self.cells is not None:
@@ -161,8 +171,8 @@ class Options(FrozenDataclass):
     def method_for(self, system: Any) -> str:
         """Return the name of the method that is to run.
 
-        It is the one that was given; for ``"auto"`` the fastest that has all physics of the system,
-        and that takes `rtol` if it is given.
+        It is the one that was given; for ``"auto"`` the fastest that has all physics of
+        the system, and that takes `rtol` if it is given.
 
         Parameters
         ----------
@@ -172,8 +182,8 @@ class Options(FrozenDataclass):
         Raises
         ------
         InvalidModel
-            If `system` is no System, the method lacks something that the system has, an option is
-            for another method, or `until` is missing.
+            If `system` is no System, the method lacks something that the system has, an
+            option is for another method, or `until` is missing.
         """
         of_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)
@@ -194,13 +204,13 @@ class Options(FrozenDataclass):
         if self.until is None and abilities.has_external_drive(system):
             raise invalid_argument(
                 "until",
-                "must be given: where gravity, drives, soil or drag act, there is no last "
-                "contact to wait for",
+                "must be given: where gravity, drives, soil or drag act, there is no "
+                "last contact to wait for",
             )
         return method
 
     def _check_options_of(self, method: str) -> None:
-        """Raise InvalidModel if an option is given that only other methods than this one take."""
+        """Raise InvalidModel for an option that only other methods take."""
         used = f'"{method}"'
         if self.method == "auto":
             used += ', which "auto" takes'
@@ -227,8 +237,8 @@ class Options(FrozenDataclass):
         Raises
         ------
         InvalidModel
-            If the method does not exist or lacks something that the system has, or the system is
-            a family.
+            If the method does not exist or lacks something that the system has, or the
+            system is a family.
         """
         one_of("method", method, tuple(METHODS))
         of_kind("system", system, System, "System([rod, Wall()])")
@@ -243,9 +253,12 @@ class Options(FrozenDataclass):
         return self._run_checked(method, system, report)
 
     def _run_checked(self, method: str, system: System, report: Report) -> Run:
-        """Run a single collision, as `run`, by a method that is known to have its physics.
+        """Run a single collision, as `run`.
 
-        If single entries kept ``"auto"`` from a faster method, the status also says which.
+        The method is known to have its physics.
+
+        If single entries kept ``"auto"`` from a faster method, the status also says
+        which.
         """
         # Options that only this method, or some methods, take
         own_options = {name: getattr(self, name) for name in METHODS[method].takes}
@@ -270,7 +283,9 @@ class Options(FrozenDataclass):
         return next(name for name in capable if "rtol" in METHODS[name].takes)
 
     def _why(self, method: str, system: System) -> str:
-        """Sentence on what keeps a system from a faster method, if single entries do, else "".
+        """Sentence on what keeps a system from a faster method.
+
+        It is "" if that is not single entries.
 
         Single entries switch on one of `abilities.SINGLE`.
         """
@@ -286,8 +301,8 @@ class Options(FrozenDataclass):
         if len(missing) > 1:
             more = f" and {len(missing) - 1} more"
         return (
-            f'Solved by the slower method "{method}" because of {path}{more}: the method '
-            f'"{faster}" has no {physics}.'
+            f'Solved by the slower method "{method}" because of {path}{more}: '
+            f'the method "{faster}" has no {physics}.'
         )
 
 
@@ -304,7 +319,10 @@ def _takers(option: str) -> str:
 
 
 def count(problems: Problems, name: str, value: Any) -> int:
-    """Return an option as a positive whole number; if it is none, note a problem and return 0."""
+    """Return an option as a positive whole number.
+
+    If it is none, note a problem and return 0.
+    """
     counted = 0
     if is_integer(value):
         counted = int(value)

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 PARTING_RTOL = 2.0**-40
-"""Parting velocity, over closing velocity, up to which bodies count as staying together.
+"""Parting velocity over closing velocity up to which bodies stay together.
 
-It is 256 times the tolerance of a front, and a fifth of the least ratio of two transit times
-that a clock holds, so of the least e of a pair.
+It is 256 times the tolerance of a front, and a fifth of the least ratio of two transit
+times that a clock holds, so of the least e of a pair.
 """
 
 
@@ -78,10 +78,13 @@ def no_restitution(
 def effective_restitution(
     final: Any, episodes: Any, before: Sequence[Any], after: Sequence[Any]
 ) -> Any:
-    """e = (V2+ - V1+)/(V1- - V2-) of one contact, nan where there is none; arrays broadcast.
+    """e = (V2+ - V1+)/(V1- - V2-) of one contact; arrays broadcast.
 
-    After their last contact bodies do not approach each other: where they seem to, or part by no
-    more than round-off, as when a bar without end is pushed for ever, they stay together: e is 0.
+    It is nan where there is none.
+
+    After their last contact bodies do not approach each other: where they seem to, or
+    part by no more than round-off, as when a bar without end is pushed for ever, they
+    stay together: e is 0.
 
     Parameters
     ----------

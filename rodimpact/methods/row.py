@@ -1,9 +1,9 @@
 """A system as a row of segments, rigid masses and links, in flat lists.
 
-Every method starts from a `Row`, which `row_builder.build_row` makes. Segments are counted 1 to n
-from left to right; 0 and n + 1 are what lies outside. Node k joins the segments k and k + 1:
-rigid masses may stand there, and links join what stands beside each other. Numbers are those of
-the system, in SI: floats, or for a family arrays.
+Every method starts from a `Row`, which `row_builder.build_row` makes. Segments are
+counted 1 to n from left to right; 0 and n + 1 are what lies outside. Node k joins the
+segments k and k + 1: rigid masses may stand there, and links join what stands beside
+each other. Numbers are those of the system, in SI: floats, or for a family arrays.
 """
 
 from __future__ import annotations
@@ -36,21 +36,21 @@ class Row:
     paths : list of str
         By segment, what the user calls it; "" for 0.
     spans : list of (int, int)
-        First and last segment of each body, counted from 1; (1, 0), without segments, for a wall or
-        a rigid mass.
+        First and last segment of each body, counted from 1; (1, 0), without segments,
+        for a wall or a rigid mass.
     first : list of int
         Masses left of each node; the links of node k begin at k + first[k].
     masses, mass_velocity : list of float
         Bodies bonded together are one mass, kg and m/s.
     mass_of : list of int
-        Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
-        a wall.
+        Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1
+        for a rod or a wall.
     links : list of link.Link
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
     boundaries : list of (str, value)
-        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``; the value of
-        the last is the strain of the wave that comes in.
+        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``; the
+        value of the last is the strain of the wave that comes in.
     """
 
     system: Any
@@ -71,12 +71,15 @@ class Row:
         return math.prod(self.system.shape)
 
     def of(self, value: Any) -> Array:
-        """`value`, a number or an array, as a number for each member, [member] in C order."""
+        """`value` as a number for each member, [member] in C order.
+
+        It is a number or an array.
+        """
         return np.array(np.broadcast_to(value, self.system.shape), dtype=float).ravel()
 
     @cached_property
     def frame(self) -> Any:
-        """Velocity of the frame in which methods other than fronts count velocities, m/s."""
+        """Velocity of the frame in which methods other than fronts count, m/s."""
         return float_or_array(np.asarray(frame_of(self)))
 
     @cached_property
@@ -104,7 +107,10 @@ class Row:
 
     @cached_property
     def by_law(self) -> dict[int, int]:
-        """Link of each contact that is not bonded, by contact: its force follows from a law."""
+        """Link of each contact that is not bonded, by contact.
+
+        Its force follows from a law.
+        """
         links = {k: i for k, i in enumerate(self.contact_link) if i >= 0}
         # Bonds come first among the laws.
         return {k: i for k, i in links.items() if self.links[i].law > Law.BOND}
@@ -116,9 +122,12 @@ class Row:
         return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 
     def boundary_name(self, side: int) -> str:
-        """What acts on the left (0) or right (1) end: ``"wall"``, ``"absorbing"`` or ``"drive"``.
+        """What acts on the left (0) or right (1) end.
 
-        This is the `kind` of its `BoundaryAction`. A free end has none: do not ask for its name.
+        It is ``"wall"``, ``"absorbing"`` or ``"drive"``.
+
+        This is the `kind` of its `BoundaryAction`. A free end has none: do not ask for
+        its name.
         """
         # The index -side is 0 for the first body and -1 for the last.
         if isinstance(self.system.bodies[-side], Wall):
@@ -131,7 +140,7 @@ class Row:
 def squeezed(seconds: float) -> InvalidModel:
     """The error to raise where walls squeeze a rigid mass at this time."""
     message = (
-        f"two walls squeeze a rigid mass at {seconds:.6g} s; give one of its contacts a compliant "
-        "law"
+        f"two walls squeeze a rigid mass at {seconds:.6g} s; give one of its contacts "
+        "a compliant law"
     )
     return InvalidModel([("contacts", message)])

@@ -1,6 +1,7 @@
 """The one walk through a system, from left to right, which makes a `Row`.
 
-The page has this as JavaScript, where a system is a table of tables with the same names.
+The page has this as JavaScript, where a system is a table of tables with the same
+names.
 """
 
 import copyreg
@@ -17,7 +18,7 @@ BOUNDARIES = {
     "absorbing": "absorbing",
     "incoming": "absorbing",
 }
-"""What acts on an end of the row, as `Row.boundaries` names it, by the kind of the end."""
+"""Names in `Row.boundaries` of what acts on an end, by the kind of the end."""
 DRIVEN = ["moved", "pushed", "incoming"]
 """Kinds of ends that have a value."""
 
@@ -25,13 +26,14 @@ DRIVEN = ["moved", "pushed", "incoming"]
 def build_row(system: Any) -> Row:
     """Make the `Row` of a system, walking through it from left to right.
 
-    Each block of rigid bodies becomes a mass or a wall, each rod its segments; links are those of
-    contacts, of segments of a rod, and of the ends. Bodies bonded to a wall get the number of the
-    wall in `mass_of`.
+    Each block of rigid bodies becomes a mass or a wall, each rod its segments; links
+    are those of contacts, of segments of a rod, and of the ends. Bodies bonded to a
+    wall get the number of the wall in `mass_of`.
     """
     bodies = system.bodies
     nothing = ("none", 0.0)
-    # Lists are empty at first; segments are counted from 1, and no mass is left of node 0.
+    # Lists are empty at first; segments are counted from 1, and no mass is left of node
+    # 0.
     row = Row(system, [], [""], [], [0], [], [], [], [], [], [nothing, nothing])
     rods = [body.kind == "rod" for body in bodies]
     for block in rigid_blocks(system):
@@ -51,7 +53,8 @@ def build_row(system: Any) -> Row:
         add_end(row, 1, system.ends[1])
     row.first.append(len(row.masses))
     for i, body in enumerate(bodies):
-        # Numbers behind those of the masses stand for the left wall, and then for the right one.
+        # Numbers behind those of the masses stand for the left wall, and then for the
+        # right one.
         if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
             row.mass_of[i] = len(row.masses)
             if any(rods[:i]):  # the right wall
@@ -63,7 +66,10 @@ copyreg.pickle(Row, lambda row: (build_row, (row.system,)))
 
 
 def rigid_blocks(system: Any) -> list[list[int]]:
-    """Bodies from left to right; rigid bodies that are bonded together are one block."""
+    """Bodies from left to right.
+
+    Rigid bodies that are bonded together are one block.
+    """
     bodies = system.bodies
     cuts = []
     for k, law in enumerate(system.contacts):
@@ -73,7 +79,9 @@ def rigid_blocks(system: Any) -> list[list[int]]:
 
 
 def split_at(cuts: list[bool]) -> list[list[int]]:
-    """Split the bodies into blocks from left to right; a block is a list of their numbers.
+    """Split the bodies into blocks from left to right.
+
+    A block is a list of their numbers.
 
     `cuts[k]` says whether to cut between the bodies k and k + 1.
     """
@@ -86,10 +94,13 @@ def split_at(cuts: list[bool]) -> list[list[int]]:
 
 
 def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
-    """Add a block of rigid bodies to a row: one mass, or the outside if there is a wall in it.
+    """Add a block of rigid bodies to a row.
 
-    `block` has the numbers of its bodies. Their common velocity is momentum over mass. A wall
-    becomes the boundary on its side, and the masses bonded to it are no masses of the row.
+    It is one mass, or the outside if there is a wall in it.
+
+    `block` has the numbers of its bodies. Their common velocity is momentum over mass.
+    A wall becomes the boundary on its side, and the masses bonded to it are no masses
+    of the row.
     """
     # Contacts inside the block are no links, and its bodies have no segments.
     row.contact_link.extend([-1 for _ in block[1:]])
@@ -142,8 +153,8 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
 def add_end(row: Row, side: int, end: Any) -> None:
     """Add the link at the left (side 0) or right (1) end of a row, and what acts there.
 
-    The link of a free or pushed end is a push, that of another end a bond. Ends without a value
-    have 0.
+    The link of a free or pushed end is a push, that of another end a bond. Ends without
+    a value have 0.
     """
     kind = BOUNDARIES[end.kind]
     value = 0.0

@@ -1,7 +1,7 @@
 """What every method hands back of a collision: a `Run`, in plain numbers and arrays.
 
-Totals are known when the run ends; signals are made when they are asked for, so that who wants the
-outcome alone does not wait for them.
+Totals are known when the run ends; signals are made when they are asked for, so that
+who wants the outcome alone does not wait for them.
 """
 
 from __future__ import annotations
@@ -23,20 +23,28 @@ MAX_EVENTS = 5_000_000
 """Arrivals at ends after which a run gives up where nothing else is asked for."""
 MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
 VELOCITY, IMPULSE, PEAK_FORCE, DURATION, TIME = MEASURES
-"""What can have a stated error; times are those at which forces begin and end, and gaps open."""
+"""What can have a stated error.
+
+Times are those at which forces begin and end, and gaps open.
+"""
 STOPPED_BY = ("final", "max_events", "clock", "refused", "until")
 """Why a member stopped; where it cannot be solved it is refused."""
 
 READ = ("dissipated", "set", "largest_stress", "displacement")
 ALSO = (*READ, "accuracy")
-"""What is found of a member only if it is asked for, as that takes longer: the energy lost in
-contacts, J; how far each yielding contact has yielded for good, m; the largest absolute stress in
-each rod, Pa; how far the centre of mass of each body has moved at the end of the run, m; and the
-largest stated relative error of velocities, impulses and peak forces."""
+"""What is found of a member only if it is asked for, as that takes longer.
+
+It is the energy lost in contacts, J; how far each yielding contact has yielded for
+good, m; the largest absolute stress in each rod, Pa; how far the centre of mass of each
+body has moved at the end of the run, m; and the largest stated relative error of
+velocities, impulses and peak forces.
+"""
 
 
 def largest_error(accuracy: Mapping[str, float]) -> float:
-    """Largest stated error of velocities, impulses and peak forces; 0 if none is stated.
+    """Largest stated error of velocities, impulses and peak forces.
+
+    It is 0 if none is stated.
 
     Those of durations and times do not count, as they may hang on faint forces.
     """
@@ -78,8 +86,8 @@ class Episode(NamedTuple):
 def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
     """Episodes with force, from the changes of a contact in order of time.
 
-    At each of the `ticks` the contact takes on a `Status`: PRESS, GRAZE or OPEN. `tick` is the
-    duration of a tick, s.
+    At each of the `ticks` the contact takes on a `Status`: PRESS, GRAZE or OPEN. `tick`
+    is the duration of a tick, s.
     """
     episodes: list[Episode] = []
     start = math.nan  # nan while no episode is under way
@@ -105,8 +113,8 @@ def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
 class ContactTally(NamedTuple):
     """Totals of one contact.
 
-    A bonded contact or a joint has an impulse and a peak force. The other totals belong to
-    contacts that can open.
+    A bonded contact or a joint has an impulse and a peak force. The other totals belong
+    to contacts that can open.
 
     Attributes
     ----------
@@ -115,9 +123,10 @@ class ContactTally(NamedTuple):
     peak_force : float
         N.
     duration : float
-        Force duration, s: total time with force. By fronts, forces that give velocities below
-        2^-48 of the largest difference count as zero: a force that decays for ever ends there, and
-        `Solution.accuracy` states the error of durations and times.
+        Force duration, s: total time with force. By fronts, forces that give velocities
+        below 2^-48 of the largest difference count as zero: a force that decays for
+        ever ends there, and `Solution.accuracy` states the error of durations and
+        times.
     first, last : float
         When the force first begins and last ends, s; nan if there was none.
     episodes : int
@@ -153,7 +162,8 @@ class ContactSignal(NamedTuple):
     gap : Pieces
         m; minus the overlap.
     closing : Pieces
-        Velocity of the left body's face minus that of the right one, m/s: the power of the force.
+        Velocity of the left body's face minus that of the right one, m/s: the power of
+        the force.
     episodes : tuple of Episode
     """
 
@@ -173,8 +183,8 @@ class BoundaryAction(NamedTuple):
     push : Pieces
         Force on the row, N: to the right at the left end, to the left at the right end.
     speed : Pieces
-        Velocity of the point on which it acts, m/s, to the right. The power is push times speed,
-        with the sign of `INWARD`.
+        Velocity of the point on which it acts, m/s, to the right. The power is push
+        times speed, with the sign of `INWARD`.
     """
 
     kind: str
@@ -183,7 +193,7 @@ class BoundaryAction(NamedTuple):
 
 
 INWARD = (1, -1)
-"""Direction in which a positive push acts on the left and on the right end of the row."""
+"""Direction in which a positive push acts on the left and right end of the row."""
 
 
 class ShaftAction(NamedTuple):
@@ -202,7 +212,9 @@ class ShaftAction(NamedTuple):
 
 
 class Waves(NamedTuple):
-    """End signals by line: what left the left (2s) and the right end (2s + 1) of segment s, m/s.
+    """End signals by line, m/s.
+
+    They are what left the left (2s) and the right end (2s + 1) of segment s.
 
     In the frame of the clock; None where there is none.
     """
@@ -245,9 +257,11 @@ class Coarser(NamedTuple):
     Attributes
     ----------
     share : float
-        Error of a field on the finer mesh over its difference from that on this one, at most.
+        Error of a field on the finer mesh over its difference from that on this one, at
+        most.
     steep : bool
-        Whether waves jump and stay steep, so that no mesh has the velocity and the stress there.
+        Whether waves jump and stay steep, so that no mesh has the velocity and the
+        stress there.
     make_run : function
         Makes the `Run`.
     """
@@ -270,8 +284,8 @@ class Run:
     end : int
         Last tick.
     t_end, t_final, t_proved : float
-        s; until when it ran; when the last contact ended, see `status.last_contact`; and when the
-        run proved that no contact can happen again, nan without proof.
+        s; until when it ran; when the last contact ended, see `status.last_contact`;
+        and when the run proved that no contact can happen again, nan without proof.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     status : str
@@ -282,10 +296,11 @@ class Run:
     totals : Totals or None
         None where they are to be read off the fields.
     motion : (Motion, Motion) or None
-        Motion before and after, where the kernel adds it up; of that before only velocities.
+        Motion before and after, where the kernel adds it up; of that before only
+        velocities.
     accuracy : dict of str to float
-        Stated error of those of `MEASURES` that the method knows, relative to the largest value of
-        each, where the method is not exact.
+        Stated error of those of `MEASURES` that the method knows, relative to the
+        largest value of each, where the method is not exact.
     coarser : tuple of Coarser
         None where a single mesh was asked for, in a file, or where the method has none.
     make_signals : function
@@ -322,7 +337,8 @@ class Run:
     def signals(self) -> Signals:
         """All signals of the run, made when they are first asked for."""
         signals = self.make_signals()
-        # From now on the same signals are handed out, so the records behind them may go.
+        # From now on the same signals are handed out, so the records behind them may
+        # go.
         object.__setattr__(self, "make_signals", signals._replace)
         return signals
 

@@ -1,7 +1,9 @@
-"""Scales of a row: the frame and the scale in which methods count velocities, and their bounds.
+"""Scales of a row.
 
-In a family numbers are arrays, so nothing here is decided by one of them. The page has the
-functions without numpy's errors as JavaScript.
+They are the frame and the scale in which methods count velocities, and their bounds.
+
+In a family numbers are arrays, so nothing here is decided by one of them. The page has
+the functions without numpy's errors as JavaScript.
 """
 
 import sys
@@ -17,11 +19,14 @@ SMALLEST_FLOAT = sys.float_info.min
 LARGEST_FLOAT = sys.float_info.max
 SUM_MARGIN = 2.0**60  # distance from both, for sums over steps and cells
 LARGEST_STIFFNESS = 2.0**80
-"""Stiffness of a contact, times transit time over impedance, beyond which it is rigid."""
+"""Contact stiffness, times transit time over impedance, beyond which it is rigid."""
 
 
 def largest(values: Any) -> Any:
-    """Largest of some numbers; for each member, if any of them is an array of a family."""
+    """Largest of some numbers.
+
+    There is one for each member, if any is an array of a family.
+    """
     result = values[0]
     for value in values[1:]:
         if isinstance(value, float) and isinstance(result, float):
@@ -32,12 +37,18 @@ def largest(values: Any) -> Any:
 
 
 def smallest(values: Any) -> Any:
-    """Smallest of some numbers; for each member, if any of them is an array of a family."""
+    """Smallest of some numbers.
+
+    There is one for each member, if any is an array of a family.
+    """
     return -largest([-value for value in values])
 
 
 def velocities_of(row: Any) -> list[Any]:
-    """Velocities of all that moves at t = 0 or is moved, m/s: extremes, where they vary."""
+    """Velocities of all that moves at t = 0 or is moved, m/s.
+
+    Where they vary these are extremes.
+    """
     velocities = [*row.mass_velocity]
     for body in row.system.bodies:
         if body.kind != "mass":
@@ -49,7 +60,10 @@ def velocities_of(row: Any) -> list[Any]:
 
 
 def frame_of(row: Any) -> Any:
-    """Velocity of the frame, m/s: the mean of the walls, else the middle of all velocities."""
+    """Velocity of the frame, m/s.
+
+    It is the mean of the walls, else the middle of all velocities.
+    """
     walls = [body.velocity for body in row.system.bodies if body.kind == "wall"]
     if len(walls) == 0:
         velocities = velocities_of(row)
@@ -59,9 +73,12 @@ def frame_of(row: Any) -> Any:
 
 
 def wave_of_strain(row: Any, side: int) -> Any:
-    """Wave, m/s, over strain of a wave that comes in through the left (0) or right (1) end.
+    """Wave, m/s, over strain of a wave that comes in through an end.
 
-    A wave alone has v = -c strain to the right and c strain to the left, and the wave is 2 v.
+    The end is the left (0) or the right one (1).
+
+    A wave alone has v = -c strain to the right and c strain to the left, and the wave
+    is 2 v.
     """
     first_or_last = side * (len(row.segments) - 1)
     end_segment = row.segments[first_or_last]
@@ -80,8 +97,8 @@ def least_impedance(row: Any) -> Any:
 def scale_of(row: Any) -> Any:
     """Scale of velocities of a row with rods, m/s.
 
-    It is the spread of the velocities, plus the velocities that the largest strain, the largest
-    force and gravity in the longest transit time make.
+    It is the spread of the velocities, plus the velocities that the largest strain, the
+    largest force and gravity in the longest transit time make.
     """
     strained = [0.0]  # wave speed times strain, m/s
     for body in row.system.bodies:
@@ -113,7 +130,9 @@ def scale_of(row: Any) -> Any:
 
 
 def scale_without_rods(row: Any, time: Any) -> Any:
-    """Scale of velocities of a row of masses, m/s: what they have, and what forces give in a time.
+    """Scale of velocities of a row of masses, m/s.
+
+    It has what they have, and what forces give in a time.
 
     Parameters
     ----------
@@ -138,8 +157,8 @@ def scale_without_rods(row: Any, time: Any) -> Any:
             extension = np.maximum(-np.asarray(link.gap), 0.0)
         else:
             continue
-        # The energy k d^(p + 1)/(p + 1) that the link stores at t = 0 moves a mass. The factor
-        # 2/(p + 1) of m v^2 does not matter for a scale.
+        # The energy k d^(p + 1)/(p + 1) that the link stores at t = 0 moves a mass. The
+        # factor 2/(p + 1) of m v^2 does not matter for a scale.
         stored = link.stiffness * extension ** (link.exponent + 1)
         scale = scale + np.sqrt(stored / least_mass)
     return scale
@@ -149,10 +168,12 @@ def scale_without_rods(row: Any, time: Any) -> Any:
 
 
 def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
-    """Possible problems: energies or forces overflow or vanish, or a contact is as good as rigid.
+    """Possible problems with the numbers of a row.
 
-    A contact that is too stiff for its law to matter beside these rods loses its indentation in
-    round-off. What is nan, as it comes of an overflow, counts as beyond.
+    Energies or forces overflow or vanish, or a contact is as good as rigid.
+
+    A contact that is too stiff for its law to matter beside these rods loses its
+    indentation in round-off. What is nan, as it comes of an overflow, counts as beyond.
 
     Returns
     -------
@@ -179,14 +200,15 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
             np.maximum(energy, force_squared), LARGEST_FLOAT / SUM_MARGIN
         )
         message = (
-            f"velocities and strains of {np.max(scale):.6g} m/s make energies or forces "
-            "that overflow or vanish; use smaller or larger ones"
+            f"velocities and strains of {np.max(scale):.6g} m/s make energies or "
+            "forces that overflow or vanish; use smaller or larger ones"
         )
         is_beyond = np.not_equal(scale, 0) & ~(is_above & is_below)
         beyond = [(is_beyond, "bodies", message)]
         for k, i in row.by_law.items():  # contact k is link i
             link = row.links[i]
-            # Slope of the force k d^p at d = scale times transit, times transit over impedance
+            # Slope of the force k d^p at d = scale times transit, times transit over
+            # impedance
             stiffness = (
                 link.stiffness
                 * (transit / least_impedance(row))
@@ -204,7 +226,9 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
 
 
 def check_scales(row: Any) -> None:
-    """Raise InvalidModel where numbers overflow or vanish, or a contact is as good as rigid.
+    """Raise InvalidModel where numbers of a row are out of bounds.
+
+    They overflow or vanish, or a contact is as good as rigid.
 
     If numbers overflow or vanish, contacts are not judged.
     """

@@ -1,8 +1,9 @@
 """A signal made of pieces that are polynomials of time, with everything in closed form.
 
-Waves that leave an end, forces, gaps and velocities of masses are such signals: value, one-sided
-limits, integral, and the integral of a product of two need no time step. Pieces of degree 0 make
-what jumps at fronts. Times here are ticks; whoever holds the signal knows how long a tick is.
+Waves that leave an end, forces, gaps and velocities of masses are such signals: value,
+one-sided limits, integral, and the integral of a product of two need no time step.
+Pieces of degree 0 make what jumps at fronts. Times here are ticks; whoever holds the
+signal knows how long a tick is.
 """
 
 from __future__ import annotations
@@ -24,9 +25,10 @@ ROUND_OFF = 1e-12  # error of values over the largest one, where a signal hardly
 class Pieces:
     """Piecewise polynomial function of time.
 
-    Piece i lasts from ticks[i] to ticks[i + 1], the last one to `end`. It is a sum of Chebyshev
-    polynomials of the piece's own variable y, which runs from -1 at its start to 1 at its stop.
-    Before the first piece its start value holds, after the last piece its end value.
+    Piece i lasts from ticks[i] to ticks[i + 1], the last one to `end`. It is a sum of
+    Chebyshev polynomials of the piece's own variable y, which runs from -1 at its start
+    to 1 at its stop. Before the first piece its start value holds, after the last piece
+    its end value.
 
     Parameters
     ----------
@@ -53,7 +55,10 @@ class Pieces:
     def __init__(
         self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None
     ) -> None:
-        """Keep the arguments as arrays; values of constant pieces become a column, [n, 1]."""
+        """Keep the arguments as arrays.
+
+        Values of constant pieces become a column, [n, 1].
+        """
         self.ticks: Ints = np.asarray(ticks, dtype=np.int64)
         columns: Floats = np.asarray(coefficients, dtype=np.float64)
         if columns.ndim == 1:
@@ -66,14 +71,20 @@ class Pieces:
 
     @classmethod
     def lines(cls, ticks: ArrayLike, starts: Floats, stops: Floats, end: int) -> Pieces:
-        """Straight lines from `starts` to `stops`, both [n]; other arguments as above."""
+        """Straight lines from `starts` to `stops`, both [n].
+
+        Other arguments are as above.
+        """
         means = (starts + stops) / 2
         half_rises = (stops - starts) / 2
         return cls(ticks, np.stack((means, half_rises), axis=1), end)
 
     @classmethod
     def through(cls, ticks: ArrayLike, values: Floats) -> Pieces:
-        """Straight lines through values, [n + 1], at so many ticks; a constant through one."""
+        """Straight lines through values, [n + 1], at so many ticks.
+
+        Through one value it is a constant.
+        """
         ticks = np.asarray(ticks)
         if len(values) == 1:
             return cls(ticks, values)
@@ -86,7 +97,10 @@ class Pieces:
 
     @cached_property
     def breaks(self) -> Ints:
-        """Ticks at which the polynomial changes, the end included; constants have no end."""
+        """Ticks at which the polynomial changes.
+
+        The end is included; constants have no end.
+        """
         if self.size == 1:
             return self.ticks
         return each_once(self.ticks, [self.end])
@@ -127,9 +141,12 @@ class Pieces:
 
     @cached_property
     def marks(self) -> Ints:
-        """Ticks between which straight lines follow the signal to `LINE_RTOL` of its range.
+        """Ticks between which straight lines follow the signal.
 
-        Just before each jump stands one of them. Constant pieces have their starts alone.
+        They do so to `LINE_RTOL` of its range.
+
+        Just before each jump stands one of them. Constant pieces have their starts
+        alone.
         """
         if self.size == 1:
             return self.ticks
@@ -140,7 +157,8 @@ class Pieces:
         error = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
         parts = np.ones(len(middle))  # into which each piece is divided
         if error > 0:
-            # A line over the n-th part of a piece is off by less than (2/n)^2/8 of its bend.
+            # A line over the n-th part of a piece is off by less than (2/n)^2/8 of its
+            # bend.
             parts = np.ceil(np.sqrt(self.bends / (2 * error)))
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
         firsts = np.cumsum(counts) - counts  # first mark of each piece
@@ -151,14 +169,18 @@ class Pieces:
         later_starts = self.ticks[1:]
         rises = self.values[1:] - self.at(later_starts, "left")
         jumps = later_starts[np.abs(rises) > error]
-        # Beyond 2^51 floats do not resolve ticks: the mark is far enough for them to differ.
+        # Beyond 2^51 floats do not resolve ticks: the mark is far enough for them to
+        # differ.
         before_jumps = jumps - 1 - (jumps >> 51)
         return each_once(inside, before_jumps, [self.end])
 
     def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
-        """Index of the piece in which each of these ticks lies; 0 before the first piece.
+        """Index of the piece in which each of these ticks lies.
 
-        A tick between two pieces lies in the later one ("right") or in the earlier one ("left").
+        It is 0 before the first piece.
+
+        A tick between two pieces lies in the later one ("right") or in the earlier one
+        ("left").
         """
         return np.maximum(self.ticks.searchsorted(ticks, side) - 1, 0)
 
@@ -167,7 +189,10 @@ class Pieces:
         return np.clip((ticks - self.ticks[i]) / self.widths[i] * 2 - 1, -1.0, 1.0)
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
-        """Value at `ticks`: the limit from the right (after a jump) or from the left (before)."""
+        """Value at `ticks`.
+
+        It is the limit from the right (after a jump) or from the left (before).
+        """
         ticks = np.asarray(ticks)
         i = self.piece(ticks, side)
         if self.size == 1:
@@ -175,11 +200,16 @@ class Pieces:
         return _polynomials(self.coefficients, i, self._own_time(i, ticks))
 
     def at_own_time(self, pieces: Ints, y: Floats) -> Floats:
-        """Values of the pieces of these indices at their own variable y; both broadcast."""
+        """Values of the pieces of these indices at their own variable y.
+
+        Both broadcast.
+        """
         return _polynomials(self.coefficients, pieces, y)
 
     def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
-        """Values at shares, from 0 to 1, of the widths of intervals, each inside of one piece.
+        """Values at shares, from 0 to 1, of the widths of intervals.
+
+        Each interval is inside of one piece.
 
         Parameters
         ----------
@@ -202,7 +232,10 @@ class Pieces:
         return _polynomials(self.coefficients, i[:, None], y)
 
     def means(self, starts: ArrayLike, stops: ArrayLike) -> Floats:
-        """Means over intervals from `starts` to `stops`, [n] each, which lie in one piece each."""
+        """Means over intervals from `starts` to `stops`, [n] each.
+
+        Each lies in one piece.
+        """
         shares, weights = quadrature((self.size + 1) // 2)
         return np.asarray(self.inside(starts, stops, shares) @ weights)
 
@@ -211,7 +244,10 @@ class Pieces:
         return self._from_first(stop) - self._from_first(start)
 
     def _from_first(self, ticks: ArrayLike) -> Floats:
-        """Integral from the start of the first piece to these ticks, value times ticks."""
+        """Integral from the start of the first piece to these ticks.
+
+        It is value times ticks.
+        """
         ticks = np.asarray(ticks)
         i = self.piece(ticks)
         coefficients, up_to_piece = self._primitive
@@ -225,7 +261,9 @@ class Pieces:
         return up_to_piece[i] + in_piece
 
     def integrated_twice(self, stop: Any) -> Floats:
-        """Integral of (stop - t) f(t) over t from 0 to `stop`, value times ticks squared.
+        """Integral of (stop - t) f(t) over t from 0 to `stop`.
+
+        It is value times ticks squared.
 
         So it is the integral of the integral of the signal f.
         """
@@ -241,7 +279,10 @@ class Pieces:
         return self.breaks[first:after_last]
 
     def within(self, start: int, stop: int) -> Pieces:
-        """The signal of those pieces that hold somewhere from `start` to `stop`, uncut."""
+        """The pieces that hold somewhere from `start` to `stop`, as a signal.
+
+        They are uncut.
+        """
         first = int(self.piece(start))
         after_last = max(int(self.ticks.searchsorted(stop, "right")), first + 1)
         end = self.end
@@ -266,10 +307,12 @@ class Pieces:
         return self._combined(other, np.multiply, self.size + other.size - 1)
 
     def _combined(self, other: Pieces, operation: Any, size: int) -> Pieces:
-        """Apply an operation to two signals; the pieces of the result have `size` coefficients.
+        """Apply an operation to two signals.
 
-        It is computed at as many points of each interval between breaks of either. The last
-        interval has no length, and holds the constant values behind both signals.
+        The pieces of the result have `size` coefficients.
+
+        It is computed at as many points of each interval between breaks of either. The
+        last interval has no length, and holds the constant values behind both signals.
         """
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])
@@ -287,14 +330,19 @@ class Pieces:
         return Pieces(self.ticks + ticks, self.coefficients, self.end + ticks)
 
     def time_reversed(self, about: int) -> Pieces:
-        """The signal backwards: its value at tick t is that of this one at `about` - t."""
+        """The signal backwards.
+
+        Its value at tick t is that of this one at `about` - t.
+        """
         starts = (about - self.ticks - self.widths)[::-1]
         # T_m(-y) = (-1)^m T_m(y)
         mirrored = self.coefficients * (-1.0) ** np.arange(self.size)
         return Pieces(starts, mirrored[::-1], int(about - self.ticks[0]))
 
     def cut(self, ticks: Ints, end: int) -> Pieces:
-        """The signal from ticks[0] to `end` in pieces that begin at `ticks`, its breaks among them.
+        """The signal from ticks[0] to `end` in pieces that begin at `ticks`.
+
+        Its breaks are among them.
 
         Parameters
         ----------
@@ -308,9 +356,12 @@ class Pieces:
 
 
 def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
-    """Values at y of the Chebyshev series in the rows i of `coefficients`; i and y broadcast.
+    """Values at y of the Chebyshev series in the rows i of `coefficients`.
 
-    By Clenshaw's recurrence b_k = c_k + 2 y b_(k+1) - b_(k+2) they are c_0 + y b_1 - b_2.
+    i and y broadcast.
+
+    By Clenshaw's recurrence b_k = c_k + 2 y b_(k+1) - b_(k+2) they are c_0 + y b_1 -
+    b_2.
     """
     before = np.zeros(())  # b_(k + 2)
     last = np.zeros(())  # b_(k + 1)
@@ -335,7 +386,8 @@ def _interpolation(size: int) -> tuple[Floats, Floats]:
     [size, size] array
         M, with coefficients = values @ M.
     """
-    # Point j is y = cos(angle j), where T_k is cos(k angle): a discrete cosine transform.
+    # Point j is y = cos(angle j), where T_k is cos(k angle): a discrete cosine
+    # transform.
     angles = np.pi * (np.arange(size)[::-1] + 0.5) / size
     to_coefficients = np.cos(angles[:, None] * np.arange(size)) * (2 / size)
     to_coefficients[:, 0] /= 2
@@ -343,7 +395,9 @@ def _interpolation(size: int) -> tuple[Floats, Floats]:
 
 
 def each_once(*ticks: ArrayLike) -> Ints:
-    """All ticks in order, each once: `np.unique` hashes whole numbers, and takes 50 times as long.
+    """All ticks in order, each once.
+
+    `np.unique` hashes whole numbers, and takes 50 times as long.
 
     Sorting merges what is in order already.
     """

@@ -1,7 +1,10 @@
-"""States that kernels hold as whole numbers: of what is beyond an end, of a link, and of a run.
+"""States that kernels hold as whole numbers.
 
-In files and in kernels these are whole numbers; only their order here has a meaning. Kernels
-compare by it where a statement holds for several states; each class says what its bounds mean.
+They are those of what is beyond an end, of a link, and of a run.
+
+In files and in kernels these are whole numbers; only their order here has a meaning.
+Kernels compare by it where a statement holds for several states; each class says what
+its bounds mean.
 """
 
 from enum import IntEnum
@@ -19,8 +22,9 @@ class BoundaryKind(IntEnum):
 class Status(IntEnum):
     """What a link does.
 
-    The order counts: >= OPEN is a contact that can open, and < OPEN a link that is none; >= GRAZE
-    is closed, and has pressed since it closed; >= PRESS has a force that follows from its state.
+    The order counts: >= OPEN is a contact that can open, and < OPEN a link that is
+    none; >= GRAZE is closed, and has pressed since it closed; >= PRESS has a force that
+    follows from its state.
     """
 
     FREE = 0  # an end that nothing acts on
@@ -37,8 +41,8 @@ class Status(IntEnum):
 class Stop(IntEnum):
     """Why a run returns.
 
-    The order counts: < DONE has not ended, and goes on; >= DONE has; >= OVERFLOW has no result, and
-    the member is refused.
+    The order counts: < DONE has not ended, and goes on; >= DONE has; >= OVERFLOW has no
+    result, and the member is refused.
     """
 
     NONE = 0  # it goes on, or is not laid out

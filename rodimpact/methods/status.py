@@ -8,7 +8,7 @@ from ..units import format_si
 from .abilities import has_external_drive
 
 LARGE_STRAIN = 0.01
-"""Strain from which the linear theory of small strains is doubtful: squares count a percent."""
+"""Strain from which linear theory is doubtful: squares count a percent."""
 ROUNDED = 2.0**-36
 """Relative change of a transit time by rounding from which a status states it."""
 
@@ -25,7 +25,10 @@ class RunEnd(NamedTuple):
 
 
 def is_held(system: Any) -> bool:
-    """Whether walls hold a row in: one at both ends, or one that is joined to the row."""
+    """Whether walls hold a row in.
+
+    There is one at both ends, or one that is joined to the row.
+    """
     last = len(system.bodies) - 1
     wall_count = 0
     is_joined = False
@@ -97,23 +100,24 @@ def last_contact(
 ) -> float:
     """Time at which the last contact ended, s, in a run that is proved final.
 
-    Bodies that touch without force part as soon as a wave that pulls arrives. If none has come in a
-    round trip of the longest body, none will: they rest against each other, and the end of the
-    force counts.
+    Bodies that touch without force part as soon as a wave that pulls arrives. If none
+    has come in a round trip of the longest body, none will: they rest against each
+    other, and the end of the force counts.
 
     Parameters
     ----------
     ends : list of (float, float)
-        Of each contact that pressed, when its last force ended and when its gap opened then, s; nan
-        for what has not come before the end of the run.
+        Of each contact that pressed, when its last force ended and when its gap opened
+        then, s; nan for what has not come before the end of the run.
     t_end, round_trip : float
-        End of the run, and how long waves take to the far end of the longest body and back, s.
+        End of the run, and how long waves take to the far end of the longest body and
+        back, s.
 
     Returns
     -------
     float
-        0 if no contact pressed; inf if one goes on pressing for ever; nan if bodies still touch at
-        the end of the run and may part later.
+        0 if no contact pressed; inf if one goes on pressing for ever; nan if bodies
+        still touch at the end of the run and may part later.
     """
     latest = 0.0
     for force_end, opening in ends:
@@ -146,7 +150,9 @@ def proof_sentence(met: bool, t_final: float) -> str:
 
 
 def rounding(error: float, path: str) -> str:
-    """Sentence on the rounding of transit times to the clock; "" if it is too small to be told.
+    """Sentence on the rounding of transit times to the clock.
+
+    It is empty if the rounding is too small to be told.
 
     `error` is the largest relative change, of the segment with this path.
     """
@@ -163,6 +169,6 @@ def strain_warning(strain: float) -> str:
     if strain <= LARGE_STRAIN:
         return ""
     return (
-        f" Strains may reach up to {strain:.2g}, where the linear theory of small strains "
-        "(about 1 %) does not hold; check units and velocities."
+        f" Strains may reach up to {strain:.2g}, where the linear theory of small "
+        "strains (about 1 %) does not hold; check units and velocities."
     )

@@ -1,11 +1,11 @@
 """The tick rule: durations in whole ticks of a clock that all of them share.
 
-Waves that took different paths meet at the same instant only if times are integers. Durations
-in the ratio of small whole numbers (0.3 m and 0.1 m of one steel) are recognised and keep that
-ratio exactly; the others are rounded to the nearest tick.
+Waves that took different paths meet at the same instant only if times are integers.
+Durations in the ratio of small whole numbers (0.3 m and 0.1 m of one steel) are
+recognised and keep that ratio exactly; the others are rounded to the nearest tick.
 
-Durations form classes. A class is the longest duration that is in no class yet, its leader, and
-all durations in a simple ratio to the leader.
+Durations form classes. A class is the longest duration that is in no class yet, its
+leader, and all durations in a simple ratio to the leader.
 """
 
 import math
@@ -54,7 +54,8 @@ def recognise(x: float) -> tuple[int, int]:
     Returns
     -------
     p, q : int
-        With p, q <= 2^20 and abs(x - p/q) <= 4 * 2^-52 * x, or (0, 0) if there are none.
+        With p, q <= 2^20 and abs(x - p/q) <= 4 * 2^-52 * x, or (0, 0) if there are
+        none.
     """
     p0 = 0  # the convergent before the last one, p0/q0
     q0 = 1
@@ -120,7 +121,8 @@ def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int
 def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
     """Set `sorted_index`, the order by decreasing time, and forget each class (q = 0).
 
-    No record moves. The last `drive_count` durations are ordered by themselves and come last.
+    No record moves. The last `drive_count` durations are ordered by themselves and come
+    last.
     """
     n = len(durations)
     for i in range(n):  # insertion: those before i are in order
@@ -139,12 +141,15 @@ def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
 
 
 def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0) -> int:
-    """Give each duration its whole number of ticks; return that of the longest (about 2^bits).
+    """Give each duration its whole number of ticks.
 
-    A tick is the longest duration that is no time of a drive, divided by the number returned.
-    The class of the longest is exact, and simple fractions of its unit are whole ticks too, for
-    gaps that close there. A further class is exact while its unit has at least 2^40 ticks. The
-    other durations are rounded singly, by at most half a tick.
+    Return that of the longest (about 2^bits).
+
+    A tick is the longest duration that is no time of a drive, divided by the number
+    returned. The class of the longest is exact, and simple fractions of its unit are
+    whole ticks too, for gaps that close there. A further class is exact while its unit
+    has at least 2^40 ticks. The other durations are rounded singly, by at most half a
+    tick.
 
     Parameters
     ----------
@@ -152,8 +157,8 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
         Times are positive, in any order and any unit.
     bits : int
     drive_count : int
-        Number of durations at the end that are times of drives. They may be longer than the
-        longest of the others, and never lead a class that contains a transit.
+        Number of durations at the end that are times of drives. They may be longer than
+        the longest of the others, and never lead a class that contains a transit.
     """
     sort_durations(durations, drive_count)
     longest_ticks = 0
@@ -184,7 +189,8 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
             continue
         for i in range(start, len(durations)):
             member = durations[durations[i].sorted_index]
-            # The leader has `parts` parts of `unit` ticks, a member of its class p/q of them.
+            # The leader has `parts` parts of `unit` ticks, a member of its class p/q of
+            # them.
             if member.q > 0:
                 member.ticks = unit * (parts // member.q) * member.p
                 member.q = -1
@@ -192,17 +198,20 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
 
 
 def clock_bits(ratio: float) -> int:
-    """Base-2 logarithm of the longest transit in ticks, for a run of `ratio` longest transits.
+    """Base-2 logarithm of the longest transit in ticks.
 
-    The run must not be longer than 2^CLOCK_BITS ticks. 0 for a ratio that is no positive number.
+    The run lasts `ratio` longest transits.
+
+    The run must not be longer than 2^CLOCK_BITS ticks. 0 for a ratio that is no
+    positive number.
     """
     if ratio == 0:
         return MAX_TRANSIT_BITS
     if not 0 < ratio < math.inf:
         return 0
-    # The ratio is mantissa times 2^exponent, with a mantissa from 1/2 to below 1. Its logarithm,
-    # rounded up, is the exponent, or one less for a power of two. One bit more is left free, as the
-    # longest transit has about 2^bits ticks only.
+    # The ratio is mantissa times 2^exponent, with a mantissa from 1/2 to below 1. Its
+    # logarithm, rounded up, is the exponent, or one less for a power of two. One bit
+    # more is left free, as the longest transit has about 2^bits ticks only.
     mantissa, exponent = math.frexp(ratio)
     bits = CLOCK_BITS - exponent
     if mantissa > 0.5:
