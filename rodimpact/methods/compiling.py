@@ -30,7 +30,7 @@ import numpy as np
 T = TypeVar("T")
 Kernel = Callable[..., Any]
 Functions = tuple[tuple[int, Any], ...]
-"""Functions of the user for the kernel function `user_force`, by its argument 0."""
+"""Functions of the user in place of `user_force`, by its first argument."""
 
 OPTIONS = {
     "error_model": "numpy",  # division by zero gives inf, as the kernels expect

@@ -177,8 +177,8 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
     """F = f(d, d'), N, of a law of the user, with dF/dd and dF/dclosing.
 
     d' = closing - Y F. F is found by Newton's method for f(d, closing - Y F) - F = 0,
-    with differences for the derivatives of f. Those of F are smaller by share = 1/(1 +
-    Y df/dd'), as the force slows down the closing that makes it.
+    with differences for the derivatives of f. Those of F are smaller by
+    share = 1/(1 + Y df/dd'), as the force slows down the closing that makes it.
     """
     Y = link.mobility
     F = odd_user_force(link, d, closing)  # first guess: the force does not slow it down
@@ -364,8 +364,8 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
 
     Its overlap goes from x0 to x1.
 
-    x is the overlap, at a constant rate. Time is counted in steps, so that dx/dt = x1 -
-    x0 = w.
+    x is the overlap, at a constant rate. Time is counted in steps, so that
+    dx/dt = x1 - x0 = w.
 
     SPRING: mean of k x + c w where x > 0 and this presses.
     POWER: mean of k x^p where x > 0, times 1 + chi w.
@@ -425,8 +425,8 @@ def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]
 def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     """Mean F of k x^p, 0 for x < 0, from x0 to x1, N, and dF/dx1.
 
-    F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0, and dF/dx1 = (k x1^p -
-    F)/w.
+    F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0, and dF/dx1 = (k
+    x1^p - F)/w.
 
     Where x1 is near x0 these lose digits. With h = w/x0 and q = p + 1 they are
     F = k x0^p ((1 + h)^q - 1)/(q h), and a series for the derivative,

@@ -68,10 +68,10 @@ def contact_signal(
 ) -> ContactSignal:
     """Force, gap and closing velocity of a contact, in SI units, and its episodes.
 
-    They follow from the waves that arrive and the changes of status: F = (a - b)/(Y1 +
-    Y2) while the contact presses, and the gap is the integral of b - a while it is
-    open. A bonded contact always presses, and has no episodes. The status before any
-    change holds from tick -1 on.
+    They follow from the waves that arrive and the changes of status:
+    F = (a - b)/(Y1 + Y2) while the contact presses, and the gap is the integral of
+    b - a while it is open. A bonded contact always presses, and has no episodes. The
+    status before any change holds from tick -1 on.
     """
     clock = finished.clock
     end_tick = finished.run.now

@@ -5,14 +5,15 @@ laws, so the links close by w = force_free_closing - A F, with A a tridiagonal S
 matrix: a link feels its own force, and through the body between them the forces of its
 two neighbours. Its law gives F of w.
 
-A compliant contact has the overlap x, and over a step the force (U(x1) - U(x0))/(x1 -
-x0) of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), and
-the mean force of its dashpot over the same path. It pulls nowhere. This force is convex
-and increasing in x1, so Newton's method falls on the root from the right. A joint is a
-spring and a dashpot that pull as well. A yielding contact is a spring up to its yield
-force; x counts from where its faces have moved to. A rigid contact takes the force that
-keeps its closing below `max_closing`. An impact of rigid bodies takes the force that
-leaves a closing velocity of at most -e times the one before (Moreau, CISM 302, 1988).
+A compliant contact has the overlap x, and over a step the force
+(U(x1) - U(x0))/(x1 - x0) of its stored energy U (discrete gradient: Gonzalez, J.
+Nonlinear Sci. 6, 1996), and the mean force of its dashpot over the same path. It pulls
+nowhere. This force is convex and increasing in x1, so Newton's method falls on the root
+from the right. A joint is a spring and a dashpot that pull as well. A yielding contact
+is a spring up to its yield force; x counts from where its faces have moved to. A rigid
+contact takes the force that keeps its closing below `max_closing`. An impact of rigid
+bodies takes the force that leaves a closing velocity of at most -e times the one before
+(Moreau, CISM 302, 1988).
 
 Units are those of `records`.
 """
@@ -28,7 +29,10 @@ EPS = 1 / (1 << 52)
 UNSOLVED_RTOL = 1 / (1 << 24)
 """Change of closings, over the largest speed, at which a chain has no solution."""
 NEWTON_RTOL = 1 / (1 << 27)
-"""Relative Newton step behind which the next one is round-off (it is quadratic)."""
+"""Relative Newton step behind which the next one is round-off.
+
+Convergence is quadratic.
+"""
 MAX_NEWTON_STEPS = 100
 """Iterations of one contact: a bound that is not met in practice."""
 MAX_SWEEPS = 1000
@@ -137,8 +141,8 @@ def gauss_seidel_sweep(
     Each is found with the others as they are.
 
     Their slopes are set too, and the overlaps of those that are not rigid. The closing
-    without the own force is c. A rigid link, or an impact, takes F = max(0, (c -
-    max_closing)/mobility); other links are solved by `solve_link`.
+    without the own force is c. A rigid link, or an impact, takes F = max(0,
+    (c - max_closing)/mobility); other links are solved by `solve_link`.
 
     Parameters
     ----------

@@ -2,12 +2,12 @@
 
 Velocities are at nodes, forces in the cells between them.
 
-Half of the mass of each cell sits at either of its nodes, so that u_tt = (F_right -
-F_left)/m at a node and F = E A du/dx in a cell. In every step the nodes drift half a
-step, are kicked by the forces in the middle of it, and drift the other half (leapfrog).
-For a Courant number of 1 in a uniform rod this carries waves without error, above 1 it
-is unstable. With u the displacement at the end of a step, the energy v M v/2 + (u K u -
-v K v/4)/2 is kept to round-off.
+Half of the mass of each cell sits at either of its nodes, so that
+u_tt = (F_right - F_left)/m at a node and F = E A du/dx in a cell. In every step the
+nodes drift half a step, are kicked by the forces in the middle of it, and drift the
+other half (leapfrog). For a Courant number of 1 in a uniform rod this carries waves
+without error, above 1 it is unstable. With u the displacement at the end of a step, the
+energy v M v/2 + (u K u - v K v/4)/2 is kept to round-off.
 
 Where a rod is damped (sigma = E eps + eta d(eps)/dt) or has lateral inertia (rho A u_tt
 - rho nu^2 I_p u_xxtt = E A u_xx), the force of a cell depends on the new velocities,

@@ -145,8 +145,7 @@ class GridRun:
         """Steps in which waves cross the longest rod and come back."""
         return 2 * max(1, math.ceil(self.clock.longest / STEP_TICKS))
 
-    # The steps
-    # ----------------------------------------------------------------------------------
+    # The steps ------------------------------------------------------------------------
 
     def _require_memory(self, steps: int) -> None:
         """Raise TooLong where so many steps take too much memory.
@@ -186,8 +185,6 @@ class GridRun:
 
     def _choose_states(self, end: int) -> Array:
         """Steps at whose ends states are kept in a run to step `end`, [state].
-
-        This may widen the stride.
 
         The stride of states is doubled until no more are kept than wanted. The last
         state, and with damping those one step before and after each, are kept too.
@@ -319,8 +316,7 @@ class GridRun:
         if not is_solved:
             raise squeezed(self.steps * self.step)
 
-    # Results
-    # ----------------------------------------------------------------------------------
+    # Results --------------------------------------------------------------------------
 
     @property
     def edges(self) -> Array:

@@ -187,8 +187,7 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
     )
 
 
-# Links
-# --------------------------------------------------------------------------------------
+# Links --------------------------------------------------------------------------------
 
 
 def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
@@ -255,8 +254,7 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     return links
 
 
-# What drives the ends
-# -----------------------------------------------------------------------------
+# What drives the ends -----------------------------------------------------------------
 
 
 def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:

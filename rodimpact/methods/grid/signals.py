@@ -94,8 +94,7 @@ def make_run(run: GridRun, until: float | None) -> Run:
     )
 
 
-# Status
-# --------------------------------------------------------------------------------------
+# Status -------------------------------------------------------------------------------
 
 
 def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
@@ -159,8 +158,7 @@ def _accuracy_sentence(run: GridRun) -> str:
     return sentence
 
 
-# Contacts and signals
-# -----------------------------------------------------------------------------
+# Contacts and signals -----------------------------------------------------------------
 
 
 def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTally:

@@ -225,9 +225,9 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
     The energy is that about the velocity `speed`.
 
     In a segment v = (a + b)/2 and c strain = (b - a)/2. So over y from -1 to 1 the mean
-    velocity is (integral of a + integral of b)/4, and the energy m (integral of a^2 +
-    integral of b^2)/8, a and b less the speed. A mass has m (v - speed)^2/2, the spring
-    of a joint k d^2/2.
+    velocity is (integral of a + integral of b)/4, and the energy m (integral of
+    a^2 + integral of b^2)/8, a and b less the speed. A mass has m (v - speed)^2/2, the
+    spring of a joint k d^2/2.
     """
     part.vibration_energy = 0.0
     if part.kind == Part.MASS:

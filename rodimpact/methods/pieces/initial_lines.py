@@ -293,8 +293,8 @@ class InitialLines:
 
         That is factor, start and slope, see `OutsideSignal`. `side` is 0 on the left, 1
         on the right. A velocity counts in the frame, which falls; a force acts as it
-        is. The wave out of an endless rod is the one that the end sends inward at t =
-        0, and what the strain adds.
+        is. The wave out of an endless rod is the one that the end sends inward at
+        t = 0, and what the strain adds.
         """
         row = self._row
         kind, _ = row.boundaries[side]

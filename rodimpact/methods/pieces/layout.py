@@ -70,8 +70,7 @@ class InitialLine(NamedTuple):
     ticks: int  # duration of its pieces
 
 
-# Waves at t = 0, and from outside
-# -----------------------------------------------------------------
+# Waves at t = 0, and from outside -----------------------------------------------------
 
 
 def piece_of(start: Any, stop: Any, values: Any) -> Any:
@@ -112,8 +111,7 @@ def constant_wave(value: Any) -> Any:
     return piece_of(0, NEVER, [value])
 
 
-# Records
-# --------------------------------------------------------------------------------------
+# Records ------------------------------------------------------------------------------
 
 
 def lay_out(

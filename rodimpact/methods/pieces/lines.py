@@ -295,9 +295,9 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
     SMOOTH. Jumps of these are taken as changes of values in a quarter of the shortest
     transit.
 
-    That is s = (shortest transit)/(2 duration) in y, in which T_m changes by s T_m' +
-    s^2 T_m''/2. T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end of a piece, with the
-    signs (-1)^(m+1) and (-1)^m at its start.
+    That is s = (shortest transit)/(2 duration) in y, in which T_m changes by s
+    T_m' + s^2 T_m''/2. T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end of a piece,
+    with the signs (-1)^(m+1) and (-1)^m at its start.
     """
     before = log[old]
     new = log[i]

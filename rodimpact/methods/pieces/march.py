@@ -278,7 +278,7 @@ def set_next_ticks(run: Run, node: Node, result: PieceResult, is_limited: bool) 
 def count_averaged_step(run: Run, tick: int) -> None:
     """Count a step that took means of its waves.
 
-    It begins at `tick`; when the first was is noted.
+    It begins at `tick`; the tick of the first one is noted.
     """
     run.averaged_steps += 1
     if run.first_averaged_tick == NONE:

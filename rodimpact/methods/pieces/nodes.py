@@ -52,8 +52,7 @@ SWING_ROUND_OFF = 8e-15
 """Round-off of evaluating the polynomial of a force, over the largest force."""
 
 
-# What the links are
-# -------------------------------------------------------------------------------
+# What the links are -------------------------------------------------------------------
 
 
 def overlap_changes(link: Link) -> bool:
@@ -84,8 +83,7 @@ def outer_link(node: Node, side: int) -> int:
     return int(node.first_link + side * (node.link_count - 1))
 
 
-# Forces and motion
-# --------------------------------------------------------------------------------
+# Forces and motion --------------------------------------------------------------------
 
 
 def start_forces(links: Links, node: Node) -> int:
@@ -176,8 +174,7 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
             integrate(node.scratch_values, h, link.overlaps)
 
 
-# Newton's method
-# ----------------------------------------------------------------------------------
+# Newton's method ----------------------------------------------------------------------
 
 
 def linearise(link: Link, h: float, is_first: bool) -> float:
@@ -185,8 +182,8 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
 
     It is F = base + by_overlap d + by_closing closing.
 
-    In the first Newton step the tangent is taken at the extrapolated overlap d + d' u +
-    d'' u^2/2, u the time since the start of the piece, whose duration is h, s.
+    In the first Newton step the tangent is taken at the extrapolated overlap d + d'
+    u + d'' u^2/2, u the time since the start of the piece, whose duration is h, s.
 
     Return the residual, the largest difference of the law from the present force,
     relative to the largest force, or to the round-off of the terms that cancel in it: a
@@ -245,11 +242,11 @@ def set_equations(
 
     Each of the `unknown_count` forces has an equation at each of the N stages: that of
     force u at stage j is row N u + j of `G`, and its change is column N u + j. The
-    column behind these is the right side, in newtons. The tangent law of a link is F =
-    base + by_overlap d + by_closing closing, with d and closing after the step. So the
-    right side is the force by the present d and closing, less the present force. A link
-    at rest (REST) has no law: its force is such that `closing` becomes 0, and the right
-    side is the present `closing`, m/s.
+    column behind these is the right side, in newtons. The tangent law of a link is
+    F = base + by_overlap d + by_closing closing, with d and closing after the step. So
+    the right side is the force by the present d and closing, less the present force. A
+    link at rest (REST) has no law: its force is such that `closing` becomes 0, and the
+    right side is the present `closing`, m/s.
     """
     right_side = N * unknown_count
     for q in range(node.link_count):
@@ -278,9 +275,9 @@ def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
 
     The impulse is in link p.
 
-    An impulse in the link itself drives the masses on both sides apart: -1/m_left -
-    1/m_right. One in a neighbour pushes the mass between them towards link q: 1/m.
-    Others change nothing.
+    An impulse in the link itself drives the masses on both sides apart:
+    -1/m_left - 1/m_right. One in a neighbour pushes the mass between them towards link
+    q: 1/m. Others change nothing.
     """
     # 1/m of the masses on both sides of link q; 0 for the end of a rod
     left = 0.0
@@ -444,8 +441,7 @@ def set_initial_forces(links: Links, node: Node) -> None:
             link.by_closing[0] = by_closing
 
 
-# After the solution
-# -------------------------------------------------------------------------------
+# After the solution -------------------------------------------------------------------
 
 
 def forbid_pulling(links: Links, node: Node) -> None:

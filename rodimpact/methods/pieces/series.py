@@ -6,8 +6,8 @@ A piece is known by its values at its start and at the N points of Radau IIA, th
 of which is the end: collocation there damps what is stiffer than the piece is long
 (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.5).
 
-f are values at the points, c coefficients of a series: sum of c[m] T_m(y), T_m(cos x) =
-cos(m x).
+f are values at the points, c coefficients of a series: sum of c[m] T_m(y), T_m(cos
+x) = cos(m x).
 """
 
 import math
@@ -178,8 +178,8 @@ def remainder(f: Values, integrated: bool) -> float:
     Coefficients fall by a factor r from degree to degree. The polynomial misses the
     next ones, two and two about tail r (1 + r^2 + r^4 + ...). Integrals of them are
     about a hundredth of that; and collocation integrates far better than it follows
-    values, about as the tail times r^3. So the error is e = tail r/(1 - r^2), or e (r^2
-    + 0.01) if `integrated`.
+    values, about as the tail times r^3. So the error is e = tail r/(1 - r^2), or e
+    (r^2 + 0.01) if `integrated`.
     """
     last = 0.0  # tail: abs(c[N - 1]) + abs(c[N])
     before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])

@@ -91,8 +91,8 @@ def _masses(
     """Velocity of each rigid body in the frame, m/s, by the number of the body.
 
     A body that is bonded to a wall moves with the wall. A blow at t = 0 takes one tick,
-    in which bodies keep the velocities before it; so do those of a run that ends at t =
-    0.
+    in which bodies keep the velocities before it; so do those of a run that ends at
+    t = 0.
     """
     starts_with_blow = bool(np.any((turns["impulse"] > 0) & (turns["tick"] == 0)))
     count = len(row.masses)
