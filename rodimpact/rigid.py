@@ -397,8 +397,8 @@ def stack_drop(
     if n_balls != n_restitutions or n_balls == 0:
         raise ValueError(
             f"masses has {n_balls} balls and restitutions {n_restitutions}: give at "
-            "least one ball, and one restitution for each: first that of the bottom ball "
-            "with the floor, then that of each ball with the ball below it"
+            "least one ball, and one restitution for each: first that of the bottom "
+            "ball with the floor, then that of each ball with the ball below it"
         )
     drop_speed = np.sqrt(2 * g * h)
     shape = np.broadcast_shapes(M.shape[:-1], e.shape[:-1], drop_speed.shape)

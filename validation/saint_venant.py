@@ -109,7 +109,8 @@ def last_wave_ratio(
 def random_pairs() -> Rows:
     """e and contact time of pairs with log-uniform impedances and transit times.
 
-    Both are from 1 to 30. The contact time of a pair whose last wave is negligible must not be too long.
+    Both are from 1 to 30. The contact time of a pair whose last wave is negligible must
+    not be too long.
     """
     rng = default_rng(1867)
     logarithms = rng.uniform(0, np.log(30.0), (4, PAIRS))

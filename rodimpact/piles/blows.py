@@ -124,10 +124,10 @@ class Blow(NamedTuple):
         return f"<Blow: {self}>"
 
     def __str__(self) -> str:
-        return (
-            f"set {format_si(self.set, 'm')}, {_peak_text('compression', self.compression)}"
-            f", {_peak_text('tension', self.tension)}. {self.status}"
-        )
+        permanent_set = format_si(self.set, "m")
+        compression = _peak_text("compression", self.compression)
+        tension = _peak_text("tension", self.tension)
+        return f"set {permanent_set}, {compression}, {tension}. {self.status}"
 
 
 def _peak_text(name: str, peak: StressPeak) -> str:
