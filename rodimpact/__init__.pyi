@@ -1,4 +1,4 @@
-"""Public names, each in one place: what type checkers read, and `__getattr__` imports from."""
+"""Public names, each in one place, for type checkers and for `__getattr__`."""
 
 from . import design as design
 from . import materials as materials
