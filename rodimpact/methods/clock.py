@@ -1,10 +1,9 @@
 """The clock of a row.
 
-It measures time in whole ticks, and velocities in a moving frame.
-
-Lists by segment are of two kinds: `transits` has the segments alone, from 0 on; those
-"with the outside" have an entry for what lies left of the row in front, and one for
-what lies right behind.
+It measures time in whole ticks, and velocities in a moving frame. Lists by segment are
+of two kinds: `transits` has the segments alone, from 0 on; those "with the outside"
+have an entry for what lies left of the row in front, and one for what lies right
+behind.
 
 One class serves all methods, fields and the page. In a family its numbers are arrays.
 """
@@ -117,9 +116,7 @@ class Clock:
 def mass_of(clock: Clock, body: int) -> float:
     """Mass of a rod with the transit times in use, kg.
 
-    It is the sum of impedance times transit time.
-
-    The page has this as JavaScript.
+    It is the sum of impedance times transit time. The page has this as JavaScript.
     """
     first, last = clock.row.spans[body]  # segments, counted from 1
     mass_in_ticks: float = 0  # kg/s times ticks
@@ -187,9 +184,7 @@ def crossing_time_of(row: Any) -> Any:
 def flight_time_of(row: Any, scale: Any) -> Any:
     """Time to cross all gaps, one after the other, s.
 
-    The velocity is the velocity scale, `scale` in m/s.
-
-    An overlap is no gap.
+    The velocity is the velocity scale, `scale` in m/s. An overlap is no gap.
     """
     flight_length = 0.0
     for link in row.links:
@@ -220,11 +215,9 @@ def count_ticks(
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
     """Largest relative change of a transit time on the clock, and its path.
 
-    The path is that of the segment.
-
-    `ticks` are the transit times by segment, on a clock of this `tick`, s. If nothing
-    is rounded, the path is that of the first segment; "" in a row without segments. The
-    page has this as JavaScript.
+    The path is that of the segment. `ticks` are the transit times by segment, on a
+    clock of this `tick`, s. If nothing is rounded, the path is that of the first
+    segment; "" in a row without segments. The page has this as JavaScript.
     """
     error = 0.0
     worst = 0  # segment counted from 1; `paths` has "" for 0

@@ -205,9 +205,7 @@ class Compiled:
     def files(self) -> list[Path]:
         """Files on disk that list machine code of this kernel.
 
-        They may be of these sources or of others.
-
-        There are none if it is kept nowhere.
+        They may be of these sources or of others; there are none if it is kept nowhere.
         """
         if not self.place:
             return []
@@ -243,10 +241,9 @@ def can_be(user_functions: Functions) -> bool:
 def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
     """The twin of a kernel, to be compiled.
 
-    It is a function that closes over a digest of its sources.
-
-    It has the code of the kernel; its globals are those of a copy of the module with
-    all functions jitted. Functions that only one other function uses are inlined there.
+    It is a function that closes over a digest of its sources. It has the code of the
+    kernel; its globals are those of a copy of the module with all functions jitted.
+    Functions that only one other function uses are inlined there.
 
     Numba compiles anew a function that closes over another value than the one on disk,
     and else looks at the kernel's file alone. So a change in any source compiles the
@@ -351,10 +348,8 @@ def _borrowing() -> Any:
 def _one_of(functions: Functions, jit: Any) -> Any:
     """A function of (number, d, rate) that calls a function of the user.
 
-    It calls the one with this number.
-
-    `jit` compiles a function. The functions are tried one after the other, the last one
-    unasked.
+    It calls the one with this number. `jit` compiles a function. The functions are
+    tried one after the other, the last one unasked.
     """
     number, function = functions[0]
     later = functions[1:]
@@ -393,10 +388,9 @@ def _modules(module: ModuleType) -> list[ModuleType]:
 def digest_of(module: ModuleType) -> str:
     """Digest of all sources of a kernel module.
 
-    They are those in its folder, and in the folders of its imports.
-
-    Whole folders are taken because a module imports constants and records by value: it
-    does not tell from which files they come.
+    They are those in its folder, and in the folders of its imports. Whole folders are
+    taken because a module imports constants and records by value: it does not tell from
+    which files they come.
     """
     folders = {Path(str(each.__file__)).parent for each in _modules(module)}
     files = {Path(__file__)}

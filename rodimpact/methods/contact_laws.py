@@ -1,9 +1,7 @@
 """Contact laws in kernels.
 
-They say what each law says, for both methods that carry compliant contacts.
-
-Compression is positive: F > 0 presses two neighbours apart, d > 0 is their overlap, d'
-its rate.
+They say what each law says, for both methods that carry compliant contacts. Compression
+is positive: F > 0 presses two neighbours apart, d > 0 is their overlap, d' its rate.
 
 The method "characteristics" asks for the force of a link by d and by `closing`, the
 rate at which the link would close without its own force: d' = closing - Y F, Y the
@@ -46,9 +44,8 @@ power.
 def has_dashpot(link: Any) -> bool:
     """Whether a link has a dashpot beside its spring.
 
-    A dashpot presses without overlap too.
-
-    The damping of a contact that yields is no such dashpot.
+    A dashpot presses without overlap too. The damping of a contact that yields is no
+    such dashpot.
     """
     return bool(link.law == Law.SPRING and link.damping > 0)
 
@@ -72,10 +69,8 @@ def is_nonlinear(link: Any) -> bool:
 def lets_go(link: Any) -> bool:
     """Whether losses can end the force of a link before its overlap ends.
 
-    The link is no dashpot.
-
-    A dashpot beside a spring can, too, but it presses without overlap as well:
-    `pressing_sign` is its first guard then, not an additional one.
+    The link is no dashpot. A dashpot beside a spring can, too, but it presses without
+    overlap as well: `pressing_sign` is its first guard then, not an additional one.
     """
     # Behind SPRING come powers, yielding laws and those of the user.
     return bool(link.law > Law.SPRING and link.damping > 0)
@@ -162,10 +157,9 @@ def user_force(function: int, d: float, rate: float) -> float:  # noqa: ARG001
 def odd_user_force(link: Any, d: float, rate: float) -> float:
     """Force of the law of the user, N.
 
-    It is f(d, d') for d >= 0, and f(0, d') - f(-d, 0) below.
-
-    Nobody has defined f for d < 0. It goes on falling there, so that Newton's method
-    and the search for d = 0 pass.
+    It is f(d, d') for d >= 0, and f(0, d') - f(-d, 0) below. Nobody has defined f for
+    d < 0. It goes on falling there, so that Newton's method and the search for d = 0
+    pass.
     """
     number = link.function
     if d < 0:
@@ -258,12 +252,11 @@ def guard(
 ) -> tuple[float, int]:
     """Value of guard number `which` of a link, and the status that follows it.
 
-    The value has no dimension.
-
-    The status of the link lasts until one of its guards falls below 0; that guard tells
-    the next status. A dashpot lets go while there is still overlap: GRAZE, until that
-    is gone or it presses again. What yields goes on as elastic, with a new yield force,
-    once it no longer closes; at a knot of its table it goes on with another hardening.
+    The value has no dimension. The status of the link lasts until one of its guards
+    falls below 0; that guard tells the next status. A dashpot lets go while there is
+    still overlap: GRAZE, until that is gone or it presses again. What yields goes on as
+    elastic, with a new yield force, once it no longer closes; at a knot of its table it
+    goes on with another hardening.
 
     Parameters
     ----------
@@ -338,12 +331,11 @@ def follows_overlap(link: Any, which: int) -> bool:
 def break_order(link: Any, order: int) -> Any:
     """Order of the break in the force of a link.
 
-    The velocity beside it has a break of `order`.
-
-    The force of a rigid link, a bond or a damped one follows velocities: the order is
-    the same. That of a spring follows their integral: it is one order smoother. A link
-    that is open or lets go has no force that follows. A break of the link itself, at
-    its last event, counts if it is rougher.
+    The velocity beside it has a break of `order`. The force of a rigid link, a bond or
+    a damped one follows velocities: the order is the same. That of a spring follows
+    their integral: it is one order smoother. A link that is open or lets go has no
+    force that follows. A break of the link itself, at its last event, counts if it is
+    rougher.
     """
     status = link.status
     law = link.law
@@ -362,10 +354,8 @@ def break_order(link: Any, order: int) -> Any:
 def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     """Mean force F of a compliant contact, N, and dF/dx1.
 
-    Its overlap goes from x0 to x1.
-
-    x is the overlap, at a constant rate. Time is counted in steps, so that
-    dx/dt = x1 - x0 = w.
+    Its overlap goes from x0 to x1. x is the overlap, at a constant rate. Time is
+    counted in steps, so that dx/dt = x1 - x0 = w.
 
     SPRING: mean of k x + c w where x > 0 and this presses.
     POWER: mean of k x^p where x > 0, times 1 + chi w.
@@ -456,10 +446,9 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int]:
     """Load a yielding contact from overlap x0 to x1, along its table.
 
-    This goes past its yield force.
-
-    The force rises with the stiffness k to the yield force, and then with the slope
-    shares[i] k up to each force knots[i]. The link is not changed.
+    This goes past its yield force. The force rises with the stiffness k to the yield
+    force, and then with the slope shares[i] k up to each force knots[i]. The link is
+    not changed.
 
     Returns
     -------

@@ -35,10 +35,9 @@ def family_columns(
 ) -> Columns:
     """Columns that every family has.
 
-    They are restitution, vibration, final, status, and those by number.
-
-    Velocities after have the number of the body, such as "velocity_after.0", totals of
-    contacts that of the contact. Restitution is nan unless one contact alone can open.
+    They are restitution, vibration, final, status, and those by number. Velocities
+    after have the number of the body, such as "velocity_after.0", totals of contacts
+    that of the contact. Restitution is nan unless one contact alone can open.
 
     Parameters
     ----------

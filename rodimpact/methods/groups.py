@@ -1,8 +1,7 @@
 """Bodies that are bonded or joined together.
 
-This finds which they are, and their common velocity.
-
-The page has `body_velocities` and what it calls as JavaScript.
+This finds which they are, and their common velocity. The page has `body_velocities` and
+what it calls as JavaScript.
 """
 
 from collections.abc import Callable
@@ -27,9 +26,8 @@ def unilateral(system: Any) -> list[int]:
 def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, m/s.
 
-    They come from left to right.
-
-    `group` has the numbers of its bodies; there are two velocities at most.
+    They come from left to right. `group` has the numbers of its bodies; there are two
+    velocities at most.
     """
     velocities: list[Any] = []
     for side, i in enumerate([0, len(system.bodies) - 1]):  # first and last body
@@ -45,11 +43,9 @@ def velocities_in_group(
 ) -> list[Any]:
     """Velocities of the bodies of a group, m/s.
 
-    They are that of the wall that holds them, or their mean.
-
-    Between two walls of different velocities a group has its mean velocity: it swings
-    about none. Bodies outside of those `inside`, walls and masses bonded to them, have
-    that of their wall.
+    They are that of the wall that holds them, or their mean. Between two walls of
+    different velocities a group has its mean velocity: it swings about none. Bodies
+    outside of those `inside`, walls and masses bonded to them, have that of their wall.
 
     Parameters
     ----------
@@ -106,9 +102,8 @@ def without_walls(system: Any, group: list[int]) -> list[int]:
 def body_velocities(system: Any, means: list[Any]) -> list[Any]:
     """Velocities of all bodies, m/s.
 
-    Each is the mean of its group, or that of the wall that holds it.
-
-    `means` has the mean velocity of each group, m/s.
+    Each is the mean of its group, or that of the wall that holds it. `means` has the
+    mean velocity of each group, m/s.
     """
     velocities = []
     for g, group in enumerate(groups(system)):
@@ -120,10 +115,9 @@ def body_velocities(system: Any, means: list[Any]) -> list[Any]:
 def segments_of_groups(system: Any, spans: Any) -> list[int]:
     """The first segment of each group of bonded bodies.
 
-    It is that of its first body that is no wall.
-
-    A lone wall has no segment: what is returned for it, the first entry of its span,
-    has no meaning, and its velocity is its own.
+    It is that of its first body that is no wall. A lone wall has no segment: what is
+    returned for it, the first entry of its span, has no meaning, and its velocity is
+    its own.
 
     Parameters
     ----------

@@ -100,10 +100,8 @@ _ready: set[Kernel] = set()  # paid for by this process
 def _pays(seconds: float, kernel: Kernel) -> bool:
     """Whether machine code of a kernel costs less than so many seconds.
 
-    In the long run is enough.
-
-    Who waits for it to be compiled is told; and who waits for plain Python, as nothing
-    can be.
+    In the long run is enough. Who waits for it to be compiled is told; and who waits
+    for plain Python, as nothing can be.
     """
     price = LOADING
     if not _ready:  # numba has not started yet

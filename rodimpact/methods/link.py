@@ -1,11 +1,9 @@
 """The link of a row, as numbers for kernels.
 
-It is a contact, a joint, a bond, or the push on an end.
-
-A link has the numbers of its law, each with one meaning, whatever the method. A contact
-law states in its class which of them it fills, and by which branch of the kernels it
-acts (`acts_as`). Methods append fields of their own to `LINK`: what a link does during
-a run.
+It is a contact, a joint, a bond, or the push on an end. A link has the numbers of its
+law, each with one meaning, whatever the method. A contact law states in its class which
+of them it fills, and by which branch of the kernels it acts (`acts_as`). Methods append
+fields of their own to `LINK`: what a link does during a run.
 """
 
 from enum import IntEnum

@@ -1,12 +1,10 @@
 """How much memory a run may take.
 
-It is checked before it is taken, and refused with the figure.
-
-What a method takes it counts itself, at its largest: the arrays of its kernel, the
-record made of them, and the copies that results need. The limit is the same on all but
-small machines, so that a search for an accurate step ends at the same step on each.
-Runs side by side in threads have it too, but those that take more than their share of
-it go one after the other.
+It is checked before it is taken, and refused with the figure. What a method takes it
+counts itself, at its largest: the arrays of its kernel, the record made of them, and
+the copies that results need. The limit is the same on all but small machines, so that a
+search for an accurate step ends at the same step on each. Runs side by side in threads
+have it too, but those that take more than their share of it go one after the other.
 """
 
 import math
@@ -62,9 +60,8 @@ def max_numbers() -> float:
 def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
     """Raise TooLong where so many numbers of 8 bytes are too much.
 
-    Wait if they are a large share.
-
-    A thread that is limited to a share, see `limit_to_share`, waits here for its turn.
+    Wait if they are a large share. A thread that is limited to a share, see
+    `limit_to_share`, waits here for its turn.
 
     Parameters
     ----------

@@ -1,10 +1,9 @@
 """Lists of records, on which kernels work.
 
-They are structured arrays or lists of small objects.
-
-A record class names its fields with their types. In machine code a list of records is a
-structured array, in plain Python a list of objects with the same fields: attributes of
-an object are read faster than fields of an array's element.
+They are structured arrays or lists of small objects. A record class names its fields
+with their types. In machine code a list of records is a structured array, in plain
+Python a list of objects with the same fields: attributes of an object are read faster
+than fields of an array's element.
 """
 
 import dataclasses
@@ -23,10 +22,9 @@ GROWTH_OF_ARRAYS = 4  # what an array has room for takes no memory until it is s
 def dtype_of(record: type) -> np.dtype[Any]:
     """Return the structured type of a record class.
 
-    It has a field for each annotated name, in order.
-
-    What a field is in an array stands in its annotation: ``tick: int``, or where that
-    differs from what it is in plain Python, ``line: Annotated[int, "i4"]``.
+    It has a field for each annotated name, in order. What a field is in an array stands
+    in its annotation: ``tick: int``, or where that differs from what it is in plain
+    Python, ``line: Annotated[int, "i4"]``.
     """
     fields = []
     for name, hint in typing.get_type_hints(record, include_extras=True).items():

@@ -146,10 +146,8 @@ class Options(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Check all options, and note what is wrong.
 
-        Counts and times are set as plain numbers.
-
-        `rtol` must be 1 or less, and excludes `dt` and `cells`. An unknown method is
-        refused.
+        Counts and times are set as plain numbers. `rtol` must be 1 or less, and
+        excludes `dt` and `cells`. An unknown method is refused.
         """
         self._set(max_events=count(problems, "max_events", self.max_events))
         if self.cells is not None:
@@ -255,10 +253,8 @@ class Options(FrozenDataclass):
     def _run_checked(self, method: str, system: System, report: Report) -> Run:
         """Run a single collision, as `run`.
 
-        The method is known to have its physics.
-
-        If single entries kept ``"auto"`` from a faster method, the status also says
-        which.
+        The method is known to have its physics. If single entries kept ``"auto"`` from
+        a faster method, the status also says which.
         """
         # Options that only this method, or some methods, take
         own_options = {name: getattr(self, name) for name in METHODS[method].takes}
@@ -285,9 +281,8 @@ class Options(FrozenDataclass):
     def _why(self, method: str, system: System) -> str:
         """Sentence on what keeps a system from a faster method.
 
-        It is "" if that is not single entries.
-
-        Single entries switch on one of `abilities.SINGLE`.
+        It is "" if that is not single entries. Single entries switch on one of
+        `abilities.SINGLE`.
         """
         needs = abilities.needs(system)  # path and name of physics
         needs_of_many = [need for need in needs if need[1] not in abilities.SINGLE]

@@ -80,11 +80,9 @@ def effective_restitution(
 ) -> Any:
     """e = (V2+ - V1+)/(V1- - V2-) of one contact; arrays broadcast.
 
-    It is nan where there is none.
-
-    After their last contact bodies do not approach each other: where they seem to, or
-    part by no more than round-off, as when a bar without end is pushed for ever, they
-    stay together: e is 0.
+    It is nan where there is none. After their last contact bodies do not approach each
+    other: where they seem to, or part by no more than round-off, as when a bar without
+    end is pushed for ever, they stay together: e is 0.
 
     Parameters
     ----------

@@ -81,9 +81,8 @@ def rigid_blocks(system: Any) -> list[list[int]]:
 def split_at(cuts: list[bool]) -> list[list[int]]:
     """Split the bodies into blocks from left to right.
 
-    A block is a list of their numbers.
-
-    `cuts[k]` says whether to cut between the bodies k and k + 1.
+    A block is a list of their numbers. `cuts[k]` says whether to cut between the bodies
+    k and k + 1.
     """
     blocks = [[0]]
     for k, cut in enumerate(cuts):
@@ -96,11 +95,9 @@ def split_at(cuts: list[bool]) -> list[list[int]]:
 def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
     """Add a block of rigid bodies to a row.
 
-    It is one mass, or the outside if there is a wall in it.
-
-    `block` has the numbers of its bodies. Their common velocity is momentum over mass.
-    A wall becomes the boundary on its side, and the masses bonded to it are no masses
-    of the row.
+    It is one mass, or the outside if there is a wall in it. `block` has the numbers of
+    its bodies. Their common velocity is momentum over mass. A wall becomes the boundary
+    on its side, and the masses bonded to it are no masses of the row.
     """
     # Contacts inside the block are no links, and its bodies have no segments.
     row.contact_link.extend([-1 for _ in block[1:]])

@@ -214,9 +214,8 @@ class ShaftAction(NamedTuple):
 class Waves(NamedTuple):
     """End signals by line, m/s.
 
-    They are what left the left (2s) and the right end (2s + 1) of segment s.
-
-    In the frame of the clock; None where there is none.
+    They are what left the left (2s) and the right end (2s + 1) of segment s, in the
+    frame of the clock; None where there is none.
     """
 
     lines: Sequence[Pieces | None]

@@ -1,9 +1,8 @@
 """Scales of a row.
 
-They are the frame and the scale in which methods count velocities, and their bounds.
-
-In a family numbers are arrays, so nothing here is decided by one of them. The page has
-the functions without numpy's errors as JavaScript.
+They are the frame and the scale in which methods count velocities, and their bounds. In
+a family numbers are arrays, so nothing here is decided by one of them. The page has the
+functions without numpy's errors as JavaScript.
 """
 
 import sys
@@ -75,10 +74,8 @@ def frame_of(row: Any) -> Any:
 def wave_of_strain(row: Any, side: int) -> Any:
     """Wave, m/s, over strain of a wave that comes in through an end.
 
-    The end is the left (0) or the right one (1).
-
-    A wave alone has v = -c strain to the right and c strain to the left, and the wave
-    is 2 v.
+    The end is the left (0) or the right one (1). A wave alone has v = -c strain to the
+    right and c strain to the left, and the wave is 2 v.
     """
     first_or_last = side * (len(row.segments) - 1)
     end_segment = row.segments[first_or_last]
@@ -170,10 +167,9 @@ def scale_without_rods(row: Any, time: Any) -> Any:
 def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
     """Possible problems with the numbers of a row.
 
-    Energies or forces overflow or vanish, or a contact is as good as rigid.
-
-    A contact that is too stiff for its law to matter beside these rods loses its
-    indentation in round-off. What is nan, as it comes of an overflow, counts as beyond.
+    Energies or forces overflow or vanish, or a contact is as good as rigid. A contact
+    that is too stiff for its law to matter beside these rods loses its indentation in
+    round-off. What is nan, as it comes of an overflow, counts as beyond.
 
     Returns
     -------
@@ -228,9 +224,8 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
 def check_scales(row: Any) -> None:
     """Raise InvalidModel where numbers of a row are out of bounds.
 
-    They overflow or vanish, or a contact is as good as rigid.
-
-    If numbers overflow or vanish, contacts are not judged.
+    They overflow or vanish, or a contact is as good as rigid. If numbers overflow or
+    vanish, contacts are not judged.
     """
     problems = []
     for is_beyond, path, message in beyond_scales(row):

@@ -143,10 +143,8 @@ class Pieces:
     def marks(self) -> Ints:
         """Ticks between which straight lines follow the signal.
 
-        They do so to `LINE_RTOL` of its range.
-
-        Just before each jump stands one of them. Constant pieces have their starts
-        alone.
+        They do so to `LINE_RTOL` of its range. Just before each jump stands one of
+        them. Constant pieces have their starts alone.
         """
         if self.size == 1:
             return self.ticks
@@ -177,10 +175,8 @@ class Pieces:
     def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
         """Index of the piece in which each of these ticks lies.
 
-        It is 0 before the first piece.
-
-        A tick between two pieces lies in the later one ("right") or in the earlier one
-        ("left").
+        It is 0 before the first piece. A tick between two pieces lies in the later one
+        ("right") or in the earlier one ("left").
         """
         return np.maximum(self.ticks.searchsorted(ticks, side) - 1, 0)
 
@@ -263,9 +259,7 @@ class Pieces:
     def integrated_twice(self, stop: Any) -> Floats:
         """Integral of (stop - t) f(t) over t from 0 to `stop`.
 
-        It is value times ticks squared.
-
-        So it is the integral of the integral of the signal f.
+        It is value times ticks squared: the integral of the integral of the signal f.
         """
         last = np.max(stop)
         time = Pieces.through([0, last], np.array([0.0, last]))  # the signal t
@@ -397,9 +391,8 @@ def _interpolation(size: int) -> tuple[Floats, Floats]:
 def each_once(*ticks: ArrayLike) -> Ints:
     """All ticks in order, each once.
 
-    `np.unique` hashes whole numbers, and takes 50 times as long.
-
-    Sorting merges what is in order already.
+    `np.unique` hashes whole numbers, and takes 50 times as long. Sorting merges what is
+    in order already.
     """
     merged: Ints = np.sort(np.concatenate(ticks), kind="stable")
     is_first = np.ones(len(merged), dtype=bool)  # whether no equal tick is before it

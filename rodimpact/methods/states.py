@@ -1,10 +1,8 @@
 """States that kernels hold as whole numbers.
 
-They are those of what is beyond an end, of a link, and of a run.
-
-In files and in kernels these are whole numbers; only their order here has a meaning.
-Kernels compare by it where a statement holds for several states; each class says what
-its bounds mean.
+They are those of what is beyond an end, of a link, and of a run. In files and in
+kernels these are whole numbers; only their order here has a meaning. Kernels compare by
+it where a statement holds for several states; each class says what its bounds mean.
 """
 
 from enum import IntEnum

@@ -152,9 +152,8 @@ def proof_sentence(met: bool, t_final: float) -> str:
 def rounding(error: float, path: str) -> str:
     """Sentence on the rounding of transit times to the clock.
 
-    It is empty if the rounding is too small to be told.
-
-    `error` is the largest relative change, of the segment with this path.
+    It is empty if the rounding is too small to be told. `error` is the largest relative
+    change, of the segment with this path.
     """
     if error <= ROUNDED:
         return ""

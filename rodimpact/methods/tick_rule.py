@@ -143,13 +143,11 @@ def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
 def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0) -> int:
     """Give each duration its whole number of ticks.
 
-    Return that of the longest (about 2^bits).
-
-    A tick is the longest duration that is no time of a drive, divided by the number
-    returned. The class of the longest is exact, and simple fractions of its unit are
-    whole ticks too, for gaps that close there. A further class is exact while its unit
-    has at least 2^40 ticks. The other durations are rounded singly, by at most half a
-    tick.
+    Return that of the longest (about 2^bits). A tick is the longest duration that is no
+    time of a drive, divided by the number returned. The class of the longest is exact,
+    and simple fractions of its unit are whole ticks too, for gaps that close there. A
+    further class is exact while its unit has at least 2^40 ticks. The other durations
+    are rounded singly, by at most half a tick.
 
     Parameters
     ----------
@@ -200,10 +198,8 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
 def clock_bits(ratio: float) -> int:
     """Base-2 logarithm of the longest transit in ticks.
 
-    The run lasts `ratio` longest transits.
-
-    The run must not be longer than 2^CLOCK_BITS ticks. 0 for a ratio that is no
-    positive number.
+    The run lasts `ratio` longest transits, and must not be longer than 2^CLOCK_BITS
+    ticks. The result is 0 for a ratio that is no positive number.
     """
     if ratio == 0:
         return MAX_TRANSIT_BITS

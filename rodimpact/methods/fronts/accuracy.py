@@ -80,9 +80,7 @@ def measures_of(finished: FrontRun) -> dict[str, Array]:
 def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
     """Sentence that states the largest error by rounded transit times.
 
-    It is empty without errors.
-
-    An infinite error is one that is not known.
+    It is empty without errors. An infinite error is one that is not known.
     """
     if not accuracy:
         return ""

@@ -83,9 +83,8 @@ class FrontBatch(Batch[State]):
     ) -> None:
         """Make the records of the layout for no members yet.
 
-        The request is in the record of the run.
-
-        They are lists of objects, or arrays if the members are to run in machine code.
+        The request is in the record of the run. Records are lists of objects, or arrays
+        if the members are to run in machine code.
         """
         state = make_state(layout, INITIAL_LOG_ROWS, [])
         request.store(state.runs[0])

@@ -14,9 +14,8 @@ from .records import NONE, Amplitude, Log, Segment, State
 def update_motion(state: State) -> None:
     """Set velocities of groups, and momenta and energies of segments, to those of now.
 
-    The energies are those of vibration.
-
-    The vibration at t = 0 is found for runs past the proof only.
+    The energies are those of vibration. The vibration at t = 0 is found for runs past
+    the proof only.
     """
     run = state.runs[0]
     nodes = state.nodes
@@ -70,11 +69,10 @@ def measure_segments(state: State) -> None:
 def set_group_velocities(state: State) -> None:
     """Set the velocities V of bonded groups of mass m.
 
-    They follow from their momenta p, then from impulses.
-
-    V = p/m at t = 0, and V(0) + (impulse on the left - impulse on the right)/m later:
-    impulses are more exact than the momenta of waves, and independent of them. A group
-    bonded to what is outside always has V = p/m.
+    They follow from their momenta p, then from impulses. V = p/m at t = 0, and
+    V(0) + (impulse on the left - impulse on the right)/m later: impulses are more exact
+    than the momenta of waves, and independent of them. A group bonded to what is
+    outside always has V = p/m.
     """
     run = state.runs[0]
     segments = state.segments
@@ -124,10 +122,8 @@ def largest_difference(
 ) -> Amplitude:
     """Largest absolute difference of two waves where they meet.
 
-    Meetings between 0 and `end_tick` count.
-
-    Waves that leave the two ends of a segment at p and q meet at (p + q + T)/2 if
-    abs(p - q) < T, its transit time.
+    Meetings between 0 and `end_tick` count. Waves that leave the two ends of a segment
+    at p and q meet at (p + q + T)/2 if abs(p - q) < T, its transit time.
 
     Parameters
     ----------

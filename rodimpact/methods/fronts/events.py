@@ -57,9 +57,8 @@ def start(state: State) -> None:
 def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
     """Take all fronts off the lines.
 
-    The waves that arrive inside the row become `zero`.
-
-    What arrives from outside, on the first two and the last two lines, stays.
+    The waves that arrive inside the row become `zero`. What arrives from outside, on
+    the first two and the last two lines, stays.
     """
     last = len(lines) - 1
     for l in range(len(lines)):
@@ -236,11 +235,9 @@ def advance(state: State, horizon: int) -> int:
 def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> int:
     """Why a run stops before its next event, as `states.Stop`; NONE if it goes on.
 
-    The event is at `tick`.
-
-    Other nodes may have an event at the same tick as the last one: the cap waits for
-    them. `is_full` says that the log has no room for an event, `events` is the number
-    so far.
+    The event is at `tick`. Other nodes may have an event at the same tick as the last
+    one: the cap waits for them. `is_full` says that the log has no room for an event,
+    `events` is the number so far.
     """
     if tick > horizon:
         return Stop.DONE.value
@@ -256,9 +253,8 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 def receive(line: Line, log: Log, transit: int) -> None:
     """Take the front that arrives off a line.
 
-    Its value is the incoming wave from now on, m/s.
-
-    The front behind it is next; it arrives a transit time after it was sent.
+    Its value is the incoming wave from now on, m/s. The front behind it is next; it
+    arrives a transit time after it was sent.
     """
     front = log[line.next_row]
     line.incoming_wave = front.value

@@ -61,11 +61,10 @@ def solve_family(
 ) -> Columns:
     """Columns of every member, and those named in `also`.
 
-    They are as `family.family_columns` makes them.
-
-    Energy lost in contacts, which is 0, is always among them; stress and displacement
-    need the waves of each member, and are found only if they are named. A refused
-    member has nan. The other arguments are those of `driver.solve_many`.
+    They are as `family.family_columns` makes them. Energy lost in contacts, which is 0,
+    is always among them; stress and displacement need the waves of each member, and are
+    found only if they are named. A refused member has nan. The other arguments are
+    those of `driver.solve_many`.
     """
     layout = lay_out_family(row)
     group_segments = segments_of_groups(row.system, row.spans)
@@ -149,9 +148,8 @@ def wave_fields(segments: int) -> list[tuple[str, int]]:
 def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
     """Displacement of each body and largest stress in each rod, by name.
 
-    They are in m and Pa, [member].
-
-    Names are such as "displacement.0", with the number of the body.
+    They are in m and Pa, [member]. Names are such as "displacement.0", with the number
+    of the body.
     """
     columns: dict[str, Array] = {}
     for i, body in enumerate(row.system.bodies):
@@ -168,10 +166,9 @@ def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
 def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) -> Array:
     """Displacement of the centre of a rod, m [member].
 
-    The rod has the segments `first` to `last`.
-
-    Newton's law integrated twice: m u = p0 t + integral(J1 - J2) dt in the frame, p0
-    the momentum at t = 0, J1 and J2 the impulses at the left and at the right end.
+    The rod has the segments `first` to `last`. Newton's law integrated twice: m u = p0
+    t + integral(J1 - J2) dt in the frame, p0 the momentum at t = 0, J1 and J2 the
+    impulses at the left and at the right end.
     """
     mass: Array | float = 0.0
     momentum: Array | float = 0.0

@@ -176,9 +176,8 @@ def append_profile(
 ) -> Profile:
     """Append a velocity and a strain to the values; return their place.
 
-    Each is constant or in steps.
-
-    They belong to the body that begins with `segment`, or to what lies outside an end.
+    Each is constant or in steps. They belong to the body that begins with `segment`, or
+    to what lies outside an end.
     """
     offset = len(values)
     velocities = append_steps(values, velocity)

@@ -122,12 +122,10 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
 def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     """Set mean velocity and velocity bounds of the group of segment s.
 
-    The group is on one side of contact k.
-
-    The mean velocity is momentum over mass: sum of (1/Y) integral(a + b) over the sum
-    of 2 T/Y. That of a group bonded to the outside is the wave that arrives from there.
-    The bounds are those of all its waves; if these are steady, both are the mean
-    velocity.
+    The group is on one side of contact k. The mean velocity is momentum over mass: sum
+    of (1/Y) integral(a + b) over the sum of 2 T/Y. That of a group bonded to the
+    outside is the wave that arrives from there. The bounds are those of all its waves;
+    if these are steady, both are the mean velocity.
     """
     segments = state.segments
     nodes = state.nodes
@@ -221,13 +219,12 @@ def bound_deviations(state: State, k: int, now: int) -> None:
 def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     """Set deviation and bound of the end of the group of segment s.
 
-    The group is on one side of contact k.
-
-    Segments are taken from the far end to the contact. g grows from g0 to g1 over a
-    segment; its part of integral(g^2 dx/(E A)) is Y T (g0^2 + g0 g1 + g1^2)/3. A wave w
-    about the mean motion, sent over `width` ticks, has the energy w^2 width/(4 Y), the
-    momentum w width/(2 Y) and the part w width g/2 of integral(strain g dx), with the
-    sign of (b - a). The bound stays 0 where the motion is steady.
+    The group is on one side of contact k. Segments are taken from the far end to the
+    contact. g grows from g0 to g1 over a segment; its part of integral(g^2 dx/(E A)) is
+    Y T (g0^2 + g0 g1 + g1^2)/3. A wave w about the mean motion, sent over `width`
+    ticks, has the energy w^2 width/(4 Y), the momentum w width/(2 Y) and the part w
+    width g/2 of integral(strain g dx), with the sign of (b - a). The bound stays 0
+    where the motion is steady.
     """
     segments = state.segments
     log = state.log

@@ -89,11 +89,10 @@ def line_inward(n: int, side: int) -> int:
 def choose_clock(state: State, values: Values) -> None:
     """Set the frame, the clock and the tolerances of a member.
 
-    The transits of its segments are set, too.
-
-    The clock counts transit times, times to jumps of the initial state, and times at
-    which drives jump. If all equal those of the previous member, its ticks are kept.
-    `Run.stop_reason` becomes NONE, or says why there is no clock.
+    The transits of its segments are set, too. The clock counts transit times, times to
+    jumps of the initial state, and times at which drives jump. If all equal those of
+    the previous member, its ticks are kept. `Run.stop_reason` becomes NONE, or says why
+    there is no clock.
     """
     run = state.runs[0]
     durations = state.durations

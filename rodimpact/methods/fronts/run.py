@@ -110,9 +110,8 @@ class FrontRun:
     def _why_no_clock(self) -> tuple[str, str]:
         """Path and sentence for a collision that cannot be run.
 
-        It has no clock, or its energies overflow.
-
-        The reason is velocities (OVERFLOW), a long run (LONG), or else a short transit.
+        It has no clock, or its energies overflow. The reason is velocities (OVERFLOW),
+        a long run (LONG), or else a short transit.
         """
         run = self.run
         row = self.layout.row

@@ -159,10 +159,9 @@ def outside_signal(
 ) -> BoundaryAction | None:
     """What acts on the left (0) or the right (1) end of the row.
 
-    It is None at a free or fixed end.
-
-    A driven end sends the wave w in, where u arrives: v = (w + u)/2, and the push into
-    the row is Z (w - u)/2 at the left end, Z (u - w)/2 at the right end.
+    It is None at a free or fixed end. A driven end sends the wave w in, where u
+    arrives: v = (w + u)/2, and the push into the row is Z (w - u)/2 at the left end, Z
+    (u - w)/2 at the right end.
     """
     clock = finished.clock
     end_tick = finished.run.now

@@ -53,9 +53,8 @@ def end_of_run(
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
     """Sentence on a collision that is proved final.
 
-    `t_final` is the end of the last contact, s.
-
-    If contacts go on pressing, it names them.
+    `t_final` is the end of the last contact, s. If contacts go on pressing, it names
+    them.
     """
     pressing: list[int] = []
     has_pressed = False

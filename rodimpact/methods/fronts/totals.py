@@ -33,10 +33,8 @@ def tally_of(node: Node, tick_duration: float) -> ContactTally:
 def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float:
     """Time at which the last contact ended in a proved run, s.
 
-    It is found by `status.last_contact`.
-
-    `round_trip` is the longest time in a body there and back, s. The page has this as
-    JavaScript.
+    It is found by `status.last_contact`. `round_trip` is the longest time in a body
+    there and back, s. The page has this as JavaScript.
     """
     ends: list[list[float]] = []
     for node in contacts:
@@ -108,10 +106,9 @@ def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> 
 def totals_of(finished: FrontRun) -> Totals:
     """Totals of a finished run.
 
-    They are motion before and after, works, and what the balances miss.
-
-    Missing momentum is what the row gained, less the impulse from outside. Missing
-    energy is what it gained, less the work of walls and drives, plus what was radiated.
+    They are motion before and after, works, and what the balances miss. Missing
+    momentum is what the row gained, less the impulse from outside. Missing energy is
+    what it gained, less the work of walls and drives, plus what was radiated.
     """
     clock = finished.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
@@ -175,10 +172,8 @@ class BoundaryEffects:
     ) -> None:
         """Add up what acts on both ends of a run.
 
-        Masses and velocities are those of the bodies.
-
-        Work in the laboratory is work in the frame plus velocity of the frame times
-        impulse.
+        Masses and velocities are those of the bodies. Work in the laboratory is work in
+        the frame plus velocity of the frame times impulse.
         """
         self.impulse = 0.0
         self.wall_work = 0.0

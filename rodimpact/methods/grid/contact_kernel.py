@@ -118,10 +118,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
 def closing_without_own_force(links: Any, i: int) -> float:
     """Closing of link i in this step without its own force.
 
-    The forces of both neighbours count.
-
-    The first link of a chain shares nothing with the one before it: its coupling is 0.
-    Behind the last of all links comes the first.
+    The forces of both neighbours count. The first link of a chain shares nothing with
+    the one before it: its coupling is 0. Behind the last of all links comes the first.
     """
     link = links[i]
     after = links[i + 1 - len(links)]  # an index below 0 counts from the end
@@ -223,12 +221,10 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
 def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
     """Set the forces of a chain; return False where there are none.
 
-    There are none where walls squeeze a mass.
-
-    Gauss-Seidel sweeps descend on a convex function, the dual energy of the step, and
-    so always converge, if slowly. A Newton step is kept where it halves the change in
-    the next sweep. One link alone needs one sweep. `speed` is that of the bodies, whose
-    round-off is no change.
+    There are none where walls squeeze a mass. Gauss-Seidel sweeps descend on a convex
+    function, the dual energy of the step, and so always converge, if slowly. A Newton
+    step is kept where it halves the change in the next sweep. One link alone needs one
+    sweep. `speed` is that of the bodies, whose round-off is no change.
     """
     change = math.inf  # largest change of a closing in the last sweep that is kept
     largest = speed  # largest speed in it
@@ -258,11 +254,9 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
 def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
     """Let impacts of a chain begin whose gaps would close in this step.
 
-    Return whether one does.
-
-    An impact that has not begun has an infinite `max_closing`. The one that begins at
-    the closing velocity u is to leave -e u: the mean over the step is (1 - e) u/2. Gaps
-    within `tolerance` below 0 are closed already.
+    Return whether one does. An impact that has not begun has an infinite `max_closing`.
+    The one that begins at the closing velocity u is to leave -e u: the mean over the
+    step is (1 - e) u/2. Gaps within `tolerance` below 0 are closed already.
     """
     has_new_impact = False
     for i in range(first, last + 1):

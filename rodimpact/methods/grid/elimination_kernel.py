@@ -23,11 +23,10 @@ def factor(
 ) -> None:
     """Store the LU factors of the equations, [node] each.
 
-    They are `lower`, `inverse_diagonal` and `upper`.
-
-    `is_prescribed` is 1 at nodes whose values are prescribed: their equation is
-    x[i] = right side. The factors of the middle node are those of its neighbours:
-    `lower` of the left one, `upper` of the right one.
+    They are `lower`, `inverse_diagonal` and `upper`. `is_prescribed` is 1 at nodes
+    whose values are prescribed: their equation is x[i] = right side. The factors of the
+    middle node are those of its neighbours: `lower` of the left one, `upper` of the
+    right one.
 
     With the entries d of the diagonal and e of the off-diagonal towards the node before
     and f towards the one after it, the factors of a node are

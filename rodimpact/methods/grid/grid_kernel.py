@@ -1,13 +1,12 @@
 """Rods on a staggered grid, step by step.
 
-Velocities are at nodes, forces in the cells between them.
-
-Half of the mass of each cell sits at either of its nodes, so that
-u_tt = (F_right - F_left)/m at a node and F = E A du/dx in a cell. In every step the
-nodes drift half a step, are kicked by the forces in the middle of it, and drift the
-other half (leapfrog). For a Courant number of 1 in a uniform rod this carries waves
-without error, above 1 it is unstable. With u the displacement at the end of a step, the
-energy v M v/2 + (u K u - v K v/4)/2 is kept to round-off.
+Velocities are at nodes, forces in the cells between them. Half of the mass of each cell
+sits at either of its nodes, so that u_tt = (F_right - F_left)/m at a node and F = E A
+du/dx in a cell. In every step the nodes drift half a step, are kicked by the forces in
+the middle of it, and drift the other half (leapfrog). For a Courant number of 1 in a
+uniform rod this carries waves without error, above 1 it is unstable. With u the
+displacement at the end of a step, the energy v M v/2 + (u K u - v K v/4)/2 is kept to
+round-off.
 
 Where a rod is damped (sigma = E eps + eta d(eps)/dt) or has lateral inertia (rho A u_tt
 - rho nu^2 I_p u_xxtt = E A u_xx), the force of a cell depends on the new velocities,
@@ -204,9 +203,8 @@ def keep_radial_strains(
 ) -> None:
     """Store radial strains q and their rates at the end of a step.
 
-    They go to the next state that is kept.
-
-    q is known in the middle of a step: half a step adds rate/2.
+    They go to the next state that is kept. q is known in the middle of a step: half a
+    step adds rate/2.
     """
     cells = (run.kept_states * len(coupling)) & INDEX_MASK  # first entry of this state
     for i in range(len(coupling)):
@@ -350,10 +348,9 @@ def find_implicit_forces(
 ) -> None:
     """Set x, the right side of the equations of a step.
 
-    It has the elastic and viscous forces on the nodes.
-
-    The viscous force is eta A/dx (v[i + 1] - v[i]) with the velocities before the step,
-    which are kept in `old_velocity`. Node i lies between the cells i and i + 1.
+    It has the elastic and viscous forces on the nodes. The viscous force is eta A/dx
+    (v[i + 1] - v[i]) with the velocities before the step, which are kept in
+    `old_velocity`. Node i lies between the cells i and i + 1.
     """
     before = force[0]  # tension on the left of node i
     for i in range(len(v) - 1):
@@ -404,10 +401,9 @@ def solve_contacts(run: Run, v: Any, links: Any) -> bool:
 def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
     """Find the forces of a chain of links; return False if there are none.
 
-    Link `first` is the first of the chain.
-
-    Links that are coupled by bodies between them make a chain, see `contact_kernel`.
-    `v` are the velocities at the end of the step without link forces; they stay so.
+    Link `first` is the first of the chain. Links that are coupled by bodies between
+    them make a chain, see `contact_kernel`. `v` are the velocities at the end of the
+    step without link forces; they stay so.
     """
     last = links[first].chain_end
     speed = 0.0
@@ -474,11 +470,9 @@ def push_pieces(
 def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
     """Set closings and gaps of the links at the end of the step.
 
-    They are stored with the forces.
-
-    `signals` has a row for each step of the window. In the first step the force that
-    contacts had as they closed at t = 0 is added, and the closing is such that force
-    times closing is the work.
+    They are stored with the forces. `signals` has a row for each step of the window. In
+    the first step the force that contacts had as they closed at t = 0 is added, and the
+    closing is such that force times closing is the work.
     """
     for i in range(len(links)):
         link = links[i]

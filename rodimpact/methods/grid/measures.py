@@ -1,10 +1,8 @@
 """Measures of a force that is known by its means over time steps.
 
-Gaps are known at the ends of the steps.
-
-Largest force, begin and end of forces, contact intervals and openings. Times are
-counted in steps. Arrays of forces have an entry for each step, N, those of gaps one
-entry more, m.
+Gaps are known at the ends of the steps. The measures are largest force, begin and end
+of forces, contact intervals and openings. Times are counted in steps. Arrays of forces
+have an entry for each step, N, those of gaps one entry more, m.
 """
 
 import math
@@ -30,12 +28,11 @@ FLAT_RTOL = 1e-9
 def largest_force(force: Floats) -> float:
     """Largest force of a curve with these means over steps, N.
 
-    It is that in the step of the largest mean.
-
-    The curve is the parabola with the means of this step and of both neighbours. Where
-    these span a jump or a kink, it is the parabola through this step and two steps
-    before or behind it. That one must have much less curvature, and be smooth: its
-    curvature is less than its slope, or the force is constant.
+    It is that in the step of the largest mean. The curve is the parabola with the means
+    of this step and of both neighbours. Where these span a jump or a kink, it is the
+    parabola through this step and two steps before or behind it. That one must have
+    much less curvature, and be smooth: its curvature is less than its slope, or the
+    force is constant.
     """
     if np.max(force, initial=0.0) <= 0:  # no force presses
         return 0.0
@@ -81,10 +78,9 @@ def _parabola(first: float, second: float, third: float) -> tuple[float, float, 
 def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
     """Times of forces in steps, [n, 3].
 
-    They are begin and end of each force, and the opening before the next one.
-
-    `gap` is at the ends of steps, with one entry more than `force`. A gap has opened
-    once it passes `open_gap`, m. A time that does not come is nan.
+    They are begin and end of each force, and the opening before the next one. `gap` is
+    at the ends of steps, with one entry more than `force`. A gap has opened once it
+    passes `open_gap`, m. A time that does not come is nan.
     """
     # Steps in which forces begin, and those behind their last ones, in turn
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
@@ -112,10 +108,8 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
 def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
     """Episodes of touching, from the first force until a gap has opened.
 
-    Times are in steps.
-
-    A row of `intervals` holds the begin and the end of a force and the opening, in
-    steps; what has not happened yet is nan.
+    Times are in steps. A row of `intervals` holds the begin and the end of a force and
+    the opening, in steps; what has not happened yet is nan.
     """
     changes = [Status.PRESS, Status.GRAZE, Status.OPEN]
     statuses = np.broadcast_to(changes, intervals.shape)
@@ -244,10 +238,8 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
 def _passing_time(gap: Floats, k: int, level: float) -> float:
     """Last time before step end k at which a gap was at this level, in steps.
 
-    At step end k the gap is larger.
-
-    Gaps are straight lines between step ends. It is k - 1 if the gap was never so
-    small.
+    At step end k the gap is larger. Gaps are straight lines between step ends. It is
+    k - 1 if the gap was never so small.
     """
     for i in range(k - 1, -1, -1):
         if gap[i] <= level:  # it passes the level in step i

@@ -126,13 +126,11 @@ class GridMotion(NamedTuple):
     ) -> tuple[float, float]:
         """Kinetic and strain energy of neighbouring nodes and their cells, J.
 
-        The cells are those between these nodes.
-
-        At the end of a step h the scheme keeps (v M v - h^2 v K v/4 + u K u)/2. The
-        first two terms are the kinetic energy: K is k between neighbours, and lateral
-        inertia adds to M there. The radial strain q of a cell has an inertia J,
-        stiffnesses G and s, and the coupling b with the elongation; in terms of the
-        tension its own stiffness is G - b^2/k.
+        The cells are those between these nodes. At the end of a step h the scheme keeps
+        (v M v - h^2 v K v/4 + u K u)/2. The first two terms are the kinetic energy: K
+        is k between neighbours, and lateral inertia adds to M there. The radial strain
+        q of a cell has an inertia J, stiffnesses G and s, and the coupling b with the
+        elongation; in terms of the tension its own stiffness is G - b^2/k.
 
         Parameters
         ----------
@@ -224,10 +222,9 @@ class Mesh:
     def __init__(self, row: Row, counts: list[int]) -> None:
         """Lay out a row on a grid with `counts` cells in its segments.
 
-        All attributes are set.
-
-        Pieces end at contacts and joints, groups at contacts only. Nodes of rigid
-        masses, of the ends, and beside cells whose forces are recorded are watched.
+        All attributes are set. Pieces end at contacts and joints, groups at contacts
+        only. Nodes of rigid masses, of the ends, and beside cells whose forces are
+        recorded are watched.
         """
         self.row = row
         self.counts = counts
@@ -376,9 +373,8 @@ NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
 def _in_series(springs: Array) -> Array:
     """Stiffness between the middles of neighbouring cells, [node].
 
-    The cells have these springs, [cell].
-
-    Two half springs, of stiffness 2 a and 2 b, are in series: 2 a b/(a + b).
+    The cells have these springs, [cell]. Two half springs, of stiffness 2 a and 2 b,
+    are in series: 2 a b/(a + b).
     """
     a = springs[:-1]
     b = springs[1:]
@@ -479,11 +475,9 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
 def most_cells(segment: Any, count: int, step: float) -> int:
     """Largest number of cells of a segment for which a step in s is stable.
 
-    It is `count` at most.
-
-    It is at least 1, even if a step is too long for a single cell. The longest stable
-    step falls with the number of cells, so the stable numbers come first, and there are
-    as many as the place of the first unstable one.
+    It is `count` at most, and at least 1, even if a step is too long for a single cell.
+    The longest stable step falls with the number of cells, so the stable numbers come
+    first, and there are as many as the place of the first unstable one.
     """
     stable_count = bisect_left(
         range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step
@@ -554,9 +548,8 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
 def _chain(values: Array) -> Array:
     """Matrix of springs, dashpots or inertances between neighbours.
 
-    Their constants are [cell].
-
-    It is D^T diag(values) D, D the differences of neighbouring nodes.
+    Their constants are [cell]. The matrix is D^T diag(values) D, D the differences of
+    neighbouring nodes.
     """
     D = _differences(len(values) + 1)
     return np.asarray(D.T @ (values[:, None] * D))

@@ -72,13 +72,11 @@ def run_grid(
 ) -> GridRun:
     """Run a single collision on a mesh that is fine enough.
 
-    Return the run on the finest mesh.
-
-    The step is divided until velocities and impulses no longer change. The errors of
-    the peak force and of the duration are stated, but the mesh is not refined for them:
-    beside a jump waves overshoot on any mesh, flat ends of viscous rods, or of rods
-    with lateral inertia, meet with a force that has no largest value, and weak forces
-    begin and end late.
+    Return the run on the finest mesh. The step is divided until velocities and impulses
+    no longer change. The errors of the peak force and of the duration are stated, but
+    the mesh is not refined for them: beside a jump waves overshoot on any mesh, flat
+    ends of viscous rods, or of rods with lateral inertia, meet with a force that has no
+    largest value, and weak forces begin and end late.
 
     Parameters
     ----------
@@ -257,12 +255,10 @@ def mesh_size(
 def _least_wasteful(transits: Array, until: float | None) -> int:
     """Number of cells of the longest transit with Courant numbers nearest to 1.
 
-    Those of all segments count.
-
-    Segments have whole numbers of cells, and waste 1 less their Courant number; the
-    largest waste of any segment counts. It is the first best number among those from
-    the fewest that are needed up to twice as many. `transits` in s are those of the
-    segments, `until` is the end of the run, s.
+    Those of all segments count. Segments have whole numbers of cells, and waste 1 less
+    their Courant number; the largest waste of any segment counts. It is the first best
+    number among those from the fewest that are needed up to twice as many. `transits`
+    in s are those of the segments, `until` is the end of the run, s.
     """
     longest = float(transits.max())
     least = max(MIN_LONGEST_CELLS, math.ceil(MIN_CELLS * longest / transits.min()))

@@ -1,10 +1,9 @@
 """The proof of finality on a grid.
 
-It tells from the present state how each side of a contact moves.
-
-On each side stands a group of pieces with the joints between them. A semi-infinite bar
-of impedance Z yields by the momentum that it has taken, over Z. A joint without a
-spring yields by the change of momentum over the constant of its dashpot.
+It tells from the present state how each side of a contact moves. On each side stands a
+group of pieces with the joints between them. A semi-infinite bar of impedance Z yields
+by the momentum that it has taken, over Z. A joint without a spring yields by the change
+of momentum over the constant of its dashpot.
 """
 
 import math

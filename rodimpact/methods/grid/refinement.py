@@ -136,11 +136,10 @@ def comparable_runs(
 ) -> list[tuple[float, GridRun]]:
     """Return the last coarser runs, and a share for the error.
 
-    That share of the differences of fields bounds the error.
-
-    An error that falls with the power p = `order` of the step h is 1/((g/h)^p - 1) of
-    the difference from a run with step g. There are none if the levels are too few, or
-    if the states would take too much memory.
+    That share of the differences of fields bounds the error. An error that falls with
+    the power p = `order` of the step h is 1/((g/h)^p - 1) of the difference from a run
+    with step g. There are none if the levels are too few, or if the states would take
+    too much memory.
     """
     coarser = [run for run in runs if run.step > finest.step][-MAX_COMPARED:]
     if len(coarser) + 1 < MIN_LEVELS:  # the finest one is a level, too
@@ -157,11 +156,10 @@ def comparable_runs(
 def measures_of(run: GridRun) -> dict[str, Array]:
     """Measures of the outcome of a run, by name.
 
-    They are velocities, impulses, peak forces and durations.
-
-    Restitution follows from the impulses. A row without contacts has no forces among
-    its measures. Bonds and joints count in runs to a given end only. The last impulse
-    and the last peak force are round-off, an entry that only sets a scale.
+    They are velocities, impulses, peak forces and durations. Restitution follows from
+    the impulses. A row without contacts has no forces among its measures. Bonds and
+    joints count in runs to a given end only. The last impulse and the last peak force
+    are round-off, an entry that only sets a scale.
     """
     measures = {VELOCITY: velocities_of(run)}
     impulses: list[float] = []
@@ -212,11 +210,10 @@ def round_off_of(run: GridRun) -> float:
 def velocities_of(run: GridRun) -> Array:
     """Velocities at the end of a run, m/s, behind their scale.
 
-    Errors are small beside that scale.
-
-    They are the mean velocities of groups of joined bodies none of which is driven:
-    these last after the last contact. At a given end those of rods and of rigid masses
-    are added, which oscillate in their groups.
+    Errors are small beside that scale. The velocities are the mean velocities of groups
+    of joined bodies none of which is driven: these last after the last contact. At a
+    given end those of rods and of rigid masses are added, which oscillate in their
+    groups.
     """
     mesh = run.mesh
     v = run.grid.velocity

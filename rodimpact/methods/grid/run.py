@@ -93,11 +93,9 @@ class GridRun:
     ) -> None:
         """Make the grid in its state at t = 0, which is kept.
 
-        Raise TooLong if memory is short.
-
-        How many states are kept at most follows from `snapshots`, or from the memory
-        that they may take; states of damped rods are kept in threes if there may be
-        enough.
+        Raise TooLong if memory is short. How many states are kept at most follows from
+        `snapshots`, or from the memory that they may take; states of damped rods are
+        kept in threes if there may be enough.
         """
         self.mesh = mesh
         self.step = step
@@ -150,9 +148,8 @@ class GridRun:
     def _require_memory(self, steps: int) -> None:
         """Raise TooLong where so many steps take too much memory.
 
-        Their states and results count.
-
-        Else note them in `checked_steps`. Numbers are counted, of 8 bytes each.
+        Their states and results count. Steps that fit are noted in `checked_steps`.
+        Numbers are counted, of 8 bytes each.
         """
         mesh = self.mesh
         row = self.row
@@ -206,9 +203,8 @@ class GridRun:
     def _bound_states(self, end: int) -> int:
         """Upper bound of the number of states kept in a run to step `end`.
 
-        It follows from the stride.
-
-        Threes of neighbouring states overlap where each step is kept.
+        It follows from the stride. Threes of neighbouring states overlap where each
+        step is kept.
         """
         if self._in_threes and self._stride > 1:
             return 3 * (end // self._stride + 2)
@@ -217,9 +213,7 @@ class GridRun:
     def _empty_history(self, steps: int, states: int) -> StepHistory:
         """Arrays for the records of the kernel over some steps, with some states.
 
-        They are not set yet.
-
-        Radial strains have no columns where cells have none.
+        They are not set yet. Radial strains have no columns where cells have none.
         """
         grid = self.grid
         n = len(self.mesh.mass)
@@ -273,10 +267,8 @@ class GridRun:
     ) -> None:
         """Take the steps to `end`, and fill a window with them.
 
-        They are compiled or in plain Python.
-
-        The grid and the window are changed in place; in plain Python lists are made of
-        them, and copied back.
+        They are compiled or in plain Python. The grid and the window are changed in
+        place; in plain Python lists are made of them, and copied back.
 
         Raises
         ------
@@ -391,9 +383,7 @@ class GridRun:
     def spans(self, pressed: Array) -> tuple[Array, Array]:
         """Times at which forces of a contact begin, and end, s [n] each.
 
-        `pressed` is that of the contact.
-
-        A force that still acts ends with the run.
+        `pressed` is that of the contact. A force that still acts ends with the run.
         """
         begins, ends, _ = pressed.T
         return begins, np.nan_to_num(ends, nan=self.times[-1])
@@ -420,10 +410,9 @@ class GridRun:
     def bond_force(self, link: int) -> Array:
         """Mean force in a bonded link in each step, N.
 
-        It follows from Newton's law for the half cell beside it.
-
-        With sign 1 for a half cell on the left of the link and -1 on its right,
-        F = -tension - sign (m/2 dv/dt - force of the soil).
+        It follows from Newton's law for the half cell beside it. With sign 1 for a half
+        cell on the left of the link and -1 on its right, F = -tension - sign (m/2
+        dv/dt - force of the soil).
         """
         mesh = self.mesh
         node, cell = mesh.bonds[link]
@@ -453,10 +442,9 @@ class GridRun:
     def _soil_forces(self, fields: dict[str, Array]) -> Array:
         """Force of the soil to the right in some states, N [state, node in soil].
 
-        The states have these fields.
-
-        It is -(R + c v) with the damping c = J abs(R) by Smith's law and a constant one
-        else, v the velocity against the ground.
+        `fields` are those of the states. The force is -(R + c v) with the damping c = J
+        abs(R) by Smith's law and a constant one else, v the velocity against the
+        ground.
         """
         soil = self.grid.soil
         t = fields["when"][:, None] * self.step
@@ -470,10 +458,8 @@ class GridRun:
     def _soil_at_end(self, node: int, sign: int) -> Array:
         """Force of the soil on the half cell at an end of a rod, N [step].
 
-        It is 0 without soil.
-
-        The end is the right (`sign` = 1) or left (-1) one of the rod that has this node
-        there.
+        It is 0 without soil. The end is the right (`sign` = 1) or left (-1) one of the
+        rod that has this node there.
         """
         for shaft, body in enumerate(shaft_bodies(self.row)):
             first, last = self.row.spans[body]

@@ -51,12 +51,10 @@ class Responses(NamedTuple):
 def grid_of(mesh: Mesh, step: float) -> Grid:
     """Make the grid of a mesh for steps of `step`, s.
 
-    It is at rest, without force, with the given gaps.
-
-    The equations of a step are (M + J + D/2) dv = forces, see `grid_kernel`: a cell
-    adds J + D/2 to the diagonal of both of its nodes, and to the off-diagonal between
-    them; half of the impedance of an endless bar and of the damping of soil are on the
-    diagonal.
+    It is at rest, without force, with the given gaps. The equations of a step are
+    (M + J + D/2) dv = forces, see `grid_kernel`: a cell adds J + D/2 to the diagonal of
+    both of its nodes, and to the off-diagonal between them; half of the impedance of an
+    endless bar and of the damping of soil are on the diagonal.
     """
     row = mesh.row
     n = len(mesh.mass)
@@ -159,9 +157,8 @@ def factorise(mesh: Mesh, diagonal: Array, off_diagonal: Array) -> Factors:
 def velocity_changes(factors: Factors, forces: Any) -> Array:
     """Changes of velocity in a step by forces on the nodes, N; m/s [node].
 
-    They solve the equations of the step.
-
-    At nodes whose velocity is prescribed `forces` has the change itself.
+    They solve the equations of the step. At nodes whose velocity is prescribed `forces`
+    has the change itself.
     """
     x = np.array(forces, float)
     elimination.substitute(*factors, x)
@@ -171,10 +168,8 @@ def velocity_changes(factors: Factors, forces: Any) -> Array:
 def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
     """Velocities by unit forces on the ends of all pieces.
 
-    They solve the equations with these factors.
-
-    Forces on all pieces act at once, as pieces are not coupled. Prescribed nodes take
-    none.
+    They solve the equations with these factors. Forces on all pieces act at once, as
+    pieces are not coupled. Prescribed nodes take none.
     """
     n = len(mesh.mass)
     unit_force = np.where(mesh.is_prescribed == 0, 1.0, 0.0)
@@ -193,10 +188,9 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
 def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     """Links between neighbouring pieces at t = 0, [link] `records.LINK`.
 
-    Time is counted in steps.
-
-    Links that are coupled make a chain, whose forces are solved together: `chain_end`
-    is the last link of a chain at its first link, and NONE at the others.
+    Time is counted in steps. Links that are coupled make a chain, whose forces are
+    solved together: `chain_end` is the last link of a chain at its first link, and NONE
+    at the others.
 
     Raises
     ------
@@ -284,9 +278,8 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
 def boundary_velocity(row: Row, step: float, value: Any, t: Array) -> Array:
     """Velocity in the frame of a wall or a driven end, m/s.
 
-    It is averaged over a step about each time.
-
-    Times t, s, are a step apart. Before t = 0 the value is that at t = 0.
+    It is averaged over a step about each time. Times t, s, are a step apart. Before
+    t = 0 the value is that at t = 0.
     """
     edges = np.append(t - step / 2, t[-1:] + step / 2)
     # Behind their last border polynomials in time are constant.

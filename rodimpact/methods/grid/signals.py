@@ -198,10 +198,8 @@ def _signals(
 ) -> Signals:
     """Signals of contacts, ends, masses and soil, and the motion.
 
-    The motion has the forces between pieces.
-
-    `forces`, N, and `intervals`, s, are those of the contacts; `outside` acts on both
-    ends.
+    The motion has the forces between pieces. `forces`, N, and `intervals`, s, are those
+    of the contacts; `outside` acts on both ends.
     """
     row = run.row
     mesh = run.mesh

@@ -103,10 +103,8 @@ def _jumps_between_bodies(row: Row) -> bool:
 def _jumps_at_ends(row: Row) -> bool:
     """Whether what is outside an end differs at t = 0 from the body there.
 
-    It may move or press differently.
-
-    A free end has no force, a fixed one no velocity, a moved or pushed one what is
-    given; a wave that comes in must begin with 0.
+    It may move or press differently. A free end has no force, a fixed one no velocity,
+    a moved or pushed one what is given; a wave that comes in must begin with 0.
     """
     bodies = row.system.bodies
     faces = _face(bodies[0], 0), _face(bodies[-1], -1)

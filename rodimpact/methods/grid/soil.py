@@ -133,9 +133,7 @@ def _edges_of_half_cells(mesh: Mesh, body: int) -> Array:
 def soil_stiffnesses(row: Row) -> list[float]:
     """Largest stiffness of the soil along the rod of each segment, N/m^2.
 
-    It is 0 without soil.
-
-    Drag has no stiffness.
+    It is 0 without soil. Drag has no stiffness.
     """
     stiffnesses = [0.0] * len(row.segments)
     for body in shaft_bodies(row):

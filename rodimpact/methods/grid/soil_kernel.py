@@ -1,11 +1,10 @@
 """Soil along the shafts of rods in a time step.
 
-There is one record for each node that soil holds.
-
-The static resistance R follows the displacement u of the node against the ground,
-elastic between -R_u and R_u with the stiffness k = R_u/q. It is known in the middle of
-a step, as the tension of a cell is. The damping c is J abs(R) by Smith's law and J R_u
-by the viscous one. In a step the soil pulls the node back by
+There is one record for each node that soil holds. The static resistance R follows the
+displacement u of the node against the ground, elastic between -R_u and R_u with the
+stiffness k = R_u/q. It is known in the middle of a step, as the tension of a cell is.
+The damping c is J abs(R) by Smith's law and J R_u by the viscous one. In a step the
+soil pulls the node back by
 
     R + c v,        v the mean velocity of the node against the ground,
 
@@ -35,10 +34,9 @@ def ground_velocity(run: Run) -> float:
 def move_soil(run: Run, soil: Any, v: Any) -> None:
     """Move the static resistances to the middle of the step.
 
-    The dampings of this step are set, too.
-
-    Over a step the resistance grows by k (v - ground), within -R_u and R_u. By Smith's
-    law the damping is c = J abs(R); by the viscous law it stays as it is.
+    The dampings of this step are set, too. Over a step the resistance grows by k
+    (v - ground), within -R_u and R_u. By Smith's law the damping is c = J abs(R); by
+    the viscous law it stays as it is.
     """
     ground = ground_velocity(run)
     for i in range(len(soil)):
@@ -53,10 +51,9 @@ def move_soil(run: Run, soil: Any, v: Any) -> None:
 def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
     """Subtract the force R + c (v - ground) of the soil from x.
 
-    x has the right sides of the equations of the step.
-
-    v are the velocities before the step; the ground has its mean velocity over the
-    step. What c does by the change of v in the step is on the left side.
+    x has the right sides of the equations of the step. v are the velocities before the
+    step; the ground has its mean velocity over the step. What c does by the change of v
+    in the step is on the left side.
     """
     ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
     for i in range(len(soil)):
@@ -68,11 +65,9 @@ def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
 def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> None:
     """Set the entries of this step in `shafts`.
 
-    They are the force of the soil on each rod, and its power.
-
-    The force on a node is -(R + c u), u its mean velocity against the ground in the
-    step, from `old_velocity` before the step and `v` behind it; its power is that force
-    times u.
+    They are the force of the soil on each rod, and its power. The force on a node is
+    -(R + c u), u its mean velocity against the ground in the step, from `old_velocity`
+    before the step and `v` behind it; its power is that force times u.
     """
     ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
     first = (run.step - run.first_step) * run.shafts  # first entry of this step
@@ -182,7 +177,6 @@ def renew_mobilities(run: Run, links: Any, by_first: Any, by_last: Any) -> None:
     """Set the mobilities of the links.
 
     They follow from the velocities by unit forces on the ends of pieces.
-
     `self_mobility` of a link is the closing that its own unit force takes away in a
     step, `coupling_mobility` the closing that a unit force in the link before it adds
     through the piece between both. Half of a change of velocity counts, as a closing is

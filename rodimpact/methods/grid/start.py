@@ -60,9 +60,8 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
 def _begin_soil(grid: Grid, kick: Array) -> None:
     """Move the static resistance of soil to half a step before t = 0.
 
-    The tension of cells is there, too.
-
-    `kick` are the velocities by half a kick at t = 0.
+    The tension of cells is there, too. `kick` are the velocities by half a kick at
+    t = 0.
     """
     soil = grid.soil
     # Against the ground: the velocity at t = 0, and its change by half a kick
@@ -96,10 +95,9 @@ def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
 def _velocities(mesh: Mesh, elongation: Array) -> Array:
     """Velocities of all nodes at t = 0 in the frame, m/s [node].
 
-    The elongations of cells are set.
-
-    The velocity of a node is the mean of those of the half cells beside it, and of its
-    rigid mass, by their masses. `elongation` becomes that of each cell, m [cell].
+    The elongations of cells are set. The velocity of a node is the mean of those of the
+    half cells beside it, and of its rigid mass, by their masses. `elongation` becomes
+    that of each cell, m [cell].
     """
     row = mesh.row
     v = np.zeros(len(mesh.mass))
@@ -203,10 +201,8 @@ def _initial_push(grid: Grid, link: Any) -> float:
 def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     """Slow down ends that close before the first kick.
 
-    A step before t = 0 would have done so.
-
-    Velocities, displacements of pieces, lost energy of cells, and `initial_force` and
-    `initial_loss` of the links are changed.
+    A step before t = 0 would have done so. Velocities, displacements of pieces, lost
+    energy of cells, and `initial_force` and `initial_loss` of the links are changed.
 
     An end that closes inside a step is stopped over two steps, so that the mean force
     is right from then on. Where ends touch at t = 0 the first of the two would begin

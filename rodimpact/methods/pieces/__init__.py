@@ -1,11 +1,10 @@
 """The method "characteristics".
 
-Waves are polynomial pieces, contacts are small equations.
-
-In a uniform rod the wave equation has d'Alembert's solution: a wave that leaves one end
-arrives at the other a transit time later. A wave is a list of polynomials in time, its
-pieces. Only the nodes are left to be solved: the chains of links and masses between two
-rods, each an ordinary differential equation that two waves drive.
+Waves are polynomial pieces, contacts are small equations. In a uniform rod the wave
+equation has d'Alembert's solution: a wave that leaves one end arrives at the other a
+transit time later. A wave is a list of polynomials in time, its pieces. Only the nodes
+are left to be solved: the chains of links and masses between two rods, each an ordinary
+differential equation that two waves drive.
 
 Where to begin: `records`, then `series`, polynomials on a piece, and `lines`, waves as
 lists of pieces. A step of a node is `nodes`, collocation over a piece with Newton's

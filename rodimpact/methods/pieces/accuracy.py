@@ -1,9 +1,8 @@
 """Error of a run.
 
-It follows from a second run with other steps, and from what both runs share.
-
-The second run has a coarser tolerance, and halves what the tolerance does not limit. So
-there is no piece that both runs have, but by chance. The page has this as JavaScript.
+It follows from a second run with other steps, and from what both runs share. The second
+run has a coarser tolerance, and halves what the tolerance does not limit. So there is
+no piece that both runs have, but by chance. The page has this as JavaScript.
 """
 
 import math
@@ -79,10 +78,9 @@ class Ended(NamedTuple):
 def prepare_second_run(fine: Any, coarse: Any) -> None:
     """Set what runs at a coarser tolerance need to be compared.
 
-    They need other pieces, and the same end.
-
-    Pieces of `coarse` that no tolerance limits are halved, or twice as long where
-    breaks come too densely. `fine` is not changed.
+    They need other pieces, and the same end. Pieces of `coarse` that no tolerance
+    limits are halved, or twice as long where breaks come too densely. `fine` is not
+    changed.
 
     Parameters
     ----------
@@ -225,10 +223,8 @@ def measures_of(ended: Ended) -> list[list[float]]:
 def differences(fine: Ended, coarse: Ended) -> list[float]:
     """Largest relative difference of two runs in each of the `MEASURES`, [measure].
 
-    It is relative to the largest value.
-
-    Differences of velocities are over the velocity scale. It is 0 where all values are
-    0.
+    It is relative to the largest value. Differences of velocities are over the velocity
+    scale. It is 0 where all values are 0.
     """
     relative = []
     coarse_values = measures_of(coarse)
@@ -248,10 +244,9 @@ def differences(fine: Ended, coarse: Ended) -> list[float]:
 def wave_difference(fine: Ended, coarse: Ended) -> float:
     """Largest difference of the waves of two runs in a segment.
 
-    It is relative to the velocity scale.
-
-    It is that of their means and first moments; 0 where the runs end at different
-    times. The integrals are over y from -1 to 1, so that half of one is a mean.
+    It is relative to the velocity scale: that of their means and first moments; 0 where
+    the runs end at different times. The integrals are over y from -1 to 1, so that half
+    of one is a mean.
     """
     if fine.run.last_proof_tick != coarse.run.last_proof_tick:
         return 0.0

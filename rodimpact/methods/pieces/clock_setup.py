@@ -73,9 +73,8 @@ def contact_times(row: Row) -> dict[int, Any]:
 def reference_time(row: Row, until: float | None) -> Any:
     """Longest transit, s.
 
-    Without rods it is `until`, else the longest time of a contact or a flight.
-
-    It is 1 where there is none of these.
+    Without rods it is `until`, else the longest time of a contact or a flight, and 1
+    where there is none of these.
     """
     if row.segments:
         return largest([s.transit_time for s in row.segments])
@@ -89,9 +88,8 @@ def reference_time(row: Row, until: float | None) -> Any:
 def refuse_short_contacts(row: Row, tick: Any) -> None:
     """Raise InvalidModel if a contact lasts too few ticks to be followed.
 
-    The row has no rods.
-
-    `tick` is its duration, s. Where nothing moves no contact closes.
+    The row has no rods. `tick` is its duration, s. Where nothing moves no contact
+    closes.
     """
     speeds = velocities_of(row)
     moving = largest(speeds) > smallest(speeds)

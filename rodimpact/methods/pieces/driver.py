@@ -241,9 +241,7 @@ class Members:
     def _expected_steps(self, run: Run) -> int | None:
         """Estimated number of steps of a run to a given time.
 
-        It is None where a proof ends the run.
-
-        It is None, too, as long as some node is at t = 0.
+        It is None where a proof ends the run, and as long as some node is at t = 0.
         """
         reached = min(node.now for node in self.batch.objects("nodes"))
         if run.ticks_after_proof != NEVER or reached <= 0:
@@ -254,9 +252,7 @@ class Members:
     def _run_slice(self) -> Stop:
         """Run on up to the limit of the run.
 
-        Logs grow as often as they are full.
-
-        Return why it stopped, which is never FULL.
+        Logs grow as often as they are full. Return why it stopped, which is never FULL.
 
         Raises
         ------

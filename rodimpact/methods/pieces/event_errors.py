@@ -1,8 +1,7 @@
 """How wrong the time of an event may be.
 
-Contacts close and open where a guard falls to 0.
-
-A guard g that is wrong by e falls to 0 earlier or later by e/abs(dg/dt).
+Contacts close and open where a guard falls to 0. A guard g that is wrong by e falls to
+0 earlier or later by e/abs(dg/dt).
 """
 
 from .. import contact_laws

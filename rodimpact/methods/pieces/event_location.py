@@ -1,9 +1,8 @@
 """Where the next event of a piece is.
 
-A guard of a link falls below 0 there, and its status ends.
-
-A guard is known at the points of the piece; the event function is the polynomial
-through these values. Places in a piece are y, from -1 at its start to 1 at its end.
+A guard of a link falls below 0 there, and its status ends. A guard is known at the
+points of the piece; the event function is the polynomial through these values. Places
+in a piece are y, from -1 at its start to 1 at its end.
 """
 
 from typing import NamedTuple
@@ -43,9 +42,8 @@ def guard_length(run: Run, h: float) -> float:
 def set_guard_values(run: Run, link: Link, node: Node, which: int, h: float) -> int:
     """Set `node.scratch_values` to a guard of a link at the points of a piece.
 
-    The piece has the duration h, s.
-
-    Return the status that follows if this guard falls below 0.
+    The piece has the duration h, s. Return the status that follows if this guard falls
+    below 0.
     """
     length = guard_length(run, h)
     status = 0  # the same at all points
@@ -66,9 +64,8 @@ def set_guard_values(run: Run, link: Link, node: Node, which: int, h: float) -> 
 def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
     """Return the first event in a piece, of any guard of any link of a node.
 
-    The piece has the duration h, s.
-
-    Without one it is at 1, the end of the piece, and its link is NONE.
+    The piece has the duration h, s. Without an event it is at 1, the end of the piece,
+    and its link is NONE.
     """
     position = 1.0
     first = NONE  # link of the first event so far
@@ -138,11 +135,9 @@ def find_crossing(node: Node, j: int) -> float:
 def find_dip(node: Node, depth: float) -> float:
     """Return the place at which an event function dips below 0, or NOWHERE.
 
-    The dip is between two points.
-
-    `node.scratch_values` has its values at the points, of which none is negative. A
-    contact may close or let go for a shorter time than points are apart. A dip below 0
-    by less than `depth` is none.
+    The dip is between two points. `node.scratch_values` has its values at the points,
+    of which none is negative. A contact may close or let go for a shorter time than
+    points are apart. A dip below 0 by less than `depth` is none.
     """
     zero = NOWHERE
     least = series.smallest(node.scratch_values)

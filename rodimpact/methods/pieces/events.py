@@ -29,12 +29,11 @@ RESTING_RTOL = 1e-8
 def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -> None:
     """Change the status of link i of a node at a tick.
 
-    The order of the break that this makes is set.
-
-    A contact that closes starts with overlap 0. Rigid bodies that close strike, which
-    decides their status anew. What stops to yield gets the yield force that it has
-    reached; what starts to, or comes to a knot of its table, gets exactly the overlap
-    there, and the hardening behind a knot.
+    The order of the break that this makes is set. A contact that closes starts with
+    overlap 0. Rigid bodies that close strike, which decides their status anew. What
+    stops to yield gets the yield force that it has reached; what starts to, or comes to
+    a knot of its table, gets exactly the overlap there, and the hardening behind a
+    knot.
     """
     run = state.runs[0]
     # Machine code counts no references to borrowed arrays.
@@ -71,11 +70,9 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
 def closing_of(masses: Masses, node: Node, q: int) -> float:
     """Return the closing velocity of link q between rigid bodies.
 
-    It is that at the start of the next piece.
-
-    In front of the first link and behind the last one is a wall, whose velocity is the
-    wave from outside. Between pieces the first value over the piece, that of index 0,
-    is the present one.
+    It is that at the start of the next piece. In front of the first link and behind the
+    last one is a wall, whose velocity is the wave from outside. Between pieces the
+    first value over the piece, that of index 0, is the present one.
     """
     if q == 0:
         before = node.incoming[0][0]
@@ -175,11 +172,9 @@ def finish_impact(
 ) -> None:
     """Set the status of link i after an impact; log its impulse.
 
-    The impact left the velocity `closing`.
-
-    The contact is open (OPEN); or at rest (REST) if the bodies do not part, or so
-    slowly that it does not matter. A contact that got no impulse (`force[0]`, N s) did
-    not strike: it is not logged.
+    The impact left the velocity `closing`. The contact is open (OPEN); or at rest
+    (REST) if the bodies do not part, or so slowly that it does not matter. A contact
+    that got no impulse (`force[0]`, N s) did not strike: it is not logged.
     """
     struck = link.force[0] > 0
     link.overlap = 0.0
@@ -266,9 +261,8 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
 def set_end_state(link: Link, h: float) -> None:
     """Set overlap, rate and acceleration of a link to those at the end of a piece.
 
-    The piece has the duration h.
-
-    d' = closing - Y F, and d'' is the difference quotient between the last two points.
+    The piece has the duration h. d' = closing - Y F, and d'' is the difference quotient
+    between the last two points.
     """
     link.break_order = SMOOTH
     link.overlap = link.overlaps[N]
@@ -294,10 +288,9 @@ def raise_peak(link: Link, node: Node) -> None:
 def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
     """Return whether a touching contact presses, at an overlap that counts.
 
-    The force is in N, the overlap in m.
-
-    A compliant contact presses from an overlap on that `graze_velocity` makes in the
-    shortest transit. Other forces count if they make more than that velocity.
+    The force is in N, the overlap in m. A compliant contact presses from an overlap on
+    that `graze_velocity` makes in the shortest transit. Other forces count if they make
+    more than that velocity.
     """
     if link.law >= Law.SPRING:  # its force follows from its overlap
         transit = run.shortest_transit * run.tick_duration
@@ -308,12 +301,10 @@ def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
 def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
     """Return for how many ticks a contact has been closed with a faint force.
 
-    The contact is compliant; the time ends now.
-
-    `touch` is what it did in the last piece, of `ticks`. A force that starts smoothly
-    is faint at first; once it presses, it has begun when the contact closed. A force
-    that stays faint for long is round-off: then NONE is returned until the contact
-    opens.
+    The contact is compliant; the time ends now. `touch` is what it did in the last
+    piece, of `ticks`. A force that starts smoothly is faint at first; once it presses,
+    it has begun when the contact closed. A force that stays faint for long is
+    round-off: then NONE is returned until the contact opens.
     """
     faint = link.faint_ticks
     # From SPRING on a law is that of an overlap, from PRESS on a contact has a force.
@@ -332,10 +323,8 @@ def log_contact_change(
 ) -> None:
     """Log that link i presses, only touches or is open from a tick on.
 
-    The status is PRESS, GRAZE or OPEN.
-
-    That is `touch`. First and last force, episodes, the last opening and `cut_ticks`,
-    the time cut from forces, are continued in the link.
+    `touch` is the status: PRESS, GRAZE or OPEN. First and last force, episodes, the
+    last opening and `cut_ticks`, the time cut from forces, are continued in the link.
     """
     if touch == Status.PRESS:
         if link.first_force_tick == NONE:
@@ -368,11 +357,9 @@ def log_contact_change(
 def keep_history(state: State, node: Node, link: Link, ticks: int) -> None:
     """Append what a link did in a piece of `ticks` to the lines of its history.
 
-    The piece begins now.
-
-    These are the force; of joints and contacts the overlap d; of what yields the
-    closing velocity closing - Y F, which is more than d' then. They follow each other
-    from `link.history_line` on.
+    The piece begins now. The lines keep the force; of joints and contacts the overlap
+    d; of what yields the closing velocity closing - Y F, which is more than d' then.
+    They follow each other from `link.history_line` on.
     """
     run = state.runs[0]
     all_lines = state.lines

@@ -1,10 +1,8 @@
 """What groups of bonded bodies do at an instant.
 
-The proof that none of them meets again needs it.
-
-A group is a stretch of the list of parts: its first part has their number in
-`part_count`, and the motion of the group. Sides are 0, its left end, and 1, its right
-end.
+The proof that none of them meets again needs it. A group is a stretch of the list of
+parts: its first part has their number in `part_count`, and the motion of the group.
+Sides are 0, its left end, and 1, its right end.
 
 A wall holds a group: its velocity is the mean, and the mass fraction beyond every x is
 1.
@@ -43,12 +41,10 @@ TRUNCATION_SHARE = 1e-3
 def check_finality(state: State, tick: int) -> None:
     """Decide at a tick whether the run is over, or when to look again.
 
-    Every node has reached this tick.
-
-    The motion of all groups is set. If a proof of finality succeeds, `proved_tick` and
-    `end_tick` of the run are set; else `next_proof_tick` is the tick of the next look.
-    `stop_reason` becomes DONE at the end of the run. The first check only notes the
-    velocities at t = 0.
+    Every node has reached this tick. The motion of all groups is set. If a proof of
+    finality succeeds, `proved_tick` and `end_tick` of the run are set; else
+    `next_proof_tick` is the tick of the next look. `stop_reason` becomes DONE at the
+    end of the run. The first check only notes the velocities at t = 0.
     """
     run = state.runs[0]
     parts = state.parts
@@ -132,9 +128,8 @@ def time_until_apart(
 ) -> float:
     """Return the time until a contact may be proved not to close again, s.
 
-    The contact is between two groups.
-
-    0 if it may be proved now, see `finality_kernel.separation_time`.
+    The contact is between two groups. The time is 0 if it may be proved now, see
+    `finality_kernel.separation_time`.
     """
     opening = right.reference_velocity - left.reference_velocity
     least_opening = -math.inf  # least velocity with which the two faces can part
@@ -155,10 +150,8 @@ def time_until_apart(
 def is_quiet(link: Link, group: GroupPart, tolerance: float) -> bool:
     """Return whether a group moves evenly, and a contact keeps its overlap.
 
-    The contact is one of the group.
-
-    Velocities within `tolerance`, m/s, are the same. Index N is the end of the last
-    piece.
+    The contact is one of the group. Velocities within `tolerance`, m/s, are the same.
+    Index N is the end of the last piece.
     """
     rate = link.closing[N] - link.mobility * link.force[N]
     return bool(group.max_wave - group.min_wave <= tolerance and abs(rate) <= tolerance)
@@ -167,10 +160,8 @@ def is_quiet(link: Link, group: GroupPart, tolerance: float) -> bool:
 def max_deviation(group: GroupPart, compliance: float) -> float:
     """Return the largest deviation of an end of a group at any time, m.
 
-    It deviates from the mean motion.
-
-    It is sqrt(2 E s), E the energy of the group about that motion and s the
-    `compliance_integrals` of the end.
+    The deviation is that from the mean motion. It is sqrt(2 E s), E the energy of the
+    group about that motion and s the `compliance_integrals` of the end.
     """
     return math.sqrt(2 * group.reference_energy * compliance)
 
@@ -222,12 +213,10 @@ def update_groups(state: State, tick: int) -> None:
 def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
     """Set the mean velocity of a part, its energy and its wave moments.
 
-    The energy is that about the velocity `speed`.
-
-    In a segment v = (a + b)/2 and c strain = (b - a)/2. So over y from -1 to 1 the mean
-    velocity is (integral of a + integral of b)/4, and the energy m (integral of
-    a^2 + integral of b^2)/8, a and b less the speed. A mass has m (v - speed)^2/2, the
-    spring of a joint k d^2/2.
+    The energy is that about the velocity `speed`. In a segment v = (a + b)/2 and c
+    strain = (b - a)/2. So over y from -1 to 1 the mean velocity is (integral of
+    a + integral of b)/4, and the energy m (integral of a^2 + integral of b^2)/8, a and
+    b less the speed. A mass has m (v - speed)^2/2, the spring of a joint k d^2/2.
     """
     part.vibration_energy = 0.0
     if part.kind == Part.MASS:
@@ -255,11 +244,10 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
 def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None:
     """Set the deviation of an end of a group, and the bound of it later.
 
-    It deviates from the reference motion.
-
-    The group has the parts from `first` to before `stop`, and a `mass`, kg. The
-    deviation is the integral of g strain dx over the group, as the left end moves to
-    the left if the group stretches; `compliance_integrals` is s below.
+    It deviates from the reference motion. The group has the parts from `first` to
+    before `stop`, and a `mass`, kg. The deviation is the integral of g strain dx over
+    the group, as the left end moves to the left if the group stretches;
+    `compliance_integrals` is s below.
 
     With E the energy about the reference motion, elastic parts move the end by sqrt(2 E
     s) at most, s = integral of g^2 dx/(E A), g the mass fraction beyond x as seen from
@@ -315,12 +303,10 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
 def bound_end_velocities(state: State, first: int, stop: int) -> None:
     """Set the bounds of the waves under way in a group.
 
-    Whether they bound its ends too is set as well.
-
-    The bounds begin at the reference velocity, which is set before. The ends of a group
-    that is one segment, free or between walls, can only take velocities of the waves in
-    it, of their reflections, and of its anchor. Neither can a group that is a single
-    part, such as a mass.
+    Whether they bound its ends too is set as well. The bounds begin at the reference
+    velocity, which is set before. The ends of a group that is one segment, free or
+    between walls, can only take velocities of the waves in it, of their reflections,
+    and of its anchor. So it is with a group that is a single part, such as a mass.
     """
     group = state.parts[first]
     segments = 0

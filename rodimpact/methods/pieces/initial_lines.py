@@ -39,10 +39,8 @@ def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
 def jumps_of(row: Row) -> list[tuple[int, float]]:
     """Jumps of the initial state inside segments.
 
-    Each has its segment, and the share of its length to the left.
-
-    Jumps at the ends of segments are none of these; one that velocity and strain share
-    is twice.
+    Each has its segment, and the share of its length to the left. Jumps at the ends of
+    segments are none of these; one that velocity and strain share is twice.
     """
     jumps = []
     for rod, s, begin in segments_of(row):
@@ -67,9 +65,8 @@ def varies(*profiles: Any) -> bool:
 def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
     """Array of records [member, i] of objects.
 
-    Their fields hold a number, or one for each member.
-
-    `record` is their dtype. A field may also be a list of such numbers.
+    Their fields hold a number, or one for each member. `record` is their dtype. A field
+    may also be a list of such numbers.
     """
     records = np.zeros((*row.system.shape, len(objects)), record)
     for i, source in enumerate(objects):
@@ -85,9 +82,8 @@ def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
 def _copy_list(target: Any, values: list[Any]) -> None:
     """Copy numbers, or arrays by member, to a field of records.
 
-    The records are still 0.
-
-    Lists of lists are values over a piece: nothing has set them, so they stay 0.
+    The records are still 0. Lists of lists are values over a piece: nothing has set
+    them, so they stay 0.
     """
     for j, number in enumerate(values):
         if isinstance(number, list):
@@ -181,9 +177,8 @@ class InitialLines:
     ) -> Any:
         """Pieces, [piece], that fit a signal between two ticks.
 
-        `fit` and `carried` are raised.
-
-        The signal is the sum of these profiles times factors, and as wrong as they are.
+        `fit` and `carried` are raised. The signal is the sum of these profiles times
+        factors, and as wrong as they are.
         """
         scale = float(self._clock.scale)
         tolerance = self._request.tolerance * scale / 4  # m/s
@@ -209,9 +204,8 @@ class InitialLines:
     def _add_under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Add the lines of both waves in segment s at t = 0.
 
-        They are a = v - c strain and b = v + c strain.
-
-        The segment begins in its rod at `begin`, m; v is the velocity in the frame.
+        They are a = v - c strain and b = v + c strain. The segment begins in its rod at
+        `begin`, m; v is the velocity in the frame.
         """
         frame = self._clock.frame
         transit = self._clock.transits[s]
@@ -239,10 +233,8 @@ class InitialLines:
     def _ticks_in_segment(self, s: int, begin: Any) -> Callable[[Any], Ints]:
         """A function of places in a rod, m: the ticks that a wave takes to them.
 
-        The wave comes from the left end of segment s.
-
-        Segment s begins in the rod at `begin`, m. A jump is at the ticks that the clock
-        gave it.
+        The wave comes from the left end of segment s. Segment s begins in the rod at
+        `begin`, m. A jump is at the ticks that the clock gave it.
         """
         segment = self._row.segments[s]
         transit = self._clock.transits[s]
@@ -264,9 +256,7 @@ class InitialLines:
     def _add_outside(self, side: int) -> int:
         """Add the line from outside of an end; return its number.
 
-        It is NONE for the free end of a rod.
-
-        `side` is 0 on the left, 1 on the right.
+        It is NONE for the free end of a rod. `side` is 0 on the left, 1 on the right.
         """
         row = self._row
         kind, value = row.boundaries[side]
@@ -289,12 +279,10 @@ class InitialLines:
     def _outside_signal(self, side: int) -> OutsideSignal:
         """How the signal of an end follows from the value that acts there.
 
-        This depends on the kind of the end.
-
-        That is factor, start and slope, see `OutsideSignal`. `side` is 0 on the left, 1
-        on the right. A velocity counts in the frame, which falls; a force acts as it
-        is. The wave out of an endless rod is the one that the end sends inward at
-        t = 0, and what the strain adds.
+        It does so by factor, start and slope, see `OutsideSignal`, which depend on the
+        kind of the end. `side` is 0 on the left, 1 on the right. A velocity counts in
+        the frame, which falls; a force acts as it is. The wave out of an endless rod is
+        the one that the end sends inward at t = 0, and what the strain adds.
         """
         row = self._row
         kind, _ = row.boundaries[side]
@@ -326,9 +314,8 @@ class InitialLines:
     def _steady(self, value: Any, signal: OutsideSignal) -> Any:
         """The piece, [member, 1], of a value that is constant.
 
-        It holds for ever or to the end of the run.
-
-        In a frame that falls its signal is a straight line from tick 0 to `stop`.
+        It holds for ever or to the end of the run. In a frame that falls its signal is
+        a straight line from tick 0 to `stop`.
         """
         tick = self._clock.tick
         start = signal.start + value * signal.factor
@@ -345,11 +332,9 @@ class InitialLines:
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
         """Pieces, [1, piece], of a value that varies over time.
 
-        It acts on an end of this `kind`.
-
-        They fit the signal of the line: factor * value + start + slope * t, see
-        `OutsideSignal`. There is one member: what acts on the ends of a family is
-        constant in time.
+        The value acts on an end of this `kind`. The pieces fit the signal of the line:
+        factor * value + start + slope * t, see `OutsideSignal`. There is one member:
+        what acts on the ends of a family is constant in time.
         """
         until = self._request.until
         assert until is not None

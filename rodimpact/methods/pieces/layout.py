@@ -76,9 +76,8 @@ class InitialLine(NamedTuple):
 def piece_of(start: Any, stop: Any, values: Any) -> Any:
     """Record of a piece from tick `start` to `stop`.
 
-    It has these first coefficients of its series.
-
-    The others are 0. It is on no line yet, and no piece follows it.
+    It has these first coefficients of its series. The others are 0. It is on no line
+    yet, and no piece follows it.
     """
     piece = blank(1, PIECE)[0]
     piece.start = start
@@ -95,10 +94,9 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
 def initial_waves(velocity: Any, stretch: Any, T: Any) -> list[Any]:
     """Pieces of both waves in a segment at t = 0, m/s.
 
-    They are a = v - c strain and b = v + c strain.
-
-    v is its velocity in the frame, `stretch` is c strain, and T the transit time,
-    ticks: what is under way now has been sent since -T.
+    They are a = v - c strain and b = v + c strain. v is its velocity in the frame,
+    `stretch` is c strain, and T the transit time, ticks: what is under way now has been
+    sent since -T.
     """
     return [
         piece_of(-T, 0, [velocity - stretch]),
@@ -227,10 +225,9 @@ def make_run(
 def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
     """Set when a run looks for its proof of finality, and how often.
 
-    Times are ticks.
-
-    `shortest` and `longest` are transit times. A run with an external drive never does.
-    It also sets `has_bonds`, which says that some contact cannot open.
+    Times are ticks. `shortest` and `longest` are transit times. A run with an external
+    drive never does. It also sets `has_bonds`, which says that some contact cannot
+    open.
     """
     run.proved_tick = NONE
     run.last_proof_tick = NONE
@@ -246,11 +243,9 @@ def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
 def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
     """Nodes from left to right, one more than there are segments.
 
-    `shortest` is a transit, ticks.
-
-    Segment k, from 0 on, lies between the nodes k and k + 1. Its line 2 k leads to the
-    right, its line 2 k + 1 to the left. `outside` are the lines from outside, left and
-    right; NONE at the free end of a rod.
+    `shortest` is a transit, ticks. Segment k, from 0 on, lies between the nodes k and
+    k + 1. Its line 2 k leads to the right, its line 2 k + 1 to the left. `outside` are
+    the lines from outside, left and right; NONE at the free end of a rod.
     """
     n = len(row.segments)
     nodes = blank(n + 1, NODE)
@@ -309,10 +304,9 @@ def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]
 def set_law(link: Any, row_link: Any, i: int) -> None:
     """Set the law, the numbers and the status of link i at t = 0.
 
-    They come from the link of the row.
-
-    Nothing has happened to it yet. A contact without a gap presses (PRESS), one with a
-    gap or an impact is open (OPEN), and all else is a bond (BOND).
+    They come from the link of the row. Nothing has happened to it yet. A contact
+    without a gap presses (PRESS), one with a gap or an impact is open (OPEN), and all
+    else is a bond (BOND).
     """
     link.left_group = NONE
     link.right_group = NONE
@@ -353,9 +347,8 @@ def set_effective_mobility(
 ) -> None:
     """Set the closing velocity that 1 N in a link makes in a time, s/kg.
 
-    It is link q of a node; the time is in s.
-
-    A rod end takes 1/Z, a mass m takes time/m. `masses` are those of the row, kg.
+    It is link q of a node; the time is in s. A rod end takes 1/Z, a mass m takes
+    time/m. `masses` are those of the row, kg.
     """
     # Link q lies between the masses q - 1 and q of the node, as far as there are any.
     first = max(q - 1, 0)
@@ -380,10 +373,8 @@ def make_masses(row: Any, clock: Clock) -> list[Any]:
 def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int:
     """Set `history_line` of links and masses; return the number of all lines.
 
-    They begin with line `first`.
-
-    A link keeps its force; a joint or a contact also its overlap, which is minus the
-    gap; and what yields its closing velocity.
+    They begin with line `first`. A link keeps its force; a joint or a contact also its
+    overlap, which is minus the gap; and what yields its closing velocity.
     """
     l = first
     for link in links:
@@ -402,10 +393,9 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
 def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> list[Any]:
     """All lines, `count` of them.
 
-    Those of `initial_lines` come first, the others are empty.
-
-    Pieces at t = 0 stand at the beginning of the log, line by line. The lines of a
-    segment have its transit time as delay, others none.
+    Those of `initial_lines` come first, the others are empty. Pieces at t = 0 stand at
+    the beginning of the log, line by line. The lines of a segment have its transit time
+    as delay, others none.
     """
     lines = blank(count, LINE)
     for history_line in lines[len(initial_lines) :]:

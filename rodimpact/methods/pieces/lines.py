@@ -1,10 +1,9 @@
 """Lines: what left one end arrives at the other a transit later.
 
-A line is a list of pieces in a log.
-
-Line l carries the pieces of the log whose `line` is l, linked by `next`. Their times
-are those at which they were sent; they arrive later by the delay of the line. The read
-piece of a line is the one that its reader, the node at its end, reads now.
+A line is a list of pieces in a log. Line l carries the pieces of the log whose `line`
+is l, linked by `next`. Their times are those at which they were sent; they arrive later
+by the delay of the line. The read piece of a line is the one that its reader, the node
+at its end, reads now.
 """
 
 from typing import NamedTuple
@@ -40,9 +39,8 @@ def at(piece: Piece, y: float) -> float:
 def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
     """Move the read piece of line l on to the one that arrives at a tick.
 
-    Behind the last piece it is the last one.
-
-    Hard breaks that it passes are no longer counted as unread.
+    Behind the last piece it is the last one. Hard breaks that it passes are no longer
+    counted as unread.
     """
     line = lines[l]
     # A piece has been read when its end has arrived, a delay after it was sent.
@@ -97,9 +95,7 @@ def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
 def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
     """Return the order of the break that arrives by line l at a tick.
 
-    It is SMOOTH if there is none.
-
-    At t = 0 it is 0: anything may jump.
+    It is SMOOTH if there is none. At t = 0 it is 0: anything may jump.
     """
     if tick == 0:
         return 0
@@ -114,9 +110,8 @@ def sample(
 ) -> None:
     """Set f to the wave that arrives by line l, at the points of a piece.
 
-    The piece has `ticks` from `tick` on.
-
-    If the wave jumps at the end of the piece, its value is the one before.
+    The piece has `ticks` from `tick` on. If the wave jumps at the end of the piece, its
+    value is the one before.
     """
     begin = tick - lines[l].delay  # when the wave was sent
     piece = log[lines[l].read_piece]
@@ -140,11 +135,10 @@ def sample(
 def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
     """Return the moments of the wave that a line sent, less a velocity.
 
-    It was sent over `ticks` from `begin`.
-
-    i is the row of the log of a piece of the line at or before `begin`; `speed` is the
-    velocity, m/s. The moments are integrals over y, from -1 at `begin` to 1 after
-    `ticks`. Each piece is integrated with the weights of the stages.
+    It was sent over `ticks` from `begin`. i is the row of the log of a piece of the
+    line at or before `begin`; `speed` is the velocity, m/s. The moments are integrals
+    over y, from -1 at `begin` to 1 after `ticks`. Each piece is integrated with the
+    weights of the stages.
     """
     whole = 0.0
     tilt = 0.0
@@ -177,9 +171,8 @@ def project(
 ) -> None:
     """Set f to the parabola nearest to the wave that arrives by line l.
 
-    The wave arrives in `ticks` from `tick` on.
-
-    It has the same momentum, and never more energy. f are its values at the points.
+    The wave arrives in `ticks` from `tick` on. The parabola has the same momentum, and
+    never more energy. f are its values at the points.
     """
     line = lines[l]
     begin = tick - line.delay  # when the wave was sent
@@ -240,9 +233,8 @@ def append_values(
 ) -> int:
     """Append a piece with the values f at its points to line l.
 
-    It has `ticks` from `tick` on.
-
-    Return its row in the log, or NONE, as `append_piece`. c is scratch.
+    It has `ticks` from `tick` on. Return its row in the log, or NONE, as
+    `append_piece`. c is scratch.
     """
     # Machine code counts no references to borrowed arrays.
     lines = borrowed(lines)
@@ -262,10 +254,8 @@ def send(
 ) -> None:
     """Append `node.outgoing`, over `ticks` from now, to line l.
 
-    It begins with a break of `order`.
-
-    `order` is the lowest that theory allows: where less jumps, the break gets a higher
-    order. Hard breaks are counted as unread.
+    It begins with a break of `order`. `order` is the lowest that theory allows: where
+    less jumps, the break gets a higher order. Hard breaks are counted as unread.
 
     A constant wave that starts to change makes a hard break, however smooth the start
     is. So no piece of any node reaches across the arrival of this wave, and nothing
@@ -288,12 +278,10 @@ def send(
 def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
     """Raise the order of the break between pieces `old` and i if less jumps.
 
-    A hard break is counted.
-
-    `break_order` of piece i is the lowest that theory allows. A wave whose value does
-    not jump has order 1 or more; one whose slope and curvature do not jump either is
-    SMOOTH. Jumps of these are taken as changes of values in a quarter of the shortest
-    transit.
+    A hard break is counted. `break_order` of piece i is the lowest that theory allows.
+    A wave whose value does not jump has order 1 or more; one whose slope and curvature
+    do not jump either is SMOOTH. Jumps of these are taken as changes of values in a
+    quarter of the shortest transit.
 
     That is s = (shortest transit)/(2 duration) in y, in which T_m changes by s
     T_m' + s^2 T_m''/2. T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end of a piece,
@@ -327,11 +315,9 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
 def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
     """Send the piece that arrives at a free end back, unchanged.
 
-    Return the tick of its end.
-
-    v = (a + b)/2 and no force: the wave that leaves is the one that arrives, with its
-    break. The piece is appended to the outgoing line; the caller sets `now` of the
-    node.
+    Return the tick of its end. v = (a + b)/2 and no force: the wave that leaves is the
+    one that arrives, with its break. The piece is appended to the outgoing line; the
+    caller sets `now` of the node.
     """
     # Side of the node on which its rod is
     if node.mobility[1] > 0:

@@ -1,11 +1,10 @@
 """The loop over nodes.
 
-The one furthest behind goes next, up to what is known of its inputs.
-
-A node can always go on by the shortest transit beside it, so there is no common time
-step (conservative simulation of Chandy and Misra, IEEE Trans. Software Eng. SE-5,
-1979). One step is: limit of what is known, inputs at the points of a piece,
-collocation, first event, leaving waves.
+The one furthest behind goes next, up to what is known of its inputs. A node can always
+go on by the shortest transit beside it, so there is no common time step (conservative
+simulation of Chandy and Misra, IEEE Trans. Software Eng. SE-5, 1979). One step is:
+limit of what is known, inputs at the points of a piece, collocation, first event,
+leaving waves.
 """
 
 import math
@@ -73,10 +72,9 @@ class PieceResult(NamedTuple):
 def run_nodes(state: State) -> int:
     """Run all nodes to `end_tick`, or to the proof of finality.
 
-    Behind a proof come `ticks_after_proof` more.
-
-    All is in the state: a run whose log is full goes on with a longer one. The motion
-    of its groups is set at each check of finality, and at its end.
+    Behind a proof come `ticks_after_proof` more. All is in the state: a run whose log
+    is full goes on with a longer one. The motion of its groups is set at each check of
+    finality, and at its end.
 
     Returns
     -------
@@ -259,11 +257,9 @@ def begin_after_event(state: State, node: Node, event: Event) -> None:
 def set_next_ticks(run: Run, node: Node, result: PieceResult, is_limited: bool) -> None:
     """Set `next_ticks`, the wanted duration of the next piece.
 
-    It follows from the error of this one.
-
-    The error is about proportional to the N-th power of the duration. A piece whose
-    duration something else has limited (`is_limited`) does not make the next one
-    shorter.
+    It follows from the error of this one. The error is about proportional to the N-th
+    power of the duration. A piece whose duration something else has limited
+    (`is_limited`) does not make the next one shorter.
     """
     growth = MAX_GROWTH
     if result.error > 0:
@@ -408,10 +404,8 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
 def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
     """Set `node.incoming` to the waves from both sides in a piece.
 
-    The piece has `ticks` from now.
-
-    They are values at the points of the piece, or those of the nearest parabola if the
-    node is averaging.
+    The piece has `ticks` from now. The waves are values at the points of the piece, or
+    those of the nearest parabola if the node is averaging.
     """
     # Machine code counts no references to borrowed arrays.
     all_lines = borrowed(all_lines)
@@ -430,12 +424,11 @@ def shortening(
 ) -> float:
     """Return the part of a piece whose error may be within the tolerance.
 
-    The piece has `ticks`; the part is below 1.
-
-    The error falls like a power of the duration, `(tolerance/error)^(1/power)`. The
-    power follows from the error of the piece, and from that of a longer one of
-    `ticks_before` ticks, which failed before; a smooth piece has N. After a touch the
-    force starts like a power of time, often 3/2, and the error falls as slowly.
+    The piece has `ticks`; the part is below 1. The error falls like a power of the
+    duration, `(tolerance/error)^(1/power)`. The power follows from the error of the
+    piece, and from that of a longer one of `ticks_before` ticks, which failed before; a
+    smooth piece has N. After a touch the force starts like a power of time, often 3/2,
+    and the error falls as slowly.
 
     Without a solution `error` is below 0 and tells nothing: then the part is
     MIN_GROWTH, as small as a piece may be wanted beside the one before it.

@@ -1,12 +1,10 @@
 """The method "characteristics".
 
-Rods are pure delays, contacts small equations between them.
-
-Waves are lists of polynomial pieces; a node, the chain of links and masses between two
-rods, is integrated by itself as far as its inputs are known. There is no time step:
-every piece is as long as what happens in it is smooth. A second run in other pieces
-tells how wrong the first is. A single collision is a family of one that keeps its
-pieces.
+Rods are pure delays, contacts small equations between them. Waves are lists of
+polynomial pieces; a node, the chain of links and masses between two rods, is integrated
+by itself as far as its inputs are known. There is no time step: every piece is as long
+as what happens in it is smooth. A second run in other pieces tells how wrong the first
+is. A single collision is a family of one that keeps its pieces.
 """
 
 import math
@@ -67,11 +65,10 @@ def solve(
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality.
 
-    Behind a proof it runs one round trip more.
-
-    It runs once, with a tolerance that follows from `rtol`, in `max_events` steps of
-    nodes at most. A second, coarser run then tells the errors: they are stated, and a
-    result that misses `rtol` is not refined.
+    Behind a proof it runs one round trip more. It runs once, with a tolerance that
+    follows from `rtol`, in `max_events` steps of nodes at most. A second, coarser run
+    then tells the errors: they are stated, and a result that misses `rtol` is not
+    refined.
 
     Raises
     ------
@@ -164,10 +161,8 @@ def stated_errors(
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure].
 
-    The members have run.
-
-    Members run again in other steps, at a coarser tolerance, and the results are
-    compared. Members that are not in `members` have nan.
+    The members have run. Members run again in other steps, at a coarser tolerance, and
+    the results are compared. Members that are not in `members` have nan.
     """
     coarser = fine.request._replace(
         tolerance=COARSER * fine.request.tolerance, keep=False
@@ -391,10 +386,9 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
 def vibration_of(family: Members) -> list[Any]:
     """Vibration energy of each body, J, [body] by member.
 
-    It is that about the velocity of its group.
-
-    That of a rod is the sum of its segments; a mass that is bonded to others has its
-    share, by mass, of the energy of the mass that they make together.
+    It is that about the velocity of its group. That of a rod is the sum of its
+    segments; a mass that is bonded to others has its share, by mass, of the energy of
+    the mass that they make together.
     """
     row = family.row
     parts = family.parts
@@ -420,10 +414,8 @@ def vibration_of(family: Members) -> list[Any]:
 def _columns_of(family: Members, refused: Any) -> Columns:
     """Columns of a family whose members have run.
 
-    They are as `family.family_columns` makes them.
-
-    Numbers are nan, and the proof does not count, where a member is `refused`,
-    [member].
+    They are as `family.family_columns` makes them. Numbers are nan, and the proof does
+    not count, where a member is `refused`, [member].
     """
     row = family.row
     run = family.runs[:, 0]
@@ -445,10 +437,9 @@ def _columns_of(family: Members, refused: Any) -> Columns:
 def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
     """Totals of every contact in SI units, [contact] by member.
 
-    They have the names of `CONTACT_COLUMNS`.
-
-    `zero_or_nan` is nan where a member is refused, else 0; it is not added to
-    `episodes`, which are counts. Impacts have no peak force: nan.
+    They have the names of `CONTACT_COLUMNS`. `zero_or_nan` is nan where a member is
+    refused, else 0; it is not added to `episodes`, which are counts. Impacts have no
+    peak force: nan.
     """
     tick = family.runs[:, 0]["tick_duration"]
     contacts: dict[str, list[Any]] = {

@@ -121,9 +121,8 @@ def start_forces(links: Links, node: Node) -> int:
 def integrate(rate: Values, h: float, f: MutableValues) -> None:
     """Set f behind f[0] to f[0] plus the integral of a rate.
 
-    The piece has the duration h, s.
-
-    Both are values at the points; that of the rate at the start is not used.
+    The piece has the duration h, s. f and the rate are values at the points; that of
+    the rate at the start is not used.
     """
     for j in range(N):
         s = 0.0  # integral over y, from -1 at the start of the piece to 1 at its end
@@ -180,10 +179,9 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
 def linearise(link: Link, h: float, is_first: bool) -> float:
     """Set the tangent of the force of a link at each stage.
 
-    It is F = base + by_overlap d + by_closing closing.
-
-    In the first Newton step the tangent is taken at the extrapolated overlap d + d'
-    u + d'' u^2/2, u the time since the start of the piece, whose duration is h, s.
+    It is F = base + by_overlap d + by_closing closing. In the first Newton step the
+    tangent is taken at the extrapolated overlap d + d' u + d'' u^2/2, u the time since
+    the start of the piece, whose duration is h, s.
 
     Return the residual, the largest difference of the law from the present force,
     relative to the largest force, or to the round-off of the terms that cancel in it: a
@@ -215,11 +213,9 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
 def linearise_links(links: Links, node: Node, h: float, is_first: bool) -> float:
     """Linearise all links of a node whose forces are unknown.
 
-    Return the largest residual.
-
-    A linear law needs one Newton step, whatever its residual, and counts as 0. The
-    residual of a nonlinear law is 1 in the first step, whose tangents are taken at an
-    extrapolation.
+    Return the largest residual. A linear law needs one Newton step, whatever its
+    residual, and counts as 0. The residual of a nonlinear law is 1 in the first step,
+    whose tangents are taken at an extrapolation.
     """
     residual = 0.0
     for q in range(node.link_count):
@@ -300,11 +296,9 @@ def set_block(
 ) -> None:
     """Set the N by N block of G in the rows of a link, from `column` on.
 
-    It is that of the forces of one link.
-
-    `by_impulse` is the change of the closing rate of the link by a unit impulse of the
-    other one, 1/kg; `is_same` says that both are one. Changes x of that force, at the
-    stages, change
+    It is that of the forces of one link. `by_impulse` is the change of the closing rate
+    of the link by a unit impulse of the other one, 1/kg; `is_same` says that both are
+    one. Changes x of that force, at the stages, change
 
         closing by (h/2) by_impulse S x,
         d by share (h/2) S (change of closing - Y x if same),
@@ -353,12 +347,10 @@ def take_step(
 ) -> None:
     """Add the changes of forces to the forces, and update the motion.
 
-    They are the last column of G.
-
-    Where dF/dd times the velocity scale times h is above the force, the link is stiff:
-    its overlap is a small difference of large numbers. It is then computed from the
-    force by the tangent law, d = (F - base - by_closing closing)/by_overlap, as
-    integrating the closing rate would lose digits.
+    They are the last column of G. Where dF/dd times the velocity scale times h is above
+    the force, the link is stiff: its overlap is a small difference of large numbers. It
+    is then computed from the force by the tangent law, d = (F - base - by_closing
+    closing)/by_overlap, as integrating the closing rate would lose digits.
     """
     solution = N * unknown_count  # column of G with the changes
     for q in range(node.link_count):
@@ -387,11 +379,10 @@ def collocate(
 ) -> bool:
     """Solve a node over a piece; return whether Newton's method converged.
 
-    The piece has the duration h, s.
-
-    Forces, velocities, closing rates and overlaps at the points of the piece are set,
-    from the incoming waves of the node and the states of its links and masses. G is
-    scratch. Newton's method fails if it diverges, or takes more than MAX_NEWTON_STEPS.
+    The piece has the duration h, s. Forces, velocities, closing rates and overlaps at
+    the points of the piece are set, from the incoming waves of the node and the states
+    of its links and masses. G is scratch. Newton's method fails if it diverges, or
+    takes more than MAX_NEWTON_STEPS.
 
     Radau IIA is stiffly accurate: contacts far stiffer than the piece is long do no
     harm.
@@ -423,9 +414,8 @@ def collocate(
 def set_initial_forces(links: Links, node: Node) -> None:
     """Set the unknown forces at the start of a piece, and their derivatives.
 
-    The contact laws give them.
-
-    The force between bodies at rest follows no law: it is extrapolated from the stages.
+    The contact laws give them. The force between bodies at rest follows no law: it is
+    extrapolated from the stages.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -447,12 +437,10 @@ def set_initial_forces(links: Links, node: Node) -> None:
 def forbid_pulling(links: Links, node: Node) -> None:
     """Let no contact of a node pull at any time in the piece.
 
-    The impulse stays as before.
-
-    Where a force falls to 0 its polynomial may swing below 0 by about the tolerance.
-    With m > 0 (`swing`) at least as large as that, and J the integral of F over the
-    piece of duration h, F := (F + m) J/(J + m h) is never negative and has the integral
-    J. Here J is taken over y, and the duration in y is 2.
+    The impulse stays as before. Where a force falls to 0 its polynomial may swing below
+    0 by about the tolerance. With m > 0 (`swing`) at least as large as that, and J the
+    integral of F over the piece of duration h, F := (F + m) J/(J + m h) is never
+    negative and has the integral J. Here J is taken over y, and the duration in y is 2.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -479,11 +467,9 @@ def forbid_pulling(links: Links, node: Node) -> None:
 def set_outgoing(links: Links, node: Node, side: int) -> None:
     """Set `node.outgoing` to the wave that leaves a node on a side.
 
-    It is that at the points of the piece.
-
-    On the left (side 0) the wave a comes in and a - 2 F/Z leaves, F the force of the
-    first link. On the right (side 1) b comes in and b + 2 F/Z leaves, F the force of
-    the last link.
+    It is that at the points of the piece. On the left (side 0) the wave a comes in and
+    a - 2 F/Z leaves, F the force of the first link. On the right (side 1) b comes in
+    and b + 2 F/Z leaves, F the force of the last link.
     """
     link = links[outer_link(node, side)]
     mobility = node.mobility[side]
@@ -532,10 +518,8 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
 def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
     """Return the largest `series.remainder` of the waves of a piece, m/s.
 
-    They are those that arrive and leave.
-
-    That is an estimate of their error, or of the error of their integrals if
-    `integrated`.
+    They are those that arrive and leave. The remainder is an estimate of their error,
+    or of the error of their integrals if `integrated`.
     """
     largest = 0.0
     for side in range(2):
@@ -549,10 +533,9 @@ def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
 def restrict_piece(links: Links, masses: Masses, node: Node, y: float) -> None:
     """Cut a piece of a node at y, and keep the part before.
 
-    y is -1 at its start and 1 at its end.
-
-    The values of its incoming waves, forces, overlaps, closing rates and velocities
-    become those of the same polynomials at the points of that part.
+    y is -1 at its start and 1 at its end. The values of its incoming waves, forces,
+    overlaps, closing rates and velocities become those of the same polynomials at the
+    points of that part.
     """
     for side in range(2):
         series.restrict(node.incoming[side], y, node.scratch_series)

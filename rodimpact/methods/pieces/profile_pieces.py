@@ -38,10 +38,9 @@ class Fit(NamedTuple):
 def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> Pieces:
     """A profile along a rod, or over time, as a signal in ticks.
 
-    Its last value holds on.
-
-    `length` is that of the rod, m, or the time, s, over which samples without a step
-    are spread. `ticks_of` makes ticks of places, m, or of times, s.
+    Its last value holds on. `length` is that of the rod, m, or the time, s, over which
+    samples without a step are spread. `ticks_of` makes ticks of places, m, or of times,
+    s.
     """
     if isinstance(profile, Steps):
         starts = np.array([0.0, *map(float, profile.at)])
@@ -59,9 +58,8 @@ def _from_samples(
 ) -> Pieces:
     """Signal through samples.
 
-    It has straight lines, or is a spline of degree 5 if they are smooth.
-
-    Samples without a step of their own are spread evenly over `length`.
+    It has straight lines, or is a spline of degree 5 if they are smooth. Samples
+    without a step of their own are spread evenly over `length`.
     """
     samples = np.asarray(profile.values, dtype=float)
     if profile.step is None:
@@ -166,10 +164,9 @@ def in_pieces(
 def _kinks(series: Floats, widths: Floats) -> Floats:
     """Absolute jumps of the slope between the pieces of `series`, per tick.
 
-    There is one from each piece to the next, [piece - 1].
-
-    `widths` are the durations of the pieces, ticks. The Chebyshev polynomial T_k has
-    the slope k^2 at 1, and (-1)^(k + 1) k^2 at -1; y runs through 2 in a piece.
+    There is one from each piece to the next, [piece - 1]. `widths` are the durations of
+    the pieces, ticks. The Chebyshev polynomial T_k has the slope k^2 at 1, and
+    (-1)^(k + 1) k^2 at -1; y runs through 2 in a piece.
     """
     k = np.arange(POINTS)
     # Slopes at the end and at the start of each piece
@@ -199,11 +196,9 @@ def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
 def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> Fit:
     """Fit pieces of 2^n intervals without a jump inside.
 
-    Those that miss too much are halved.
-
-    `jumps` says for each edge behind the first whether no piece may reach across it;
-    `tolerance` is the largest miss. An interval by itself keeps the series of the
-    signal. The pieces are in order of time.
+    Those that miss too much are halved. `jumps` says for each edge behind the first
+    whether no piece may reach across it; `tolerance` is the largest miss. An interval
+    by itself keeps the series of the signal. The pieces are in order of time.
     """
     jumps_before = np.cumsum(np.append(0, jumps[:-1]))  # [interval]
     n = len(edges) - 1
@@ -245,10 +240,8 @@ def _through(
 ) -> tuple[Floats, Floats]:
     """Series through `width` intervals from each `first` on, and misses.
 
-    Series are [piece, coefficient].
-
-    The miss of a piece is its largest difference from the signal, at `SHARES` of each
-    interval.
+    Series are [piece, coefficient]. The miss of a piece is its largest difference from
+    the signal, at `SHARES` of each interval.
     """
     low = edges[first]
     high = edges[first + width]

@@ -1,10 +1,9 @@
 """Polynomials on a piece of time, as Chebyshev series in y.
 
-y goes from -1 at the start of the piece to 1 at its end.
-
-A piece is known by its values at its start and at the N points of Radau IIA, the last
-of which is the end: collocation there damps what is stiffer than the piece is long
-(Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.5).
+y goes from -1 at the start of the piece to 1 at its end. A piece is known by its values
+at its start and at the N points of Radau IIA, the last of which is the end: collocation
+there damps what is stiffer than the piece is long (Hairer and Wanner, Solving Ordinary
+Differential Equations II, section IV.5).
 
 f are values at the points, c coefficients of a series: sum of c[m] T_m(y), T_m(cos
 x) = cos(m x).
@@ -145,9 +144,7 @@ def set_series(f: Values, c: MutableValues) -> None:
 def integral(f: Values) -> float:
     """Return the integral over y from -1 to 1 of a polynomial.
 
-    It has the values f at the points.
-
-    The value at the start, f[0], is not needed.
+    It has the values f at the points. The value at the start, f[0], is not needed.
     """
     s = 0.0
     for j in range(N):
@@ -173,13 +170,11 @@ def truncation_estimate(f: Values) -> float:
 def remainder(f: Values, integrated: bool) -> float:
     """Return an estimate of the error of a polynomial, or of its integral.
 
-    It has the values f at the points.
-
-    Coefficients fall by a factor r from degree to degree. The polynomial misses the
-    next ones, two and two about tail r (1 + r^2 + r^4 + ...). Integrals of them are
-    about a hundredth of that; and collocation integrates far better than it follows
-    values, about as the tail times r^3. So the error is e = tail r/(1 - r^2), or e
-    (r^2 + 0.01) if `integrated`.
+    It has the values f at the points. Coefficients fall by a factor r from degree to
+    degree. The polynomial misses the next ones, two and two about tail r
+    (1 + r^2 + r^4 + ...). Integrals of them are about a hundredth of that; and
+    collocation integrates far better than it follows values, about as the tail times
+    r^3. So the error is e = tail r/(1 - r^2), or e (r^2 + 0.01) if `integrated`.
     """
     last = 0.0  # tail: abs(c[N - 1]) + abs(c[N])
     before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])
@@ -231,9 +226,8 @@ def is_constant(f: Values) -> bool:
 def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
     """Replace f by the values of the same polynomial in the part from -1 to y.
 
-    They are those at the points of that part.
-
-    c is scratch. A constant f stays as it is.
+    They are those at the points of that part. c is scratch. A constant f stays as it
+    is.
     """
     if is_constant(f):
         return
@@ -247,9 +241,8 @@ def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
 def first_zero(c: Values, low: float, high: float) -> float:
     """Return the place between `low` and `high` at which the series c falls below 0.
 
-    It is found by bisection.
-
-    The series is 0 or more at `low`, and negative at `high` and at the place returned.
+    It is found by bisection. The series is 0 or more at `low`, and negative at `high`
+    and at the place returned.
     """
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
@@ -294,10 +287,9 @@ def place_of_minimum(c: Values, low: float, high: float) -> float:
 def minimum(c: Values) -> float:
     """Return the smallest value of the series c.
 
-    It is searched for beside the smallest of samples.
-
-    A series is c[0] - abs(c[1]) - abs(c[2]) - ... or more. If this bound is not
-    negative, it is returned in place of the smallest value.
+    It is searched for beside the smallest of samples. A series is
+    c[0] - abs(c[1]) - abs(c[2]) - ... or more. If this bound is not negative, it is
+    returned in place of the smallest value.
     """
     least = c[0]  # the bound
     for m in range(1, POINTS):
@@ -322,13 +314,11 @@ def minimum(c: Values) -> float:
 def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
     """Return the largest value of a polynomial, and its place.
 
-    It has the values f at the points.
-
-    c is scratch. The place is searched for beside the largest of these values. A vertex
-    beside the outermost points counts too: a parabola through three points would miss
-    it. If no value between the points can be more than `least`, the largest of the
-    values at the points is returned: a series is c[0] + abs(c[1]) + abs(c[2]) + ... or
-    less.
+    It has the values f at the points. c is scratch. The place is searched for beside
+    the largest of these values. A vertex beside the outermost points counts too: a
+    parabola through three points would miss it. If no value between the points can be
+    more than `least`, the largest of the values at the points is returned: a series is
+    c[0] + abs(c[1]) + abs(c[2]) + ... or less.
     """
     best = 0  # point of the largest value
     for j in range(POINTS):
@@ -363,10 +353,9 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
 def set_parabola(f: MutableValues, whole: float, tilt: float, bend: float) -> None:
     """Set f to the parabola p with these integrals.
 
-    Those of p P0, p P1 and p P2 are `whole`, `tilt` and `bend`.
-
-    The integrals are over y from -1 to 1. P are the Legendre polynomials, P2 = 1.5 y^2
-    - 0.5, so p = (1/2) whole P0 + (3/2) tilt P1 + (5/2) bend P2.
+    Those of p P0, p P1 and p P2 are `whole`, `tilt` and `bend`. The integrals are over
+    y from -1 to 1. P are the Legendre polynomials, P2 = 1.5 y^2 - 0.5, so p = (1/2)
+    whole P0 + (3/2) tilt P1 + (5/2) bend P2.
     """
     for j in range(POINTS):
         f[j] = 0.5 * whole + 1.5 * tilt * X[j] + 2.5 * bend * (1.5 * X[j] * X[j] - 0.5)
@@ -392,10 +381,9 @@ def flatten(f: MutableValues) -> None:
 def eliminate(G: Matrix, n: int, band: int) -> None:
     """Solve n equations by Gauss elimination in place.
 
-    Column n of G, the right side, becomes x.
-
-    All coefficients are less than `band` from the diagonal; pivoting fills as much
-    again on the right. The other columns of G are spoilt.
+    Column n of G, the right side, becomes x. All coefficients are less than `band` from
+    the diagonal; pivoting fills as much again on the right. The other columns of G are
+    spoilt.
     """
     for i in range(n):
         # Column i is 0 from row `below` on, row i from column `right` on.

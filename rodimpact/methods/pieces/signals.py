@@ -23,9 +23,8 @@ NOTHING = Pieces([0], [0.0])
 def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     """Signals of a run.
 
-    They are waves, force and gap of each contact, actions on the ends, and masses.
-
-    A bond of rigid bodies is no link: its force follows from the forces beside it.
+    They are waves, force and gap of each contact, actions on the ends, and masses. A
+    bond of rigid bodies is no link: its force follows from the forces beside it.
 
     Parameters
     ----------
@@ -149,11 +148,10 @@ def _lines(log: Any, count: int) -> list[Pieces]:
 def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
     """Force, gap and closing velocity of a link, and its episodes.
 
-    Its `turns` bound the episodes.
-
-    `turns` are its rows in the log of contacts, `tick` is the duration of a tick, s.
-    Blows, the impacts, are forces of one tick, in which the closing velocity is that of
-    their work. Bonds have no gap, and joints no episodes.
+    Its `turns` bound the episodes. `turns` are its rows in the log of contacts, `tick`
+    is the duration of a tick, s. Blows, the impacts, are forces of one tick, in which
+    the closing velocity is that of their work. Bonds have no gap, and joints no
+    episodes.
     """
     # What the lines that follow this one keep: see `layout.number_history_lines`.
     history_line = link["history_line"]

@@ -38,10 +38,9 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
 def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     """Time of the end of the last contact, s; nan without a proof.
 
-    It is found by `status.last_contact`.
-
-    Contacts that have pressed count. An impact is over at once: one that is open now
-    has parted, even though PRESS was logged last, as it struck.
+    It is found by `status.last_contact`. Contacts that have pressed count. An impact is
+    over at once: one that is open now has parted, even though PRESS was logged last, as
+    it struck.
 
     `end` is the end of the run, s, `round_trip` the longest time in a body there and
     back, s.
@@ -129,10 +128,9 @@ def simplifications_text(run: Any) -> str:
 def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
     """Path and sentence of the error where a node has no solution.
 
-    No forces in it satisfy the laws of its links.
-
-    The reason is two walls that squeeze a rigid mass, or else numbers out of range; the
-    path is that of all contacts, or of the last contact in the node.
+    No forces in it satisfy the laws of its links. The reason is two walls that squeeze
+    a rigid mass, or else numbers out of range; the path is that of all contacts, or of
+    the last contact in the node.
     """
     time = format_si(seconds, "s")
     # Mobility is 0 where no rod begins: what leaves such masses no solution are two
