@@ -139,8 +139,8 @@ def _fault() -> str:
     try:
         compiling.compiler()
     except Exception as error:
-        # The fault may be numba's, that of what it needs, or a variable with a wrong
-        # value.
+        # The fault may be numba's, that of what it needs,
+        # or a variable with a wrong value.
         variables = []
         for name, value in os.environ.items():
             if name.startswith("NUMBA_"):

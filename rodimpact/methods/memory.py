@@ -85,8 +85,8 @@ def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
         )
         raise TooLong([(field, f"{size}; {remedy}")])
     share = getattr(_thread, "share", math.inf)
-    # A thread that has a share has `has_turn` as well; without a share nothing is more
-    # than inf.
+    # A thread that has a share has `has_turn` as well;
+    # without a share nothing is more than inf.
     if 8 * numbers > share and not _thread.has_turn:
         _turn.acquire()
         _thread.has_turn = True

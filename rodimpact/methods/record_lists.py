@@ -66,8 +66,8 @@ def as_objects(records: Any) -> list[Any]:
     if record.names is None:
         return records.tolist()  # type: ignore[no-any-return]
     make = _object_class(record)
-    # Fields that are arrays become lists of their own; without any, whole records are
-    # faster.
+    # Fields that are arrays become lists of their own;
+    # without any, whole records are faster.
     if any(record[name].subdtype for name in record.names):
         columns = [records[name].tolist() for name in record.names]
         return list(map(make, *columns))

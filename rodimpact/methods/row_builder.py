@@ -32,8 +32,8 @@ def build_row(system: Any) -> Row:
     """
     bodies = system.bodies
     nothing = ("none", 0.0)
-    # Lists are empty at first; segments are counted from 1, and no mass is left of node
-    # 0.
+    # Lists are empty at first;
+    # segments are counted from 1, and no mass is left of node 0.
     row = Row(system, [], [""], [], [0], [], [], [], [], [], [nothing, nothing])
     rods = [body.kind == "rod" for body in bodies]
     for block in rigid_blocks(system):
@@ -53,8 +53,8 @@ def build_row(system: Any) -> Row:
         add_end(row, 1, system.ends[1])
     row.first.append(len(row.masses))
     for i, body in enumerate(bodies):
-        # Numbers behind those of the masses stand for the left wall, and then for the
-        # right one.
+        # Numbers behind those of the masses stand for
+        # the left wall, and then for the right one.
         if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
             row.mass_of[i] = len(row.masses)
             if any(rods[:i]):  # the right wall

@@ -336,8 +336,8 @@ class Run:
     def signals(self) -> Signals:
         """All signals of the run, made when they are first asked for."""
         signals = self.make_signals()
-        # From now on the same signals are handed out, so the records behind them may
-        # go.
+        # From now on the same signals are handed out,
+        # so the records behind them may go.
         object.__setattr__(self, "make_signals", signals._replace)
         return signals
 

@@ -203,8 +203,8 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
         beyond = [(is_beyond, "bodies", message)]
         for k, i in row.by_law.items():  # contact k is link i
             link = row.links[i]
-            # Slope of the force k d^p at d = scale times transit, times transit over
-            # impedance
+            # Slope of the force k d^p at d = scale times transit,
+            # times transit over impedance
             stiffness = (
                 link.stiffness
                 * (transit / least_impedance(row))

@@ -155,8 +155,8 @@ class Pieces:
         error = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
         parts = np.ones(len(middle))  # into which each piece is divided
         if error > 0:
-            # A line over the n-th part of a piece is off by less than (2/n)^2/8 of its
-            # bend.
+            # A line over the n-th part of a piece is
+            # off by less than (2/n)^2/8 of its bend.
             parts = np.ceil(np.sqrt(self.bends / (2 * error)))
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
         firsts = np.cumsum(counts) - counts  # first mark of each piece
@@ -167,8 +167,8 @@ class Pieces:
         later_starts = self.ticks[1:]
         rises = self.values[1:] - self.at(later_starts, "left")
         jumps = later_starts[np.abs(rises) > error]
-        # Beyond 2^51 floats do not resolve ticks: the mark is far enough for them to
-        # differ.
+        # Beyond 2^51 floats do not resolve ticks:
+        # the mark is far enough for them to differ.
         before_jumps = jumps - 1 - (jumps >> 51)
         return each_once(inside, before_jumps, [self.end])
 
@@ -380,8 +380,8 @@ def _interpolation(size: int) -> tuple[Floats, Floats]:
     [size, size] array
         M, with coefficients = values @ M.
     """
-    # Point j is y = cos(angle j), where T_k is cos(k angle): a discrete cosine
-    # transform.
+    # Point j is y = cos(angle j), where T_k is
+    # cos(k angle): a discrete cosine transform.
     angles = np.pi * (np.arange(size)[::-1] + 0.5) / size
     to_coefficients = np.cos(angles[:, None] * np.arange(size)) * (2 / size)
     to_coefficients[:, 0] /= 2

@@ -187,8 +187,8 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
             continue
         for i in range(start, len(durations)):
             member = durations[durations[i].sorted_index]
-            # The leader has `parts` parts of `unit` ticks, a member of its class p/q of
-            # them.
+            # The leader has `parts` parts of `unit`
+            # ticks, a member of its class p/q of them.
             if member.q > 0:
                 member.ticks = unit * (parts // member.q) * member.p
                 member.q = -1

@@ -123,8 +123,8 @@ class FrontBatch(Batch[State]):
             If the log of one of them takes too much memory.
         """
         while not self.run():
-            # An unfinished run is expected to take as long again as it has taken so
-            # far.
+            # An unfinished run is expected to take
+            # as long again as it has taken so far.
             self.choose_form(len(self.state.log) * PLAIN_ROW_TIME)
             run = self.progress
             report(int(run.events), expected_events(run))
@@ -139,8 +139,8 @@ class FrontBatch(Batch[State]):
         rows = len(self.state.log)
         # Numbers of 8 bytes
         if self.is_compiled:
-            # A longer array takes memory as its rows are used: twice as many are
-            # counted.
+            # A longer array takes memory as its rows are used:
+            # twice as many are counted.
             numbers = rows * 2 * NUMBERS_PER_ROW
         else:
             numbers = rows * NUMBERS_PER_LIST_ROW

@@ -69,8 +69,8 @@ def resolve_contact(
     """
     gap = node.gap + node.gap_rate * dt
     status: int = node.status
-    # It closes now if it would do so within the window, at the speed before or after
-    # the arrivals.
+    # It closes now if it would do so within the window,
+    # at the speed before or after the arrivals.
     if status == Status.OPEN and gap <= max(-node.gap_rate, closing) * window:
         gap = 0 * gap  # 0 of the same kind of number: a float, or a fraction
         status = Status.TOUCH.value
@@ -180,8 +180,8 @@ def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
         node.impulse += impulse
         node.impulse_moment += impulse * (node.solved_tick + dt / 2)
         node.work += node.force * node.face_velocity * dt
-        # A shorter force comes from waves that meet at one tick, but for their
-        # rounding.
+        # A shorter force comes from waves that
+        # meet at one tick, but for their rounding.
         if dt > window:
             node.peak_force = max(node.peak_force, node.force)
     if node.status == Status.PRESS:

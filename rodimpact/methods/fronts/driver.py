@@ -107,8 +107,8 @@ def solve_many(
     columns: dict[tuple[str, int], Array] = {}
     for name, k in fields:
         columns[name, k] = np.empty(count, NODE_RESULT[name])
-    # Time of a member in plain Python, s: estimated, until a block that took long is
-    # measured
+    # Time of a member in plain Python, s:
+    # estimated, until a block that took long is measured
     member_time = INITIAL_LOG_ROWS * PLAIN_ROW_TIME
     is_measured = False
     batch = FrontBatch(layout, request, is_compiled=False)

@@ -21,8 +21,8 @@ def update_motion(state: State) -> None:
     nodes = state.nodes
     last = nodes[len(nodes) - 1]
     is_anchored = nodes[0].status == Status.BOND or last.status == Status.BOND
-    # The velocities follow from the momenta at t = 0, and where something is bonded to
-    # the outside.
+    # The velocities follow from the momenta at t = 0,
+    # and where something is bonded to the outside.
     if is_anchored or run.events == 0:
         measure_segments(state)
     set_group_velocities(state)
@@ -145,8 +145,8 @@ def largest_difference(
         # Waves that left the other end a transit before this one do not meet it.
         while log[b].next_row != NONE and log[log[b].next_row].tick <= a0 - transit:
             b = log[b].next_row
-        # Waves that left the other end a transit after this one, or later, do not meet
-        # it either.
+        # Waves that left the other end a transit after this one,
+        # or later, do not meet it either.
         r = b
         while r != NONE and log[r].tick < a1 + transit and a1 - a0 > window:
             wave_b = log[r]

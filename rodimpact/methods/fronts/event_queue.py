@@ -33,8 +33,8 @@ def first_leaf(queue: Queue) -> int:
     earliest = queue[1]
     i = 1
     while i < leaves:
-        # The comparison counts 0 or 1: a branch, which goes either way as often, takes
-        # longer.
+        # The comparison counts 0 or 1: a branch,
+        # which goes either way as often, takes longer.
         is_right = queue[2 * i] != earliest
         i = 2 * i + is_right
     return i

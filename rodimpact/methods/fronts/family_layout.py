@@ -102,8 +102,8 @@ def lay_out_family(row: Any) -> FamilyLayout:
     for i in range(len(row.system.gaps)):
         last_segment = row.spans[i][1]  # last one of the body on the left; 0: a wall
         contacts.append(last_segment)  # node k is on the right of segment k
-    # Each piece of the initial state fills two lines, and a drive has a value more than
-    # jumps.
+    # Each piece of the initial state fills two lines,
+    # and a drive has a value more than jumps.
     initial_fronts = 2 * durations + 2
     return FamilyLayout(
         row,

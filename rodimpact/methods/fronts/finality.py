@@ -168,8 +168,8 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     if first == last:  # a uniform segment: its waves go round unchanged
         group.is_end_velocity_bounded = 1
 
-    # What the group is bonded to outside: on one side at most, as the contact is on the
-    # other
+    # What the group is bonded to outside:
+    # on one side at most, as the contact is on the other
     is_semi_infinite = False
     for side in range(2):
         if side == 0:
@@ -184,8 +184,8 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
             is_semi_infinite = outside_mobility > 0
             if not is_semi_infinite:  # a wall, which turns waves round
                 group.is_end_velocity_bounded = 0
-    # Steady waves are all the mean velocity; but a semi-infinite bar gives way while it
-    # is pressed.
+    # Steady waves are all the mean velocity;
+    # but a semi-infinite bar gives way while it is pressed.
     if is_steady and not (is_semi_infinite and is_pressing):
         group.min_end_velocity = group.mean_velocity
         group.max_end_velocity = group.mean_velocity

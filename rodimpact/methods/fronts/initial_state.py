@@ -399,8 +399,8 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
         start = run.log_rows
         sign = 2 * leftward - 1  # sign of c eps: -1 in a, 1 in b
         for k in range(stop - first):
-            # In order of time: what is nearest to the end where it arrives was sent
-            # first.
+            # In order of time:
+            # what is nearest to the end where it arrives was sent first.
             if leftward:
                 i = first + k
             else:

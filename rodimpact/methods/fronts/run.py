@@ -64,8 +64,8 @@ class FrontRun:
         self.clock = self._clock()
         self.stopped_by = REASONS[Stop(self.run.stop_reason)]
         self.proved_tick = self.run.proved_tick
-        # A proof means nothing where an end is driven; such a run always has an end
-        # `until`.
+        # A proof means nothing where an end is driven;
+        # such a run always has an end `until`.
         if self.run.until >= 0 and has_external_drive(self.layout.row.system):
             self.proved_tick = NONE
 

@@ -130,8 +130,8 @@ def gaps_at_starts(
     steps = gap_rate[:-1] * np.diff(ticks)
     travelled = np.concatenate(([0.0], np.cumsum(steps)))  # way since t = 0
     at_changes = travelled[np.searchsorted(ticks, changes)]
-    # What was travelled where the gap was 0; the last one is read by index -1: no
-    # change yet
+    # What was travelled where the gap was 0;
+    # the last one is read by index -1: no change yet
     zeros = np.append(at_changes, -first_gap)
     last_change = np.searchsorted(changes, ticks, "right") - 1
     return np.asarray(travelled - zeros[last_change])

@@ -116,8 +116,8 @@ def totals_of(finished: FrontRun) -> Totals:
     after = final_motion(clock, masses, finished.segments)
     boundary = BoundaryEffects(finished, masses, after.velocities)
 
-    # Momenta of segments are in N ticks, as impulses are: times the tick they are in N
-    # s.
+    # Momenta of segments are in N ticks, as impulses are:
+    # times the tick they are in N s.
     start_momentum = math.fsum(
         segment.initial_momentum for segment in finished.segments
     )
@@ -181,8 +181,8 @@ class BoundaryEffects:
         self.radiated = 0.0
         clock = finished.clock
         for side in (0, -1):  # first and last of nodes, bodies and ends
-            # A push on the row acts to the right at its left end, to the left at its
-            # right end.
+            # A push on the row acts to the right at its left end,
+            # to the left at its right end.
             sign = 1 if side == 0 else -1
             impulse = sign * finished.nodes[side].impulse * clock.tick
             self.impulse += impulse

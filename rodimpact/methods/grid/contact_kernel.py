@@ -70,12 +70,12 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     # x is the guess of x1, which Newton's method mends.
     yields = False  # whether x1 is beyond the elastic limit
     if link.law == Law.YIELD:
-        # The mean force bends both ways, its work only up: begin on the right of the
-        # root.
+        # The mean force bends both ways, its work only up:
+        # begin on the right of the root.
         elastic_limit = link.yield_force / link.stiffness
         force_at_limit, _ = contact_laws.mean_force(link, x0, elastic_limit)
-        # The residual of Newton's method, below, is < 0 at the limit if the root is
-        # beyond.
+        # The residual of Newton's method, below,
+        # is < 0 at the limit if the root is beyond.
         yields = elastic_limit - top + y * force_at_limit < 0
         if yields:
             x = top

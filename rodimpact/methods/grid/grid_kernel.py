@@ -413,8 +413,8 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
         left = v[link.left_node]
         right = v[link.right_node]
         speed = max(speed, abs(left) + abs(right) + abs(link.initial_closing))
-        # The closing of a step is the mean of the closing velocities before and after
-        # it.
+        # The closing of a step is the mean of the
+        # closing velocities before and after it.
         link.force_free_closing = (link.initial_closing + left - right) / 2
         link.force_slope = 0.0
         # Guess: the closing of the last step goes on

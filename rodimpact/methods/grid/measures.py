@@ -55,8 +55,8 @@ def largest_force(force: Floats) -> float:
             slope = b
             curve = c
             begin = 0
-            # The other side, in its turn, is taken if it is much less curved than this
-            # one.
+            # The other side, in its turn,
+            # is taken if it is much less curved than this one.
             least_curvature = KINK_CURVATURE_RATIO * abs(c)
             largest = max(a, a + b + c)  # values at both ends of the step
     # If the vertex lies in the top step it is the largest force.
@@ -85,8 +85,8 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
     # Steps in which forces begin, and those behind their last ones, in turn
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
     wide = np.flatnonzero(gap > open_gap)  # step ends at which the gap is open
-    # Step in which the next force begins: every other edge from the third on; then the
-    # end of the run
+    # Step in which the next force begins:
+    # every other edge from the third on; then the end of the run
     next_begins = [*edges, len(force)][2::2]
     intervals = []
     for first, stop, following in zip(

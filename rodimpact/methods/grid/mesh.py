@@ -531,8 +531,8 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     n = len(axial_inertia)
     K[:n, n:] = _differences(n).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
-    # Unknowns with inertia: without lateral inertia radial strains have none, and are
-    # left out.
+    # Unknowns with inertia: without lateral inertia
+    # radial strains have none, and are left out.
     moves = np.append(np.ones(n, bool), cells.radial_inertia > 0)
     inside = np.ix_(moves, moves)
     M = block_diag(axial_inertia, np.diag(cells.radial_inertia))[inside]

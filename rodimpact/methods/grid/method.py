@@ -292,8 +292,8 @@ def _stable_counts(
     step: Any = dt
     if cells is not None:
         step = float(transits[longest]) / cells
-    # As many cells as the transit time has whole steps; the factor lets round-off cost
-    # none.
+    # As many cells as the transit time has whole steps;
+    # the factor lets round-off cost none.
     counts = np.floor(transits / step * STABLE_COURANT)
     if cells is not None:
         counts[longest] = cells  # exactly, whatever the rounding of the quotient

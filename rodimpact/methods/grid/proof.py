@@ -104,8 +104,8 @@ def add_joints(
     """
     first, last = group
     shift_by_momentum = 0.0
-    # Link `link` of the row is link `column` of the grid; it lies on the left of node
-    # `right`.
+    # Link `link` of the row is link `column` of the grid;
+    # it lies on the left of node `right`.
     for column, (link, (_, right)) in enumerate(run.mesh.touching.items()):
         if first < right <= last:  # a joint
             cell = right - first - 1  # its place among the cells of the group
@@ -115,8 +115,8 @@ def add_joints(
                 compliance[cell] = 1 / k
                 energy += k * stretch[cell] ** 2 / 2
             else:
-                # A dashpot c yields by g (change of momentum)/c: twice the largest
-                # momentum.
+                # A dashpot c yields by g (change of momentum)/c:
+                # twice the largest momentum.
                 shift_by_momentum += 2 * g[cell] / float(run.row.links[link].damping)
     return energy, shift_by_momentum
 
@@ -174,8 +174,8 @@ def side_of(
         mean = float(run.grid.ends["background_wave"][side])
     if a == b:
         return GroupState(mean, 0.0, 0.0)
-    # Mass fraction beyond each cell: on its left, as seen from the right end, or else
-    # on its right
+    # Mass fraction beyond each cell: on its left,
+    # as seen from the right end, or else on its right
     on_left = np.cumsum(m[:-1]) / mass
     if mesh.is_prescribed[far] or Z:
         g = np.ones(b - a)

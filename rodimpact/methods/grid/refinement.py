@@ -170,8 +170,8 @@ def measures_of(run: GridRun) -> dict[str, Array]:
     for k, force in enumerate(forces):
         if k in run.row.unilateral_links:
             impulses.append(float(force.sum()) * run.step)
-            # Impacts of rigid bodies have no peak force and no duration: their impulse
-            # jumps.
+            # Impacts of rigid bodies have no peak force and no duration:
+            # their impulse jumps.
             if run.row.links[run.row.contact_link[k]].law != Law.IMPACT:
                 begins, ends = run.spans(run.pressed(k))  # times of all its forces, s
                 peaks.append(largest_force(force))

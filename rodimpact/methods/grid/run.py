@@ -106,8 +106,8 @@ class GridRun:
         self._stride = 1  # steps between two states
         self._chosen_steps: Array | None = None  # steps after which states are kept
         if snapshots is None or isinstance(snapshots, int):
-            # Two numbers of 8 bytes a node and its cell, twice as many with radial
-            # strains
+            # Two numbers of 8 bytes a node and its cell,
+            # twice as many with radial strains
             state_bytes = 16 * len(mesh.mass) * (1 + mesh.has_radial_strain)
             count = snapshots
             if not count:
@@ -422,8 +422,8 @@ class GridRun:
             sign = -1
         v = self.velocity(node)
         stretch_rate = sign * (v - self.velocity(node - sign))  # that of the cell
-        # Tension in the step: elastic, viscous, and what depends on the change of
-        # velocities
+        # Tension in the step: elastic, viscous,
+        # and what depends on the change of velocities
         coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
         implicit = coupling * np.diff(stretch_rate)
         elastic = self.history.tensions[:, mesh.pulled.index(cell)]
@@ -495,8 +495,8 @@ class GridRun:
                 continue
             force = self.contact(contact)[0]
             sums = np.concatenate((np.zeros(OVERSHOOT_STEPS), np.cumsum(force)))
-            # Means over the last few steps: differences of sums that are so many steps
-            # apart
+            # Means over the last few steps:
+            # differences of sums that are so many steps apart
             means = (sums[OVERSHOOT_STEPS:] - sums[:-OVERSHOOT_STEPS]) / OVERSHOOT_STEPS
             peak = largest_force(force)
             excess = peak - float(means.max(initial=0.0))
@@ -523,8 +523,8 @@ class GridRun:
 
 def step_time(mesh: Mesh, *, plain: bool) -> float:
     """Approximate time of a step, s, in plain Python or compiled."""
-    # Equations to be solved take six, or in plain Python two, times as long as the
-    # rest.
+    # Equations to be solved take six,
+    # or in plain Python two, times as long as the rest.
     implicit = 6
     if plain:
         implicit = 2
@@ -545,8 +545,8 @@ def clock_on(mesh: Mesh, step: float) -> Clock:
     impedances = [0.0]
     for s, segment in enumerate(row.segments, start=1):
         transit = max(1, round(float(segment.transit_time) / tick))
-        # Cell i lies on the left of node i: none of this segment on the left of its
-        # first node.
+        # Cell i lies on the left of node i:
+        # none of this segment on the left of its first node.
         cells = slice(mesh.first[s] + 1, mesh.last[s] + 1)
         transits.append(transit)
         impedances.append(float(mesh.cell_mass[cells].sum()) / (transit * tick))

@@ -59,8 +59,8 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     row = mesh.row
     n = len(mesh.mass)
     cells = mesh.cells
-    # Time is counted in steps, see `records`: M becomes M/h, and a stiffness k becomes
-    # k h.
+    # Time is counted in steps, see `records`: M becomes M/h,
+    # and a stiffness k becomes k h.
     mass = mesh.mass / step
     impedance = _end_impedances(mesh)
     mass[mesh.ends] += impedance / 2

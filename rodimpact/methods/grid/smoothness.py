@@ -83,8 +83,8 @@ def _jumps_between_bodies(row: Row) -> bool:
         if isinstance(law, Bonded):
             if _differ(row, left.velocity, right.velocity):
                 return True
-            # A rigid body on the left takes any force; `_forces_differ` asks for one on
-            # the right.
+            # A rigid body on the left takes any force;
+            # `_forces_differ` asks for one on the right.
             if left.force is not None and _forces_differ(row, right, left.force):
                 return True
         else:

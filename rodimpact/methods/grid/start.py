@@ -67,8 +67,8 @@ def _begin_soil(grid: Grid, kick: Array) -> None:
     # Against the ground: the velocity at t = 0, and its change by half a kick
     v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
     change = kick[soil["node"]] - grid.run["ground_acceleration"] / 2
-    # As for cells: half a step later the resistance is R + k (v + change)/2, a step
-    # adds k v.
+    # As for cells: half a step later the resistance
+    # is R + k (v + change)/2, a step adds k v.
     soil["resistance"] += soil["stiffness"] * (change - v) / 2
 
 
@@ -109,8 +109,8 @@ def _velocities(mesh: Mesh, elongation: Array) -> Array:
             L = float(row.segments[s - 1].length)
             N = mesh.counts[s - 1]
             edges = half_cell_edges(left, L, N)
-            # Velocities and masses of half cells, whose momenta are added up for each
-            # node
+            # Velocities and masses of half cells,
+            # whose momenta are added up for each node
             halves = averages(body.velocity, edges, float(body.length))
             masses = np.repeat(mesh.cell_mass[first + 1 : last + 1] / 2, 2)
             v[first : last + 1] += np.bincount(nodes_of_half_cells(N), masses * halves)
@@ -157,8 +157,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         if kind == "force":
             force[node] += INWARD[side] * scheme.boundary_values(mesh, step, side, 1)[0]
         elif kind == "absorbing":
-            # The background wave holds the state at t = 0: the given wave alone changes
-            # it.
+            # The background wave holds the state at t = 0:
+            # the given wave alone changes it.
             wave = scheme.boundary_values(mesh, step, side, 1)[0]
             force[node] = grid.ends["impedance"][side] * wave
     for link in grid.links:
@@ -223,8 +223,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     parting = kick[right] - kick[left]
     # Overlap at the first kick, half a step behind t = 0
     overlap = (closing - parting) / 2 - links["gap"]
-    # Links whose ends are to be slowed down: rigid ones that close faster than forces
-    # part them
+    # Links whose ends are to be slowed down:
+    # rigid ones that close faster than forces part them
     is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
     is_late &= links["self_mobility"] > 0  # one of the ends can move
     is_late &= overlap > grid.run["velocity_tolerance"]
@@ -243,8 +243,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     for i in np.flatnonzero(is_late):
         link = links[i]
         v_before = v.copy()
-        # This takes share times overlap from the closing velocity: mobilities have half
-        # of one.
+        # This takes share times overlap from the closing velocity:
+        # mobilities have half of one.
         push = share[i] * overlap[i] / (2 * mobility[i])
         nodes = slice(link["leftmost_node"], link["left_node"] + 1)
         v[nodes] -= responses.by_last[nodes] * push

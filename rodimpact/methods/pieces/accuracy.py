@@ -211,8 +211,8 @@ def measures_of(ended: Ended) -> list[list[float]]:
             peaks.append(link.peak_force)
     velocities = []
     for part in ended.parts:
-        # Groups go on evenly after the proof, whenever it came; parts of joined bodies
-        # vibrate.
+        # Groups go on evenly after the proof, whenever it came;
+        # parts of joined bodies vibrate.
         if run.has_bonds:
             velocities.append(part.mean_velocity)
         elif part.part_count > 0:  # the first part of a group, which has its motion

@@ -176,6 +176,6 @@ def family_clock(
     if not row.segments:
         refuse_short_contacts(row, tick)
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
-    # Only a single row, not a family, has states that jump: `counted` is that of its
-    # only member.
+    # Only a single row, not a family, has states that jump:
+    # `counted` is that of its only member.
     return clock, dict(zip(jumps, counted[segments:], strict=True))

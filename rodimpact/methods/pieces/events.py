@@ -47,8 +47,8 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     link.overlap_acceleration = 0.0
     if status == Status.OPEN or old == Status.OPEN:
         link.overlap = 0.0
-    # The event is rounded to a tick: forces at which a law changes are exact all the
-    # same.
+    # The event is rounded to a tick:
+    # forces at which a law changes are exact all the same.
     if old == Status.PLASTIC and status == Status.PLASTIC:  # a knot of the table
         link.overlap = link.knots[link.next_knot] / link.stiffness
         link.yield_force = link.stiffness * link.overlap
@@ -221,8 +221,8 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
             # The integral is over y, which runs through 2 in the time h.
             link.impulse += 0.5 * h * series.integral(link.force)
             largest = series.largest(link.force)
-            # A piece within the window lies where two breaks nearly meet: its peak is
-            # round-off.
+            # A piece within the window lies where two breaks nearly meet:
+            # its peak is round-off.
             if ticks > run.event_window and largest > PEAK_RTOL * link.peak_force:
                 raise_peak(link, node)
             overlap = series.largest(link.overlaps)

@@ -60,8 +60,8 @@ def check_finality(state: State, tick: int) -> None:
             and tick < run.end_tick
         ):
             time = time_until_over(run, state.links, parts)
-            # Where the time is infinite, the tick of the next look still stays below
-            # NEVER.
+            # Where the time is infinite,
+            # the tick of the next look still stays below NEVER.
             ticks = int(min(time / run.tick_duration, 0.5 * NEVER)) + 1
             run.next_proof_tick = tick + max(run.proof_interval, ticks)
             if time == 0:
@@ -110,8 +110,8 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
         )
         is_all_quiet = is_all_quiet and is_link_quiet
         time = time_until_apart(link, left, right, tolerance)
-        # A compliant contact counts as pressed until it opens; a rigid one while it has
-        # a force.
+        # A compliant contact counts as pressed until
+        # it opens; a rigid one while it has a force.
         has_force = link.force[N] * link.effective_mobility > run.graze_velocity
         is_compliant = link.law > Law.IMPACT  # a spring, or a law behind it
         is_pressed = link.status != Status.OPEN and (is_compliant or has_force)
@@ -182,8 +182,8 @@ def update_groups(state: State, tick: int) -> None:
         momentum = 0.0
         mass = 0.0
         for k in range(first, stop):
-            # This is for the mean velocity alone: the energy about that of the group
-            # comes below.
+            # This is for the mean velocity alone:
+            # the energy about that of the group comes below.
             update_part(state, parts[k], 0.0, tick)
             momentum += parts[k].mass * parts[k].mean_velocity
             mass += parts[k].mass

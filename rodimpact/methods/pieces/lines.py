@@ -155,8 +155,8 @@ def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
                 in_piece = 2 * ((low - piece.start) + u) / (piece.end - piece.start) - 1
                 y = 2 * ((low - begin) + u) / ticks - 1
                 v = at(piece, in_piece) - speed
-                # v times its weight: the part of the piece is (high - low)/ticks of the
-                # time
+                # v times its weight:
+                # the part of the piece is (high - low)/ticks of the time
                 w = (high - low) / ticks * WEIGHTS[j] * v
                 whole += w
                 tilt += w * y
@@ -339,8 +339,8 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
         log[i].break_order = 0
         classify_break(run, lines, log, old, i)
     elif i != NONE and node.now == piece.start + delay:
-        # The start of the piece arrives now, and its break is sent on: one more, if it
-        # is hard.
+        # The start of the piece arrives now,
+        # and its break is sent on: one more, if it is hard.
         log[i].break_order = piece.break_order
         lines[target].unread_breaks += piece.break_order <= HARD
     return int(stop)

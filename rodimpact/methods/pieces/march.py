@@ -82,8 +82,8 @@ def run_nodes(state: State) -> int:
         A `Stop`: CAP, FULL or STUCK are set here, DONE by `finality.check_finality`.
     """
     run = state.runs[0]
-    # Machine code would count references to these arrays in every step: borrowed ones
-    # have none.
+    # Machine code would count references to these
+    # arrays in every step: borrowed ones have none.
     state = State(
         borrowed(state.runs),
         borrowed(state.nodes),

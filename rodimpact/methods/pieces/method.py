@@ -199,8 +199,8 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     state = members.state()
     ended = members.ended(0)
     run = ended.run
-    # The clock of the run itself, in single numbers: that of the family has arrays by
-    # member.
+    # The clock of the run itself, in single numbers:
+    # that of the family has arrays by member.
     transits = [int(transit) for transit in members.clock.transits]
     clock = clock_of(row, transits, run.tick_duration, scale=float(members.clock.scale))
     tick = clock.tick
@@ -374,8 +374,8 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     )
     before = []
     after = []
-    # The first part of a group has the number of its parts, and the motion of the
-    # group.
+    # The first part of a group has the number of its parts,
+    # and the motion of the group.
     for head in np.flatnonzero(parts["part_count"][0] > 0):
         group = parts[:, head].reshape(shape)
         before.append(group["initial_velocity"] + row.frame)

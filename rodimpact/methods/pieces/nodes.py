@@ -325,8 +325,8 @@ def set_block(
         row = G[N * link.unknown_index + j]
         stages = STAGES[j]
         twice = TWICE[j]
-        # Changes x of the force change what the tangent law says at stage j by (a S + b
-        # S S) x.
+        # Changes x of the force change what the tangent
+        # law says at stage j by (a S + b S S) x.
         a = link.by_closing[j + 1] * by_closing - link.by_overlap[j + 1] * by_force
         b = link.by_overlap[j + 1] * share * by_closing
         for m in range(N):
@@ -508,8 +508,8 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     for q in range(count):
         link = links[node.first_link + q]
         if overlap_changes(link):
-            # What 1 N makes in a typical piece; the mobility is that of a whole
-            # transit.
+            # What 1 N makes in a typical piece;
+            # the mobility is that of a whole transit.
             velocity = PIECE_PER_TRANSIT * link.effective_mobility
             worst = max(worst, velocity * series.truncation_estimate(link.force))
     return worst

@@ -75,8 +75,8 @@ def _from_samples(
     spline = make_interp_spline(edges, samples, 5)
     # Values in each interval between two samples, [interval, place]
     values = spline(edges[:-1, None] + step * SHARES)
-    # The spline passes through the samples but for round-off, which would be a jump of
-    # the signal.
+    # The spline passes through the samples but for round-off,
+    # which would be a jump of the signal.
     values[:, 0] = samples[:-1]
     values[:, -1] = samples[1:]
     degree = VALUES_PER_INTERVAL - 1
@@ -144,8 +144,8 @@ def in_pieces(
     kinks = _kinks(series, (stops - starts) * 1.0)
     before = edges[inner] - edges[inner - 1]  # width of the interval before the edge
     after = edges[inner + 1] - edges[inner]
-    # Lines between samples w apart of a smooth curve, whose slope changes by k, miss it
-    # by k w/8.
+    # Lines between samples w apart of a smooth curve,
+    # whose slope changes by k, miss it by k w/8.
     bends = kinks * np.minimum(before, after) / 8
     # The order of a break is 0 where the value jumps, 1 where the slope does.
     kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)

@@ -138,8 +138,8 @@ class Link(link.Link):
     event_error: float  # largest error of the time of an event in its piece, s
     event_lag: float  # largest change of such a time by velocities of the scale, s
 
-    # Over the piece that is being solved, at its points: F = base + by_overlap d +
-    # by_closing c
+    # Over the piece that is being solved,
+    # at its points: F = base + by_overlap d + by_closing c
     overlaps: Series  # d, m
     closing: Series  # c, closing velocity without its own force, m/s
     force: Series  # F, N

@@ -334,8 +334,8 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
         reach += abs(c[m])
     if reach <= least:
         return Maximum(f[best], X[best], 0.0)
-    # Of three thirds, the outer one beside the smaller of the two values in between is
-    # left out.
+    # Of three thirds, the outer one beside the
+    # smaller of the two values in between is left out.
     for _ in range(EXTREMUM_STEPS):
         first_third = (2 * low + high) / 3
         second_third = (low + 2 * high) / 3

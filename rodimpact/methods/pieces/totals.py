@@ -133,8 +133,8 @@ def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
     the last contact in the node.
     """
     time = format_si(seconds, "s")
-    # Mobility is 0 where no rod begins: what leaves such masses no solution are two
-    # walls.
+    # Mobility is 0 where no rod begins:
+    # what leaves such masses no solution are two walls.
     if node.link_count > 1 and node.mobility[0] == 0 and node.mobility[1] == 0:
         return (
             "contacts",
