@@ -921,12 +921,13 @@ class Law(_Law, law="own"):
     def _check(self, problems: Problems) -> None:
         """Refuse a force that is no function, or has unsound values.
 
-        The values are those at `TRIAL_STATES`.
+        The values are those at `TRIAL_STATES`; none may be less than the one before.
         """
         force: Any = self.force
         if not is_function(force):
             add_problem(problems, "force", "must be a function of d and d'", force)
             return
+        previous = 0.0  # force at the state before
         for d, rate in TRIAL_STATES:
             state = f"at d = {d:g} m, d' = {rate:g} m/s"
             try:
@@ -940,6 +941,13 @@ class Law(_Law, law="own"):
             elif not np.isfinite(F):
                 message = f"must be a finite number {state}, got {F!r}"
                 problems.append(("force", message))
+            elif previous > F:
+                message = (
+                    "must not fall with d or d' (the overlap and its rate), got "
+                    f"{F!r} {state} after {previous!r}"
+                )
+                problems.append(("force", message))
+            previous = F
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Elastic energy at an overlap, the integral of F(x, 0) from 0 to d.

@@ -136,6 +136,8 @@ def test_what_numba_has_compiled_runs_compiled(own_laws):
         (lambda d: d, "fails at d = 0 m"),
         (lambda d, rate: 1.0, "must be 0 at d = 0 m"),
         (lambda d, rate: d / 0.0 if d else 0.0, "ZeroDivisionError"),
+        (lambda d, rate: -1e9 * d, "must not fall with d or d'"),
+        (lambda d, rate: 1e9 * d - 1e3 * rate, "must not fall with d or d'"),
     ],
 )
 def test_what_is_no_law(force, said):
