@@ -31,15 +31,15 @@ def own_laws(row: Row) -> Functions:
     return tuple(laws)
 
 
-def has_no_profiles(row: Row) -> bool:
-    """Whether the initial state and all that acts from outside are numbers.
+def has_profiles(row: Row) -> bool:
+    """Whether the initial state, or what acts from outside, varies in place or time.
 
-    The initial state has velocities and strains.
+    The initial state has velocities and strains. Numbers alone are no profiles.
     """
     for rod, _, _ in segments_of(row):
         if varies(rod.velocity, rod.strain):
-            return False
-    return not any(varies(value) for _, value in row.boundaries)
+            return True
+    return any(varies(value) for _, value in row.boundaries)
 
 
 def closing_velocity(row: Row) -> Any:

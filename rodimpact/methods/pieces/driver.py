@@ -78,7 +78,7 @@ class Members:
     Parameters
     ----------
     row : Row
-        A family has no profiles, see `clock_setup.has_no_profiles`.
+        A family has no profiles, see `clock_setup.has_profiles`.
     request : RunRequest
 
     Attributes

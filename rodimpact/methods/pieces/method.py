@@ -39,7 +39,7 @@ from .accuracy import (
     hidden_errors,
     prepare_second_run,
 )
-from .clock_setup import has_no_profiles, own_laws
+from .clock_setup import has_profiles, own_laws
 from .driver import Members
 from .layout import RunRequest
 from .records import Part
@@ -100,7 +100,7 @@ def members_per_call(row: Row) -> int:
     rigid bodies: their force follows from signals, which a family does not keep.
     """
     has_rigid_bond = any(i < 0 for i in row.contact_link)  # such a bond is no link
-    if not has_no_profiles(row) or has_rigid_bond or own_laws(row):
+    if has_profiles(row) or has_rigid_bond or own_laws(row):
         return 0
     return MAX_MEMBERS_PER_CALL
 

@@ -50,8 +50,8 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
             contact = _contact(state.links[i], own_turns, lines, clock.tick)
         contacts.append(contact)
     # Contacts are counted from the end whose wall they touch.
-    left = _with_blows(_outside(row, 0, lines, frame, state), bodies[0], contacts)
-    right = _with_blows(
+    left = _with_wall_force(_outside(row, 0, lines, frame, state), bodies[0], contacts)
+    right = _with_wall_force(
         _outside(row, 1, lines, frame, state), bodies[-1], contacts[::-1]
     )
 
@@ -109,13 +109,13 @@ def _masses(
     return masses
 
 
-def _with_blows(
+def _with_wall_force(
     outside: BoundaryAction | None, body: Any, contacts: list[ContactSignal | None]
 ) -> BoundaryAction | None:
-    """What acts on an end; on a wall that is the force of its contact, with its blows.
+    """What acts on an end of the row: on a wall the force of the nearest contact.
 
-    `contacts` begin at the end; those that are None are bonds of rigid bodies to the
-    wall.
+    `contacts` begin at this end. Those that are None are bonds of rigid bodies to the
+    wall, which pass the force of the next contact on. The force contains blows.
     """
     if outside is None or not isinstance(body, Wall):
         return outside
