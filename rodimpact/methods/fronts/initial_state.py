@@ -105,10 +105,10 @@ def choose_clock(state: State, values: Values) -> None:
     run.longest_transit_time = 0.0
     for s in range(1, n + 1):
         run.longest_transit_time = max(run.longest_transit_time, durations[s - 1].time)
+    # As the values are last used outside of any condition, they count no references.
+    run.horizon = default_horizon(state, values)
     if run.until >= 0:
         run.horizon = run.until
-    else:
-        run.horizon = default_horizon(state, values)
     # Base-2 logarithm of the longest transit in ticks; too small without a clock
     bits = rule.clock_bits(run.horizon / run.longest_transit_time)
     set_drive_times(run, values, durations, segments)
