@@ -409,26 +409,14 @@ class ClosedForm:
         lines = []
         for name, value in shown_results(self._results):
             lines.append(f"{name} = {value}")
-        try:
-            lines += self._lines_of_conditions()
-        except InvalidModel as error:
-            reasons = "; ".join(message for _, message in error.problems)
-            lines.append(f"Where the formula holds cannot be written down: {reasons}")
-        return "\n".join(lines)
-
-    def _lines_of_conditions(self) -> list[str]:
-        """Lines that tell where the formula holds, and which formulas it meets.
-
-        InvalidModel if the formulas of these conditions are too long.
-        """
-        lines = [self.where(".cell has all")]
+        lines.append(self.where(".cell has all"))
         if self.sides:
             lines += self._lines_of_sides()
         if self.unsolved:
             lines.append(
                 "There are more cells, left out by max_events or by the cap on cells."
             )
-        return lines
+        return "\n".join(lines)
 
     def _lines_of_sides(self) -> list[str]:
         """Lines that tell where other formulas meet this one, and which they are."""

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 import rodimpact as ri
-from rodimpact.algebra import rational_functions, traced_fraction
+from rodimpact.algebra import traced_fraction
 
 sympy = pytest.importorskip("sympy")
 
@@ -423,14 +423,3 @@ def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
     assert str(form)
     assert steps == list(range(1, len(steps) + 1))
     assert totals == {None}
-
-
-def test_a_formula_is_shown_although_its_conditions_are_too_long(monkeypatch):
-    form = ri.closed_form(row([2, 5], [1, 2]), ["length", "area"])
-    formula = form.restitution
-    monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 1)
-
-    first, last = str(form).splitlines()
-
-    assert first == f"e = {formula}"
-    assert last.startswith("Where the formula holds cannot be written down: a formula")
