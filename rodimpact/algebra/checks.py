@@ -69,15 +69,15 @@ def check_arguments(progress: bool | ProgressFunction = True, **caps: Any) -> No
     raise_if_problems(problems)
 
 
-class TooLong(InvalidModel):
-    """A run that has too many events, or a formula with too long fractions."""
+class FormulaTooLong(InvalidModel):
+    """A run on fractions has too many events, or fractions too long for a formula."""
 
 
 def check_final(is_final: bool, max_events: int) -> None:
-    """Raise TooLong for a run that was stopped by its cap on events."""
+    """Raise FormulaTooLong for a run that was stopped by its cap on events."""
     if not is_final:
         message = f"the collision is not over after {max_events} events; raise it"
-        raise TooLong([("max_events", message)])
+        raise FormulaTooLong([("max_events", message)])
 
 
 def fractions_of(values: Any) -> dict[str, Fraction]:

@@ -12,7 +12,7 @@ joints changes no result. Only the contacts decide. So a collision goes the same
 from ..methods.fronts.simulation import Simulation
 from ..methods.groups import unilateral
 from ..methods.states import Stop
-from .checks import TooLong
+from .checks import FormulaTooLong
 from .contact_phases import phase_conditions, phases_of_contact
 from .exact_run import ExactRun
 from .separation import separation_of
@@ -43,7 +43,7 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
 
     Raises
     ------
-    TooLong
+    FormulaTooLong
         If the run, as it goes on, has more than `EVENTS_PAST_PROOF` times the events
         that its cap allows: transit times are too different.
     """
@@ -106,7 +106,7 @@ def _proof_tick(simulation: Simulation, max_events: int) -> TracedFraction:
 
 
 def _run_on(simulation: Simulation, end: TracedFraction, max_events: int) -> None:
-    """Let a run go on to a tick; TooLong if its cap on events stops it before."""
+    """Let a run go on to a tick; FormulaTooLong if its cap on events stops it."""
     stop = simulation.run_to(end, max_events, tolerance=ZERO)
     if stop == Stop.CAP:
         message = (
@@ -114,7 +114,7 @@ def _run_on(simulation: Simulation, end: TracedFraction, max_events: int) -> Non
             f"{EVENTS_PAST_PROOF} times this cap; raise it, or make transit times less "
             "different"
         )
-        raise TooLong([("max_events", message)])
+        raise FormulaTooLong([("max_events", message)])
 
 
 def _last_change(simulation: Simulation, end: TracedFraction) -> TracedFraction:

@@ -22,7 +22,7 @@ from ..model import System
 from ..model.arguments import text
 from ..model.frozen import InvalidModel
 from ..progress import ProgressFunction
-from .checks import TooLong, check_arguments, check_final, fractions_of
+from .checks import FormulaTooLong, check_arguments, check_final, fractions_of
 from .exact_results import Exact, map_numbers
 from .formula_cell import FormulaCell
 from .rational_functions import RationalFunctions
@@ -132,7 +132,7 @@ def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
 
     Raises
     ------
-    TooLong
+    FormulaTooLong
         If the collision in the first direction is not over after `max_events`, or its
         fractions are too long.
     """
@@ -149,7 +149,7 @@ def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
             run = row.run(values, max_events)
             check_final(run.is_final, max_events)
             cell = FormulaCell(algebra, run, values)
-        except TooLong:
+        except FormulaTooLong:
             if not cells:
                 raise
             is_incomplete = True

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import Report
-from .checks import TooLong, check_final
+from .checks import FormulaTooLong, check_final
 from .plane_cell import Floats, PlaneCell
 from .symbolic_row import SymbolicRow
 
@@ -208,7 +208,7 @@ class PlaneSearch:
             run = self._row.run(values, self._max_events)
             check_final(run.is_final, self._max_events)
             return PlaneCell(self._row, run, values, self._names)
-        except TooLong:
+        except FormulaTooLong:
             return None
 
     # Borders

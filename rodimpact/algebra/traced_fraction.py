@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from .checks import TooLong
+from .checks import FormulaTooLong
 
 BinaryFunction = Callable[[Any, Any], Any]
 Expression = None | str | tuple[str, "TracedFraction", "TracedFraction"]
@@ -164,7 +164,7 @@ def _computed(
 ) -> TracedFraction:
     """Apply an operation to values and histories; two constants make a constant.
 
-    TooLong is raised if the value of a number that depends on names is too long.
+    FormulaTooLong is raised if the value of a number that depends on names is too long.
     """
     value = FUNCTIONS[operation](left.value, right.value)
     if left.expression is None and right.expression is None:
@@ -174,7 +174,7 @@ def _computed(
             "fractions of a formula in these are too long: a denominator has more than "
             f"{MAX_BITS} binary digits; name fewer numbers"
         )
-        raise TooLong([("symbols", message)])
+        raise FormulaTooLong([("symbols", message)])
     return TracedFraction(value, (operation, left, right))
 
 

@@ -363,7 +363,7 @@ def _solve_impact(
 
 
 def _solve(state: System, cells: int, duration: float) -> Solution:
-    """Solve on a grid, s."""
+    """Solve a system on a grid, for a duration in s."""
     return solve(state, duration, "finite-difference", cells=cells, progress=False)
 
 
