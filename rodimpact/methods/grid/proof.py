@@ -138,62 +138,40 @@ def side_of(
 
     `state` is that of `present`.
 
-    The mean velocity is that of the centre of mass; of the far end where that is held,
-    and that of the wave from outside where an endless bar is there.
-
-    With g(x) the mass fraction beyond x as seen from this end, or 1 where the far end
-    is held or endless, the end deviates from the mean motion by integral(g eps dx), and
-    by at most sqrt(2 E_vib integral(g^2 dx/(E A))). An endless bar of impedance Z at
-    the far end and dashpots of joints make the bound larger, by the momentum that they
-    can take. The end is half a step ahead of the cells, by no more than the velocity
-    that the energy gives.
+    With g(x) the mass fraction beyond x as seen from this end, see `mass_beyond`, the
+    end deviates from the mean motion by integral(g eps dx), and by at most sqrt(2 E_vib
+    integral(g^2 dx/(E A))). An endless bar of impedance Z at the far end and dashpots
+    of joints make the bound larger, by the momentum that they can take. The end is half
+    a step ahead of the cells, by no more than the velocity that the energy gives.
     """
     mesh = run.mesh
     motion, elongation = state
-    h = run.step
-    a, b = group_of(mesh, node)
-    nodes = slice(a, b + 1)
-    # Node of the other end, and the direction in which stretching moves this one
-    if right_end:
-        far = a
-        sign = 1
-    else:
-        far = b
-        sign = -1
+    first, last = group_of(mesh, node)
+    nodes = slice(first, last + 1)
+    far = first if right_end else last
+    mean, Z = mean_motion(run, motion, nodes, far)
+    if first == last:
+        return GroupState(mean, 0.0, 0.0)
     m = mesh.mass[nodes]
     v = motion.velocity[0, nodes]
-    mass = m.sum() or 1.0  # kg; a wall has none, and v - v[0] is 0 then
-    # Relative to the first node, so that a body without vibration has no deviation.
-    mean = float(v[0] + m @ (v - v[0]) / mass)
-    if mesh.is_prescribed[far]:
-        mean = float(motion.velocity[0, far])
-    Z = 0.0  # impedance of an endless bar at the other end
-    side = absorbing_side(run, far)
-    if side is not None:
-        Z = float(run.grid.ends["impedance"][side])
-        mean = float(run.grid.ends["background_wave"][side])
-    if a == b:
-        return GroupState(mean, 0.0, 0.0)
-    # Mass fraction beyond each cell: on its left,
-    # as seen from the right end, or else on its right
-    on_left = np.cumsum(m[:-1]) / mass
-    if mesh.is_prescribed[far] or Z:
-        g = np.ones(b - a)
-    elif right_end:
-        g = on_left
-    else:
-        g = 1 - on_left
-    kinetic, strain = motion.energies(nodes, m, state=0, v=v - mean, step=h)
-    energy = kinetic + strain
-    cells = slice(a + 1, b + 1)  # those of the group: cell i is on the left of node i
+    is_held = bool(mesh.is_prescribed[far]) or Z > 0
+    g = mass_beyond(m, right_end, is_held)
+    kinetic, strain = motion.energies(nodes, m, state=0, v=v - mean, step=run.step)
+    # Cell i is on the left of node i, so the first node has none of the group.
+    cells = slice(first + 1, last + 1)
     stretch = elongation[cells].copy()
     compliance = quotient(1.0, mesh.cells.relaxed_stiffness[cells])
     # Joints are entered in `stretch` and `compliance`, too.
-    energy, shift_by_momentum = add_joints(run, (a, b), g, stretch, compliance, energy)
-    deviation = float(stretch @ g) * sign
+    energy, shift_by_momentum = add_joints(
+        run, (first, last), g, stretch, compliance, kinetic + strain
+    )
+    # Stretching moves a right end to the right, a left end to the left.
+    direction = 1 if right_end else -1
+    deviation = float(stretch @ g) * direction
     compliance_integral = float(g * g @ compliance)
     # A momentum is sqrt(2 E m) at most. Each motion that it makes adds to that of the
     # cells, and (d1 + d2)^2 <= 2 (d1^2 + d2^2) bounds the square of their sum.
+    mass = m.sum()
     if Z > 0:
         # The far end yields to the bar by the momentum of the group over Z, in the
         # direction of that momentum, whichever side it is on.
@@ -203,7 +181,53 @@ def side_of(
         square_shift = mass * shift_by_momentum * shift_by_momentum
         compliance_integral = 2 * (compliance_integral + square_shift)
     energy = max(energy, 0.0)
-    # h/2 times sqrt(2 E/m), the largest velocity of the node
-    half_step = h * math.sqrt(energy / (2 * mesh.mass[node]))
+    # Half a step times sqrt(2 E/m), the largest velocity of the node
+    half_step = run.step * math.sqrt(energy / (2 * mesh.mass[node]))
     bound = math.sqrt(2 * energy * compliance_integral) + half_step
     return GroupState(mean, deviation, bound)
+
+
+def mean_motion(
+    run: GridRun, motion: GridMotion, nodes: slice, far: int
+) -> tuple[float, float]:
+    """Mean velocity of a group, m/s, and impedance of an endless bar at its far end.
+
+    The mean velocity is that of the centre of mass; of the far end where that is held,
+    and that of the wave from outside where an endless bar is there. The impedance,
+    kg/s, is 0 where no such bar is.
+
+    Parameters
+    ----------
+    run : GridRun
+    motion : GridMotion
+        That of one time.
+    nodes : slice
+        Nodes of the group.
+    far : int
+        That at its far end.
+    """
+    side = absorbing_side(run, far)
+    if side is not None:
+        end = run.grid.ends[side]
+        return float(end["background_wave"]), float(end["impedance"])
+    if run.mesh.is_prescribed[far]:
+        return float(motion.velocity[0, far]), 0.0
+    m = run.mesh.mass[nodes]
+    v = motion.velocity[0, nodes]
+    mass = m.sum() or 1.0  # kg; a wall has none, and v - v[0] is 0 then
+    # Relative to the first node, so that a body without vibration has no deviation.
+    return float(v[0] + m @ (v - v[0]) / mass), 0.0
+
+
+def mass_beyond(m: Array, right_end: bool, is_held: bool) -> Array:
+    """Mass fraction of a group beyond each of its cells, as seen from one of its ends.
+
+    It lies on the left of the cell, seen from the right end, and else on the right. It
+    is 1 if the far end is held or endless: no mass of the group is needed there.
+    """
+    if is_held:
+        return np.ones(len(m) - 1)
+    on_left = np.cumsum(m[:-1]) / m.sum()
+    if right_end:
+        return on_left
+    return 1 - on_left
