@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from ..methods.abilities import has_external_drive
 from ..methods.groups import unilateral
 from ..methods.outcome import Motion
-from ..methods.pieces.accuracy import size_of
+from ..methods.pieces.accuracy import max_abs
 from ..methods.restitution import effective_restitution, no_restitution
 from ..model.numbering import body_numbers
 from ..model.profiles import extremes
@@ -109,9 +109,9 @@ def errors_of(relative: list[float], speed: float, contacts: list[Any]) -> Any:
         durations.append(contact.duration)
     return {
         "velocity": relative[0] * speed,
-        "impulse": relative[1] * size_of(impulses),
-        "peak_force": relative[2] * size_of(peak_forces),
-        "duration": relative[3] * size_of(durations),
+        "impulse": relative[1] * max_abs(impulses),
+        "peak_force": relative[2] * max_abs(peak_forces),
+        "duration": relative[3] * max_abs(durations),
     }
 
 

@@ -19,7 +19,7 @@ from ..methods.groups import body_velocities
 from ..methods.link import Law
 from ..methods.outcome import Motion
 from ..methods.pieces import accuracy, layout, march, reading
-from ..methods.pieces.accuracy import Ended, size_of
+from ..methods.pieces.accuracy import Ended, max_abs
 from ..methods.pieces.layout import InitialLine, RunRequest
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import CONTACT_EVENT, NONE, PIECE, State
@@ -374,7 +374,7 @@ def status_of(run: Any) -> str:
     last = last_of(record, links, end, round_trip)
     stopped_by = why_stopped(record, run["until"] >= 0)
     why = end_of_run(record, links, row.system, stopped_by, end, last)
-    error_sentence = accuracy_sentence(size_of(run["errors"][:3]), run["goal"])
+    error_sentence = accuracy_sentence(max_abs(run["errors"][:3]), run["goal"])
     warning = strain_warning(largest_strain(row, run["log"]))
     return why.statement + error_sentence + simplifications_text(record) + warning
 

@@ -394,29 +394,30 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
 def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]:
     """Mean F of k x + c w from x0 to x1 where x > 0 and this presses, N, and dF/dx1.
 
-    w = x1 - x0. With a and b the ends of the part of the way on which it presses,
-    F = (b - a)/w (k (a + b)/2 + c w).
+    x0 or x1 is positive, and w = x1 - x0. With a and b the ends of the part of the way
+    on which it presses, F = (b - a)/w (k (a + b)/2 + c w).
     """
     w = x1 - x0
     last = k * x1 + c * w  # force at the end of the way
     if x0 >= 0 and last >= 0:  # it presses all the way
         return k * (x0 + x1) / 2 + c * w, k / 2 + c
-    least = max(-c * w / k, 0.0)  # overlap at which it lets go, or begins
+    # Overlap above which it presses: an opening contact lets go there, a closing one
+    # begins at 0.
+    least = max(-c * w / k, 0.0)
     a = max(x0, least)
     b = max(x1, least)
     share = (b - a) / w  # part of the way on which it presses
     F = share * (k * (a + b) / 2 + c * w)
-    # F w is the integral of k x + c w over the way from a to b. Its derivative by x1 is
-    # the force at the end of the way, 0 once it has let go, and c (b - a), as the rate
-    # w rises.
+    # d(F w)/dx1 = max(last, 0) + c (b - a): the force at the end of the way, and the
+    # rise of the rate w all along it
     return F, (max(last, 0.0) - F) / w + share * c
 
 
 def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     """Mean F of k x^p, 0 for x < 0, from x0 to x1, N, and dF/dx1.
 
-    F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0, and dF/dx1 = (k
-    x1^p - F)/w.
+    x0 or x1 is positive. F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0,
+    and dF/dx1 = (k x1^p - F)/w.
 
     Where x1 is near x0 these lose digits. With h = w/x0 and q = p + 1 they are
     F = k x0^p ((1 + h)^q - 1)/(q h), and a series for the derivative,

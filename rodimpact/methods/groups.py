@@ -145,7 +145,8 @@ def fill_bonds(
     """Return the forces of all contacts, also those between bonded rigid bodies.
 
     By Newton's law the force on the right of a rigid body is that on its left less m
-    dv/dt.
+    dv/dt. Forces between a wall on the left and the first rod follow from the right, as
+    what pushes a wall is not known; `pushed` is not used then.
 
     Parameters
     ----------
@@ -159,9 +160,7 @@ def fill_bonds(
     """
     filled = [*forces]
     is_rigid = [force is None for force in forces]  # a bond of rigid bodies
-    # Forces between a wall on the left and the first rod follow from the right: what
-    # pushes a wall is not known.
-    first = 0
+    first = 0  # first contact whose force does not follow from the right
     if isinstance(system.bodies[0], Wall) and False in is_rigid:
         first = is_rigid.index(False)
     # Contact k lies between the bodies k and k + 1.

@@ -72,7 +72,7 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
         return _forced and not why_not()
     if kernel not in _ready:
         _spent[kernel] = _spent.get(kernel, 0.0) + seconds
-        if _asked_for() and _pays(_spent[kernel] + ahead, kernel):
+        if _asked_for() and _pays(_spent[kernel] + ahead, kernel):  # this may warn
             _ready.add(kernel)
     return kernel in _ready
 

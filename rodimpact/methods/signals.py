@@ -143,10 +143,10 @@ class Pieces:
     def marks(self) -> Ints:
         """Ticks between which straight lines follow the signal.
 
-        They do so to `LINE_RTOL` of its range. Just before each jump stands one of
-        them. Constant pieces have their starts alone.
+        They do so to `LINE_RTOL` of its range. One of them stands just before each
+        jump, and one at the end. A signal of constant pieces has their starts alone.
         """
-        if self.size == 1:
+        if self.size == 1:  # one coefficient a piece: it is constant
             return self.ticks
         middle = self.coefficients[:, 0]
         swing = np.abs(self.coefficients[:, 1:]).sum(axis=1)  # bound of value - middle
@@ -162,6 +162,7 @@ class Pieces:
         firsts = np.cumsum(counts) - counts  # first mark of each piece
         # Number of each mark in its piece, counted from 0
         index_in_piece = np.arange(counts.sum()) - np.repeat(firsts, counts)
+        # The last part of a piece takes the remainder, fewer ticks than it has parts.
         part_widths = np.repeat(self.widths // counts, counts)
         inside = np.repeat(self.ticks, counts) + part_widths * index_in_piece
         later_starts = self.ticks[1:]

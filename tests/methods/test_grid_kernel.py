@@ -125,8 +125,6 @@ CHAIN = {
     "overlap": 1e-3,
     "chain_end": 11,
 }
-
-
 """Fields of each of twelve links that are coupled to their neighbours."""
 
 
@@ -157,8 +155,25 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
     assert len(sweeps) <= 6
 
 
-# A step against dense matrices
-# --------------------------------------------------------------------
+def test_no_newton_step_follows_the_last_sweep_of_a_chain(monkeypatch):
+    records = np.zeros(12, LINK)
+    for name, value in CHAIN.items():
+        records[name] = value
+    links = record_lists.as_objects(records)
+    forces_of_sweeps = []
+    sweep = contacts.gauss_seidel_sweep
+
+    def sweep_and_keep(*arguments):
+        changes = sweep(*arguments)
+        forces_of_sweeps.append([link.force for link in links])
+        return changes
+
+    monkeypatch.setattr(contacts, "gauss_seidel_sweep", sweep_and_keep)
+    monkeypatch.setattr(contacts, "MAX_SWEEPS", 1 / 2)  # twice this are left: one
+
+    assert not contacts.solve_chain(links, 0, 11, 1.0)
+
+    assert [[link.force for link in links]] == forces_of_sweeps
 
 
 # A step against dense matrices

@@ -71,8 +71,8 @@ def least_opening_velocity(
 def ticks_until_apart(state: State, k: int, now: int) -> float:
     """Ticks until contact k may be proved not to close again, see `finality_kernel`.
 
-    0 if it may be proved `now`. The segments beside the contact get the motions of
-    their groups.
+    0 if it may be proved `now`, inf if its mean gap never opens. The segments beside
+    the contact get the motions of their groups.
     """
     tolerance = state.runs[0].velocity_tolerance
     left = state.segments[k]

@@ -386,7 +386,8 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
 
     The waves are a = v - c eps and b = v + c eps in the frame. The piece between x0 and
     x1, in ticks from the left end, was sent from the left end x1 ticks ago as part of
-    a, and from the right end T - x0 ticks ago as part of b, T the transit time.
+    a, and from the right end T - x0 ticks ago as part of b, T the transit time. The
+    first front of each wave is always written, others where the wave changes.
     """
     run = state.runs[0]
     durations = state.durations
@@ -396,7 +397,7 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     first = state.segments[s].first_piece
     stop = state.segments[s + 1].first_piece
     for leftward in range(2):  # 0: the wave a to the right, 1: the wave b to the left
-        start = run.log_rows
+        start = run.log_rows  # row of the first front of this wave
         sign = 2 * leftward - 1  # sign of c eps: -1 in a, 1 in b
         for k in range(stop - first):
             # In order of time:
@@ -406,8 +407,9 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
             else:
                 i = stop - 1 - k
             piece = pieces[i]
-            # Ends of the piece; the duration up to the jump that begins piece i is
-            # number n + i - s
+            # Ends of the piece. Durations are the n transit times, then the times up to
+            # the jumps of all segments; each segment has one jump less than pieces. So
+            # the jump that begins piece i has number n + i - s.
             x0 = 0
             x1 = transit
             if i > first:

@@ -135,9 +135,9 @@ def find_max_wave(state: State) -> None:
     """
     run = state.runs[0]
     log = state.log
-    run.max_wave = 0 * run.tick_duration
+    run.max_wave = 0 * run.tick_duration  # 0 of the type of number of this run
     for r in range(run.log_rows):
-        if log[r].line != CHANGE:
+        if log[r].line != CHANGE:  # changes of status are in the log, too
             run.max_wave = max(run.max_wave, abs(log[r].value))
 
 

@@ -149,8 +149,11 @@ def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
     if finished.clock.impedance[segment] > 0:
         wave = lines[2 * segment + side]
     if wave is None:  # the wave of a wall is constant
-        # The index -side is 0 for the first line and -1 for the last.
-        return Pieces([0], [finished.lines[-side].incoming_wave])
+        if side == 0:
+            outside = finished.lines[0]
+        else:
+            outside = finished.lines[-1]
+        return Pieces([0], [outside.incoming_wave])
     return wave.later(finished.clock.ticks[segment])
 
 

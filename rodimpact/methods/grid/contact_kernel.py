@@ -219,7 +219,7 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
 
 
 def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
-    """Set the forces of a chain; return False where there are none.
+    """Set the forces of a chain; return False if they were not found.
 
     There are none where walls squeeze a mass. Gauss-Seidel sweeps descend on a convex
     function, the dual energy of the step, and so always converge, if slowly. A Newton
@@ -236,16 +236,17 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
         if newton_taken and new_change > change / 2:  # take the Newton step back
             newton_taken = False
             for i in range(first, last + 1):
-                links[i].force = links[i].force_before
+                links[i].force = links[i].force_before  # of `take_newton_step`
         else:
             if first < last:
                 change = new_change
             else:
                 change = 0.0  # one link alone is solved
             largest = new_largest
-            newton_taken = True
-            if change > 8 * EPS * largest:
+            # A Newton step is taken if another sweep is left to judge it.
+            if change > 8 * EPS * largest and sweeps > 0:
                 take_newton_step(links, first, last)
+                newton_taken = True
             else:
                 sweeps = 0
     return bool(change <= UNSOLVED_RTOL * largest)

@@ -118,6 +118,7 @@ class GridMotion(NamedTuple):
         """
         force = self.force
         if self.radial.size:
+            # `radial` holds q/step.
             force = force - self.cells.coupling * self.radial * step
         return quotient(force, self.cells.stiffness)
 
@@ -228,7 +229,7 @@ class Mesh:
         """
         self.row = row
         self.counts = counts
-        self.first = [-1]
+        self.first = [-1]  # segments count from 1
         self.last = [-1]
         self.node_of_mass: list[int] = []
         self.touching: dict[int, tuple[int, int]] = {}
@@ -237,6 +238,7 @@ class Mesh:
         for side, (kind, _) in enumerate(row.boundaries):
             if kind == "velocity":
                 driven.append(side)
+        # This fills the lists above, and sets `cells`.
         node = self._lay_out(driven)  # the last one
         self.starts, self.stops = _between(self.touching.values(), node)
         open_links = []  # nodes of the links that can open

@@ -424,6 +424,7 @@ class GridRun:
         stretch_rate = sign * (v - self.velocity(node - sign))  # that of the cell
         # Tension in the step: elastic, viscous,
         # and what depends on the change of velocities
+        # Lateral inertia over the step, and half of the viscous damping
         coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
         implicit = coupling * np.diff(stretch_rate)
         elastic = self.history.tensions[:, mesh.pulled.index(cell)]

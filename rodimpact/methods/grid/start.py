@@ -95,12 +95,11 @@ def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
 def _velocities(mesh: Mesh, elongation: Array) -> Array:
     """Velocities of all nodes at t = 0 in the frame, m/s [node].
 
-    The elongations of cells are set. The velocity of a node is the mean of those of the
-    half cells beside it, and of its rigid mass, by their masses. `elongation` becomes
-    that of each cell, m [cell].
+    The velocity of a node is the mean of those of the half cells beside it, and of its
+    rigid mass, by their masses. `elongation` becomes that of each cell, m [cell].
     """
     row = mesh.row
-    v = np.zeros(len(mesh.mass))
+    momentum = np.zeros(len(mesh.mass))  # kg m/s [node]
     for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
         left = 0.0
         for s in range(start, stop + 1):
@@ -109,17 +108,17 @@ def _velocities(mesh: Mesh, elongation: Array) -> Array:
             L = float(row.segments[s - 1].length)
             N = mesh.counts[s - 1]
             edges = half_cell_edges(left, L, N)
-            # Velocities and masses of half cells,
-            # whose momenta are added up for each node
+            # Momenta of half cells are added up for each node.
             halves = averages(body.velocity, edges, float(body.length))
             masses = np.repeat(mesh.cell_mass[first + 1 : last + 1] / 2, 2)
-            v[first : last + 1] += np.bincount(nodes_of_half_cells(N), masses * halves)
+            half_nodes = nodes_of_half_cells(N)
+            momentum[first : last + 1] += np.bincount(half_nodes, masses * halves)
             strains = averages(body.strain, edges[::2], float(body.length))
             elongation[first + 1 : last + 1] = strains * L / N
             left += L
-    v[mesh.node_of_mass] += np.multiply(row.masses, row.mass_velocity)
-    # Until here v is the momentum of nodes.
-    return np.where(mesh.mass > 0, quotient(v, mesh.mass) - row.frame, 0.0)
+    momentum[mesh.node_of_mass] += np.multiply(row.masses, row.mass_velocity)
+    velocity = quotient(momentum, mesh.mass)
+    return np.where(mesh.mass > 0, velocity - row.frame, 0.0)
 
 
 def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
@@ -151,6 +150,7 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     soil = grid.soil
     ground = grid.run["ground_velocity"] + grid.run["ground_acceleration"] / 2
     v = grid.velocity[soil["node"]] - ground  # mean of the ground over the step
+    # The damping is that of this step already, also that by Smith.
     np.subtract.at(force, soil["node"], soil["resistance"] + soil["damping"] * v)
     for side, (kind, _) in enumerate(row.boundaries):
         node = mesh.ends[side]
@@ -159,6 +159,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         elif kind == "absorbing":
             # The background wave holds the state at t = 0:
             # the given wave alone changes it.
+            # So this force replaces that of the cells; at both ends a positive velocity
+            # of the wave pushes to the right.
             wave = scheme.boundary_values(mesh, step, side, 1)[0]
             force[node] = grid.ends["impedance"][side] * wave
     for link in grid.links:
@@ -166,7 +168,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         right = link["right_node"]
         touches = link["law"] == Law.RIGID and link["gap"] == 0
         if touches and force[left] > force[right]:
-            # These press the faces together, and the contact takes them.
+            # These press the faces together. The contact takes them for this half kick:
+            # the first step solves for its force.
             force[left] = 0.0
             force[right] = 0.0
         elif link["law"] == Law.JOINT:
@@ -177,7 +180,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
             force[left] -= push
             force[right] += push
     factors = scheme.Factors(grid.lower, grid.inverse_diagonal, grid.upper)
-    # In the frame that falls, what is held gains velocity as the ground does.
+    # In the frame that falls, what is held gains velocity as the ground does,
+    # half of that of a step.
     held = grid.run["ground_acceleration"] / 2
     return scheme.velocity_changes(
         factors, np.where(mesh.is_prescribed == 1, held, force / 2)
@@ -187,8 +191,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
 def _initial_push(grid: Grid, link: Any) -> float:
     """Mean force over the first step of a compliant contact that begins pressed, N.
 
-    Lengths are in steps, as in the links of a grid: m/s, so that a closing velocity is
-    the change of the overlap in a step.
+    As in the links of a grid, the overlap is divided by the step: it is in m/s, and a
+    closing velocity is its change in a step.
     """
     v = grid.velocity
     closing = v[link["left_node"]] - v[link["right_node"]]

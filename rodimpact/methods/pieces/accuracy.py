@@ -100,10 +100,11 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     """Relative errors that a second run does not show, [measure] of `MEASURES`.
 
     `fit` is the largest miss of given functions by their pieces, over the velocity
-    scale. With large tails, errors are not small enough to fall evenly from run to run.
-    Bodies that part very slowly rest at any tolerance. A peak force, and a time at
-    which a contact closes or opens, is decided by single values of a polynomial: two
-    runs may miss it alike.
+    scale. All measures have the round-off of both runs. With large tails, errors are
+    not small enough to fall evenly from run to run. Bodies that part very slowly rest
+    at any tolerance. A peak force, and a time at which a contact closes or opens, is
+    decided by single values of a polynomial: two runs may miss it alike. Durations and
+    times also have the time in which a force acted, but counted as none.
     """
     run = fine.run
     tail = run.max_truncation_error / run.velocity_scale
@@ -111,25 +112,26 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     resting = run.resting_velocity / run.velocity_scale
     # Velocities that the peak forces of the links make
     velocities = [link.peak_force * link.effective_mobility for link in fine.links]
-    strongest = size_of(velocities) / run.velocity_scale
+    strongest = max_abs(velocities) / run.velocity_scale
     round_off = ROUND_OFF * (ROUND_OFFS_OF_STEP + math.sqrt(run.steps))
     common = round_off * max(1.0, strongest) + loose + resting + FIT_FACTOR * fit
-    errors = [common, common, common, common, common]
+    errors = [common, common, common, common, common]  # of the `MEASURES`
     values = measures_of(fine)
-    if all(part.kind != Part.SEGMENT for part in fine.parts):  # a row without rods
+    if all(part.kind != Part.SEGMENT for part in fine.parts):
+        # Without rods, contacts press too faintly to be seen at first and at last.
         add_faint_times(fine, errors)
-    peak = size_of(values[PEAK_FORCE])
+    peak = max_abs(values[PEAK_FORCE])
     if peak > 0:
         excess = []  # bounds of peaks less the peaks, N
         for link in fine.links:
             if has_peak(link):
                 excess.append(link.peak_force_bound - link.peak_force)
-        errors[PEAK_FORCE] += PEAK_FACTOR * size_of(excess) / peak
-    event_error = EVENT_FACTOR * size_of([link.event_error for link in fine.links])
+        errors[PEAK_FORCE] += PEAK_FACTOR * max_abs(excess) / peak
+    event_error = EVENT_FACTOR * max_abs([link.event_error for link in fine.links])
     # Time in which a force acted but counted as none, s
-    cut = run.tick_duration * size_of([link.cut_ticks for link in fine.links])
+    cut = run.tick_duration * max_abs([link.cut_ticks for link in fine.links])
     for i in range(UNTIMED_MEASURES, len(errors)):  # durations and times
-        longest = size_of(values[i])
+        longest = max_abs(values[i])
         if longest > 0:
             errors[i] += (event_error + cut) / longest
     return errors
@@ -149,8 +151,8 @@ def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
         Largest relative change of a transit time.
     """
     values = measures_of(ended)
-    longest = size_of(values[DURATION])
-    latest = size_of(values[TIME])
+    longest = max_abs(values[DURATION])
+    latest = max_abs(values[TIME])
     shift = transit_error * latest  # error of the latest time, s
     errors = [transit_error] * len(values)
     if longest > 0:
@@ -184,7 +186,7 @@ def add_faint_times(fine: Ended, errors: list[float]) -> None:
     faint = ratio * run.shortest_transit * run.tick_duration * episodes
     values = measures_of(fine)
     for i in range(UNTIMED_MEASURES, len(errors)):
-        longest = size_of(values[i])
+        longest = max_abs(values[i])
         if longest > 0:
             errors[i] += faint / longest
 
@@ -229,11 +231,11 @@ def differences(fine: Ended, coarse: Ended) -> list[float]:
     relative = []
     coarse_values = measures_of(coarse)
     for i, values in enumerate(measures_of(fine)):
-        scale = size_of(values)
+        scale = max_abs(values)
         if i == VELOCITY and scale > 0:
             scale = fine.run.velocity_scale
         pairs = zip(values, coarse_values[i], strict=True)
-        largest = size_of([a - b for a, b in pairs])
+        largest = max_abs([a - b for a, b in pairs])
         if scale > 0:
             relative.append(largest / scale)
         else:
@@ -255,7 +257,7 @@ def wave_difference(fine: Ended, coarse: Ended) -> float:
         for side in range(2):
             changes.append(part.wave_integrals[side] - other.wave_integrals[side])
             changes.append(part.wave_moments[side] - other.wave_moments[side])
-    return size_of(changes) / (2 * fine.run.velocity_scale)
+    return max_abs(changes) / (2 * fine.run.velocity_scale)
 
 
 def momentum_error(fine: Ended) -> float:
@@ -309,10 +311,10 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     apart[VELOCITY] = max(apart[VELOCITY], momentum_error(fine))
     # Velocities, impulses and peak forces; and the waves in rods
     worst = max(apart[0], apart[1], apart[2], wave_difference(fine, coarse))
-    lag = size_of([link.event_lag for link in fine.links])
+    lag = max_abs([link.event_lag for link in fine.links])
     errors = []
     for i, values in enumerate(measures_of(fine)):
-        largest = size_of(values)
+        largest = max_abs(values)
         share = LEAST_SHARE
         is_time = i >= UNTIMED_MEASURES
         if is_time and largest > 0:
@@ -324,6 +326,6 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     return errors
 
 
-def size_of(values: list[float]) -> float:
+def max_abs(values: list[float]) -> float:
     """Largest absolute value; 0 of an empty list."""
     return max([0.0, *[abs(value) for value in values]])

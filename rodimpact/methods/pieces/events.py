@@ -358,8 +358,9 @@ def keep_history(state: State, node: Node, link: Link, ticks: int) -> None:
     """Append what a link did in a piece of `ticks` to the lines of its history.
 
     The piece begins now. The lines keep the force; of joints and contacts the overlap
-    d; of what yields the closing velocity closing - Y F, which is more than d' then.
-    They follow each other from `link.history_line` on.
+    d; of what yields also the closing velocity closing - Y F, as d is the elastic
+    overlap alone there, and the plastic one grows, too. They follow each other from
+    `link.history_line` on.
     """
     run = state.runs[0]
     all_lines = state.lines

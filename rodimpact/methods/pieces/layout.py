@@ -423,7 +423,8 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
     outside.
     """
     parts: list[Any] = []
-    head = 0  # first part of the group
+    head = 0  # first part of the group, which stands for the group
+    # This adds a wall or an endless rod, and nothing at other ends.
     add_ground(parts, head, row.boundaries[0][0], outside[0])
     for k, node in enumerate(nodes):
         for q in range(node.link_count):

@@ -56,9 +56,8 @@ def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
 def rewind(lines: Lines, log: Log, l: int) -> None:
     """Move the read piece of line l back to its first one.
 
-    All its hard breaks count as unread again.
-
-    That is needed to read a line at an earlier tick than that of its reader.
+    All its hard breaks count as unread again. A read piece only moves on, while
+    the proof of finality reads a line from an earlier tick.
     """
     line = lines[l]
     line.read_piece = line.first_piece
@@ -95,7 +94,8 @@ def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
 def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
     """Return the order of the break that arrives by line l at a tick.
 
-    It is SMOOTH if there is none. At t = 0 it is 0: anything may jump.
+    It is SMOOTH if there is none. At t = 0 it is 0: anything may jump. The read piece
+    has been moved to this tick by `advance_to`, and stays.
     """
     if tick == 0:
         return 0
@@ -111,7 +111,7 @@ def sample(
     """Set f to the wave that arrives by line l, at the points of a piece.
 
     The piece has `ticks` from `tick` on. If the wave jumps at the end of the piece, its
-    value is the one before.
+    value is the one before. The read piece begins at `tick` or before, and stays.
     """
     begin = tick - lines[l].delay  # when the wave was sent
     piece = log[lines[l].read_piece]
@@ -331,11 +331,13 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
     delay = lines[source].delay
     old = lines[target].last_piece
     stop = piece.end + delay
+    # The row of a new piece; NONE where the last piece goes on with the same constant
     i = append_piece(
         run, lines, log, target, node.now, stop, piece.degree, piece.coefficients
     )
     if i != NONE and node.now == 0:
-        # The first piece meets the wave that is under way at t = 0.
+        # The first piece meets the wave that is under way at t = 0. The order of this
+        # break is higher if the values of both agree.
         log[i].break_order = 0
         classify_break(run, lines, log, old, i)
     elif i != NONE and node.now == piece.start + delay:

@@ -463,24 +463,28 @@ def send_outgoing(
     """
     run = state.runs[0]
     links = state.links
-    # Orders of the breaks in velocity behind the links that they have passed
+    # Orders of the breaks that come from the left and from the right, in the force of
+    # the link that they have passed last
     from_left = left_order
     from_right = right_order
     for q in range(node.link_count):
+        if q > 0:
+            # The mass before this link integrates the force of the link before:
+            # its velocity is one order smoother than that force.
+            from_left += 1
+            from_right += 1
         link = links[node.first_link + q]
         opposite = links[node.first_link + node.link_count - 1 - q]
-        # A mass integrates the force: the velocity behind it is one order smoother.
-        from_left = contact_laws.break_order(link, from_left) + 1
-        from_right = contact_laws.break_order(opposite, from_right) + 1
+        from_left = contact_laws.break_order(link, from_left)
+        from_right = contact_laws.break_order(opposite, from_right)
     for side in range(2):
         if node.outgoing_lines[side] == NONE:
             continue
         nodes.set_outgoing(links, node, side)
-        # Behind the last link is no mass, but the end of a rod: that 1 is taken back.
         if side == 0:
-            order = min(left_order, from_right - 1)
+            order = min(left_order, from_right)
         else:
-            order = min(right_order, from_left - 1)
+            order = min(right_order, from_left)
         if node.is_averaging:
             series.flatten(node.outgoing)
             order = 0

@@ -420,6 +420,7 @@ def set_initial_forces(links: Links, node: Node) -> None:
     for q in range(node.link_count):
         link = links[node.first_link + q]
         if link.status == Status.REST:
+            # `start_forces` has set force[0] to 0.
             for j in range(N):
                 link.force[0] += START[j] * link.force[j + 1]
         elif link.unknown_index != NONE:

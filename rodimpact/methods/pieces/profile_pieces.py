@@ -88,9 +88,10 @@ def _from_samples(
 def _from_polynomials(
     profile: Polynomials, length: float, ticks_of: Callable[[Any], Ints]
 ) -> Pieces:
-    """Signal of polynomials along `length`.
+    """Signal of polynomials along `length`, m, or over such a time, s.
 
-    Those that are shorter than a tick are left out.
+    `ticks_of` makes ticks of places or times. Polynomials that are shorter than a tick
+    are left out.
     """
     ticks = ticks_of(np.array([0.0, *profile.inner, length]))
     ticks = np.minimum(ticks, ticks[-1])  # polynomials in time may go beyond the run

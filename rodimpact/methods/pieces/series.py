@@ -383,7 +383,7 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
 
     Column n of G, the right side, becomes x. All coefficients are less than `band` from
     the diagonal; pivoting fills as much again on the right. The other columns of G are
-    spoilt.
+    spoilt. G is not singular.
     """
     for i in range(n):
         # Column i is 0 from row `below` on, row i from column `right` on.
@@ -398,12 +398,12 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
                 most = abs(G[j][i])
         row = G[i]
         pivot_row = G[p]
-        # First column that is not swapped
+        # Columns before this one are swapped.
         if p == i:
-            swapped = i  # there is nothing to swap
+            swap_end = i  # there is nothing to swap
         else:
-            swapped = right
-        for q in range(i, swapped):
+            swap_end = right
+        for q in range(i, swap_end):
             row[q], pivot_row[q] = pivot_row[q], row[q]
         row[n], pivot_row[n] = pivot_row[n], row[n]
         inverse_pivot = 1 / row[i]
