@@ -7,7 +7,7 @@ results with those of `Solution` and `Outcome`.
 from typing import Any, NamedTuple
 
 from ..methods.abilities import has_external_drive
-from ..methods.clock import Clock, mass_of, most_rounded
+from ..methods.clock import Clock, most_rounded, rod_mass
 from ..methods.fronts import events, members
 from ..methods.fronts.family_layout import FamilyLayout, lay_out_family, make_state
 from ..methods.fronts.initial_state import round_trip
@@ -268,7 +268,7 @@ def outcome_of(run: PageRun, status: str) -> Any:
         status,
         {"velocity": error_of_event * record.events},
     )
-    masses = [mass_of(clock, i) for i in range(len(row.spans))]
+    masses = [rod_mass(clock, i) for i in range(len(row.spans))]
     before = initial_motion(clock, masses, segments)
     after = final_motion(clock, masses, segments)
     return facts_of_outcome(row.system, before, after, summary)

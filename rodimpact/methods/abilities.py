@@ -67,8 +67,9 @@ def needs(system: model.System) -> Needs:
 def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
     """List all physics of a rod at this path that not every method has.
 
-    Each entry is a path and a name. Physics of its segments have the path of the
-    segment, or that of the rod if there is only one.
+    These are soil or drag along it, initial states that are no steps, viscosity,
+    lateral inertia and taper. Physics of its segments have the path of the segment, or
+    that of the rod if there is only one.
     """
     physics: Needs = []
     if rod.shaft is not None:

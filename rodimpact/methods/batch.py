@@ -101,7 +101,8 @@ class Batch(Generic[StateT]):
     def array(self, name: str) -> Any:
         """A field of the state as an array of numbers or records.
 
-        It is [member, i] of lists of lists.
+        It is the array of the state itself if the state is compiled. Lists of records
+        by member, all of one length, become [member, i].
         """
         values: Any = getattr(self.state, name)
         if self.is_compiled:
@@ -122,7 +123,10 @@ class Batch(Generic[StateT]):
         return objects
 
     def lengthen(self, *names: str) -> None:
-        """Make these fields of the state longer; their new records are not set yet."""
+        """Make these fields of records longer; the new records are not set yet.
+
+        Lists become twice as long, arrays four times.
+        """
         longer = {}
         for name in names:
             longer[name] = lengthened(

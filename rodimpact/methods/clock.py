@@ -98,8 +98,8 @@ class Clock:
         return [0.0, *(float(s.length) for s in self.row.segments), 0.0]
 
     @property
-    def longest(self) -> int:
-        """Transit time of the longest rod, ticks; 0 without rods."""
+    def longest_rod(self) -> int:
+        """Transit time of the rod that takes longest, ticks; 0 without rods."""
         longest = 0
         for first, last in self.spans:
             longest = max(longest, sum(self.ticks[first : last + 1]))
@@ -110,10 +110,10 @@ class Clock:
         last_segment = self.spans[body][1]
         if last_segment == 0:  # no rod
             return float(getattr(self.system.bodies[body], "mass", math.inf))
-        return mass_of(self, body)
+        return rod_mass(self, body)
 
 
-def mass_of(clock: Clock, body: int) -> float:
+def rod_mass(clock: Clock, body: int) -> float:
     """Mass of a rod with the transit times in use, kg.
 
     It is the sum of impedance times transit time. The page has this as JavaScript.
@@ -182,9 +182,9 @@ def crossing_time_of(row: Any) -> Any:
 
 
 def flight_time_of(row: Any, scale: Any) -> Any:
-    """Time to cross all gaps, one after the other, s.
+    """Time to cross all gaps, one after the other, at the velocity `scale`, s.
 
-    The velocity is the velocity scale, `scale` in m/s. An overlap is no gap.
+    `scale` is positive, m/s. An overlap is no gap.
     """
     flight_length = 0.0
     for link in row.links:
@@ -232,7 +232,7 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
 
 
 def too_long(end: float, longest: float) -> tuple[str, str]:
-    """Path and sentence for a run to `end`, s, which no clock counts.
+    """Path and sentence that refuse a run to `end`, s, which no clock counts.
 
     `longest` is the longest transit time, s.
     """
@@ -244,9 +244,9 @@ def too_long(end: float, longest: float) -> tuple[str, str]:
 
 
 def too_short(path: str, transit: float, longest: float) -> tuple[str, str]:
-    """Path and sentence for a segment, if no clock holds its transit time.
+    """Path and sentence that refuse a segment whose `transit` no clock holds.
 
-    It stands beside the longest transit time; both are in s.
+    It is too short beside the `longest` transit time; both are in s.
     """
     return path, (
         f"its transit time {transit:.3g} s is too short beside the longest, "

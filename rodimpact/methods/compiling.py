@@ -348,8 +348,9 @@ def _borrowing() -> Any:
 def _one_of(functions: Functions, jit: Any) -> Any:
     """A function of (number, d, rate) that calls a function of the user.
 
-    It calls the one with this number. `jit` compiles a function. The functions are
-    tried one after the other, the last one unasked.
+    It calls the one with this number. The numbers are compared one after the other; for
+    any number that is none of them the last function is called. `jit` compiles a
+    function.
     """
     number, function = functions[0]
     later = functions[1:]
@@ -388,9 +389,9 @@ def _modules(module: ModuleType) -> list[ModuleType]:
 def digest_of(module: ModuleType) -> str:
     """Digest of all sources of a kernel module.
 
-    They are those in its folder, and in the folders of its imports. Whole folders are
-    taken because a module imports constants and records by value: it does not tell from
-    which files they come.
+    They are those in its folder, in the folders of its imports, and this file. Whole
+    folders are taken because a module imports constants and records by value: it does
+    not tell from which files they come.
     """
     folders = {Path(str(each.__file__)).parent for each in _modules(module)}
     files = {Path(__file__)}

@@ -67,10 +67,10 @@ def is_nonlinear(link: Any) -> bool:
 
 
 def lets_go(link: Any) -> bool:
-    """Whether losses can end the force of a link before its overlap ends.
+    """Whether losses can end the force of a link while there is still overlap.
 
-    The link is no dashpot. A dashpot beside a spring can, too, but it presses without
-    overlap as well: `pressing_sign` is its first guard then, not an additional one.
+    False for a spring with a dashpot, of which this holds, too: it presses without
+    overlap as well, so that `pressing_sign` is its first guard, not an additional one.
     """
     # Behind SPRING come powers, yielding laws and those of the user.
     return bool(link.law > Law.SPRING and link.damping > 0)
@@ -124,7 +124,8 @@ def power_force(link: Any, d: float, closing: float) -> tuple[float, float, floa
     F = g (1 + chi closing) share,  dF/dg = (1 + chi closing) share^2,
     dF/dclosing = g chi share.
 
-    Soil at a toe is the same with p = 1 and its J for chi (Smith 1960).
+    Below d = 0 there is no damping, and F = -k abs(d)^p. Soil at a toe is the same with
+    p = 1 and its J for chi (Smith 1960).
     """
     k = link.stiffness
     p = link.exponent
@@ -134,7 +135,7 @@ def power_force(link: Any, d: float, closing: float) -> tuple[float, float, floa
         root = math.sqrt(x)
     else:
         root = x ** (p - 1)
-    g = k * d * root
+    g = k * d * root  # odd in d
     slope = p * k * root  # dg/dd
     if chi == 0 or d < 0:
         return g, slope, 0.0
@@ -352,10 +353,10 @@ def break_order(link: Any, order: int) -> Any:
 
 
 def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
-    """Mean force F of a compliant contact, N, and dF/dx1.
+    """Mean force F of a compliant contact over a time step, N, and dF/dx1.
 
-    Its overlap goes from x0 to x1. x is the overlap, at a constant rate. Time is
-    counted in steps, so that dx/dt = x1 - x0 = w.
+    Its overlap x goes from x0 to x1 at a constant rate. Time is counted in steps, so
+    that dx/dt = x1 - x0 = w. The link is not changed.
 
     SPRING: mean of k x + c w where x > 0 and this presses.
     POWER: mean of k x^p where x > 0, times 1 + chi w.
@@ -447,9 +448,10 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int]:
     """Load a yielding contact from overlap x0 to x1, along its table.
 
-    This goes past its yield force. The force rises with the stiffness k to the yield
-    force, and then with the slope shares[i] k up to each force knots[i]. The link is
-    not changed.
+    x0 is at most the overlap at which it yields, x1 is more. The force rises with the
+    stiffness k to the yield force, then with the slope `hardening_share` k to the next
+    force of `knots`, and behind knots[i] with the slope shares[i] k. The link is not
+    changed.
 
     Returns
     -------
@@ -466,7 +468,7 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     x = force / k  # overlap at which it yields
     start = max(x0, 0.0)
     slope = link.hardening_share * k
-    work = (x - start) * (force + k * start) / 2
+    work = (x - start) * (force + k * start) / 2  # the elastic part, from start to x
     knots = link.knots
     # Go on from knot to knot, as long as the line reaches the next one.
     while force + slope * (x1 - x) > knots[knot]:

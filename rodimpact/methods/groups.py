@@ -41,18 +41,19 @@ def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
 def velocities_in_group(
     system: Any, group: list[int], inside: list[int], mean: Any
 ) -> list[Any]:
-    """Velocities of the bodies of a group, m/s.
+    """Velocities of the bodies of a group, m/s, from left to right.
 
-    They are that of the wall that holds them, or their mean. Between two walls of
-    different velocities a group has its mean velocity: it swings about none. Bodies
-    outside of those `inside`, walls and masses bonded to them, have that of their wall.
+    They are that of the wall or fixed end that holds the group, or else its mean.
+    Between two of different velocities a group has its mean velocity: it swings about
+    neither. Walls, and masses bonded to them, have the velocity of their wall.
 
     Parameters
     ----------
     system : System
     group : list of int
     inside : list of int
-        Those of them that can move against the wall; there are none in a lone wall.
+        Those of them that can move against the walls: neighbours, and none in a lone
+        wall.
     mean : float or array
         Momentum over mass of those inside, m/s.
     """

@@ -98,10 +98,12 @@ _ready: set[Kernel] = set()  # paid for by this process
 
 
 def _pays(seconds: float, kernel: Kernel) -> bool:
-    """Whether machine code of a kernel costs less than so many seconds.
+    """Whether machine code of a kernel is worth its cost in a run of so many seconds.
 
-    In the long run is enough. Who waits for it to be compiled is told; and who waits
-    for plain Python, as nothing can be.
+    The seconds are those in plain Python. Machine code on disk costs little. Without
+    any, a kernel is compiled once they exceed `COMPILING`: later runs gain by it. Then
+    a terminal is told that this takes time; if nothing can be compiled, a warning says
+    why.
     """
     price = LOADING
     if not _ready:  # numba has not started yet

@@ -96,7 +96,8 @@ def in_steps(links: Any, step: float) -> dict[str, Any]:
     """Fields of links that change where time is counted in steps, by name; `step` in s.
 
     Velocities stay in m/s, so that lengths d become x = d/step, m/s; forces stay in N.
-    A number c of a force c d^q d' becomes c step^q.
+    The stiffness k of a force k d^p becomes k step^p. Damping stays, as it multiplies a
+    velocity.
     """
     return {
         "stiffness": links["stiffness"] * step ** links["exponent"],

@@ -101,7 +101,10 @@ class LargeFile(MemoryError):
 
 
 def check_file(path: object, size: float, remedy: str) -> None:
-    """Raise LargeFile where a file takes over half of this machine's memory."""
+    """Raise LargeFile where a file takes over half of this machine's memory.
+
+    It takes up to `size` bytes. `remedy` is advice, for the message.
+    """
     if size > installed() / 2:
         taken = f"takes up to {size / 1e9:.3g} GB of memory, more than half of the"
         raise LargeFile(str(path), f"{taken} {installed() / 1e9:.3g} GB here; {remedy}")

@@ -84,9 +84,10 @@ def as_records(objects: list[Any], record: Any) -> Any:
 
 
 def lengthened(records: Any, record: Any) -> Any:
-    """Return records with room for more behind them.
+    """Return records with room for more behind them, as a list or array of its own.
 
-    There are blank objects, or records not set yet.
+    Behind a list are as many blank objects again; behind an array three times as many
+    records, which are not set.
     """
     if isinstance(records, list):
         return records + blank((GROWTH_OF_LISTS - 1) * len(records), record)

@@ -129,8 +129,11 @@ class Row:
         This is the `kind` of its `BoundaryAction`. A free end has none: do not ask for
         its name.
         """
-        # The index -side is 0 for the first body and -1 for the last.
-        if isinstance(self.system.bodies[-side], Wall):
+        if side == 0:
+            body = self.system.bodies[0]
+        else:
+            body = self.system.bodies[-1]
+        if isinstance(body, Wall):
             return "wall"
         if self.boundaries[side][0] == "absorbing":
             return "absorbing"

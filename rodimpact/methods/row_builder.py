@@ -66,9 +66,10 @@ copyreg.pickle(Row, lambda row: (build_row, (row.system,)))
 
 
 def rigid_blocks(system: Any) -> list[list[int]]:
-    """Bodies from left to right.
+    """Split the bodies into blocks from left to right: lists of their numbers.
 
-    Rigid bodies that are bonded together are one block.
+    Rigid bodies, masses and walls, that are bonded together are one block; each rod is
+    a block of its own.
     """
     bodies = system.bodies
     cuts = []
@@ -93,11 +94,11 @@ def split_at(cuts: list[bool]) -> list[list[int]]:
 
 
 def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
-    """Add a block of rigid bodies to a row.
+    """Add a block of rigid bodies to a row: one mass, or the outside with a wall in it.
 
-    It is one mass, or the outside if there is a wall in it. `block` has the numbers of
-    its bodies. Their common velocity is momentum over mass. A wall becomes the boundary
-    on its side, and the masses bonded to it are no masses of the row.
+    `bodies` are all of the system, `block` has the numbers of those in the block. Their
+    common velocity is momentum over mass. A wall becomes the boundary on its side. The
+    masses bonded to it are no masses of the row; `build_row` sets their `mass_of`.
     """
     # Contacts inside the block are no links, and its bodies have no segments.
     row.contact_link.extend([-1 for _ in block[1:]])

@@ -336,10 +336,11 @@ class Run:
     def signals(self) -> Signals:
         """All signals of the run, made when they are first asked for."""
         signals = self.make_signals()
-        # From now on the same signals are handed out,
-        # so the records behind them may go.
+        # From now on the same signals are handed out, as `_replace` without arguments
+        # does, so that the records behind `make_signals` may go.
         object.__setattr__(self, "make_signals", signals._replace)
         return signals
 
     def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: all with the signals, but without coarser runs."""
         return {"signals": self.signals, **vars(self), "coarser": ()}

@@ -48,7 +48,7 @@ def velocities_of(row: Any) -> list[Any]:
 
     Where they vary these are extremes.
     """
-    velocities = [*row.mass_velocity]
+    velocities = [*row.mass_velocity]  # those of masses are means of bonded ones
     for body in row.system.bodies:
         if body.kind != "mass":
             velocities.extend(extremes(body.velocity))
@@ -127,9 +127,10 @@ def scale_of(row: Any) -> Any:
 
 
 def scale_without_rods(row: Any, time: Any) -> Any:
-    """Scale of velocities of a row of masses, m/s.
+    """Scale of velocities of a row without rods, m/s.
 
-    It has what they have, and what forces give in a time.
+    It is the spread of the velocities, plus those that gravity and given forces make in
+    a time, and those that the energy of springs at t = 0 makes.
 
     Parameters
     ----------
@@ -176,49 +177,59 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
     list of (bool or array, str, str)
         Whether there is the problem, its path and its sentence.
     """
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        return [energy_problem(row), *stiffness_problems(row)]
+
+
+def energy_problem(row: Any) -> tuple[Any, str, str]:
+    """Whether energies or forces of a row overflow or vanish, path and sentence.
+
+    Energies m v^2 and squares of forces Z v must be between the bounds of floats, and
+    far from both, v the velocity scale. A scale of 0 is no problem.
+    """
     scale: Any = row.scale
-    segments = row.segments
-    heaviest: Any = largest([*row.masses, *(s.mass for s in segments)])
-    transit: Any = largest([s.transit_time for s in segments])
+    heaviest: Any = largest([*row.masses, *(s.mass for s in row.segments)])
     impedances = []
-    for s in segments:
+    for s in row.segments:
         largest_area = extremes(s.area)[1]
         impedances.append(s.material.density * s.wave_speed * largest_area)
-    # Energies and squares of forces must be between the bounds, and far from both.
-    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        force = scale * largest(impedances)
-        energy = scale * scale * heaviest
-        force_squared = force * force
-        is_above = np.less(
-            SMALLEST_FLOAT * SUM_MARGIN, np.minimum(energy, force_squared)
+    force = scale * largest(impedances)
+    energy = scale * scale * heaviest
+    force_squared = force * force
+    is_above = np.less(SMALLEST_FLOAT * SUM_MARGIN, np.minimum(energy, force_squared))
+    is_below = np.less(np.maximum(energy, force_squared), LARGEST_FLOAT / SUM_MARGIN)
+    message = (
+        f"velocities and strains of {np.max(scale):.6g} m/s make energies or forces "
+        "that overflow or vanish; use smaller or larger ones"
+    )
+    is_beyond = np.not_equal(scale, 0) & ~(is_above & is_below)
+    return is_beyond, "bodies", message
+
+
+def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
+    """For each contact with a law: whether it is as good as rigid, path and sentence.
+
+    Its stiffness is the slope of k d^p at d = velocity scale times longest transit, and
+    is compared with impedance over transit.
+    """
+    transit: Any = largest([s.transit_time for s in row.segments])
+    problems = []
+    for k, i in row.by_law.items():  # contact k is link i
+        link = row.links[i]
+        stiffness = (
+            link.stiffness
+            * (transit / least_impedance(row))
+            * np.power(row.scale * transit, np.asarray(link.exponent) - 1)
         )
-        is_below = np.less(
-            np.maximum(energy, force_squared), LARGEST_FLOAT / SUM_MARGIN
-        )
+        rigid = "Bonded" if link.law == Law.JOINT else "Rigid"
         message = (
-            f"velocities and strains of {np.max(scale):.6g} m/s make energies or "
-            "forces that overflow or vanish; use smaller or larger ones"
+            f"is as good as rigid beside these rods, got {link.stiffness!r}; use "
+            f"{rigid}()"
         )
-        is_beyond = np.not_equal(scale, 0) & ~(is_above & is_below)
-        beyond = [(is_beyond, "bodies", message)]
-        for k, i in row.by_law.items():  # contact k is link i
-            link = row.links[i]
-            # Slope of the force k d^p at d = scale times transit,
-            # times transit over impedance
-            stiffness = (
-                link.stiffness
-                * (transit / least_impedance(row))
-                * np.power(scale * transit, np.asarray(link.exponent) - 1)
-            )
-            rigid = "Bonded" if link.law == Law.JOINT else "Rigid"
-            message = (
-                f"is as good as rigid beside these rods, got {link.stiffness!r}; use "
-                f"{rigid}()"
-            )
-            # Not `greater`, which would let nan pass.
-            is_rigid = ~np.less_equal(stiffness, LARGEST_STIFFNESS)
-            beyond.append((is_rigid, f"contacts.{k}.stiffness", message))
-    return beyond
+        # Not `greater`, which would let nan pass.
+        is_rigid = ~np.less_equal(stiffness, LARGEST_STIFFNESS)
+        problems.append((is_rigid, f"contacts.{k}.stiffness", message))
+    return problems
 
 
 def check_scales(row: Any) -> None:

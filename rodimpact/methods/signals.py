@@ -337,7 +337,7 @@ class Pieces:
     def cut(self, ticks: Ints, end: int) -> Pieces:
         """The signal from ticks[0] to `end` in pieces that begin at `ticks`.
 
-        Its breaks are among them.
+        All its breaks from ticks[0] to `end` must be among them.
 
         Parameters
         ----------

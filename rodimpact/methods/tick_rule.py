@@ -152,7 +152,7 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
     Parameters
     ----------
     durations : [n] Duration
-        Times are positive, in any order and any unit.
+        One or more. Times are positive, in any order and any unit.
     bits : int
     drive_count : int
         Number of durations at the end that are times of drives. They may be longer than
@@ -199,7 +199,8 @@ def clock_bits(ratio: float) -> int:
     """Base-2 logarithm of the longest transit in ticks.
 
     The run lasts `ratio` longest transits, and must not be longer than 2^CLOCK_BITS
-    ticks. The result is 0 for a ratio that is no positive number.
+    ticks. No clock counts the run if the result is below `MIN_TRANSIT_BITS`; it may be
+    negative, and is 0 for a ratio that is negative, infinite or nan.
     """
     if ratio == 0:
         return MAX_TRANSIT_BITS

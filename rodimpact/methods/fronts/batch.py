@@ -153,7 +153,7 @@ class FrontBatch(Batch[State]):
 
     @property
     def progress(self) -> Run:
-        """The record of the run."""
+        """The record of the run, as an object; in machine code it is a copy."""
         run: Run = self.objects("runs")[0]
         return run
 

@@ -50,10 +50,10 @@ def resolve_contact(
 ) -> int:
     """Return the status that a contact has after arrivals.
 
-    Its gap and gap rate are set. Signorini: gap >= 0, force >= 0, and one of them is 0.
-    So a closed contact presses if its faces would close without a force, and opens if
-    they part; its gap rate is exactly 0. Gap and gap rate of the node become those of
-    now; its status and force do not change yet.
+    Gap and gap rate of the node become those of now; its status and force do not change
+    yet. Signorini: gap >= 0, force >= 0, and one of them is 0. So a closed contact
+    presses if its faces would close without a force, and opens if they part; as long as
+    it is closed, its gap rate is exactly 0.
 
     Parameters
     ----------
@@ -99,10 +99,20 @@ def log_contact_change(
 ) -> None:
     """Change the status of the contact at node k, and log the change.
 
-    Its episodes, first and last force, the last opening and when to try the next proof
-    are brought up to date. Parameters ---------- run : Run node : Node change : Front
-    The next free row of the log. k, tick : int status : int The new one; a change from
-    OPEN to OPEN is a touch without a force. mobility : float Y1 + Y2.
+    Its episodes, first and last force, the last opening, whether it is faint, and when
+    to try the next proof are brought up to date. The force is still that before.
+
+    Parameters
+    ----------
+    run : Run
+    node : Node
+    change : Front
+        The next free row of the log.
+    k, tick : int
+    status : int
+        The new one; a change from OPEN to OPEN is a touch without a force.
+    mobility : float
+        Y1 + Y2.
     """
     before = node.status
     node.status = status

@@ -43,8 +43,8 @@ def measure_segments(state: State) -> None:
         segment = state.segments[s]
         impedance = 1 / segment.mobility
         mean = segment.group_velocity
-        momentum = 0 * mean
-        energy = 0 * mean
+        wave_integral = 0 * mean  # integral(a + b) over a transit time
+        square_integral = 0 * mean  # integral((a - V)^2 + (b - V)^2)
         for l in range(2 * s, 2 * s + 2):  # both lines of the segment
             line = state.lines[l]
             # From the end where the waves arrive, back to the end where they are sent
@@ -55,21 +55,22 @@ def measure_segments(state: State) -> None:
             while r != NONE:
                 front = log[r]
                 width = edge - now + front.tick  # ticks over which it was sent
-                momentum += wave * width
-                energy += (wave - mean) * (wave - mean) * width
+                wave_integral += wave * width
+                square_integral += (wave - mean) * (wave - mean) * width
                 edge = now - front.tick
                 wave = front.value
                 r = front.next_row
-            momentum += wave * edge
-            energy += (wave - mean) * (wave - mean) * edge
-        segment.momentum = impedance * momentum / 2
-        segment.vibration_energy = impedance * energy / 4
+            wave_integral += wave * edge
+            square_integral += (wave - mean) * (wave - mean) * edge
+        segment.momentum = impedance * wave_integral / 2
+        segment.vibration_energy = impedance * square_integral / 4
 
 
 def set_group_velocities(state: State) -> None:
     """Set the velocities V of bonded groups of mass m.
 
-    They follow from their momenta p, then from impulses. V = p/m at t = 0, and
+    The momenta p of the segments are measured before, at t = 0 and for a group bonded
+    to what is outside. V = p/m at t = 0, and
     V(0) + (impulse on the left - impulse on the right)/m later: impulses are more exact
     than the momenta of waves, and independent of them. A group bonded to what is
     outside always has V = p/m.
@@ -118,7 +119,7 @@ def find_wave_differences(state: State) -> None:
 
 
 def largest_difference(
-    log: Log, a: int, b: int, transit: int, end_tick: int, window: int
+    log: Log, row_a: int, row_b: int, transit: int, end_tick: int, window: int
 ) -> Amplitude:
     """Largest absolute difference of two waves where they meet.
 
@@ -128,26 +129,29 @@ def largest_difference(
     Parameters
     ----------
     log : list of Front
-    a, b : int
+    row_a, row_b : int
         First rows of the two lines.
     transit, end_tick : int
         Transit time of the segment, and end of the run.
     window : int
         A wave that lasts no longer comes of round-off, and does not count.
     """
-    largest = abs(0 * log[a].value)  # 0 of the same kind of number
-    while a != NONE:
-        wave_a = log[a]
+    largest = abs(0 * log[row_a].value)  # 0 of the same kind of number
+    while row_a != NONE:
+        wave_a = log[row_a]
         a0 = wave_a.tick  # the wave was sent from a0 to a1
         a1 = end_tick
         if wave_a.next_row != NONE:
             a1 = min(log[wave_a.next_row].tick, end_tick)
         # Waves that left the other end a transit before this one do not meet it.
-        while log[b].next_row != NONE and log[log[b].next_row].tick <= a0 - transit:
-            b = log[b].next_row
+        while (
+            log[row_b].next_row != NONE
+            and log[log[row_b].next_row].tick <= a0 - transit
+        ):
+            row_b = log[row_b].next_row
         # Waves that left the other end a transit after this one,
         # or later, do not meet it either.
-        r = b
+        r = row_b
         while r != NONE and log[r].tick < a1 + transit and a1 - a0 > window:
             wave_b = log[r]
             b0 = wave_b.tick
@@ -167,5 +171,5 @@ def largest_difference(
             if meet and after_start and before_end and b1 - b0 > window:
                 largest = max(largest, abs(wave_b.value - wave_a.value))
             r = wave_b.next_row
-        a = wave_a.next_row
+        row_a = wave_a.next_row
     return largest

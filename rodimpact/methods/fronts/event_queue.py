@@ -17,7 +17,7 @@ def size_for(nodes: int) -> int:
 
 
 def schedule(queue: Queue, leaf: int, tick: int) -> None:
-    """Set the tick of a leaf, and the entries above it, up to the root."""
+    """Set the tick of the entry `leaf`, and the entries above it, up to the root."""
     queue[leaf] = tick
     i = leaf
     while i > 1:
@@ -28,7 +28,7 @@ def schedule(queue: Queue, leaf: int, tick: int) -> None:
 
 
 def first_leaf(queue: Queue) -> int:
-    """Leaf with the earliest tick, the leftmost of several."""
+    """Entry of the leaf with the earliest tick, the leftmost of several."""
     leaves = len(queue) // 2
     earliest = queue[1]
     i = 1

@@ -251,7 +251,7 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 
 
 def receive(line: Line, log: Log, transit: int) -> None:
-    """Take the front that arrives off a line.
+    """Take the front that arrives, of which there must be one, off a line.
 
     Its value is the incoming wave from now on, m/s. The front behind it is next; it
     arrives a transit time after it was sent.
@@ -269,7 +269,8 @@ def send(
 ) -> None:
     """Enter the front of a wave that leaves on line l in a row of the log.
 
-    It comes behind the last one of the line.
+    It comes behind the last one of the line, which must have one. When it arrives is
+    left to the caller.
     """
     front: Front = log[log_row]
     front.tick = tick

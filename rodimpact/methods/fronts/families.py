@@ -14,7 +14,7 @@ from ..row import Array, Row
 from ..states import Stop
 from . import driver
 from .batch import RunRequest
-from .family_layout import lay_out_family
+from .family_layout import FamilyLayout, lay_out_family
 
 MAX_MEMBERS_PER_CALL = 16384
 MAX_BYTES_PER_CALL = 1 << 24  # values and results of the members of a call
@@ -62,21 +62,14 @@ def solve_family(
     """Columns of every member, and those named in `also`.
 
     They are as `family.family_columns` makes them. Energy lost in contacts, which is 0,
-    is always among them; stress and displacement need the waves of each member, and are
-    found only if they are named. A refused member has nan. The other arguments are
+    is always among them; stress and displacement need the waves of each member: both
+    are found if one of them is named. A refused member has nan. The other arguments are
     those of `driver.solve_many`.
     """
     layout = lay_out_family(row)
     group_segments = segments_of_groups(row.system, row.spans)
     needs_waves = not WAVE_COLUMNS.isdisjoint(also)
-
-    # Results of a run are at node 0, those of segment s at node s.
-    fields = [("stop_reason", 0), ("is_proved", 0), ("vibration_energy", 0)]
-    for s in group_segments:
-        fields.append(("velocity_before", s))
-        fields.append(("velocity_after", s))
-    for k in layout.contacts:
-        fields.extend((name, k) for name in CONTACT_COLUMNS)
+    fields = result_fields(layout, group_segments)
     if needs_waves:
         fields += wave_fields(len(row.segments))
     request = RunRequest(until, max_events, record_max_stress=needs_waves)
@@ -85,22 +78,16 @@ def solve_family(
     stop_reason = columns["stop_reason", 0]
     is_refused = stop_reason >= Stop.OVERFLOW  # members without a clock
     is_capped = stop_reason == Stop.CAP
-    is_final: Array = (columns["is_proved", 0] > 0) & (
-        not has_external_drive(row.system)
-    )
+    # No proof holds where something acts from outside.
+    is_proved = columns["is_proved", 0] > 0
+    is_final: Array = is_proved & (not has_external_drive(row.system))
     results = ResultColumns(columns, is_refused)
-    contacts: dict[str, list[Array]] = {}
-    for name in CONTACT_COLUMNS:
-        if name == "episodes":  # whole numbers: 0 where a member was refused
-            contacts[name] = [columns[name, k] for k in layout.contacts]
-        else:
-            contacts[name] = [results.of(name, k) for k in layout.contacts]
     family = family_columns(
         row.system,
         before=body_columns(row, results, "velocity_before", group_segments),
         after=body_columns(row, results, "velocity_after", group_segments),
         vibration=results.of("vibration_energy", 0),
-        contacts=contacts,
+        contacts=contact_columns(results, layout.contacts),
         final=is_final,
         status=status_column(is_refused, is_final, is_capped, until),
     )
@@ -109,6 +96,37 @@ def solve_family(
     if needs_waves:
         family |= wave_columns(row, results)
     return family
+
+
+def result_fields(
+    layout: FamilyLayout, group_segments: list[int]
+) -> list[tuple[str, int]]:
+    """Fields of `records.NodeResult` that every family needs, each with its node.
+
+    Results of a run are at node 0, those of segment s at node s. `group_segments` are
+    the first segments of the bonded groups.
+    """
+    fields = [("stop_reason", 0), ("is_proved", 0), ("vibration_energy", 0)]
+    for s in group_segments:
+        fields.append(("velocity_before", s))
+        fields.append(("velocity_after", s))
+    for k in layout.contacts:
+        fields.extend((name, k) for name in CONTACT_COLUMNS)
+    return fields
+
+
+def contact_columns(results: ResultColumns, nodes: list[int]) -> dict[str, list[Array]]:
+    """Totals of the contacts at these nodes by name, [contact][member].
+
+    A refused member has nan, but 0 episodes, which are whole numbers.
+    """
+    columns: dict[str, list[Array]] = {}
+    for name in CONTACT_COLUMNS:
+        if name == "episodes":
+            columns[name] = [results.fields[name, k] for k in nodes]
+        else:
+            columns[name] = [results.of(name, k) for k in nodes]
+    return columns
 
 
 def body_columns(

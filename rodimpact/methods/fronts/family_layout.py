@@ -93,7 +93,7 @@ def lay_out_family(row: Any) -> FamilyLayout:
     initial_pieces = len(row.segments)
     durations = len(row.segments)
     for profile in profiles:
-        # Between so many values there is a jump less.
+        # n values in a row have n - 1 jumps between them.
         jumps = profile.velocity_count - 1 + profile.strain_count - 1
         durations += jumps
         if profile.boundary_kind == BoundaryKind.STEADY:  # it is a body's, no drive
@@ -102,8 +102,8 @@ def lay_out_family(row: Any) -> FamilyLayout:
     for i in range(len(row.system.gaps)):
         last_segment = row.spans[i][1]  # last one of the body on the left; 0: a wall
         contacts.append(last_segment)  # node k is on the right of segment k
-    # Each piece of the initial state fills two lines,
-    # and a drive has a value more than jumps.
+    # Each piece of the initial state fills two lines. A drive has a front more than
+    # durations, one for its first value; there are two drives at most.
     initial_fronts = 2 * durations + 2
     return FamilyLayout(
         row,

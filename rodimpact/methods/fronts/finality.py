@@ -26,23 +26,23 @@ def finality_tick(state: State, now: int) -> int:
     segments = state.segments
     nodes = state.nodes
     lines = state.lines
-    longest = 0.0
+    longest_wait = 0.0  # ticks until the last of the contacts is proved to stay open
     for k in range(len(nodes)):
         node = nodes[k]
         is_contact = node.status >= Status.OPEN  # one that can open
-        if is_contact and longest < NEVER:
+        if is_contact and longest_wait < NEVER:
             # First and last segment of the two groups beside the contact
             first = segments[k].group_first
             last = max(k, segments[k + 1].group_last)  # outside, `group_last` is 0
             # Nothing changes any more, and the gap does not close.
             is_steady = node.gap_rate >= 0 and no_front_in_flight(lines, first, last)
             if not is_steady:
-                longest = max(longest, ticks_until_apart(state, k, now))
-    if longest >= NEVER // 2:  # beyond what the clock counts, or infinite
+                longest_wait = max(longest_wait, ticks_until_apart(state, k, now))
+    if longest_wait >= NEVER // 2:  # beyond what the clock counts, or infinite
         return IDLE
     wait = 0
-    if longest > 0:
-        wait = int(longest * WAIT_MARGIN) + 1
+    if longest_wait > 0:
+        wait = int(longest_wait * WAIT_MARGIN) + 1
     return now + wait
 
 
@@ -58,10 +58,10 @@ def no_front_in_flight(lines: Sequence[Line], first: int, last: int) -> bool:
 def least_opening_velocity(
     left: Segment, right: Segment, tolerance: Amplitude
 ) -> Amplitude:
-    """Least velocity at which two ends can part.
+    """Least velocity at which two ends can part; negative if they can approach.
 
-    Without bounds it is a velocity below -tolerance, which decides nothing: fractions
-    have no infinity.
+    `find_mean_motions` has set the bounds of both. If one of them has none, a velocity
+    below -tolerance is returned, which decides nothing: fractions have no infinity.
     """
     if left.is_end_velocity_bounded and right.is_end_velocity_bounded:
         return right.min_end_velocity - left.max_end_velocity
@@ -204,7 +204,8 @@ def bound_deviations(state: State, k: int, now: int) -> None:
     A group bonded to a wall at its far end has g = 1. A semi-infinite bar of mobility Y
     at the far end gives way by Y p, p the momentum that it has taken; as
     p <= sqrt(2 m U), m Y^2 is added to the integral, the `compliance_integral`. The
-    results are stored in the segments k and k + 1.
+    results are stored in the segments k and k + 1, where `find_mean_motions` has stored
+    the mean velocities. A side without a row has 0.
     """
     for s in range(k, k + 2):
         segment = state.segments[s]

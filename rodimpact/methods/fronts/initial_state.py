@@ -200,7 +200,8 @@ def default_horizon(state: State, values: Values) -> float:
     """Time that the clock of a run without a given end must be able to count, s.
 
     It follows by `tick_rule.default_horizon` from the longest transit, the time to
-    cross the row, and the time to cross all gaps.
+    cross the row, and the time to cross all gaps. The transit times are set before.
+    With a given end the result means nothing.
     """
     run = state.runs[0]
     n = len(state.nodes) - 1
@@ -231,8 +232,9 @@ def set_drive_times(
 ) -> None:
     """Set the last durations: the times at which drives jump.
 
-    A jump after the end of the run is given the longest transit time, which is there
-    already and so changes no clock. The number of jumps is set in the run.
+    A jump after the end of the run, which is given where anything drives an end, gets
+    the longest transit time: that is there already, and so changes no clock. The number
+    of jumps is set in the run.
     """
     last = len(segments) - 1  # like segment 0, it stands for what lies outside
     run.drive_jump_count = drive_jumps(segments[0]) + drive_jumps(segments[last])
@@ -484,9 +486,10 @@ def append_driven_fronts(
 def append_front(
     run: Run, log: Log, start: int, tick: int, line: int, wave: Amplitude
 ) -> None:
-    """Append a front to the log, unless it changes nothing.
+    """Append a front to the log, unless its wave is that of the front before it.
 
-    The first front of its line stands in the row `start`.
+    The first front of a line, which stands in the row `start`, is always appended.
+    `next_row` is not set yet.
     """
     is_first = run.log_rows == start
     if is_first or abs(wave - log[run.log_rows - 1].value) > run.velocity_tolerance:

@@ -107,7 +107,8 @@ def find_horizon(run: Run) -> int:
 def try_proof(state: State, stop: int) -> None:
     """Try to prove the collision final; set `proved_tick`, or when to try again.
 
-    `stop` is why the run stopped, as `states.Stop`.
+    `stop` is why the run stopped, as `states.Stop`. A proof that fails is tried again
+    only if this is CHECK; else the run does not go on.
     """
     run = state.runs[0]
     node_count = len(state.nodes)

@@ -84,7 +84,7 @@ def make_run(
     t_final = math.nan
     t_proved = math.nan
     if finished.is_proved:
-        round_trip = 2 * clock.longest * clock.tick  # time in the longest rod, s
+        round_trip = 2 * clock.longest_rod * clock.tick  # s
         t_final = last_contact_end(finished.run, finished.contacts, round_trip)
         t_proved = finished.proved_tick * clock.tick
     slowest = min(clock.wave_speed[1:-1])  # the two outsides have none

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...model import Fixed, Free, Wall
+from ..clock import Clock
 from ..row import Array
 from ..run import (
     INWARD,
@@ -94,11 +95,7 @@ def contact_signal(
         is_pressing = np.full(ticks.shape, True)
     else:
         is_pressing = status == Status.PRESS
-    mobility = 0.0  # Y1 + Y2; a wall has none
-    for s in (k, k + 1):
-        if clock.impedance[s] > 0:
-            mobility += 1 / clock.impedance[s]
-    force = np.where(is_pressing, closing / mobility, 0.0)
+    force = np.where(is_pressing, closing / mobility_at(clock, k), 0.0)
 
     is_open = status == Status.OPEN
     gap_rate = np.where(is_open, -closing, 0.0)
@@ -118,23 +115,31 @@ def contact_signal(
     )
 
 
+def mobility_at(clock: Clock, k: int) -> float:
+    """Mobility of both sides of node k, Y1 + Y2 = 1/Z1 + 1/Z2, s/kg; 0 of a wall."""
+    mobility = 0.0
+    for s in (k, k + 1):
+        if clock.impedance[s] > 0:
+            mobility += 1 / clock.impedance[s]
+    return mobility
+
+
 def gaps_at_starts(
     ticks: Array, gap_rate: Array, changes: Array, first_gap: float
 ) -> Array:
     """Gap at each of `ticks` as if the contact were open, velocity times ticks.
 
-    `gap_rate` is that from each tick to the next. At each of the ticks `changes` the
-    gap is 0; before the first one it began as `first_gap`. So it is what the faces have
-    travelled since then.
+    `gap_rate` is that from each tick to the next. At each of `changes`, which are some
+    of the ticks, the gap is 0; before the first one it began as `first_gap`. So it is
+    what the faces have travelled since then.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
     travelled = np.concatenate(([0.0], np.cumsum(steps)))  # way since t = 0
     at_changes = travelled[np.searchsorted(ticks, changes)]
-    # What was travelled where the gap was 0;
-    # the last one is read by index -1: no change yet
-    zeros = np.append(at_changes, -first_gap)
-    last_change = np.searchsorted(changes, ticks, "right") - 1
-    return np.asarray(travelled - zeros[last_change])
+    # What was travelled where the gap was 0, first before any change
+    zeros = np.concatenate(([-first_gap], at_changes))
+    changes_so_far = np.searchsorted(changes, ticks, "right")
+    return np.asarray(travelled - zeros[changes_so_far])
 
 
 def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
@@ -168,16 +173,18 @@ def outside_signal(
     """
     clock = finished.clock
     end_tick = finished.run.now
-    wall = clock.system.bodies[-side]  # the first body, or the last
-    if isinstance(wall, Wall):
-        velocity = Pieces([0], [float(wall.velocity)])
-        return BoundaryAction("wall", contacts[-side].force, velocity)
-    if isinstance(clock.system.ends[side], Free | Fixed):
-        return None
     if side == 0:
+        outermost = 0  # first body and contact
         s = 1  # first segment
     else:
-        s = len(clock.ticks) - 2  # last segment
+        outermost = -1  # last ones
+        s = len(clock.ticks) - 2
+    body = clock.system.bodies[outermost]
+    if isinstance(body, Wall):
+        velocity = Pieces([0], [float(body.velocity)])
+        return BoundaryAction("wall", contacts[outermost].force, velocity)
+    if isinstance(clock.system.ends[side], Free | Fixed):
+        return None
     # On the left the line 2 s leads inward, on the right the line 2 s + 1.
     inward = lines[2 * s + side]
     outward = lines[2 * s + 1 - side]

@@ -104,42 +104,18 @@ def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> 
 
 
 def totals_of(finished: FrontRun) -> Totals:
-    """Totals of a finished run.
+    """Totals of a finished run: motion before and after, works, and balances.
 
-    They are motion before and after, works, and what the balances miss. Missing
-    momentum is what the row gained, less the impulse from outside. Missing energy is
-    what it gained, less the work of walls and drives, plus what was radiated.
+    Errors of velocities are relative to the velocity scale, so the residuals of the
+    balances are relative to the momentum and the energy of all masses at that velocity.
     """
     clock = finished.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
+    total_mass = sum(mass for mass in masses if mass < math.inf)
     before = initial_motion(clock, masses, finished.segments)
     after = final_motion(clock, masses, finished.segments)
     boundary = BoundaryEffects(finished, masses, after.velocities)
-
-    # Momenta of segments are in N ticks, as impulses are:
-    # times the tick they are in N s.
-    start_momentum = math.fsum(
-        segment.initial_momentum for segment in finished.segments
-    )
-    end_momentum = math.fsum(segment.momentum for segment in finished.segments)
-    gained_momentum = (end_momentum - start_momentum) * clock.tick
-    start_energy = before.kinetic + sum(before.vibration)
-    missing_energy = after.kinetic + sum(after.vibration) - start_energy
-    missing_energy -= boundary.wall_work
-    missing_energy -= boundary.drive_work
-    missing_energy += boundary.radiated
-
-    # Errors of velocities are relative to the velocity scale, so those of the balances
-    # are relative to the momentum and energy of all masses at that velocity.
-    velocity_scale = finished.run.velocity_scale
-    total_mass = sum(mass for mass in masses if mass < math.inf)
-    momentum_scale = total_mass * velocity_scale
-    for node in finished.nodes:
-        momentum_scale += abs(node.impulse) * clock.tick
-    energy_scale = start_energy + total_mass * velocity_scale**2 / 2
-    for work in (boundary.wall_work, boundary.drive_work, boundary.radiated):
-        energy_scale += abs(work)
-    missing_momentum = gained_momentum - boundary.impulse
+    energy_scale = total_mass * finished.run.velocity_scale**2 / 2
     return Totals(
         masses,
         before,
@@ -149,9 +125,47 @@ def totals_of(finished: FrontRun) -> Totals:
             drive_work=boundary.drive_work,
             radiated=boundary.radiated,
         ),
-        relative_residual(missing_momentum, momentum_scale),
-        relative_residual(missing_energy, energy_scale),
+        momentum_residual(finished, total_mass, boundary.impulse),
+        energy_residual(before, after, boundary, energy_scale),
     )
+
+
+def momentum_residual(finished: FrontRun, total_mass: float, impulse: float) -> float:
+    """What the row gained of momentum, less the impulse from outside, relative.
+
+    `impulse` is that from outside, N s. The scale is the momentum of all masses,
+    `total_mass`, kg, at the velocity scale, plus the impulses of all nodes.
+    """
+    tick = finished.clock.tick
+    # Momenta of segments are in N ticks, as impulses of nodes are:
+    # times the tick they are in N s.
+    start_momentum = math.fsum(
+        segment.initial_momentum for segment in finished.segments
+    )
+    end_momentum = math.fsum(segment.momentum for segment in finished.segments)
+    gained = (end_momentum - start_momentum) * tick
+    scale = total_mass * finished.run.velocity_scale
+    for node in finished.nodes:
+        scale += abs(node.impulse) * tick
+    return relative_residual(gained - impulse, scale)
+
+
+def energy_residual(
+    before: Motion, after: Motion, boundary: "BoundaryEffects", scale: float
+) -> float:
+    """What the row gained of energy, less works, plus what was radiated, relative.
+
+    `scale`, J, is an energy to which that at t = 0 and the absolute works are added.
+    """
+    start_energy = before.kinetic + sum(before.vibration)
+    missing = after.kinetic + sum(after.vibration) - start_energy
+    missing -= boundary.wall_work
+    missing -= boundary.drive_work
+    missing += boundary.radiated
+    scale = start_energy + scale
+    for work in (boundary.wall_work, boundary.drive_work, boundary.radiated):
+        scale += abs(work)
+    return relative_residual(missing, scale)
 
 
 class BoundaryEffects:

@@ -121,7 +121,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
             run.kept_states += 1
         if run.step >= until:
             return True
-        store_step_inputs(run, v, links, ends, prescribed)
+        set_step_inputs(run, v, links, ends, prescribed)
         drift_pieces(pieces, v)
         drift_cells(v, force, stiffness)
         if run.has_radial_strain > 0:
@@ -237,7 +237,7 @@ def keep_pieces(
     kept_lost[run.kept_states] = total
 
 
-def store_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) -> None:
+def set_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) -> None:
     """Set what is prescribed at the ends in this step.
 
     The closing velocities before it are set, too.

@@ -122,9 +122,9 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
     """Time at which the force begins that first presses in step i, in steps.
 
     It begins where the gap closes, if the gap goes on as in the step before; else with
-    step i.
+    step i. A force in step i that is round-off beside that of the next step does not
+    count: then it begins with the next step.
     """
-    # The force of step i is round-off: that of the next step begins the contact.
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
         return i + 1.0
     before = max(i - 1, 0)  # the step before, or the first one
@@ -161,10 +161,11 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
             if extrapolated <= 0:
                 return begin
             return begin + min(1.0, 2 * last / extrapolated)
-        # The force falls evenly, at least half and at most twice as fast as before, and
-        # reaches 0 within a step of its last mean, which it has in the middle of the
-        # step.
-        if 0 < fall <= 2 * last_fall <= 4 * fall and last <= last_fall:
+        # It falls evenly: at least half and at most twice as fast as before.
+        is_even = 0 < fall <= 2 * last_fall <= 4 * fall
+        # It reaches 0 within a step of its last mean, which it has in the middle of the
+        # last step.
+        if is_even and last <= last_fall:
             return begin + 0.5 + last / last_fall
     if first_gap < 0:
         return begin + 1.0
@@ -174,9 +175,10 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
 def _closing_share(gap: Floats, i: int, j: int) -> float:
     """Time in step j - 1 at which its overlap becomes 0, as a share of the step.
 
-    The force began in step i. The gap is the parabola through the last three step ends
-    if it has pressed for three steps, else a line. With s the time in step j - 1, the
-    gap is first_gap + rate (slope s + curve s^2).
+    The overlap must end there: gap[j - 1] < 0 < gap[j]. The force began in step i. The
+    gap is the parabola through the last three step ends if it has pressed for three
+    steps, else a line. With s the time in step j - 1, the gap is
+    first_gap + rate (slope s + curve s^2).
     """
     first_gap = float(gap[j - 1])
     rate = float(gap[j]) - first_gap
@@ -215,10 +217,9 @@ def share_of_jump(force: Floats) -> float:
 def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
     """Time at which bodies part before step end k, in steps.
 
-    Their gap passes `open_gap`, m, there.
-
-    Their force ended at `force_end`. Numerical dispersion opens small false gaps. Take
-    the vertex of the parabola through the times t and s at which the gap passes
+    At step end k their gap is larger than `open_gap`, m, for the first time since their
+    force ended at `force_end`, in steps. Numerical dispersion opens small false gaps.
+    Take the vertex of the parabola through the times t and s at which the gap passes
     `open_gap` and half of it, t - (t - s)/(1 - sqrt(1/2)). If the gap before the vertex
     did not accelerate, it is false, and the vertex is the opening; else the last zero
     of the gap is. A gap that accelerates is at a half of the time a quarter of what it

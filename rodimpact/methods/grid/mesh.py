@@ -192,9 +192,9 @@ class Mesh:
     mass, is_prescribed : [node] array
         kg; 1 where the velocity is prescribed, else 0.
     cells : Cells
-    cell_mass, stiffness, viscous, lateral, width : [cell] array
+    cell_mass, stiffness, viscous, lateral_inertia, width : [cell] array
         Columns of `cells`.
-    shear : [node] array
+    shear_stiffness : [node] array
         Shear stiffness between the radial strains of the two cells of a node, N m:
         those of `Cells` in series.
     touching : dict of int to (int, int)
@@ -270,12 +270,10 @@ class Mesh:
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral_inertia))
 
     def _lay_out(self, driven: list[int]) -> int:
-        """Set which nodes and cells belong to what, from left to right.
+        """Set which nodes and cells belong to what; return the last node.
 
-        Return the last node.
-
-        This sets `first`, `last`, `node_of_mass`, `touching`, `bonds` and `cells`.
-        `driven` are the sides whose velocity is prescribed: the force there is
+        The row is walked from left to right. `cells` is set, and `first`, `last`,
+        `node_of_mass`, `touching` and `bonds` are filled. `driven` are the sides whose velocity is prescribed: the force there is
         recorded.
         """
         row = self.row
@@ -384,7 +382,7 @@ def _in_series(springs: Array) -> Array:
 
 
 def quotient(a: Any, b: Array) -> Array:
-    """Return a/b, and 0 where b is 0, as between pieces."""
+    """Return a/b, and 0 where b is 0, as between pieces; b is never negative."""
     return np.asarray(a / np.where(b > 0, b, np.inf))
 
 

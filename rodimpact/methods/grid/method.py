@@ -113,13 +113,9 @@ def run_grid(
     if until is not None and takes_steps:
         # The step becomes a whole part of `until`, no longer than it was.
         step = until / math.ceil(until / step * (1 - UNTIL_RTOL))
-    runs: list[GridRun] = []
 
     def run_level(factor: int) -> GridRun:
-        """Run on a mesh with the step divided by a factor.
-
-        The run is appended to `runs`.
-        """
+        """Run on a mesh with the step divided by a factor."""
         mesh = Mesh(row, [factor * count for count in counts])
         h = step / factor
         if until is None:
@@ -130,30 +126,55 @@ def run_grid(
             last = round(until / h)
             run = GridRun(mesh, h, snapshots, max(1, last))
             _run_to_end(run, last, report)
-        runs.append(run)
         return run
 
     if cells is None and dt is None and takes_steps:  # the mesh is refined
-        order = order_of(row)
         goal = RTOL
         if rtol is not None:
             goal = rtol
-        run, estimates = refinement.refined(
-            run_level,
-            refinement.measures_of,
-            order,
-            goal,
-            MAX_REFINED_CELLS // max(counts),
-        )
-        run.rtol = goal
-        run.estimates = estimates
-        run.coarser = refinement.comparable_runs(runs, run, order)
-        if PEAK_FORCE in estimates:
-            estimates[PEAK_FORCE] += run.peak_error
+        max_factor = MAX_REFINED_CELLS // max(counts)
+        run = _run_refined(run_level, order_of(row), goal, max_factor)
     else:
         run = run_level(1)
     if run.stopped_by == "final":  # a round trip more than to the proof
         run.advance(run.steps + run.round_trip)
+    return run
+
+
+def _run_refined(
+    run_level: Callable[[int], GridRun], order: float, goal: float, max_factor: int
+) -> GridRun:
+    """Run on finer and finer meshes; return the finest run, which states its errors.
+
+    Its `rtol`, `estimates` and `coarser` are set.
+
+    Parameters
+    ----------
+    run_level : function
+        Run with the step divided by a factor.
+    order : float
+        Power of the step with which errors fall at least.
+    goal : float
+        Relative error up to which the mesh is refined.
+    max_factor : int
+        Largest factor.
+    """
+    runs: list[GridRun] = []
+
+    def run_and_keep(factor: int) -> GridRun:
+        """Run with the step divided by a factor, and append the run to `runs`."""
+        run = run_level(factor)
+        runs.append(run)
+        return run
+
+    run, estimates = refinement.refined(
+        run_and_keep, refinement.measures_of, order, goal, max_factor
+    )
+    run.rtol = goal
+    run.estimates = estimates
+    run.coarser = refinement.comparable_runs(runs, run, order)
+    if PEAK_FORCE in estimates:
+        estimates[PEAK_FORCE] += run.peak_error
     return run
 
 
@@ -255,10 +276,10 @@ def mesh_size(
 def _least_wasteful(transits: Array, until: float | None) -> int:
     """Number of cells of the longest transit with Courant numbers nearest to 1.
 
-    Those of all segments count. Segments have whole numbers of cells, and waste 1 less
-    their Courant number; the largest waste of any segment counts. It is the first best
+    Segments have whole numbers of cells, and the waste of a segment is 1 minus its
+    Courant number; the largest waste of all segments counts. It is the first best
     number among those from the fewest that are needed up to twice as many. `transits`
-    in s are those of the segments, `until` is the end of the run, s.
+    are those of the segments, s, `until` is the end of the run, s.
     """
     longest = float(transits.max())
     least = max(MIN_LONGEST_CELLS, math.ceil(MIN_CELLS * longest / transits.min()))
@@ -288,7 +309,6 @@ def _stable_counts(
         If a segment has not a single cell, or all have too many.
     """
     longest = int(np.argmax(transits))
-    shortest = int(np.argmin(transits))
     step: Any = dt
     if cells is not None:
         step = float(transits[longest]) / cells
@@ -297,6 +317,28 @@ def _stable_counts(
     counts = np.floor(transits / step * STABLE_COURANT)
     if cells is not None:
         counts[longest] = cells  # exactly, whatever the rounding of the quotient
+    _check_counts(row, transits, counts, cells, name)
+    whole: list[int] = counts.astype(int).tolist()
+    if cells is not None:
+        return whole  # `mesh_size` takes a step that is stable for so many cells
+    # By Mindlin and Herrmann the stable step is no whole share of the transit: fewer
+    # cells may be stable with the step that is given.
+    most = []
+    for segment, count in zip(row.segments, whole, strict=True):
+        most.append(most_cells(segment, count, step / STABLE_COURANT))
+    return most
+
+
+def _check_counts(
+    row: Row, transits: Array, counts: Array, cells: int | None, name: str
+) -> None:
+    """Raise InvalidModel if a segment has no cell, or all have too many.
+
+    The arguments are those of `_stable_counts`; `counts` are the numbers of cells,
+    [segment].
+    """
+    longest = int(np.argmax(transits))
+    shortest = int(np.argmin(transits))
     path = row.paths[shortest + 1]
     shortest_time = f"{transits[shortest]:.6g} s"
     if counts.min() < 1:
@@ -319,12 +361,3 @@ def _stable_counts(
                 "leave this segment out"
             )
         raise InvalidModel([(name, message)])
-    whole: list[int] = counts.astype(int).tolist()
-    if cells is not None:
-        return whole  # `mesh_size` takes a step that is stable for so many cells
-    # By Mindlin and Herrmann the stable step is no whole share of the transit: fewer
-    # cells may be stable with the step that is given.
-    most = []
-    for segment, count in zip(row.segments, whole, strict=True):
-        most.append(most_cells(segment, count, step / STABLE_COURANT))
-    return most

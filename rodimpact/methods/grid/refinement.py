@@ -185,7 +185,7 @@ def measures_of(run: GridRun) -> dict[str, Array]:
     if impulses:
         measures[IMPULSE] = np.array([*impulses, round_off])
     if peaks:
-        transit = run.clock.longest * run.clock.tick
+        transit = run.clock.longest_rod * run.clock.tick
         measures[PEAK_FORCE] = np.array([*peaks, round_off / transit])
     if durations:
         measures[DURATION] = np.array(durations)
@@ -208,12 +208,12 @@ def round_off_of(run: GridRun) -> float:
 
 
 def velocities_of(run: GridRun) -> Array:
-    """Velocities at the end of a run, m/s, behind their scale.
+    """Scale of velocities, and behind it velocities at the end of a run, m/s.
 
-    Errors are small beside that scale. The velocities are the mean velocities of groups
-    of joined bodies none of which is driven: these last after the last contact. At a
-    given end those of rods and of rigid masses are added, which oscillate in their
-    groups.
+    Errors are relative to the largest entry, so to the scale at least. The velocities
+    are the means of groups of joined bodies none of which is driven: these last after
+    the last contact. At a given end those of rods and of rigid masses are added, which
+    oscillate in their groups.
     """
     mesh = run.mesh
     v = run.grid.velocity

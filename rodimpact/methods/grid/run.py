@@ -103,6 +103,24 @@ class GridRun:
         self.clock = clock_on(mesh, step)
         self.estimates: dict[str, float] = {}
         self.coarser: list[tuple[float, GridRun]] = []
+        self._plan_states(snapshots)
+        self.checked_steps = expected_steps or 4 * self.round_trip
+        self._require_memory(self.checked_steps)
+        # This sets the stride of states, so that few are kept in vain.
+        self._choose_states(self.checked_steps)
+        self.grid = scheme.grid_of(mesh, step)
+        kick = start.begin(mesh, step, self.grid)
+        self.history = self._empty_history(0, 0)
+        self.advance(0)  # no step, but the state at t = 0 is kept
+        start.slow_down(mesh, step, self.grid, kick)
+
+    def _plan_states(self, snapshots: int | tuple[float, ...] | None) -> None:
+        """Set how many states are kept at most, or after which steps.
+
+        `snapshots` is their number, or their times, s; without it their number follows
+        from the memory that they may take.
+        """
+        mesh = self.mesh
         self._stride = 1  # steps between two states
         self._chosen_steps: Array | None = None  # steps after which states are kept
         if snapshots is None or isinstance(snapshots, int):
@@ -115,7 +133,7 @@ class GridRun:
             self._max_states = max(count, 3)
         else:
             # States at the step ends before and behind each time, and at t = 0
-            steps = np.array(snapshots) / step
+            steps = np.array(snapshots) / self.step
             self._chosen_steps = np.concatenate(
                 (np.floor(steps), np.ceil(steps), [0.0])
             )
@@ -123,15 +141,6 @@ class GridRun:
         # States of damped rods are smoothed with the states one step before and after.
         is_damped = bool(mesh.viscous.any())
         self._in_threes = is_damped and self._max_states >= MIN_STATES_IN_THREES
-        self.checked_steps = expected_steps or 4 * self.round_trip
-        self._require_memory(self.checked_steps)
-        # This sets the stride of states, so that few are kept in vain.
-        self._choose_states(self.checked_steps)
-        self.grid = scheme.grid_of(mesh, step)
-        kick = start.begin(mesh, step, self.grid)
-        self.history = self._empty_history(0, 0)
-        self.advance(0)  # no step, but the state at t = 0 is kept
-        start.slow_down(mesh, step, self.grid, kick)
 
     @property
     def steps(self) -> int:
@@ -141,15 +150,15 @@ class GridRun:
     @property
     def round_trip(self) -> int:
         """Steps in which waves cross the longest rod and come back."""
-        return 2 * max(1, math.ceil(self.clock.longest / STEP_TICKS))
+        return 2 * max(1, math.ceil(self.clock.longest_rod / STEP_TICKS))
 
     # The steps ------------------------------------------------------------------------
 
     def _require_memory(self, steps: int) -> None:
-        """Raise TooLong where so many steps take too much memory.
+        """Raise TooLong where so many steps take too much memory; else note them.
 
-        Their states and results count. Steps that fit are noted in `checked_steps`.
-        Numbers are counted, of 8 bytes each.
+        Their states and results count, in numbers of 8 bytes. They are noted in
+        `checked_steps`.
         """
         mesh = self.mesh
         row = self.row

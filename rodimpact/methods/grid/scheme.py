@@ -136,7 +136,7 @@ def _end_impedances(mesh: Mesh) -> Array:
     They are 0 where there is none.
 
     They are sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the first and the last cell
-    of the row. E A/dx is `relaxed`, as slow waves feel it.
+    of the row. E A/dx is the relaxed stiffness, as slow waves feel it.
     """
     cells = mesh.end_cells
     endless = [kind == "absorbing" for kind, _ in mesh.row.boundaries]
@@ -199,16 +199,8 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     """
     laws = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
     count = len(laws)
-    k = laws["stiffness"]
-    p = laws["exponent"]
     in_time_steps = in_steps(laws, step)
-    vanishes = in_time_steps["stiffness"] < SMALLEST_STIFFNESS
-    for i in np.flatnonzero((k > 0) & vanishes):
-        message = (
-            f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} "
-            f"vanishes in steps of {step:.3g} s; use a lower power"
-        )
-        raise InvalidModel([("contacts", message)])
+    _refuse_soft(laws, in_time_steps["stiffness"], step)
     left = np.array(mesh.stops[:-1], np.int64)
     right = np.array(mesh.starts[1:], np.int64)
     leftmost: Any
@@ -225,14 +217,10 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     # before and after the step.
     coupling = np.zeros(count)
     coupling[1:] = responses.by_first[left[1:]] / 2
-    begins = np.flatnonzero(coupling == 0)  # first links of chains
-    chain_end = np.full(count, NONE)
-    # A chain ends before the next one begins.
-    chain_end[begins] = np.append(begins[1:], count) - 1
     links: Array = filled(
         records.LINK,
         count,
-        chain_end=chain_end,
+        chain_end=_chain_ends(coupling),
         left_node=left,
         right_node=right,
         leftmost_node=leftmost,
@@ -246,6 +234,35 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     for name, values in in_time_steps.items():
         links[name] = values
     return links
+
+
+def _refuse_soft(laws: Array, stiffness: Array, step: float) -> None:
+    """Raise InvalidModel if a contact is so soft in steps that its forces vanish.
+
+    `laws` are the links with time in seconds, `stiffness` is theirs with time in steps
+    of `step`, s.
+    """
+    k = laws["stiffness"]
+    p = laws["exponent"]
+    for i in np.flatnonzero((k > 0) & (stiffness < SMALLEST_STIFFNESS)):
+        message = (
+            f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} "
+            f"vanishes in steps of {step:.3g} s; use a lower power"
+        )
+        raise InvalidModel([("contacts", message)])
+
+
+def _chain_ends(coupling: Array) -> Array:
+    """Last link of each chain, at its first link; NONE at the other links, [link].
+
+    `coupling` is the mobility that a link shares with the one before it; 0 begins a
+    chain.
+    """
+    begins = np.flatnonzero(coupling == 0)
+    chain_end = np.full(len(coupling), NONE)
+    # A chain ends before the next one begins.
+    chain_end[begins] = np.append(begins[1:], len(coupling)) - 1
+    return chain_end
 
 
 # What drives the ends -----------------------------------------------------------------

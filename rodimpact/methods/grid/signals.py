@@ -66,7 +66,7 @@ def make_run(run: GridRun, until: float | None) -> Run:
         t_proved = float(run.times[run.proved])
         # End of the last force of each contact, and the opening after it
         ends = [pressed[-1, 1:].tolist() for pressed in intervals if len(pressed)]
-        t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
+        t_final = last_contact(ends, t_end, 2 * run.clock.longest_rod * run.clock.tick)
         proof = proof_sentence(any(x.episodes for x in contacts), t_final)
     events = run.steps * len(run.row.links)
     end = run.steps * STEP_TICKS
@@ -202,10 +202,8 @@ def _signals(
     of the contacts; `outside` acts on both ends.
     """
     row = run.row
-    mesh = run.mesh
     edges = run.edges
     contacts = []
-    pushes: dict[int, Floats] = {}  # forces to the right, N, by node
     for k, force in enumerate(forces):
         link = row.contact_link[k]
         gap = np.zeros(run.steps + 1)  # a bond has none
@@ -220,6 +218,32 @@ def _signals(
             episodes_from_intervals(intervals[k]),
         )
         contacts.append(signal)
+    masses = {}
+    for body, mass in enumerate(row.mass_of):
+        if mass >= 0:
+            masses[body] = Pieces.through(edges, run.mass_velocity(mass))
+    motion = run.motion()._replace(pushes=_pushes_on_nodes(run, forces, outside))
+    shafts = {}
+    for shaft, body in enumerate(shaft_bodies(row)):
+        push = over_steps(run, run.recorded_soil(shaft, "force"))
+        shafts[body] = ShaftAction(
+            push, over_steps(run, run.recorded_soil(shaft, "power"))
+        )
+    return Signals(motion, tuple(contacts), outside, edges, masses, shafts)
+
+
+def _pushes_on_nodes(
+    run: GridRun, forces: list[Floats], outside: Any
+) -> dict[int, Floats]:
+    """Mean forces to the right from outside a piece in each step, N [step], by node.
+
+    `forces` are those of the contacts, of which bonds lie inside a piece; `outside`
+    acts on both ends of the row.
+    """
+    mesh = run.mesh
+    pushes: dict[int, Floats] = {}
+    for k, force in enumerate(forces):
+        link = run.row.contact_link[k]
         if link in mesh.touching:
             left, right = mesh.touching[link]
             pushes[left] = pushes.get(left, 0.0) - force
@@ -228,15 +252,4 @@ def _signals(
         if end is not None:
             node = mesh.ends[side]
             pushes[node] = pushes.get(node, 0.0) + INWARD[side] * end.push.values
-    masses = {}
-    for body, mass in enumerate(row.mass_of):
-        if mass >= 0:
-            masses[body] = Pieces.through(edges, run.mass_velocity(mass))
-    motion = run.motion()._replace(pushes=pushes)
-    shafts = {}
-    for shaft, body in enumerate(shaft_bodies(row)):
-        push = over_steps(run, run.recorded_soil(shaft, "force"))
-        shafts[body] = ShaftAction(
-            push, over_steps(run, run.recorded_soil(shaft, "power"))
-        )
-    return Signals(motion, tuple(contacts), outside, edges, masses, shafts)
+    return pushes

@@ -222,22 +222,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     links = grid.links
     left = links["left_node"]
     right = links["right_node"]
-    closing = v[left] - v[right]
-    # Velocity at which the forces at t = 0 part the ends
-    parting = kick[right] - kick[left]
-    # Overlap at the first kick, half a step behind t = 0
-    overlap = (closing - parting) / 2 - links["gap"]
-    # Links whose ends are to be slowed down:
-    # rigid ones that close faster than forces part them
-    is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
-    is_late &= links["self_mobility"] > 0  # one of the ends can move
-    is_late &= overlap > grid.run["velocity_tolerance"]
-    is_late &= closing > 2 * parting
-    retardation = quotient(mesh.viscous, mesh.stiffness)  # eta/E of cells
-    retardation = retardation[[left, right + 1]].max(axis=0)  # that beside each link
-    # Part of the slowing down that is done: 0 without viscosity, 1 with much of it
-    share = retardation / (retardation + LITTLE_RETARDATION * step)
-    is_late &= share > 0
+    late_overlap = _late_overlaps(mesh, step, grid, kick)
+    is_late = late_overlap > 0
     if not is_late.any():
         return
     # The pushes are blows at t = 0, in which damping of soil takes no part.
@@ -247,9 +233,9 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     for i in np.flatnonzero(is_late):
         link = links[i]
         v_before = v.copy()
-        # This takes share times overlap from the closing velocity:
+        # This takes the late overlap from the closing velocity:
         # mobilities have half of one.
-        push = share[i] * overlap[i] / (2 * mobility[i])
+        push = late_overlap[i] / (2 * mobility[i])
         nodes = slice(link["leftmost_node"], link["left_node"] + 1)
         v[nodes] -= responses.by_last[nodes] * push
         nodes = slice(link["right_node"], link["rightmost_node"] + 1)
@@ -260,10 +246,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         # for lateral inertia; and work of the forces that are there on half a step of
         # dv.
         mean = (v + v_before) / 2
-        stretching = np.diff(mean, prepend=0.0, append=0.0)
-        dv_stretching = np.diff(dv, prepend=0.0, append=0.0)
-        stretching[[0, -1]] = 0.0  # cells beyond the ends stand for nothing
-        dv_stretching[[0, -1]] = 0.0
+        stretching = _stretching(mean)
+        dv_stretching = _stretching(dv)
         kinetic = mesh.mass @ (mean * dv) + mesh.lateral_inertia @ (
             stretching * dv_stretching
         )
@@ -273,3 +257,39 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         grid.lost[:] += heat
         link["initial_force"] = push
         link["initial_loss"] = -gain - heat.sum()  # what the link itself loses
+
+
+def _late_overlaps(mesh: Mesh, step: float, grid: Grid, kick: Array) -> Array:
+    """Overlaps at the first kick that a step before t = 0 would have kept, m/s [link].
+
+    They are 0 but for closed rigid links, with viscosity beside them, whose ends close
+    faster than the forces at t = 0 part them. `kick` is that of `slow_down`.
+    """
+    v = grid.velocity
+    links = grid.links
+    left = links["left_node"]
+    right = links["right_node"]
+    closing = v[left] - v[right]
+    # Velocity at which the forces at t = 0 part the ends
+    parting = kick[right] - kick[left]
+    # Overlap at the first kick, half a step behind t = 0
+    overlap = (closing - parting) / 2 - links["gap"]
+    is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
+    is_late &= links["self_mobility"] > 0  # one of the ends can move
+    is_late &= overlap > grid.run["velocity_tolerance"]
+    is_late &= closing > 2 * parting
+    retardation = quotient(mesh.viscous, mesh.stiffness)  # eta/E of cells
+    retardation = retardation[[left, right + 1]].max(axis=0)  # that beside each link
+    # Part of the slowing down that is done: 0 without viscosity, 1 with much of it
+    share = retardation / (retardation + LITTLE_RETARDATION * step)
+    return np.where(is_late, share * overlap, 0.0)
+
+
+def _stretching(v: Array) -> Array:
+    """Rates of elongation of the cells, m/s [cell], by velocities of the nodes.
+
+    Cells beyond the ends, which stand for nothing, have 0.
+    """
+    stretching = np.diff(v, prepend=0.0, append=0.0)
+    stretching[[0, -1]] = 0.0
+    return np.asarray(stretching)

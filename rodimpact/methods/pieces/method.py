@@ -209,7 +209,7 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     t_end = end_tick * tick
     if until is not None and stopped_by == "until":
         t_end = until
-    round_trip = 2 * clock.longest * tick
+    round_trip = 2 * clock.longest_rod * tick
     t_final = totals.last_of(run, ended.links, t_end, round_trip)
     t_proved = math.nan
     if run.proved_tick >= 0:
