@@ -273,8 +273,8 @@ class Mesh:
         """Set which nodes and cells belong to what; return the last node.
 
         The row is walked from left to right. `cells` is set, and `first`, `last`,
-        `node_of_mass`, `touching` and `bonds` are filled. `driven` are the sides whose velocity is prescribed: the force there is
-        recorded.
+        `node_of_mass`, `touching` and `bonds` are filled. `driven` are the sides whose
+        velocity is prescribed: the force there is recorded.
         """
         row = self.row
         outer_links = (0, len(row.links) - 1)

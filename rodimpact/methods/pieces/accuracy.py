@@ -76,11 +76,10 @@ class Ended(NamedTuple):
 
 
 def prepare_second_run(fine: Any, coarse: Any) -> None:
-    """Set what runs at a coarser tolerance need to be compared.
+    """Set what runs at a coarser tolerance need to be compared with finer ones.
 
-    They need other pieces, and the same end. Pieces of `coarse` that no tolerance
-    limits are halved, or twice as long where breaks come too densely. `fine` is not
-    changed.
+    They need other pieces, and the same end. `coarse` is changed: its pieces that no
+    tolerance limits will be halved, or twice as long where breaks come too densely.
 
     Parameters
     ----------
@@ -174,10 +173,11 @@ def has_peak(link: Any) -> bool:
 def add_faint_times(fine: Ended, errors: list[float]) -> None:
     """Add the relative error of durations and times of a row without rods to `errors`.
 
-    A flight may be long there. A contact does not press while its overlap is less than
-    the length that `graze_velocity` makes in the reference time of the run, at its
-    beginning and at its end. Faces that close with the velocity scale take the time
-    below for it, in each episode.
+    A flight may be long there. A contact counts as pressing only once its overlap is
+    the length that `graze_velocity` makes in the reference time of the run. So each
+    episode begins too late and ends too early, by the time in which faces that close
+    with the velocity scale cover this length. A measure whose values are all 0 gets no
+    error.
     """
     run = fine.run
     episodes = max([1, *[link.episodes for link in fine.links]])
@@ -244,11 +244,11 @@ def differences(fine: Ended, coarse: Ended) -> list[float]:
 
 
 def wave_difference(fine: Ended, coarse: Ended) -> float:
-    """Largest difference of the waves of two runs in a segment.
+    """Largest difference of the waves of two runs, relative to the velocity scale.
 
-    It is relative to the velocity scale: that of their means and first moments; 0 where
-    the runs end at different times. The integrals are over y from -1 to 1, so that half
-    of one is a mean.
+    Compared are their means and first moments over each segment at the last check of
+    finality; 0 is returned if that was at different ticks. The integrals are over y
+    from -1 to 1, so that half of one is a mean.
     """
     if fine.run.last_proof_tick != coarse.run.last_proof_tick:
         return 0.0

@@ -73,8 +73,8 @@ def contact_times(row: Row) -> dict[int, Any]:
 def reference_time(row: Row, until: float | None) -> Any:
     """Longest transit, s.
 
-    Without rods it is `until`, else the longest time of a contact or a flight, and 1
-    where there is none of these.
+    Without rods it is `until`, unless that is None or 0; else the longest time of a
+    contact or a flight, and 1 where there is none of these.
     """
     if row.segments:
         return largest([s.transit_time for s in row.segments])
@@ -121,6 +121,29 @@ def velocity_scale(row: Row, time: Any) -> Any:
     return np.where(scale > 0, scale, 1.0)
 
 
+def member_clock(
+    row: Row, times: list[float], longest: float, end: float
+) -> tuple[float, list[int]]:
+    """Duration of a tick of one member, s, and its `times` in ticks.
+
+    The times, s, are the transit times of the segments, then others. The clock counts
+    to `end`, s; `longest` is the longest transit or the reference time, s.
+
+    Raises
+    ------
+    InvalidModel
+        If no clock counts to the end, or a transit time is too few ticks.
+    """
+    longest_ticks, counted = count_ticks(times, longest, end)
+    if longest_ticks == 0:  # there is no clock
+        raise InvalidModel([too_long(end, longest)])
+    transits = counted[: len(row.segments)]
+    if transits and min(transits) <= MIN_TRANSIT:
+        s = transits.index(min(transits))  # the shortest segment, counted from 0
+        raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
+    return longest / longest_ticks, counted
+
+
 def family_clock(
     row: Row, until: float | None
 ) -> tuple[Clock, dict[tuple[int, float], int]]:
@@ -161,14 +184,8 @@ def family_clock(
             end[m] = rule.default_horizon(longest, crossing, flight, 1.0)
         else:
             end[m] = until
-        longest_ticks, counted = count_ticks(times, longest, float(end[m]))
-        if longest_ticks == 0:  # there is no clock
-            raise InvalidModel([too_long(float(end[m]), longest)])
-        tick[m] = longest / longest_ticks
+        tick[m], counted = member_clock(row, times, longest, float(end[m]))
         ticks[:, m] = counted[:segments]
-        if segments and min(counted[:segments]) <= MIN_TRANSIT:
-            s = int(ticks[:, m].argmin())  # the shortest segment, counted from 0
-            raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
     shape = row.system.shape
     tick = tick.reshape(shape)
     last_tick: Any = np.rint(end.reshape(shape) / tick)

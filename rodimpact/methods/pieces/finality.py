@@ -54,6 +54,8 @@ def check_finality(state: State, tick: int) -> None:
         if run.last_proof_tick == NONE:
             for i in range(len(parts)):
                 parts[i].initial_velocity = parts[i].group_velocity
+        # A proof is wanted, and the run has not ended: neither by the cap on steps, nor
+        # at its last tick.
         elif (
             run.next_proof_tick < NEVER
             and run.stop_reason == Stop.NONE
@@ -89,10 +91,9 @@ def read_lines_at(state: State, tick: int) -> None:
 def time_until_over(run: Run, links: Links, parts: Parts) -> float:
     """Return the time until it may be proved that the run is over, s.
 
-    Bodies go on as they move now.
-
     It is 0 if no contact presses and none can close again, or if nothing changes any
-    more; else a tick or more, after which it is worth while to ask again.
+    more. Else it is a tick or more: the longest of the finite times in which open
+    contacts get far enough apart if bodies go on as they move now.
     """
     # Velocities below this one count as 0, m/s.
     tolerance = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance

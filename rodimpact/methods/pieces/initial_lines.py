@@ -222,7 +222,7 @@ class InitialLines:
         T = int(transit)
         # The part of a at x reaches the right end at T - x/c: it left the left end x/c
         # before t = 0, so that time runs against x.
-        wave = (v + strain.times(-c)).plus(-frame).later(0)
+        wave = (v + strain.times(-c)).plus(-frame)
         pieces = self._fit_pieces(wave, 0, T, *profiles)
         self._add(profile_pieces.backwards(pieces)[None])
         # The part of b at x left the right end T - x/c before t = 0.
@@ -314,13 +314,13 @@ class InitialLines:
     def _steady(self, value: Any, signal: OutsideSignal) -> Any:
         """The piece, [member, 1], of a value that is constant.
 
-        It holds for ever or to the end of the run. In a frame that falls its signal is
-        a straight line from tick 0 to `stop`.
+        Its signal is constant for ever, or in a frame that falls a straight line up to
+        the end of the run, which is given then.
         """
         tick = self._clock.tick
         start = signal.start + value * signal.factor
         if np.any(np.asarray(signal.slope) != 0):  # a velocity, whose factor is 1
-            stop = np.rint(self._request.until / tick) + 1
+            stop = np.rint(self._request.until / tick) + 1  # a tick more than the run
             # The straight line is middle + half y.
             half = signal.slope * stop * tick / 2
             middle = signal.start + value + half

@@ -125,7 +125,7 @@ def lay_out(
 
     Parameters
     ----------
-    row : Row or Walk
+    row : Row
     clock : Clock
     request : RunRequest
     initial_lines : list of InitialLine
@@ -460,7 +460,7 @@ def add_part(
 ) -> None:
     """Append a part to `parts`, and count it in its group.
 
-    The group begins with part `head`.
+    The group begins with part `head`, which may be the new one.
     """
     part = blank(1, GROUP_PART)[0]
     part.kind = kind

@@ -78,7 +78,8 @@ def known_until(lines: Lines, log: Log, l: int) -> int:
 def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
     """Return the tick of the first hard break by line l between `tick` and `end`.
 
-    `end` is returned if there is none.
+    `end` is returned if there is none. Neither `tick` nor `end` is between. The read
+    piece must not be later than `tick`.
     """
     delay = lines[l].delay
     i = log[lines[l].read_piece].next
@@ -171,8 +172,9 @@ def project(
 ) -> None:
     """Set f to the parabola nearest to the wave that arrives by line l.
 
-    The wave arrives in `ticks` from `tick` on. The parabola has the same momentum, and
-    never more energy. f are its values at the points.
+    The wave arrives in `ticks` from `tick` on; the read piece must not be later. The
+    parabola has the same momentum, and never more energy. f are its values at the
+    points.
     """
     line = lines[l]
     begin = tick - line.delay  # when the wave was sent

@@ -362,7 +362,8 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
     links = state.links
     masses = state.masses
     changes = 0  # changes of status at the start of the piece
-    changes_of_graze = MIN_CHATTER_CHANGES + node.link_count * node.link_count
+    # So many changes are more than one for each pair of links: contacts chatter
+    changes_of_chatter = MIN_CHATTER_CHANGES + node.link_count * node.link_count
     ticks_before = ticks  # duration of the piece that failed before, and its error
     error_before = 0.0
     no_event = Event(1.0, NONE, 0)
@@ -388,8 +389,8 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
             changes += 1
             if changes > MAX_STATUS_CHANGES:
                 return PieceResult(ticks, error, no_event)
-            if changes % changes_of_graze == 0 and ticks > MIN_PIECE_TICKS:
-                # No status lasts as long as the piece: contacts graze.
+            if changes % changes_of_chatter == 0 and ticks > MIN_PIECE_TICKS:
+                # No status lasts as long as the piece.
                 ticks = max(MIN_PIECE_TICKS, ticks // CUT_OF_CHATTER)
             events.apply_transition(state, node, node.now, event.link, event.status)
         elif ticks <= 1:

@@ -161,8 +161,8 @@ def stated_errors(
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure].
 
-    The members have run. Members run again in other steps, at a coarser tolerance, and
-    the results are compared. Members that are not in `members` have nan.
+    All in `members` have run. They run again in other steps, at a coarser tolerance,
+    and the results are compared. Members that are not in `members` have nan.
     """
     coarser = fine.request._replace(
         tolerance=COARSER * fine.request.tolerance, keep=False
@@ -217,12 +217,7 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     why = totals.end_of_run(run, ended.links, row.system, stopped_by, t_end, t_final)
     status = with_advice(why)
     status += totals.accuracy_sentence(runs.largest_error(accuracy), goal)
-    status += totals.simplifications_text(run)
-    status += _struck_together(row)
-    status += rounding(clock.transit_error, clock.worst)
-    status += strain_warning(
-        _largest_strain(clock, state.log[: run.piece_count], end_tick)
-    )
+    status += _doubts(clock, run, state.log[: run.piece_count], end_tick)
     # A function that makes the signals when it is first called, and keeps them
     make_signals = cache(partial(signals_of, row, clock, end_tick, state))
     before, after = _body_velocities(members)
@@ -246,6 +241,18 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
         accuracy=accuracy,
         make_signals=make_signals,
     )
+
+
+def _doubts(clock: Clock, run: Any, log: Any, end_tick: int) -> str:
+    """Sentences of the status on simplifications, rounding and large strains.
+
+    It is empty if there are none. The `log` has the pieces of the run, which ended at
+    `end_tick`.
+    """
+    text = totals.simplifications_text(run)
+    text += _struck_together(clock.row)
+    text += rounding(clock.transit_error, clock.worst)
+    return text + strain_warning(_largest_strain(clock, log, end_tick))
 
 
 def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:

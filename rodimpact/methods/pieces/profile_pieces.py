@@ -142,12 +142,7 @@ def in_pieces(
     inner = first[1:]  # edge between a piece and the next one
     starts = edges[first]
     stops = edges[np.append(inner, -1)]  # the last piece ends at the last edge
-    kinks = _kinks(series, (stops - starts) * 1.0)
-    before = edges[inner] - edges[inner - 1]  # width of the interval before the edge
-    after = edges[inner + 1] - edges[inner]
-    # Lines between samples w apart of a smooth curve,
-    # whose slope changes by k, miss it by k w/8.
-    bends = kinks * np.minimum(before, after) / 8
+    bends = _bends(series, stops - starts, edges, inner)
     # The order of a break is 0 where the value jumps, 1 where the slope does.
     kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)
     order = np.where(jumps[inner - 1], 0, kink_order)
@@ -160,6 +155,19 @@ def in_pieces(
     pieces["degree"] = np.where(series[:, 1:].any(axis=1), N, 0)
     pieces["coefficients"] = series
     return pieces, fitted.miss
+
+
+def _bends(series: Floats, widths: Ints, edges: Ints, inner: Ints) -> Floats:
+    """By how much straight lines may miss a smooth curve where two pieces meet.
+
+    Lines between samples w apart of a smooth curve, whose slope changes by k, miss it
+    by k w/8. There is one number from each piece to the next, [piece - 1], of pieces
+    that last `widths`, ticks, and meet at the edges with the numbers `inner`.
+    """
+    kinks = _kinks(series, widths * 1.0)
+    before = edges[inner] - edges[inner - 1]  # width of the interval before the edge
+    after = edges[inner + 1] - edges[inner]
+    return np.asarray(kinks * np.minimum(before, after) / 8)
 
 
 def _kinks(series: Floats, widths: Floats) -> Floats:
@@ -201,7 +209,8 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
     whether no piece may reach across it; `tolerance` is the largest miss. An interval
     by itself keeps the series of the signal. The pieces are in order of time.
     """
-    jumps_before = np.cumsum(np.append(0, jumps[:-1]))  # [interval]
+    # Number of jumps up to the start of each interval
+    jumps_before = np.cumsum(np.append(0, jumps[:-1]))
     n = len(edges) - 1
     # Number of intervals of a piece: first the least power of 2 that is not below n
     width = 1 << min(MAX_LEVELS, max(n - 1, 0).bit_length())
@@ -212,6 +221,7 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
     while width > 1:
         stop = np.minimum(first + width, n)
         is_whole = first + width == stop  # it does not go beyond the last interval
+        # No jump is between its first interval and its last one.
         has_no_jump = jumps_before[stop - 1] == jumps_before[first]
         may_fit = is_whole & has_no_jump
         series, misses = _through(signal, edges, first[may_fit], width)

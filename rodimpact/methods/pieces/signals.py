@@ -21,10 +21,7 @@ NOTHING = Pieces([0], [0.0])
 
 
 def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
-    """Signals of a run.
-
-    They are waves, force and gap of each contact, actions on the ends, and masses. A
-    bond of rigid bodies is no link: its force follows from the forces beside it.
+    """Signals of a run: waves, contacts, actions on the ends, and rigid bodies.
 
     Parameters
     ----------
@@ -38,26 +35,48 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     run = state.runs[0]
     bodies = row.system.bodies
     lines = _lines(state.log[: run["piece_count"]], len(state.lines))
-    turns = state.contact_log[: run["contact_event_count"]]
+    contact_events = state.contact_log[: run["contact_event_count"]]
     fall = clock.gravity * clock.tick * np.array([0.0, end])
     frame = Pieces.through([0, end], clock.frame + fall)
-    masses = _masses(row, end, lines, frame, state, turns)
+    masses = _masses(row, end, lines, frame, state, contact_events)
     contacts: list[ContactSignal | None] = []
     for i in row.contact_link:
         contact = None  # the contact is a bond of rigid bodies
         if i >= 0:
-            own_turns = turns[turns["link"] == i]
-            contact = _contact(state.links[i], own_turns, lines, clock.tick)
+            of_link = contact_events[contact_events["link"] == i]
+            contact = _contact(state.links[i], of_link, lines, clock.tick)
         contacts.append(contact)
     # Contacts are counted from the end whose wall they touch.
     left = _with_wall_force(_outside(row, 0, lines, frame, state), bodies[0], contacts)
     right = _with_wall_force(
         _outside(row, 1, lines, frame, state), bodies[-1], contacts[::-1]
     )
+    push = NOTHING
+    if left:
+        push = left.push
+    all_contacts = _with_bonds(row, contacts, masses, clock.tick, push)
+    # Segments count from 1 there, and have two lines each.
+    waves = Waves([None, None, *lines[: 2 * len(row.segments)]])
+    return Signals(waves, all_contacts, (left, right), None, masses)
+
+
+def _with_bonds(
+    row: Row,
+    contacts: list[ContactSignal | None],
+    masses: dict[int, Pieces],
+    tick: float,
+    push: Pieces,
+) -> tuple[ContactSignal, ...]:
+    """Signals of all contacts, also of bonds between rigid bodies.
+
+    Such a bond is no link, and None among `contacts`: its force follows from the forces
+    beside it, and from the velocities `masses` of the bodies. `push` acts on the left
+    end of the row, `tick` is the duration of a tick, s.
+    """
 
     def inertia_force(body: int) -> Pieces:
         """Mass times acceleration of a rigid body, N."""
-        return _rate(masses[body], float(bodies[body].mass) / clock.tick)
+        return _rate(masses[body], float(row.system.bodies[body].mass) / tick)
 
     forces: list[Pieces | None] = []
     for contact in contacts:
@@ -65,18 +84,13 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
         if contact:
             force = contact.force
         forces.append(force)
-    push = NOTHING
-    if left:
-        push = left.push
     all_forces = fill_bonds(row.system, forces, inertia_force, push)
     signals = []
     for contact, force in zip(contacts, all_forces, strict=True):
         if contact is None:
             contact = ContactSignal(force, NOTHING, NOTHING, ())
         signals.append(contact)
-    # Segments count from 1 there, and have two lines each.
-    waves = Waves([None, None, *lines[: 2 * len(row.segments)]])
-    return Signals(waves, tuple(signals), (left, right), None, masses)
+    return tuple(signals)
 
 
 def _masses(
@@ -85,15 +99,16 @@ def _masses(
     lines: list[Pieces],
     frame: Pieces,
     state: Any,
-    turns: Any,
+    contact_events: Any,
 ) -> dict[int, Pieces]:
     """Velocity of each rigid body in the frame, m/s, by the number of the body.
 
     A body that is bonded to a wall moves with the wall. A blow at t = 0 takes one tick,
     in which bodies keep the velocities before it; so do those of a run that ends at
-    t = 0.
+    t = 0. `contact_events` are the rows of the log of contacts.
     """
-    starts_with_blow = bool(np.any((turns["impulse"] > 0) & (turns["tick"] == 0)))
+    is_blow_at_start = (contact_events["impulse"] > 0) & (contact_events["tick"] == 0)
+    starts_with_blow = bool(np.any(is_blow_at_start))
     count = len(row.masses)
     masses = {}
     for body, m in enumerate(row.mass_of):
@@ -145,12 +160,14 @@ def _lines(log: Any, count: int) -> list[Pieces]:
     return lines
 
 
-def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
+def _contact(
+    link: Any, contact_events: Any, lines: list[Pieces], tick: float
+) -> ContactSignal:
     """Force, gap and closing velocity of a link, and its episodes.
 
-    Its `turns` bound the episodes. `turns` are its rows in the log of contacts, `tick`
-    is the duration of a tick, s. Blows, the impacts, are forces of one tick, in which
-    the closing velocity is that of their work. Bonds have no gap, and joints no
+    `contact_events` are its rows in the log of contacts, which bound the episodes,
+    `tick` is the duration of a tick, s. Blows, the impacts, are forces of one tick, in
+    which the closing velocity is that of their work. Bonds have no gap, and joints no
     episodes.
     """
     # What the lines that follow this one keep: see `layout.number_history_lines`.
@@ -163,7 +180,7 @@ def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> Contact
         closing = lines[history_line + 2]
     else:
         closing = _rate(gap, -1.0 / tick)
-    blows = turns[turns["impulse"] > 0]
+    blows = contact_events[contact_events["impulse"] > 0]
     # An impact takes no time; here it takes the tick before it.
     blow_ticks = np.maximum(blows["tick"] - 1, 0)
     for blow_tick in np.unique(blow_ticks):
@@ -174,7 +191,7 @@ def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> Contact
         closing = _with_tick_value(closing, int(blow_tick), float(work / impulse))
     if link["law"] < Law.RIGID:  # a joint does not open
         return ContactSignal(force, gap, closing, ())
-    episodes = episodes_of(turns["tick"], turns["status"], tick)
+    episodes = episodes_of(contact_events["tick"], contact_events["status"], tick)
     return ContactSignal(force, gap, closing, episodes)
 
 
@@ -209,19 +226,22 @@ def _outside(
     kind, value = row.boundaries[side]
     if kind == "none":
         return None
-    # The index -side is 0 for the first and -1 for the last of nodes, masses and links.
-    node = state.nodes[-side]
+    if side == 0:
+        outermost = 0  # first one of nodes, masses and links
+    else:
+        outermost = -1  # last one
+    node = state.nodes[outermost]
     if kind == "velocity" and isinstance(value, float):  # it is constant
         speed = Pieces([0], [value])
     elif kind == "velocity":
         speed = lines[node["incoming_lines"][side]] + frame
     elif kind == "force" and node["link_count"] > 1:  # the force acts on a rigid mass
-        speed = lines[state.masses["history_line"][-side]] + frame
+        speed = lines[state.masses["history_line"][outermost]] + frame
     else:  # v of a rod's end is half the sum of the waves that leave and arrive
         inner = 1 - side  # side of the end node on which its rod lies
         source = node["incoming_lines"][inner]
         arriving = lines[source].later(int(state.lines["delay"][source]))
         leaving = lines[node["outgoing_lines"][inner]]
         speed = leaving.times(0.5) + arriving.times(0.5) + frame
-    push = lines[state.links["history_line"][-side]]
+    push = lines[state.links["history_line"][outermost]]
     return BoundaryAction(row.boundary_name(side), push, speed)

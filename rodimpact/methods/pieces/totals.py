@@ -105,9 +105,9 @@ def accuracy_sentence(worst: float, goal: float) -> str:
 
 
 def simplifications_text(run: Any) -> str:
-    """Sentences of the status on what the run has simplified.
+    """Sentences of the status on what the run has simplified; empty if nothing.
 
-    That are jumps too dense to follow, which are smoothed, and rigid bodies set at
+    These are jumps too dense to follow, which are smoothed, and rigid bodies set at
     rest.
     """
     text = ""
