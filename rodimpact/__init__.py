@@ -23,14 +23,18 @@ __all__ = sorted(_HOME)
 
 
 def _in_notebook(result: object) -> str:
-    """Pictures are drawn only where they are asked for."""
+    """HTML of a result in a notebook; pictures are imported only when one is shown."""
     from .plot.notebook import html_of
 
     return html_of(result)
 
 
 def __getattr__(name: str) -> object:
-    """Import a public name when it is first asked for."""
+    """Import a public name when it is first asked for, and keep it in this module.
+
+    A name that is not public raises AttributeError. From then on results show
+    themselves as pictures in notebooks.
+    """
     if name not in _HOME:
         raise _missing(name)
     if _HOME[name] == ".":
@@ -44,7 +48,10 @@ def __getattr__(name: str) -> object:
 
 
 def _missing(name: str) -> AttributeError:
-    """The error of a name that is not public; it names the one that may be meant."""
+    """The error of a name that is not public; it names the one that may be meant.
+
+    There is no such hint for names with an underscore and for modules of the package.
+    """
     from importlib.util import find_spec  # takes longer than all of this module
 
     # Python asks for names with an underscore, and for modules before it imports them.

@@ -7,10 +7,10 @@ INTERRUPTED = 130  # exit status after Ctrl-C, as shells have it
 
 
 def main() -> int:
-    """Run the command and return its exit status; after Ctrl-C, end at once.
+    """Run the command and return its exit status; after Ctrl-C, end the process here.
 
-    Threads that still run would keep the process alive: it ends without waiting for
-    them.
+    Threads that still run would keep the process alive: it ends with the status
+    `INTERRUPTED` without waiting for them, once its output is written.
     """
     try:
         from . import cli

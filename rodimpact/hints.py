@@ -116,9 +116,9 @@ ELSEWHERE = {
 
 
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
-    """Hint at the choice that may be meant by a word, else at all choices.
+    """Hint at the choice that may be meant by a word, else at the choices there are.
 
-    `head` is put before the choices that are named.
+    `head` is put before the choices that are named, `MOST_CHOICES` at most.
     """
     meant = similar(word, choices)
     if meant is not None:
@@ -130,7 +130,10 @@ def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
 
 
 def similar(word: Any, choices: Collection[str]) -> str | None:
-    """The choice that may be meant by a word: a synonym, or one that is spelt alike."""
+    """The choice that may be meant by a word: a synonym, or one that is spelt alike.
+
+    None if there is no such choice. Capitals do not matter.
+    """
     text = word
     if not isinstance(word, str):
         text = shown(word)
@@ -147,7 +150,7 @@ def similar(word: Any, choices: Collection[str]) -> str | None:
 
 
 def _synonyms(word: str) -> tuple[str, ...]:
-    """Other names of what a word means, with its capitals or without."""
+    """Other names of what a word means, with its capitals or without; () if none."""
     return SYNONYMS.get(word, SYNONYMS.get(word.lower(), ()))
 
 
@@ -165,7 +168,8 @@ def listed(names: list[str]) -> str:
 def explain_missing(*deeper: str) -> Callable[[C], C]:
     """Class decorator: a missing attribute is answered by the one that may be meant.
 
-    Public methods of the class answer wrong arguments in the same way.
+    Public methods of the class answer wrong arguments in the same way. The class itself
+    is changed and returned.
 
     Parameters
     ----------
@@ -211,7 +215,10 @@ class MissingAttribute(AttributeError):
         super().__init__(owner, name, name=name)
 
     def __str__(self) -> str:
-        """The message of Python, with the attribute that may be meant."""
+        """The message of Python, with the attribute that may be meant.
+
+        There is no such hint for names with an underscore.
+        """
         owner, name = self.args
         message = f"{type(owner).__name__!r} object has no attribute {name!r}"
         if name[0] == "_":  # Python itself asks for such names
@@ -222,9 +229,9 @@ class MissingAttribute(AttributeError):
 def _attribute_hint(owner: Any, name: str) -> str:
     """Hint at the attribute of an object, or of one of its parts, that is meant.
 
-    The name itself in a part comes first, then synonyms, then names that are spelt
-    alike: those of the object before those of its parts. If there are none, attributes
-    of the object are listed.
+    A sentence of `ELSEWHERE` comes first, then the name itself in a part, then
+    synonyms, then names that are spelt alike: those of the object before those of its
+    parts. If there are none, attributes of the object are listed.
     """
     own_names = _public_names(owner)
     paths: dict[str, str] = {}  # of attributes of the parts, the uppermost first
@@ -260,7 +267,8 @@ def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
     """Parts of an object with their paths: first its own ones, then theirs.
 
     They are the attributes that `explain_missing` was given for its class; of a tuple
-    of parts the first one. Parts go down to `MOST_LEVELS`.
+    of parts the first one. Attributes that fail and empty tuples are left out. Parts go
+    down to `MOST_LEVELS`.
     """
     parts = []
     for attribute in getattr(owner, "_deeper", ()):
@@ -293,7 +301,10 @@ class NamedItems(dict[str, Any]):
 def missing_name(
     module: str, name: str, names: Collection[str], **modules: Collection[str]
 ) -> AttributeError:
-    """The error of a name that a module does not have.
+    """The error of a name that a module does not have, to be raised by the caller.
+
+    It hints at a name of the modules below, or at the nearest of `names`. There is no
+    such hint for names with an underscore.
 
     Parameters
     ----------
@@ -323,7 +334,8 @@ def missing_name(
 def explain_arguments(function: Callable[P, R]) -> Callable[P, R]:
     """Decorator that refuses wrong arguments of a call with those that may be meant.
 
-    The error is a TypeError, as Python's own.
+    The error is a TypeError, as Python's own. A TypeError of the function itself is
+    raised as it is.
     """
 
     @wraps(function)
@@ -351,7 +363,8 @@ def _refusal(
 ) -> str:
     """What is wrong with the arguments of a call; `otherwise` if nothing is found.
 
-    A keyword that is unknown, too many arguments by position, or missing ones.
+    The first of these is told: a keyword that is unknown, too many arguments by
+    position, or missing ones. `self` is not counted.
     """
     parameters = dict(signature.parameters)
     if "self" in parameters:
@@ -364,8 +377,8 @@ def _refusal(
                 f"{called}() has no argument {keyword!r}; "
                 f"{nearest(keyword, parameters)}"
             )
-    by_position = []
-    by_name = []
+    by_position = []  # names of parameters that may be given so
+    by_name = []  # those that must be named
     for name, parameter in parameters.items():
         if parameter.kind is parameter.KEYWORD_ONLY:
             by_name.append(f"{name}=")

@@ -87,7 +87,7 @@ class Progress:
         """Begin the call; return the function to which it reports how far it is.
 
         That is the user's function, the bar of the outermost call, or one that does
-        nothing.
+        nothing. In a worker thread there is no bar.
         """
         global _outermost
         self._is_outermost = False
@@ -127,8 +127,9 @@ class Progress:
     def _report(self, done: int, total: int | None) -> None:
         """Call the user's function, or show the bar.
 
-        Both tell the work that is done, and all of it. The bar appears at the first
-        report after two seconds, if somebody can see it.
+        Both tell the work that is done, and all of it, which is never below what is
+        done. The bar appears at the first report after `APPEARS_AFTER`, if somebody can
+        see it.
         """
         if total is not None:
             total = max(done, total)
@@ -165,7 +166,10 @@ class Progress:
         warnings.showwarning = self._show_warning
 
     def _update(self, done: int, total: int | None) -> None:
-        """Set the bar to the work that is done and to all."""
+        """Set the bar to the work that is done and to all.
+
+        Less work done than before begins a new stage: the bar starts again.
+        """
         bar = self._bar
         if done < bar.n:  # a new stage, such as a finer mesh
             bar.reset(total)
@@ -192,7 +196,10 @@ class Progress:
             self._showwarning(*message, **more)
 
     def above_bar(self) -> contextlib.AbstractContextManager[None]:
-        """Context in which standard error may be written to."""
+        """Context in which text for standard error stands above the bar.
+
+        The bar is taken away meanwhile and drawn again. Without a bar nothing happens.
+        """
         if self._bar is None:
             return contextlib.nullcontext()
         context: contextlib.AbstractContextManager[None]
@@ -205,7 +212,7 @@ _outermost: Progress | None = None
 
 
 def write_message(sentence: str) -> None:
-    """Print a line on standard error, above a bar that stands there."""
+    """Print a line on standard error, above the bar of the outermost call if any."""
     above_bar: contextlib.AbstractContextManager[None] = contextlib.nullcontext()
     if _outermost is not None:
         above_bar = _outermost.above_bar()
@@ -219,7 +226,10 @@ def in_main_thread() -> bool:
 
 
 def is_watched() -> bool:
-    """Whether somebody can see a bar: on a terminal or in a notebook."""
+    """Whether somebody can see a bar: on a terminal or in a notebook.
+
+    Nobody can in a worker process.
+    """
     import multiprocessing.process
 
     if multiprocessing.process.parent_process() is not None:

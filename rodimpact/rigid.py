@@ -416,6 +416,6 @@ def stack_drop(
 
 
 def _kinetic_energy(mass: Array, velocity: Array) -> Array:
-    """M V^2/2, J; 0 for a body at rest whose mass is infinite."""
+    """Kinetic energy M V^2/2, J; 0 for a body at rest, also if its mass is infinite."""
     moving_mass = np.where(velocity == 0, 0.0, mass)
     return moving_mass * velocity * velocity / 2

@@ -609,7 +609,7 @@ def pair_restitution(numbers: PairNumbers) -> Array:
 def _collision(**entries: Any) -> PairCollision:
     """PairCollision of these arrays, by name.
 
-    An array without dimensions becomes a float.
+    An array of shape () becomes a float.
     """
     values = {}
     for name, entry in entries.items():
@@ -620,7 +620,8 @@ def _collision(**entries: Any) -> PairCollision:
 def _checked(**arguments: ArrayLike) -> tuple[Array, ...]:
     """Arguments as arrays of one shape, in the order given.
 
-    Each is checked by its `RULES`.
+    Each is checked by its `RULES`: ValueError for one that is not finite, or of the
+    wrong sign.
     """
     with_rules = {}
     for name, value in arguments.items():

@@ -269,12 +269,15 @@ def read_amount(text: str) -> Amount:
     return Amount(parse(text, dimension), si_unit(dimension))
 
 
-def _exact_value(text: Any, units: UnitFactors) -> float:
-    """Value of a number with one of these units; ValueError says why there is none."""
-    exact: Any = text
-    if isinstance(text, str):
-        exact = _fraction(text, units)
-    elif not isinstance(text, int | float) or isinstance(text, bool):
+def _exact_value(given: Any, units: UnitFactors) -> float:
+    """Value in the SI of a number, or of a text of a number and one of these units.
+
+    ValueError says why there is none: also for numbers that no float can hold.
+    """
+    exact: Any = given
+    if isinstance(given, str):
+        exact = _fraction(given, units)
+    elif not isinstance(given, int | float) or isinstance(given, bool):
         raise ValueError("it is not a number")
     try:
         value = float(exact)
@@ -427,26 +430,29 @@ def dimension_of(unit: str) -> str:
 
 
 def si_unit(dimension: str) -> str:
-    """SI unit of a dimension; "" for pure numbers."""
-    # A compound unit that `UNITS` does not have is its own dimension.
+    """SI unit of a dimension; "" for pure numbers.
+
+    A compound unit that `UNITS` does not have, such as "N/m^p", is its own dimension:
+    it is returned as it is.
+    """
     units: UnitFactors = UNITS.get(dimension, {dimension: "1"})
     for unit, factor in units.items():
-        if factor == "1":
+        if factor == "1":  # the unit is that of the SI
             return unit
     return ""
 
 
 def _spelt(unit: str) -> str:
-    """A unit in the spelling of `UNITS`.
+    """A unit in the spelling of `UNITS`: no Greek letters, superscripts or dots.
 
-    That has no Greek letters, superscripts or dots.
+    A unit that is unknown is returned as well; "1" becomes "".
     """
     spelt = " ".join(unit.translate(_SPELLINGS).split())
     return _ALIASES.get(spelt, spelt)
 
 
 def _hint(word: str, units: Iterable[str]) -> str:
-    """Hint at the units that may be meant; "" if none is near.
+    """End of a sentence that names the units that may be meant; "" if none is near.
 
     These are all units that differ by capitals alone, or else the nearest one.
     """
@@ -465,6 +471,8 @@ def _hint(word: str, units: Iterable[str]) -> str:
 def shown(value: Any) -> str:
     """A value as messages show it, in one line of at most `MOST_SHOWN` characters.
 
+    A value that cannot be written is shown by its type.
+
     Examples
     --------
     >>> shown([0.4, "2 mm", [True]])
@@ -479,7 +487,10 @@ def shown(value: Any) -> str:
 
 
 def shown_path(path: Any) -> str:
-    """The name of a file as messages show it: whole, or its beginning and its end.
+    """The name of a file as messages show it, in quotes.
+
+    Of a longer one only the beginning and the end are shown, `MOST_SHOWN_OF_PATH`
+    characters together.
 
     Examples
     --------
@@ -494,7 +505,10 @@ def shown_path(path: Any) -> str:
 
 
 def one_line(text: str) -> str:
-    """A text in one line, cut, and with escapes for characters that do not print."""
+    """A text in one line, cut to `MOST_SHOWN` characters.
+
+    Characters that do not print are written as escapes, and white space as one blank.
+    """
     line = ""
     words = text[: 2 * MOST_SHOWN].split()
     for character in " ".join(words):
@@ -580,14 +594,14 @@ def _is_digit_count(digits: Any) -> bool:
 
 
 def format_power(exponent: int) -> str:
-    """Write a power of ten in superscripts."""
+    """Write a power of ten in superscripts: 10⁻³ for -3."""
     return "10" + str(exponent).translate(_SUPERSCRIPTS)
 
 
 def format_factor(number: float) -> str:
-    """Write a factor as it is, or to three digits times a power of ten.
+    """Write a positive factor: as it is from 1e-3 to 1e5, else with a power of ten.
 
-    A lead of 1 is left out.
+    The power has a lead of three digits, which is left out if it is 1.
     """
     if 1e-3 <= number < 1e5:
         return f"{number:g}"

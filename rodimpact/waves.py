@@ -125,7 +125,7 @@ class Bar(FrozenDataclass):
 
     @classmethod
     def of(cls, rod: Rod | Segment, radius: float | None = None) -> Bar:
-        """Bar of a rod.
+        """Bar of a uniform rod of round section, or with an equivalent radius.
 
         Parameters
         ----------
@@ -305,7 +305,7 @@ class Bar(FrozenDataclass):
         return float_or_array(relative_delay / self.wave_speed)
 
     def _speed_ratio(self, frequency: ArrayLike) -> Array:
-        """c/c0 of the first mode at frequencies in Hz."""
+        """c/c0 of the first mode at frequencies in Hz, of their shape."""
         f = array("frequency", frequency, "Hz", "non-negative")
         W = 2 * math.pi * f * self.radius / self.wave_speed  # omega a/c0
         poisson_ratios = np.full(f.shape, self.poisson_ratio)
@@ -549,8 +549,8 @@ def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -
     """Lowest roots x of some waves, [wave]; arguments as for `_lowest_roots`.
 
     The equation is computed at speeds in a row. The first change of its sign brackets
-    the root, and Brent's method finds it. Without a change the root stays 1, as for
-    long waves.
+    the root, and Brent's method finds it. Without a change, or for the number 0, the
+    root is 1, as for long waves.
     """
     roots = np.ones(numbers.size)
     # All waves are faster than surface waves.

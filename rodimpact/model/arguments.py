@@ -32,7 +32,9 @@ UNCHECKED = ""
 
 
 def array(name: str, value: ArrayLike, unit: str, sign: str = UNCHECKED) -> Array:
-    """Return an argument as an array of floats in its unit.
+    """Return an argument as a new array of floats in its unit.
+
+    A single number gives an array of shape ().
 
     Parameters
     ----------
@@ -68,7 +70,10 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = UNCHECKED) -> Arra
 
 
 def scalar(name: str, value: Any, unit: str, sign: str = "any") -> float:
-    """Return an argument as a float; InvalidModel if it is no number, or several."""
+    """Return an argument as a float; InvalidModel if it is no number, or several.
+
+    With any sign but `UNCHECKED` NaN is refused, and an extreme magnitude.
+    """
     number = array(name, value, unit, sign)
     if number.ndim:
         raise invalid_argument(name, f"must be a single number, got {shown(value)}")
@@ -78,8 +83,9 @@ def scalar(name: str, value: Any, unit: str, sign: str = "any") -> float:
 def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
     """Return arguments as arrays of one shape, in the order in which they are given.
 
-    Each is given as (value, unit, sign), see `array`. InvalidModel with the mistakes of
-    all arguments, or if they do not broadcast.
+    Each is given as (value, unit, sign), see `array`. The arrays may share memory, and
+    are not to be written to. InvalidModel with the mistakes of all arguments, or if
+    they do not broadcast.
     """
     problems: Problems = []
     arrays = {}
@@ -127,14 +133,17 @@ def of_kind(name: str, value: Any, kind: type, example: str) -> None:
 
 
 def one_of(name: str, value: Any, choices: Collection[str]) -> None:
-    """Raise InvalidModel if an argument is none of these words."""
+    """Raise InvalidModel unless an argument is one of these words."""
     if not isinstance(value, str) or value not in choices:
         words = ", ".join(map(repr, choices))
         raise invalid_argument(name, f"must be one of {words}, got {shown(value)}")
 
 
 def integer(name: str, value: Any, low: int, high: int) -> int:
-    """Return an argument as a whole number from `low` to `high`; else InvalidModel."""
+    """Return an argument as an int from `low` to `high`; else InvalidModel.
+
+    Whole numbers of NumPy are taken; floats such as 2.0 and truth values are refused.
+    """
     if not is_integer(value) or not low <= int(value) <= high:
         wanted = f"must be a whole number from {low} to {high}"
         raise invalid_argument(name, f"{wanted}, got {shown(value)}")
@@ -142,13 +151,13 @@ def integer(name: str, value: Any, low: int, high: int) -> int:
 
 
 def check_flag(name: str, value: Any) -> None:
-    """Raise InvalidModel if an argument is neither True nor False."""
+    """Raise InvalidModel unless an argument is True or False, of Python or of NumPy."""
     if not isinstance(value, bool | np.bool_):
         raise invalid_argument(name, f"must be True or False, got {shown(value)}")
 
 
 def text(name: str, value: Any, example: str) -> None:
-    """Raise InvalidModel if an argument is no text."""
+    """Raise InvalidModel if an argument is no text; the message shows an `example`."""
     if not isinstance(value, str):
         raise invalid_argument(
             name, f"must be a text such as {example!r}, got {shown(value)}"
@@ -156,7 +165,7 @@ def text(name: str, value: Any, example: str) -> None:
 
 
 def float_or_array(value: Array) -> Number:
-    """Return an array without dimensions as a Python float, any other as it is."""
+    """Return an array of shape () as a Python float, any other as it is."""
     if value.ndim:
         return value
     return value.item()

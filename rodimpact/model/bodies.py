@@ -161,7 +161,7 @@ class Material(FrozenDataclass):
 
     @property
     def wave_speed(self) -> Number:
-        """Bar speed c = sqrt(E/rho), m/s."""
+        """Bar speed c = sqrt(E/rho), m/s; an array if E or rho is one."""
         speed_squared = self.youngs_modulus / self.density
         if isinstance(speed_squared, float):
             return math.sqrt(speed_squared)
@@ -208,7 +208,11 @@ class Material(FrozenDataclass):
 
 
 def _modulus_of(problems: Problems, density: Any, wave_speed: Any) -> Any:
-    """Young's modulus rho c^2, Pa; mistakes of the numbers are added to `problems`."""
+    """Young's modulus rho c^2, Pa; None if a number is no sound one.
+
+    Mistakes of the numbers are added to `problems`: also a modulus that is out of
+    range. InvalidModel if arrays among them do not broadcast.
+    """
     rho = Material.fields["density"].checked(problems, "density", density)
     c = WAVE_SPEED.checked(problems, "wave_speed", wave_speed)
     if problems:
@@ -297,7 +301,8 @@ class Segment(FrozenDataclass):
     def _checked_area(self, problems: Problems) -> Any:
         """Area as given, or pi d^2/4 of the diameter, m^2.
 
-        A mistake is added to `problems`. A function of the place becomes `Samples`.
+        A function of the place becomes `Samples`. A mistake is added to `problems`,
+        also an area that is `Steps` or is missing; what is returned then is of no use.
         """
         area: Any = self.area
         if self.diameter is not None:
@@ -428,7 +433,7 @@ class Segment(FrozenDataclass):
 
     @property
     def wave_speed(self) -> Number:
-        """Bar speed c, m/s."""
+        """Bar speed c of its material, m/s."""
         return self.material.wave_speed
 
     @property
@@ -529,7 +534,7 @@ class Segment(FrozenDataclass):
         return np.full(A.shape, self.polar_moment)
 
     def mirrored(self) -> Segment:
-        """Return the segment with left and right exchanged.
+        """Return the segment with left and right exchanged: itself if it is uniform.
 
         Returns
         -------
@@ -767,7 +772,8 @@ def _checked_shaft(
 ) -> Shaft | None:
     """Soil or drag along a rod of this length, m, with its profiles checked.
 
-    None if none is given. Mistakes are added to `problems`.
+    None if none is given, or after a mistake. Mistakes are added to `problems`. The
+    length is None if it is unknown.
     """
     if shaft is None:
         return None
@@ -799,8 +805,8 @@ def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
 def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments as given, as a tuple.
 
-    InvalidModel if they are none, or if a shape is given too. The shape are the
-    arguments of `Segment` that `Rod` was given.
+    InvalidModel if there is none, if an item is no Segment, or if a shape is given too.
+    The shape are the arguments of `Segment` that `Rod` was given.
     """
     if any(value is not None for value in shape.values()):
         message = (

@@ -64,7 +64,7 @@ class Drag(FrozenDataclass, kind="drag"):
     def _check(self, problems: Problems) -> None:
         """Check and set a coefficient that is a number.
 
-        A profile is checked with its rod.
+        A profile or a function is checked with its rod, by `along_rod`.
         """
         value = self.coefficient
         if not is_profile(value):
@@ -74,7 +74,9 @@ class Drag(FrozenDataclass, kind="drag"):
 
 
 def along_rod(drag: Drag, length: Number | None) -> Drag:
-    """Drag with a profile that is checked for a rod of this length, m; None if unknown.
+    """Drag whose profile is checked along a rod of this length, m, and sampled.
+
+    A function becomes `Samples`; a number stays. The length is None if it is unknown.
 
     Raises
     ------
@@ -90,7 +92,7 @@ def along_rod(drag: Drag, length: Number | None) -> Drag:
 
 
 def coefficients(drag: Drag, edges: Any, length: float) -> Floats:
-    """Drag coefficient between neighbouring places of a rod, N s/m [n].
+    """Drag coefficient of each stretch between neighbouring places, N s/m, shape (n,).
 
     Parameters
     ----------

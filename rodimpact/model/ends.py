@@ -173,7 +173,7 @@ class Moved(_Driven, kind="moved"):
         self._set(position=profile, value=velocity)
 
     def _parameters(self) -> dict[str, Any]:
-        """The one that was given: the position, or the velocity."""
+        """The parameter that was given: the position, or the velocity."""
         if self.position is not None:
             return {"position": self.position}
         return {"value": self.value}

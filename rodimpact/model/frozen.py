@@ -90,16 +90,18 @@ class InvalidModel(ValueError):
     """
 
     def __init__(self, problems: Problems) -> None:
-        """Keep the problems, each once, and make the text: one in a line.
+        """Keep the problems, each once, and make the text of the error.
 
-        Anything else than pairs of path and message is an error of its own.
+        The text has the first `MOST_TOLD` of them, one in a line, and counts the rest.
+        If `problems` is no list of pairs of texts, the InvalidModel is about `problems`
+        itself.
         """
         if not _are_problems(problems):
             wanted = (
                 "must be a list of (path, message), such as [('length', 'is missing')]"
             )
             raise InvalidModel([("problems", f"{wanted}, got {shown(problems)}")])
-        self.problems = list(dict.fromkeys(problems))  # each once, in order
+        self.problems = list(dict.fromkeys(problems))
         lines = []
         for path, message in self.problems[:MOST_TOLD]:
             lines.append(f"{one_line(path)}: {message}")
@@ -113,7 +115,7 @@ class InvalidModel(ValueError):
 
 
 def _are_problems(problems: Any) -> bool:
-    """Whether an argument is a list of pairs of texts."""
+    """Whether an argument is a list or a tuple of pairs of texts."""
     if not isinstance(problems, list | tuple):
         return False
     for pair in problems:
@@ -184,7 +186,10 @@ class QuantityField(NamedTuple):
         return f"must be a finite {number}, got {{0!r}}"
 
     def holds(self, value: Any) -> Any:
-        """Boolean array: True where a value lies in the interval of the sign."""
+        """Where a value lies in the interval of the sign: an array of truth values.
+
+        For a single number it is one truth value. NaN lies in no interval.
+        """
         # Such as "(0, inf)": a sign may be an interval itself.
         interval = INTERVALS.get(self.sign, self.sign)
         low, high = interval[1:-1].split(",")
@@ -202,9 +207,10 @@ class QuantityField(NamedTuple):
         """Return a value as a float or a read-only array in the unit of the field.
 
         None, or the word of the field, stays as it is, and a list becomes a tuple,
-        where the field takes them. A mistake is added to `problems` with the path; what
-        is returned then is of no use. -0.0 becomes 0.0, so that equal numbers have
-        equal descriptions.
+        where the field takes them. A wrong sign, an extreme magnitude and an empty
+        array are mistakes. A mistake is added to `problems` with the path; what is
+        returned then is of no use. -0.0 becomes 0.0, so that equal numbers have equal
+        descriptions.
         """
         if value is None and self.default is None:
             return None
@@ -286,7 +292,7 @@ class QuantityField(NamedTuple):
 
 
 def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) -> Any:
-    """Declare a number of a class by its `QuantityField`."""
+    """Declare a number of a class by the fields of its `QuantityField`."""
     return QuantityField(unit, sign, label, **more)
 
 
@@ -304,7 +310,10 @@ NumericOrNone: TypeAlias = TypedAttribute[Number | None, ArrayLike | None]
 
 
 def increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
-    """Add a problem for each number that does not lie above the one before it."""
+    """Add a problem for each number that does not lie above the one before it.
+
+    Where numbers are arrays, this must hold in every member of the family.
+    """
     message = "must lie above {0!r}, got {1!r}"
     numbers = list(values)
     for i in range(1, len(numbers)):
@@ -317,7 +326,8 @@ def increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
     """Shape of the family that arrays among numbers make, each number with its path.
 
-    InvalidModel if they do not broadcast, or make more than `MOST_MEMBERS`.
+    () if there are no arrays. InvalidModel if they do not broadcast, or make more than
+    `MOST_MEMBERS`.
     """
     arrays = []
     for path, value in numbers:
@@ -365,7 +375,7 @@ def vanishes(value: Number) -> bool:
 def in_range(value: Number) -> Any:
     """Whether a derived positive quantity is from `SMALLEST` to `LARGEST`.
 
-    The result is a Boolean array.
+    The result is an array of truth values, or one for a single number.
     """
     return (value >= SMALLEST) & (value <= LARGEST)
 
@@ -373,11 +383,11 @@ def in_range(value: Number) -> Any:
 def require(
     problems: Problems, condition: Any, path: str, message: str, *values: Number
 ) -> bool:
-    """Return whether a condition, an array, holds for every member of a family.
+    """Return whether a condition, a truth value or an array, holds in every member.
 
     If not, a problem is added for the first member for which it does not hold. The
     message may show the values of that member, as ``{0!r}``; the path ends with its
-    index, ``[3,1]``.
+    index, ``[3,1]``, unless the condition is a single truth value.
     """
     if condition is True or np.all(condition):
         return True
@@ -464,11 +474,14 @@ class Frozen:
                 item.flags.writeable = False
 
     def _set(self, **fields: Any) -> None:
-        """Set attributes of this object, which is frozen for everybody else."""
+        """Set attributes of this object, unchecked; it is frozen for everybody else."""
         self.__dict__.update(fields)
 
     def replace(self, **changes: Any) -> Self:
-        """Return the object with other values for some parameters of its constructor.
+        """Return a new object with other values for some parameters of its constructor.
+
+        A parameter that stands for another, such as the diameter of a rod for its area,
+        takes its place.
 
         Parameters
         ----------
@@ -519,6 +532,8 @@ class Frozen:
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON-ready description from which an equal object can be made.
 
+        Parameters that are None are left out.
+
         Returns
         -------
         dict
@@ -538,8 +553,12 @@ class Frozen:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the description: the same for equal objects in any process."""
-        # The outline has the shapes of arrays; their numbers follow as bytes.
+        """SHA-256 of the description: the same for equal objects in any process.
+
+        It is a text in hexadecimal.
+        """
+        # The outline is the description with the shape of each array in its place; the
+        # numbers of the arrays follow as bytes.
         with_shapes = self._mapped(lambda array: list(array.shape))
         outline = json.dumps(with_shapes.to_dict(), sort_keys=True)
         sha = hashlib.sha256(outline.encode())
@@ -640,7 +659,10 @@ class Frozen:
 
 
 def _explain_constructor(kind: Any) -> None:
-    """Let the constructor of a class answer wrong arguments with the ones meant."""
+    """Let the constructor of a class answer wrong arguments with the ones meant.
+
+    The class is changed; one that does so already stays as it is.
+    """
     if not hasattr(kind.__init__, "__wrapped__"):
         kind.__init__ = explain_arguments(kind.__init__)
 
@@ -705,7 +727,7 @@ def defaults_of(kind: Any) -> dict[str, Any]:
 def short(value: Any) -> str:
     """A value as short text for a repr.
 
-    An array is shown by its shape, an object by its name.
+    An array is shown by its shape, an object with a name by that name.
     """
     if isinstance(value, np.ndarray):
         return f"array{value.shape}"

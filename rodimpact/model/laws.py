@@ -97,7 +97,7 @@ class _Compliant(_Law):
         )
         with np.errstate(over="ignore", invalid="ignore"):
             energy: Any = k * d ** (p + 1) / (p + 1)
-        return energy[()]  # a number if it has no dimensions
+        return energy[()]  # a number in place of an array of shape ()
 
 
 class _Linear(_Compliant):
@@ -608,7 +608,11 @@ class Tabulated(Plastic, law="tabulated"):
     unloading: NumericOrNone = quantity("N/m", "positive", default=None)
 
     def _check(self, problems: Problems) -> None:
-        """Refuse tables of unequal length, not increasing, or too soft in unloading."""
+        """Refuse tables of unequal length, not increasing, or too soft in unloading.
+
+        InvalidModel if the lengths differ or are too large; the others are added to
+        `problems`.
+        """
         if problems:
             return
         n_compressions = len(self.compression)
@@ -650,7 +654,7 @@ class Tabulated(Plastic, law="tabulated"):
 
     @property
     def stiffness(self) -> Number:
-        """Stiffness on unloading, N/m."""
+        """Stiffness on unloading, N/m, by default the slope of the steepest line."""
         if self.unloading is None:
             return self._steepest_slope()
         return self.unloading
@@ -663,7 +667,7 @@ class Tabulated(Plastic, law="tabulated"):
 
     @property
     def hardening(self) -> Number:
-        """Stiffness along the first line, N/m."""
+        """Stiffness along the first line of the table, N/m."""
         return self.slopes[0]
 
     @property
@@ -682,7 +686,7 @@ class Tabulated(Plastic, law="tabulated"):
     def shares(self) -> list[Number]:
         """Slopes of the lines from `knots` on, over the stiffness.
 
-        The list has `KNOTS` places.
+        The list has `KNOTS` places. Places that are not used are 0.
         """
         shares = super().shares
         for j, slope in enumerate(self.slopes[1:]):
@@ -690,7 +694,7 @@ class Tabulated(Plastic, law="tabulated"):
         return shares
 
     def hardened(self, force: Any) -> Tabulated:
-        """Law after a peak force.
+        """Law after a peak force; itself if that force leaves the faces where they are.
 
         Parameters
         ----------
@@ -922,6 +926,8 @@ class Law(_Law, law="own"):
         """Refuse a force that is no function, or has unsound values.
 
         The values are those at `TRIAL_STATES`; none may be less than the one before.
+        InvalidModel if the function fails there; other mistakes are added to
+        `problems`.
         """
         force: Any = self.force
         if not is_function(force):

@@ -46,7 +46,7 @@ class _Slot(NamedTuple):
 
 
 def numbers_of(system: System) -> dict[str, Number]:
-    """Every number of a system that can vary, by its entry.
+    """Every number of a system that can vary, by its entry: a float, or an array of it.
 
     Beside stored numbers there are those that may be given in their place: the wave
     speed c = sqrt(E/rho) of a material, and the area pi d^2/4 of a round rod.
@@ -58,7 +58,8 @@ def numbers_of(system: System) -> dict[str, Number]:
         if field == MODULUS:
             density = stored_numbers[f"{owner}.density"]
             speed = np.sqrt(value / density)
-            numbers[f"{owner}.{SPEED}"] = speed[()]  # a number if it has no dimensions
+            # [()] makes a number of an array of shape ().
+            numbers[f"{owner}.{SPEED}"] = speed[()]
         elif field == "diameter":
             numbers[f"{owner}.area"] = math.pi * value * value / 4
     return numbers
@@ -92,7 +93,7 @@ def alternative_of(entry: str) -> str:
 
 
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
-    """System with other numbers at entries; InvalidModel if the model refuses them.
+    """New system with other numbers at entries; InvalidModel if the model refuses them.
 
     A wave speed c is set as the modulus E = rho c^2, after the density rho. An area A
     of a round rod is set as the diameter sqrt(4 A/pi). A negative speed or area is
@@ -107,7 +108,7 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
         elif field == "area" and "diameter" in table:
             diameter = np.sqrt(4 * np.abs(value) / math.pi)
             signed = np.copysign(diameter, value)
-            table["diameter"] = signed[()]  # a number if it has no dimensions
+            table["diameter"] = signed[()]  # a number in place of an array of shape ()
         else:
             table[field] = value
     for table, speed in speeds:
@@ -127,7 +128,7 @@ def field_at(system: System, entry: str) -> QuantityField:
 
 
 def unit_at(system: System, entry: str) -> str:
-    """SI unit of the number at an entry."""
+    """SI unit of the number at an entry; "" for a pure number or if none is known."""
     return field_at(system, entry).unit
 
 
@@ -155,7 +156,7 @@ def suggestion(path: str, choices: Collection[str]) -> str:
 def _shared_beginning(path: str, choices: Collection[str]) -> str:
     """Longest beginning that a path shares with any choice, such as "bodies.0.".
 
-    Only whole parts of the path count.
+    Only whole parts of the path count, and never all of it; "" if no part is shared.
     """
     parts = path[: 2 * MOST_SHOWN].split(".")[:-1]
     for n in range(len(parts), 0, -1):

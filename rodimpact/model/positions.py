@@ -44,9 +44,10 @@ def velocity_of(problems: Problems, position: Profile) -> Any:
 
 
 def _of_lines(position: Samples) -> Any:
-    """Velocity of straight lines, as `Steps`, and 0 after the last sample.
+    """Velocity of straight lines between samples, m/s, and 0 after the last one.
 
-    Neighbouring lines of one slope are one step. The number 0.0 if the end never moves.
+    It is `Steps`, of which neighbouring lines of one slope are one; or the number 0.0
+    if the end never moves.
     """
     step: Any = position.step
     rises = np.diff(position.values)
@@ -66,10 +67,10 @@ def _of_lines(position: Samples) -> Any:
 
 
 def _of_spline(problems: Problems, position: Samples) -> Any:
-    """Velocity of the spline through smooth samples, as `Polynomials`.
+    """Velocity of the spline through smooth samples, m/s, as `Polynomials`.
 
     It is 0 after the last sample. A step that differs from member to member, or too few
-    samples, are a problem; then it is 0.
+    samples, are a problem; then 0.0 is returned.
     """
     from scipy.interpolate import make_interp_spline
 

@@ -132,7 +132,10 @@ class Samples(FrozenDataclass):
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "error")
 
     def _check(self, problems: Problems) -> None:
-        """Add problems of values that are no list, of smoothness and of the error."""
+        """Add problems of values that are no list, of smoothness and of the error.
+
+        The error is set as a checked float.
+        """
         is_list = np.ndim(self.values) == 1 and len(self.values) > 1
         if not problems and not is_list:
             wanted = "must be a list of at least two numbers"
@@ -199,7 +202,8 @@ class Polynomials(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Add a problem of borders that do not increase, or of unequal intervals.
 
-        All intervals must have the same number of values.
+        All intervals must have the same number of values, two or more. The error is set
+        as a checked float.
         """
         self._set(error=ERROR.checked(problems, "error", self.error))
         if problems:
@@ -277,7 +281,7 @@ def along_rod(
     field: QuantityField,
     length: Number | None,
 ) -> Profile:
-    """Check a value as a profile along a rod.
+    """Check a value as a profile along a rod; return it, a function as `Samples`.
 
     Parameters
     ----------
@@ -297,6 +301,7 @@ def along_rod(
     Returns
     -------
     float, array, Steps, Samples or Polynomials
+        After a mistake it is of no use.
     """
     profile: Profile = value
     if isinstance(value, Steps | Polynomials):
@@ -328,7 +333,7 @@ def along_rod(
 def _check_inside(
     problems: Problems, path: str, profile: Steps | Polynomials, length: Number
 ) -> None:
-    """Add a problem if the last jump or border of a profile lies beyond the rod.
+    """Add a problem unless the last jump or border of a profile lies inside the rod.
 
     InvalidModel if arrays among the numbers do not broadcast.
     """
@@ -353,7 +358,9 @@ def _check_inside(
 def in_time(
     value: Any, field: QuantityField, duration: Any, name: str = "value"
 ) -> Profile:
-    """Check the value of a driven end as a profile from t = 0 on.
+    """Check the value of a driven end as a profile from t = 0 on, and return it.
+
+    A function becomes `Samples`.
 
     Parameters
     ----------
@@ -403,14 +410,20 @@ def in_time(
 
 
 def latest_border(profile: Any) -> float:
-    """Time of the last border between polynomials of a profile in time, s; else 0."""
+    """Time of the last border between polynomials of a profile in time, s.
+
+    0 for one polynomial and for any other profile.
+    """
     if isinstance(profile, Polynomials):
         return max(profile.inner, default=0.0)
     return 0.0
 
 
 def jumps_inside(profile: Any) -> bool:
-    """Whether steps, or neighbouring polynomials, jump by more than round-off."""
+    """Whether steps, or neighbouring polynomials, jump by more than round-off.
+
+    `Steps` always do; numbers and samples never do.
+    """
     if isinstance(profile, Steps):
         return True
     if not isinstance(profile, Polynomials):
@@ -430,7 +443,7 @@ def negative(profile: Profile) -> Profile:
 
 
 def scaled(profile: Profile, factor: float) -> Profile:
-    """Return the profile times a number."""
+    """Return the profile with all its values times a number; its stated error stays."""
     if isinstance(profile, Steps | Samples | Polynomials):
         values = [value * factor for value in profile.values]
         return profile.replace(values=values)
@@ -471,8 +484,9 @@ def flipped(profile: Profile, length: Number) -> Profile:
 def extremes(profile: Profile) -> list[Any]:
     """Smallest and largest value of a profile, [smallest, largest].
 
-    Each is an array of the members of a family. Polynomials may be a little beyond them
-    between the places of their values.
+    They are floats, or arrays of the members where `Steps` or a number vary in a
+    family. Only stored values are compared: between them `Polynomials` may go a little
+    beyond.
     """
     if isinstance(profile, Samples | Polynomials):
         smallest = float(np.min(profile.values))
@@ -486,6 +500,8 @@ def extremes(profile: Profile) -> list[Any]:
 
 def averages(profile: Any, edges: Any, length: float) -> Floats:
     """Mean values of a profile between neighbouring edges.
+
+    Steps and samples go on beyond their ends with their first and last value.
 
     Parameters
     ----------
@@ -516,7 +532,7 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
 
 
 def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
-    """Mean values of steps between n + 1 edges, m or s, [n]."""
+    """Mean values of steps between n + 1 edges, m or s, shape (n,)."""
     jumps = np.array(steps.at, dtype=float)
     values = np.array(steps.values, dtype=float)
     # Index of the first and the last value in each interval: just right of its left
@@ -538,12 +554,12 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
 
 
 def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floats:
-    """Mean values of lines between samples, between n + 1 edges, [n].
+    """Mean values of lines between samples, between n + 1 edges, shape (n,).
 
-    The first and the last sample hold outside. Every interval is cut where samples lie
-    in it, and the trapezia of its parts are added. So a small value is exact beside one
-    that is 1e20 times as large, as a difference of integrals from the first sample is
-    not.
+    Samples without a step run over `length` from end to end. The first and the last
+    sample hold outside. Every interval is cut where samples lie in it, and the trapezia
+    of its parts are added. So a small value is exact beside one that is 1e20 times as
+    large, as a difference of integrals from the first sample is not.
     """
     if len(edges) < 2:
         return np.zeros(0)
@@ -561,19 +577,20 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
     heights = np.interp(cuts, knots, values)
     mean_heights = (heights[1:] + heights[:-1]) / 2
     trapezia = mean_heights * np.diff(cuts)
-    begins = np.searchsorted(cuts, edges[:-1])  # first part of each interval
-    integrals = np.add.reduceat(trapezia, begins)  # sums of the parts from there on
+    # An interval is the sum of its parts: from its first one to that of the next.
+    first_parts = np.searchsorted(cuts, edges[:-1])
+    integrals = np.add.reduceat(trapezia, first_parts)
     return np.asarray(integrals / np.diff(edges))
 
 
 def _averages_of_polynomials(
     profile: Polynomials, edges: Floats, length: float
 ) -> Floats:
-    """Mean values of polynomials along a rod between n + 1 edges, [n].
+    """Mean values of polynomials along a rod between n + 1 edges, shape (n,).
 
-    The length of the rod is in m. They are differences of the integral from x = 0 on.
-    In an interval of width w that is the integral to its begin plus w/2 times a
-    primitive in y, as dx = w/2 dy.
+    The length of the rod is in m; there are no values beyond it. The means are
+    differences of the integral from x = 0 on. In an interval of width w that is the
+    integral to its begin plus w/2 times a primitive in y, as dx = w/2 dy.
     """
     borders = np.concatenate(([0.0], profile.inner, [length]))
     widths = np.diff(borders)
@@ -595,8 +612,8 @@ def _averages_of_polynomials(
 def profile_from(data: Any) -> Any:
     """Make the profile that `to_dict` described.
 
-    Data that describe no profile are returned as they are. The key "polynomials",
-    "samples" or "values" tells the kind.
+    Data that describe no profile, such as numbers, are returned as they are. The key
+    "polynomials", "samples" or "values" tells the kind.
     """
     if not isinstance(data, dict):
         return data

@@ -33,7 +33,7 @@ _UNIT_WORDS = {
 
 
 def floats(value: Any, unit: str) -> Floats:
-    """Return numbers as a new array of floats, without dimensions for a single number.
+    """Return numbers as a new array of floats, of shape () for a single number.
 
     Parameters
     ----------
@@ -78,9 +78,9 @@ def floats(value: Any, unit: str) -> Floats:
 
 
 def is_integer(value: Any) -> bool:
-    """Whether a value is a whole number.
+    """Whether a value is a whole number by its type, of Python or of NumPy.
 
-    Truth values and time spans of NumPy are none.
+    Floats such as 2.0, truth values and time spans of NumPy are none.
     """
     if isinstance(value, bool | np.timedelta64):
         return False

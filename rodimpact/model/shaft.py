@@ -16,9 +16,10 @@ SHAFTS: dict[str, type[Shaft]] = {kind.kind: kind for kind in get_args(Shaft)}
 
 
 def along_rod(shaft: Shaft, length: Number | None) -> Shaft:
-    """Return a shaft with profiles that are checked for a rod of this length, m.
+    """Shaft whose profiles are checked along a rod of this length, m, and sampled.
 
-    The length is None where it is unknown; InvalidModel if a profile has mistakes.
+    A function becomes `Samples`. The length is None where it is unknown; InvalidModel
+    if a profile has mistakes.
     """
     if isinstance(shaft, Drag):
         return drag.along_rod(shaft, length)

@@ -30,9 +30,10 @@ def checked_along(
     field: QuantityField,
     length: Number | None,
 ) -> Any:
-    """A value along a rod of this length, m.
+    """A value along a rod of this length, m, checked; a function becomes `Samples`.
 
-    Mistakes of a profile are added to `problems`. A number is returned as it is.
+    Mistakes of a profile are added to `problems`. A number is returned as it is,
+    unchecked. The length is None if it is unknown.
     """
     if not is_profile(value):
         return value
@@ -44,9 +45,10 @@ def checked_along(
 
 
 def spread(amount: Any, edges: Any, length: float) -> Floats:
-    """What lies between neighbouring places [n] of an amount along a rod.
+    """Amount of each stretch between neighbouring places of a rod, shape (n,).
 
-    A profile is the amount per length; a number is that of the whole rod.
+    A profile is the amount per length; a number is that of the whole rod, which is
+    spread evenly.
     """
     per_length: Any
     if isinstance(amount, PROFILES):

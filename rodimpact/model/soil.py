@@ -99,7 +99,9 @@ class Soil(FrozenDataclass, kind="soil"):
 
 
 def along_rod(soil: Soil, length: Number | None) -> Soil:
-    """Soil with profiles that are checked for a rod of this length, m; None if unknown.
+    """Soil whose profiles are checked along a rod of this length, m, and sampled.
+
+    Functions become `Samples`; numbers stay. The length is None if it is unknown.
 
     Raises
     ------
@@ -118,7 +120,7 @@ def along_rod(soil: Soil, length: Number | None) -> Soil:
 
 
 def resistances(soil: Soil, edges: Any, length: float) -> Floats:
-    """Ultimate resistance between neighbouring places of a rod, N [n].
+    """Ultimate resistance of each stretch between neighbouring places, N, shape (n,).
 
     Parameters
     ----------
@@ -132,15 +134,21 @@ def resistances(soil: Soil, edges: Any, length: float) -> Floats:
 
 
 def mobilised_shares(soil: Soil, edges: Any, length: float) -> Floats:
-    """Share of resistance mobilised at t = 0 between neighbouring places [n]."""
+    """Mean share R/R_u at t = 0 between neighbouring places of a rod, shape (n,).
+
+    The arguments are those of `resistances`.
+    """
     return profiles.averages(soil.mobilised, edges, length)
 
 
 def largest_stiffness(soil: Soil, length: float) -> float:
-    """Largest stiffness R_u/q per length along a rod of this length, m, in N/m^2."""
+    """Largest stiffness R_u/q per length along a rod of this length, m, in N/m^2.
+
+    It is 0 if the soil has no resistance. The numbers are those of a single rod.
+    """
     largest: Any  # resistance per length, N/m
     if isinstance(soil.resistance, PROFILES):
-        largest = max(np.max(value) for value in profiles.extremes(soil.resistance))
-    else:
+        _, largest = profiles.extremes(soil.resistance)
+    else:  # a number is the resistance of the whole rod
         largest = soil.resistance / length
     return float(largest / soil.quake)

@@ -103,7 +103,8 @@ class System(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Check bodies, laws, gaps and ends together; set them, as tuples.
 
-        The shape of the family is set, too.
+        The shape of the family is set, too. Mistakes are added to `problems`; then
+        nothing is set.
         """
         bodies: Any = self.bodies
         _check_bodies(problems, bodies)
@@ -353,7 +354,7 @@ class System(FrozenDataclass):
         return self.replace(bodies=bodies)
 
     def mirrored(self) -> System:
-        """Return the row with left and right exchanged.
+        """Return the row with left and right exchanged: velocities change their sign.
 
         Returns
         -------
