@@ -84,11 +84,11 @@ class ContactHistory:
         return self.push.at(ticks, side)
 
     def gap(self, t: ArrayLike) -> Floats:
-        """Distance between the two bodies, m; just after each time.
+        """Distance between the two bodies, m, of the shape of t; just after each time.
 
         Exactly 0 while they touch rigidly; minus the indentation in a compliant
         contact, the stretch of a joint. If the contact has yielded, the gap is that of
-        the deformed faces.
+        the deformed faces. ValueError for times outside the solution.
         """
         ticks = self._fields.to_ticks_beside(t, "right")
         gap = self._gap.at(ticks)
@@ -97,10 +97,11 @@ class ContactHistory:
         return gap
 
     def law_at(self, t: float) -> ContactLaw:
-        """The law of the contact as it is at the time t, s.
+        """The law of the contact as it is at the time t, s, as a new law.
 
         A joint has its stretch, and a `Plastic` contact is hardened by the largest
-        force that it has borne up to t. Other laws do not change.
+        force that it has borne up to t. Other laws do not change, and are returned
+        themselves.
         """
         t = scalar("t", t, "s")
         ticks = self._fields.to_ticks(t)

@@ -197,9 +197,10 @@ class BodyEnergies(NamedTuple):
 def _energies(
     fields: Fields, body: int, ticks: Ints, group_velocity: Floats
 ) -> BodyEnergies:
-    """Energies of a rod or of a rigid mass at ticks [time].
+    """Energies of a rod or of a rigid mass at ticks [time], each J [time].
 
-    The kinetic energy is relative to the velocity of its group, m/s [time].
+    The kinetic energy is relative to the velocity of its group, m/s [time]. A rigid
+    mass has no strain energy.
     """
     kinetic = np.zeros(len(ticks))
     strain = np.zeros(len(ticks))
@@ -472,7 +473,8 @@ def _motion_at(
 def _impulse_from_outside(fields: Fields, tick: int) -> float:
     """Impulse to the right on the row from t = 0 to a tick, N s, without gravity.
 
-    What gives it acts on the two ends of the row, or is soil or drag along shafts.
+    It is that of what acts on the two ends of the row, and of soil and drag along
+    shafts.
     """
     impulse = 0.0
     for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):

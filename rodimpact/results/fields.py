@@ -68,8 +68,8 @@ def to_side(ticks: Ints, side: Side) -> Ints:
     """Ticks moved just after ("right") or before the jumps there.
 
     The ticks were rounded from times. They move by the round-off of a time, ticks/2^51:
-    a float cannot name a single tick beyond 2^51 of them. InvalidModel for any other
-    side.
+    a float cannot name a single tick beyond 2^51 of them. Smaller ones stay.
+    InvalidModel for any other side.
     """
     one_of("side", side, ("right", "left"))
     round_off = ticks >> 51  # ticks/2^51, rounded down: 0 for most runs
@@ -165,7 +165,10 @@ class Fields(Protocol):
         """
 
     def point_history(self, body: int, x: float) -> PassingWaves:
-        """The waves that pass the point x of a rod, from t = 0 to the end."""
+        """The waves that pass the point x, m, of a rod, from t = 0 to the end.
+
+        ValueError for a body that is no rod, and for a point outside of it.
+        """
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         """Momentum of a rod at times t in s, kg m/s."""

@@ -77,7 +77,7 @@ def integral_to(wave: Any, tick: int) -> Any:
 
 
 def edges_of(wave: Any, start: int, stop: int) -> list[int]:
-    """The tick `start`, the fronts of a wave up to `stop`, and `stop`, in ticks."""
+    """The tick `start`, the fronts of a wave between `start` and `stop`, and `stop`."""
     inside = [tick for tick in wave["tick"] if start < tick < stop]
     return [start, *inside, stop]
 
@@ -127,7 +127,8 @@ def region(
 ) -> list[Corner]:
     """Corners (p, q) of the part of a rectangle in the segment and the interval.
 
-    That is where abs(q - p) <= T and 2 start <= p + q + T <= 2 stop.
+    That is where abs(q - p) <= T and 2 start <= p + q + T <= 2 stop; no corners if the
+    part has no area.
     """
     p0, p1 = p_range
     q0, q1 = q_range
@@ -195,7 +196,9 @@ def count_of_regions(rods: Any, start: int, stop: int, limit: float) -> int:
 
 
 def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> Any:
-    """Polygons of constant state between two ticks, as lists by the names of `Regions`.
+    """Polygons of constant state between two ticks: lists by the names of `Regions`.
+
+    The polygons of all rods are in the same lists, rod by rod and piece by piece.
 
     Parameters
     ----------
@@ -204,16 +207,16 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
         and ``youngs_modulus`` of a segment, and the waves ``rightward`` and
         ``leftward`` that leave its ends, velocities in a frame.
     tick : float
-        s.
+        Duration of a tick, s.
     frame : float
-        Its velocity, m/s.
+        Velocity of the frame in which the waves are given, m/s.
     start, stop : int
-        Ticks.
+        First and last tick.
     """
     polygons: Any = {
         "body": [],
         "segment": [],
-        "start": [0],
+        "start": [0],  # index of the first vertex of each polygon, and of the next one
         "x": [],
         "t": [],
         "displacement": [],
@@ -230,7 +233,7 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
             left = SegmentStart(rod["body"], s, x, displacement)
             add_segment(polygons, pieces[s], left, clock, start, stop)
             x += pieces[s]["length"]
-            displacement += initial_elongation(pieces[s]) * tick
+            displacement += initial_elongation(pieces[s]) * tick  # m/s ticks to m
     return polygons
 
 

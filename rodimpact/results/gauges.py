@@ -103,9 +103,11 @@ class Gauge:
 
     @property
     def strain_rate(self) -> Floats:
-        """Mean strain rate from each time to the next, 1/s, without jumps at the times.
+        """Mean strain rate from each time to the next, 1/s, one for each time.
 
-        (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] - t[i]).
+        (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] - t[i]): jumps
+        at the times are left out. The last rate is that up to `end`; an entry of no
+        duration has the rate 0.
         """
         stops = np.append(self.times[1:], self.end)
         durations = stops - self.times
@@ -238,7 +240,11 @@ class Gauge:
         write_table(path, list(columns), [block], force=force)
 
     def strain_at(self, t: ArrayLike) -> Floats:
-        """Strain at times t in s, from 0 to `end`; ValueError at others."""
+        """Strain at times t in s, from 0 to `end`; at a jump the value after it.
+
+        It has the shape of t. ValueError for other times, but for round-off
+        (`RECORD_END_RTOL`) at the end.
+        """
         t = array("t", t, "s")
         # `demand` puts the first value outside in place of {0!r}.
         message = f"must be from 0 to {self.end!r} s, got {{0!r}}"
@@ -334,8 +340,9 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
 def _sampling(interval: Any, end: float) -> Sampling:
     """Samples at this interval, s, of a record that ends at `end`, s.
 
-    There are `DEFAULT_SAMPLES` if the interval is None. InvalidModel for an interval
-    that is not positive, or gives more than `MAX_TABLE_ROWS`.
+    There are `DEFAULT_SAMPLES` intervals if it is None, and one sample if the record
+    has no duration. InvalidModel for an interval that is not positive, or gives more
+    than `MAX_TABLE_ROWS`.
     """
     if interval is not None:
         step = scalar("interval", interval, "s", "positive")

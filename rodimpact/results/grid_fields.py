@@ -346,7 +346,7 @@ class GridFields(Fields):
         return np.asarray(in_frame + span.mass.sum() * frame_velocity)
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
-        """Energy of a rod in the state at `tick`.
+        """Energy of a rod in the state at `tick`, which must be a tick of a state.
 
         The kinetic energy is relative to a velocity, m/s.
         """
@@ -362,7 +362,7 @@ class GridFields(Fields):
     def viscous_loss(self, ticks: Ints) -> Floats:
         """Energy lost in damped material from t = 0 to each tick, J.
 
-        The ticks are those of states.
+        The ticks must be those of states.
         """
         step_numbers = ticks // STEP_TICKS
         states = np.searchsorted(self.motion.when, step_numbers)

@@ -19,7 +19,8 @@ def node_velocities(motion: GridMotion) -> Floats:
     """Velocities of all nodes in the frame, m/s [state, node]; means in damped rods.
 
     A node beside a cell with viscosity has the mean over two steps about each state;
-    the others have their velocities as they are.
+    the others have their velocities as they are, and so have all nodes if there are
+    fewer than three states.
     """
     velocity = motion.velocity
     viscosity = motion.cells.viscous  # [cell]; cell n lies left of node n

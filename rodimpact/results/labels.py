@@ -125,7 +125,8 @@ def _of_path(system: System, path: str) -> Quantity:
 def quantity_of_column(system: System, column: str) -> Quantity:
     """Name and unit of a column of results or of a field, such as ``"stress"``.
 
-    Any other name is taken for the path of a number, see `quantity_of_parameter`.
+    The column of a contact has its name if there are several contacts. Any name that is
+    no column is taken for the path of a number, see `quantity_of_parameter`.
 
     Examples
     --------
@@ -213,10 +214,11 @@ def _quantity(name: str, field: QuantityField) -> Quantity:
 def _of_end(system: System, side: str, path: list[str]) -> Quantity:
     """Name and unit of a number of the value that drives an end of the row.
 
-    `path` is the path within that value: ["values", "0"], ["at", "0"], ["step"], or
-    empty.
+    `side` is "left" or "right", and `path` the path within that value: ["values", "0"],
+    ["at", "0"], ["step"], or empty.
     """
     end = system.ends[SIDES.index(side)]
+    # The kind of the end declares its label: a force, a velocity or a strain.
     label, unit = _quantity("value", end.fields["value"])
     name = f"{label} of the {side} end"
     if label == "force":

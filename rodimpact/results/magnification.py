@@ -25,9 +25,12 @@ def drifts(reach: float, relative: float) -> bool:
 
 
 def magnified(length: float, reach: float, relative: float, strain: float) -> float:
-    """Magnification of displacements in a picture, 1 or more.
+    """Magnification of displacements in a picture: 1, or a larger 1, 2, 5, 10, 20 ...
 
-    For rods of that length, m, that move as in `drifts`, and have that largest strain.
+    `length` is that of the row, m, `strain` the largest strain, and `reach` and
+    `relative` are the movements of `drifts`. The movement to be seen is `reach`, but in
+    a row that drifts it is `relative`: the drift would hide it. Without movement and
+    strain it is 1.
     """
     movement = reach
     if drifts(reach, relative):
@@ -41,7 +44,7 @@ def magnified(length: float, reach: float, relative: float, strain: float) -> fl
 
 
 def round_down(number: float) -> float:
-    """Largest of 1, 2, 5 times a power of ten that is no larger than the number.
+    """Largest of 1, 2, 5 times a power of ten that is no larger than a positive number.
 
     It may exceed the number by `LEADING_DIGIT_RTOL` of it, for the sake of round-off.
     """

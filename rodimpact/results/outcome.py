@@ -323,7 +323,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
 
 
 def _balance_warning(momentum: float, energy: float) -> str:
-    """Warning of large relative residuals of momentum and energy; "" if small."""
+    """Warning of large or unknown relative residuals, for a status; "" if small."""
     missing = []
     residuals = {"momentum": abs(momentum), "energy": abs(energy)}
     for name, residual in residuals.items():

@@ -58,12 +58,13 @@ class PairTheory(NamedTuple):
         members, wanted : array
             Values of the parameter: of the members, and those that are wanted. With
             logarithms this is exact, since impedances, transit times and masses are
-            powers of lengths, areas, densities and moduli.
+            powers of lengths, areas, densities and moduli. Arrays with numbers that
+            have no logarithm are interpolated themselves.
         """
 
         def between(values: Floats) -> Floats:
             """Values of the members, interpolated at those that are wanted."""
-            if (values <= 0).any() or np.isinf(values).any():  # no logarithms
+            if (values <= 0).any() or np.isinf(values).any():  # without logarithms
                 return np.interp(wanted, members, values)
             logarithms = np.interp(wanted, members, np.log(values))
             return np.exp(logarithms)

@@ -130,7 +130,10 @@ class RodMode(NamedTuple):
 
 
 def _slowest_mode(fields: Fields) -> RodMode:
-    """The mode whose decay time is the longest, of all rods, each free by itself."""
+    """The mode whose decay time is the longest, of all rods, each free by itself.
+
+    The decay time is inf without damping.
+    """
     modes = []
     for body, rod in fields.rods.items():
         # Angular frequency, rad/s, and decay rate of the amplitude, 1/s
@@ -148,7 +151,7 @@ def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) ->
 
     The momentum of a body of mass m is taken to be sqrt(2 m E) = m sqrt(2 E/m), as if
     it had all the energy E of motion and vibration, J [time], at its largest: this
-    scale needs the vibration energy, J [time].
+    scale needs the vibration energy, J [time]. The change is 0 if nothing moves.
     """
     largest_energy = (states.kinetic + vibration).max()
     scale = 0.0  # kg m/s

@@ -86,7 +86,7 @@ def result_of(solution: Any) -> SavedResult:
 
 
 def difference(saved: SavedResult, solution: Any) -> str:
-    """Compare the outcome of a solution with the stored one.
+    """Compare the outcome of a solution with the stored one: "" if they agree.
 
     Parameters
     ----------

@@ -384,7 +384,7 @@ class Solution(Shown):
 
     @_ALLOW_UNDERFLOW
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
-        """Velocity of a body's centre of mass in m/s at times t in s."""
+        """Velocity of a body's centre of mass at times t in s, m/s, of their shape."""
         index = self._index(body)
         if not isinstance(self.system.bodies[index], Rod):
             return self.velocity(body, 0.0, t)
@@ -522,7 +522,7 @@ class Solution(Shown):
         field = getattr(self, name)
         for i, body in enumerate(bodies):
             if isinstance(body, Rod) or name in FIELDS_OF_ALL_BODIES:
-                points = x[inside[i], None]
+                points = x[inside[i], None]  # [place, 1], to broadcast with t
                 values[i, inside[i]] = field(i, points, t)
         return values
 
@@ -540,7 +540,10 @@ class Solution(Shown):
 
     @_ALLOW_UNDERFLOW
     def energy(self, t: ArrayLike) -> EnergyLedger:
-        """Energy ledger at times t in s."""
+        """Energy ledger at times t in s; each entry has their shape.
+
+        On a grid it is that of the state nearest to each time.
+        """
         ticks = self.fields.nearest_energy_ticks(self.fields.to_ticks(t))
         # A ledger counts from its first tick, which must be that of t = 0.
         from_zero = np.concatenate(([0], ticks.ravel()))
@@ -709,12 +712,12 @@ class Solution(Shown):
 
 
 def check_solution(value: Any) -> None:
-    """Raise ValueError for what is no solution."""
+    """Raise InvalidModel, a ValueError, unless a value is a `Solution`."""
     of_kind("solution", value, Solution, "rodimpact.solve(system)")
 
 
 def check_has_rod(value: Any) -> None:
-    """Raise ValueError for what is no solution, or has no rod to draw waves of."""
+    """Raise InvalidModel, a ValueError, unless a value is a `Solution` with a rod."""
     check_solution(value)
     if "rod" not in value.system.kinds:
         message = (

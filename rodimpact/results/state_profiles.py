@@ -35,10 +35,11 @@ class WaveSizes(NamedTuple):
 
 
 def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateProfiles:
-    """Velocity and strain of a rod just after `tick`.
+    """Velocity and strain of a rod just after `tick`, as profiles along it.
 
     They are `Polynomials` if a wave changes in a piece by more than round-off, else
-    `Steps` or numbers. Polynomials alone take the stated `error` of velocities, m/s.
+    `Steps`, or a number where the state is the same all along. Polynomials alone take
+    the stated `error` of velocities, m/s.
     """
     # Without waves, or with constant ones, differences are steps, not round-off.
     largest_wave = 0.0

@@ -106,9 +106,11 @@ class Zeros(NamedTuple):
 
 
 def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
-    """Highest and lowest d of the waves of a segment from t = 0 to the tick `end`.
+    """Highest and lowest d = B - A where waves of a segment meet, up to the tick `end`.
 
-    The lowest one is found as the highest of -d, from -A and -B.
+    A, B, d and the domain of the meetings with its four sides are those of the module's
+    docstring. The lowest d is found as the highest of -d, from -A and -B. Each is None
+    where d has no such sign.
     """
     T = waves.transit
     A = _between(waves.rightward, -T, end)
@@ -116,7 +118,6 @@ def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
     domain = Domain(A, B, T, end)
     sides = _sides(domain)
     highest = _largest_difference(domain, sides)
-    # The lowest d is the highest of -d.
     opposite = domain._replace(A=A.times(-1.0), B=B.times(-1.0))
     opposite_sides = []
     for side in sides:
@@ -292,7 +293,7 @@ def _earliest(
 
 
 def _between(signal: Pieces, first: int, last: int) -> Pieces:
-    """The signal between two ticks."""
+    """The signal between two ticks, with its breaks there."""
     breaks = signal.breaks
     inside = breaks[(breaks > first) & (breaks < last)]
     return signal.cut(np.append(first, inside), last)
@@ -342,7 +343,7 @@ def _joined(first: Samples, second: Samples) -> Samples:
 def _edges(signal: Pieces, chosen: Mask) -> Samples:
     """First values of the chosen pieces, then their last ones.
 
-    A constant signal has no last ones.
+    Constant pieces have no last values of their own.
     """
     starts = signal.ticks[chosen]
     first_values = Samples(starts, signal.values[chosen])

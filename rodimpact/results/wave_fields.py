@@ -262,7 +262,7 @@ class WaveFields(Fields):
         return RodEnergy(kinetic, strain)
 
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """The largest of the stress peaks of all segments.
+        """The largest tension and compression of all segments of a rod.
 
         They are E/(2 c) times the extremes of B - A. Each peak has its stress, place
         and time; tension and compression are found apart.
