@@ -107,7 +107,10 @@ def run_jobs(
 
 
 def members_of(system: System, start: int, stop: int) -> System:
-    """Members `start` to `stop - 1` of a family in C order, as a smaller family."""
+    """Members `start` to `stop - 1` of a family in C order, as a smaller family.
+
+    All members are the family itself.
+    """
     if stop - start == math.prod(system.shape):
         return system
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
@@ -164,7 +167,8 @@ def run_chunk(
 def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     """Columns of members that are solved each alone, by name.
 
-    A member that the method refuses has no numbers, see `_empty_columns`.
+    A member that the method refuses has no numbers, see `_empty_columns`. Stopped is
+    raised if the sweep shall give up.
     """
     system = chunk.system
     readings = chunk.readings

@@ -215,7 +215,10 @@ def layout_of(system: System, readings: RequestedReadings) -> dict[str, Layout]:
 
 
 def row_of(solution: Solution, readings: RequestedReadings) -> Columns:
-    """Entries of a finished member in all columns of its family, by name."""
+    """Entries of a finished member in all columns of its family, by name.
+
+    Each is one value, but that of "strain" is an array, [gauge, time].
+    """
     row: Columns = {}
     sources = columns_of(solution.system, (*ALWAYS, *readings.also))
     for column, source in sources.items():

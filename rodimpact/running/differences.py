@@ -97,6 +97,8 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
 def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estimate:
     """Limit of a sequence at halved steps, by the window with the least error.
 
+    It is nan, with the error inf, where no window has a finite error.
+
     Parameters
     ----------
     first : [step, ...] array

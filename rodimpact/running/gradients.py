@@ -291,15 +291,15 @@ def gradient(
     options = _common_options(options, system, numbers)
     with Progress(progress, "gradient", "collisions") as report:
         result = _Result(of, options, workers, report)
-        value = result.of_members(system)
-        if not system.shape and math.isnan(value.value):
+        estimate = result.of_members(system)
+        if not system.shape and math.isnan(estimate.value):
             raise UndefinedRestitution(_why_undefined(system, of, options))
         columns = []
         for number in numbers:
-            sides = _extrapolated(number, result, value)
-            column = _column(sides, np.isfinite(value.value))
+            sides = _extrapolated(number, result, estimate)
+            column = _column(sides, np.isfinite(estimate.value))
             columns.append(column)
-    return _gradient(system, of, tuple(wrt), value.value, columns)
+    return _gradient(system, of, tuple(wrt), estimate.value, columns)
 
 
 def _common_options(
@@ -323,7 +323,7 @@ def _common_options(
 def _why_undefined(system: System, of: str, options: Options) -> str:
     """Why a single collision has no result of that name, as a sentence.
 
-    The collision is solved.
+    The collision is solved once more to find the reason.
     """
     solution = solve(
         system,
@@ -566,21 +566,21 @@ def _largest_of(segments: Sequence[Any], name: str) -> Any:
     return largest([getattr(segment, name) for segment in segments])
 
 
-def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
+def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides:
     """Derivatives of a result by a number on both sides.
 
-    They are found in stages of ever smaller steps. `value` is the result itself, with
-    its error. Each stage has `STEPS_PER_STAGE` steps. A stage after the first solves
-    only those members that `_unsettled` chooses; others have nan in it.
+    They are found in stages of ever smaller steps. `estimate` is the result itself,
+    with its error. Each stage has `STEPS_PER_STAGE` steps. A stage after the first
+    solves only those members that `_unsettled` chooses; others have nan in it.
     """
     shape = number.system.shape
     size = np.broadcast_to(number.size, shape)
-    noise = np.broadcast_to(value.error, shape)
+    noise = np.broadcast_to(estimate.error, shape)
     first_step = LARGEST_STEP[result.options.method]
     steps = np.zeros((0, *shape))
     below = np.zeros((0, *shape))
     above = np.zeros((0, *shape))
-    chosen = np.isfinite(value.value)  # members that are solved in the next stage
+    chosen = np.isfinite(estimate.value)  # members that are solved in the next stage
     for stage in range(MAX_STAGES):
         halvings = STEPS_PER_STAGE * stage + np.arange(STEPS_PER_STAGE)
         relative_steps = first_step * 2.0**-halvings
@@ -599,35 +599,35 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
         below = np.concatenate([below, stage_below])
         above = np.concatenate([above, stage_above])
         # Rounding the number plus a step changes the result by slope times rounding.
-        rise_above = np.abs(above - value.value)
-        rise_below = np.abs(below - value.value)
+        rise_above = np.abs(above - estimate.value)
+        rise_below = np.abs(below - estimate.value)
         slopes = np.fmax(rise_above, rise_below) / steps  # of the steeper side
         largest_slope = np.fmax.reduce(slopes, axis=0, initial=0.0)
         rounding = NUMBER_RTOL * np.abs(number.x) * largest_slope
         at_point = sides_of(below, above, steps, noise + rounding)
         next_step = steps[-1] / 2
-        chosen = _unsettled(at_point, value, noise + rounding, next_step)
+        chosen = _unsettled(at_point, estimate, noise + rounding, next_step)
         if not chosen.any():
             break
     return at_point
 
 
-def _unsettled(sides: Sides, value: Estimate, noise: Any, next_step: Any) -> Any:
+def _unsettled(sides: Sides, estimate: Estimate, noise: Any, next_step: Any) -> Any:
     """Whether smaller steps may tell more of each member: an array of truth values.
 
     They may if the derivatives on both sides differ by more than noise would then
-    allow, if the values jump, or if the error is much larger than that by noise.
-    `noise` is the bound of the error of values, and `next_step` the largest of further
-    steps.
+    allow, if the values jump, or if the error is much larger than that by noise. They
+    never do where the result itself is no number. `noise` is the bound of the error of
+    values, and `next_step` the largest of further steps.
     """
     from_noise = NOISE_AMPLIFICATION * noise / next_step  # error of a derivative
-    bend = np.abs(sides.bend.value)
+    bend = np.abs(sides.bend.value)  # difference of the derivatives on both sides
     bent = bend > sides.bend.error
-    bend_can_be_told = bend > 2 * from_noise
+    bend_can_be_told = bend > 2 * from_noise  # each of both has the error `from_noise`
     jumps = np.abs(sides.jump.value) > sides.jump.error
     inaccurate = sides.central.error > MAX_ERROR_OVER_NOISE * from_noise
     unsettled = (bent & bend_can_be_told) | jumps | inaccurate
-    return unsettled & np.isfinite(value.value)
+    return unsettled & np.isfinite(estimate.value)
 
 
 class _Column(NamedTuple):
@@ -673,7 +673,8 @@ def _column(sides: Sides, defined: Any) -> _Column:
     )
     entries = []
     for entry in column:
-        entries.append(np.asarray(entry)[()])  # a number if it has no dimensions
+        # [()] makes a number of an array of shape ().
+        entries.append(np.asarray(entry)[()])
     return _Column(*entries)
 
 
@@ -763,7 +764,7 @@ def _gradient(
         one_sided[path] = (column.below, column.above)
         units[path] = _per(unit, quantity_of_parameter(system, path).unit)
         if np.any(column.kinked):
-            # [()] makes a number of an array without dimensions.
+            # [()] makes a number of an array of shape ().
             kinks[path] = Kink(
                 below=np.where(column.kinked, column.below, math.nan)[()],
                 above=np.where(column.kinked, column.above, math.nan)[()],

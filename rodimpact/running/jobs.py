@@ -53,7 +53,8 @@ class Pool(NamedTuple):
 def check_executor(problems: Problems, executor: object, system: System) -> None:
     """Add problems of an executor that is none, or of laws that it cannot take.
 
-    Some laws cannot be handed to processes.
+    None is no mistake. Processes cannot take the function of a `Law` that they cannot
+    import.
     """
     if executor is None:
         return
@@ -113,7 +114,7 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
 
 
 def processors() -> int:
-    """Number of processors that this process may use."""
+    """Number of processors that this process may use; 1 if it is not known."""
     affinity = getattr(os, "sched_getaffinity", None)
     if affinity is not None:
         return len(affinity(0))
@@ -166,8 +167,8 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
 def cut(spans: Iterable[Span], size: int) -> Iterator[Span]:
     """Cut spans of members at multiples of a size.
 
-    Each part lies between two neighbouring multiples. A span goes from `start` to
-    `stop` - 1.
+    Each part lies between two neighbouring multiples, and parts of a span follow each
+    other.
     """
     for start, stop in spans:
         while start < stop:

@@ -75,7 +75,7 @@ def _check_gauge(
     """Body of a gauge, and its place in m from the left end.
 
     None and a problem if the gauge is faulty. It must lie in a rod of every member. A
-    place that is no number has a problem, too.
+    place that is no number has a problem, but is returned.
     """
     try:
         body, x = gauge

@@ -129,7 +129,9 @@ def solve(
 def collide(
     left: Body, right: Body, gap: float = 0.0, contact: ContactLaw | None = None
 ) -> Outcome:
-    """Let two bodies collide; shorthand for ``solve(System([left, right])).outcome``.
+    """Let two bodies collide, and return the outcome, as `solve` does for a row of two.
+
+    It is ``solve(System([left, right], [gap], [contact])).outcome``.
 
     Parameters
     ----------
@@ -165,7 +167,7 @@ def collide(
     if system.shape:
         return solve(system).outcome  # which refuses a family
     method = DEFAULT_OPTIONS.method_for(system)
-    with Progress(True, "collide", WORK_UNITS[method]) as report:
+    with Progress(progress=True, name="collide", unit=WORK_UNITS[method]) as report:
         run = DEFAULT_OPTIONS._run_checked(method, system, report)
     if run.totals:  # found by the method itself: no fields are needed
         return outcome_of(run, run.totals)

@@ -92,7 +92,10 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
 
 
 def _extremes(result: SweepResult, varied: Varied) -> str:
-    """Table of the number of collisions, and of extreme e with their places."""
+    """Table of the number of collisions, and of extreme e with their places.
+
+    The extremes are left out if no member has an e.
+    """
     where = ""
     if result.shape:
         where = f"in a grid of {' x '.join(map(str, result.shape))}"
@@ -239,7 +242,7 @@ def _energy_scale(result: SweepResult, members: Any, numbers: dict[str, Any]) ->
 
 
 def _written(values: Any, unit: str) -> list[str]:
-    """Values with their unit, each with a prefix such as "m" for 1/1000."""
+    """Values with their unit, each with a prefix such as "m" for 1/1000; nan as "-"."""
     return [format_si(value, unit) for value in values]
 
 

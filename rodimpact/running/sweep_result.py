@@ -138,7 +138,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """What varies along each dimension."""
+        """What varies along each dimension; the first of several numbers names it."""
         axes = []
         for dimension, size in enumerate(self.shape):
             axes.append(Axis(f"axis {dimension}", np.arange(size)))
@@ -162,7 +162,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def velocities_after(self) -> tuple[Any, ...]:
-        """Velocities of the centres of mass, one array a body, m/s."""
+        """Velocities of the centres of mass at the end, one array a body, m/s."""
         velocities = []
         for i in range(len(self.system.bodies)):
             velocities.append(self.columns[f"velocity_after.{i}"])
@@ -193,7 +193,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @cached_property
     def contacts(self) -> tuple[ContactColumns, ...]:
-        """Totals of each contact, walls counted."""
+        """Totals of each contact, those with walls too; every total is an array."""
         contacts = []
         for k in range(len(self.system.contacts)):
             contact = ContactColumns(
@@ -262,7 +262,8 @@ class SweepResult(Shown, OnlyContact[Any]):
     def explain(self, index: Any) -> str:
         """Why one member ended, or why it has no restitution, as a sentence.
 
-        The member is solved again.
+        The member is solved again. If the method refuses it, the reason is told;
+        InvalidModel if the index picks several members.
 
         Parameters
         ----------

@@ -29,7 +29,7 @@ def warm() -> float:
     Returns
     -------
     float
-        Time it took, s.
+        Time it took, s; 0 if nothing can be compiled.
 
     Warns
     -----

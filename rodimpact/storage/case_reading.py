@@ -172,14 +172,15 @@ def read_materials(group: Table) -> Materials:
 
 
 def read_elasticity(table: Table) -> dict[str, Any]:
-    """Numbers of a material.
+    """Numbers of a material that are given, and of those that must be, by key.
 
-    Its wave speed is among them where it is given for the modulus.
+    A wave speed that is given stands in place of the modulus; if the table has both,
+    both are returned.
     """
     if not table.has(SPEED):
         return table.given_numbers(Material)
     without = []
-    if not table.has(MODULUS):  # if both are given, the material refuses them
+    if not table.has(MODULUS):  # else it would be noted as missing
         without.append(MODULUS)
     numbers = table.given_numbers(Material, without)
     numbers[SPEED] = table.number(SPEED, WAVE_SPEED)
@@ -262,7 +263,7 @@ def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
 
 
 def read_body(table: Table, library: Materials) -> Body | None:
-    """The body, or a stand-in of its kind if it has mistakes.
+    """The body, or a stand-in of its kind if it has mistakes, which are noted.
 
     None if the kind is unknown.
     """
@@ -353,7 +354,7 @@ def read_soil(table: Table) -> Soil | None:
 
 
 def read_segment(table: Table, library: Materials) -> dict[str, Any]:
-    """Arguments of `Segment`, the material among them."""
+    """Arguments of `Segment` that a table gives, the material always among them."""
     entries = table.given_numbers(Segment)
     entries["material"] = read_material(table, library)
     if table.has("lateral_inertia"):
@@ -374,10 +375,10 @@ class Contacts(NamedTuple):
 def read_contacts(
     top: Table, bodies: list[Body | None], library: Materials
 ) -> Contacts:
-    """Gaps and contact laws, as the constructor of a system takes them.
+    """Gaps and contact laws, one for each table of a contact.
 
-    Without tables of contacts all of them are rigid and have no gap, but a grid may say
-    otherwise.
+    Without any such table all contacts are rigid and have no gap, but a grid may say
+    otherwise. The number of tables is not checked here.
     """
     tables = top.tables("contacts")
     if not top.has("contacts"):
@@ -481,7 +482,7 @@ def read_ends(sides: Table) -> list[End]:
 def read_solve(table: Table) -> dict[str, Any]:
     """Arguments of `solve` that are given, by name; those with units in SI units.
 
-    Mistakes in them are noted.
+    Mistakes in them are noted; they are among the arguments all the same.
     """
     options = {}
     for key in defaults_of(Options):
@@ -496,7 +497,7 @@ def read_solve(table: Table) -> dict[str, Any]:
 
 
 def read_output(table: Table) -> dict[str, str]:
-    """Names of files to write, by what they hold: "plot" or "save"."""
+    """Names of files to write, by what they hold, "plot" or "save"; mistakes noted."""
     names = {}
     for key in ("plot", "save"):
         if table.has(key):
@@ -511,7 +512,10 @@ def read_output(table: Table) -> dict[str, str]:
 
 
 def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
-    """A strain gauge on one of the rods; mistakes are noted."""
+    """A strain gauge on one of the rods; mistakes are noted, and its entries stay.
+
+    The fraction of a gauge without one is nan.
+    """
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
     body = table.get("body")
     if type(body) is not int or body not in rods:

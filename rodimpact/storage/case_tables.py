@@ -91,7 +91,7 @@ class Table:
         self.keys: dict[str, None] = {}  # asked for up to now
 
     def where(self, key: str) -> str:
-        """Path of an entry."""
+        """Path of an entry in the file: "bodies.0.length"."""
         if not self.path:
             return key
         return f"{self.path}.{key}"
@@ -99,9 +99,9 @@ class Table:
     def note_mistake(
         self, key: str, message: str, word: Any = "", choices: Collection[str] = ()
     ) -> None:
-        """Note a mistake at a key, with that of the choices which is nearest to a word.
+        """Note a mistake at a key; the nearest of the choices to a word is named in it.
 
-        An entry has one mistake: a second one follows from the first.
+        An entry has one mistake: further ones follow from the first, and are dropped.
         """
         mistakes = self.reading.mistakes
         if choices and len(mistakes) < MOST_TOLD:  # the nearest takes long to find
@@ -109,17 +109,20 @@ class Table:
         mistakes.setdefault(self.where(key), message)
 
     def has(self, key: str) -> bool:
-        """Whether the file has this entry, which it may have."""
+        """Whether the file has this entry; from now on its key counts as known."""
         self.keys[key] = None
         return key in self.data
 
     def get(self, key: str, default: Any = None) -> Any:
-        """What the file has at this key, which it may have."""
+        """What the file has at this key, else the default.
+
+        From now on the key counts as known.
+        """
         self.keys[key] = None
         return self.data.get(key, default)
 
     def grid_or_tie(self, key: str) -> Grid | Tie | None:
-        """The grid or the tie in place of this number.
+        """The grid or the tie in place of this number; None if there is none.
 
         Its path is noted as one that can vary.
         """
@@ -138,8 +141,8 @@ class Table:
     def given_numbers(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
         """Numbers of a class that are given, and of those that must be, by key.
 
-        A number that must be given and is not is nan, and noted. Fields `without` which
-        the object can be made are not among them.
+        A number that must be given and is not is nan, and noted. Those named in
+        `without` are left out.
         """
         numbers = {}
         for key, field in kind.fields.items():
@@ -290,9 +293,9 @@ class Table:
         return Table(apart, self.where(key), {})
 
     def tables(self, key: str) -> list[Table]:
-        """All tables of that name, in their order.
+        """All tables of that name, in their order; [] if there is none.
 
-        Anything else is noted as a mistake, and makes no table.
+        Anything but a list of tables is noted as a mistake, and gives [].
         """
         items = self.get(key, [])
         is_list = isinstance(items, list)
@@ -322,7 +325,7 @@ class Table:
     def make_or_note(
         self, kind: Any, names: Mapping[str, str] = SAME_NAMES, /, **entries: Any
     ) -> Any:
-        """An object of the model.
+        """The object that a class, or a method, makes of these entries.
 
         It is None, with its mistakes noted here, if they allow none. Keys that the
         model calls otherwise are in `names`: patterns of paths, and replacements.
@@ -337,7 +340,7 @@ class Table:
             return None
 
     def note_unknown_keys(self) -> None:
-        """Note every entry that nobody asked for."""
+        """Note every entry that nobody asked for, with the key that may be meant."""
         for key in self.data:
             if key in self.keys:
                 continue

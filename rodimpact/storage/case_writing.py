@@ -161,7 +161,7 @@ def write_case(path: PathLike, case: Case | System, *, force: bool = False) -> N
 
 
 def check_case_name(path: PathLike) -> None:
-    """Refuse a name of a file that does not end in ``.toml``."""
+    """Raise InvalidModel unless the name of a file ends in ``.toml``."""
     name = file_name(path)
     if not name.lower().endswith(".toml"):
         message = "must end in .toml: a solution is saved as its case"
@@ -169,10 +169,10 @@ def check_case_name(path: PathLike) -> None:
 
 
 def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Material]:
-    """Name the materials in the tables of rods by keys, and return them by key.
+    """Name the materials of rods by keys, and return them by key.
 
-    A key is the name of the material, with a number behind if another material has that
-    name.
+    The names are put into the tables of `described`, in place. A key is the name of the
+    material, with a number behind if another material has that name.
     """
     named: dict[str, Material] = {}
     keys: dict[int, str] = {}  # keys by the id of the object, which many segments share

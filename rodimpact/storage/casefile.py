@@ -147,7 +147,10 @@ def read_case(
 
 
 def _similar_file(name: str) -> str:
-    """Hint at a file of the same folder with a name spelt like the missing one."""
+    """Hint at a file of the same folder whose name is spelt like the missing one.
+
+    "" if there is none.
+    """
     path = Path(name)
     files = []
     with suppress(OSError):  # there is no such folder, or it may not be read

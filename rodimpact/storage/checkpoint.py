@@ -118,7 +118,8 @@ class Checkpoint:
     def _files(self) -> list[Path]:
         """Files of members in the directory, which is made if there is none.
 
-        OSError if no file can be written there, FileFormatError for foreign files.
+        [] if no directory is given. OSError if no file can be written there,
+        FileFormatError for foreign files.
         """
         if self.path is None:
             return []

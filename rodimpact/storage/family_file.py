@@ -98,7 +98,10 @@ class _Describer:
 
 
 def describe(content: Any) -> tuple[dict[str, Any], Arrays]:
-    """Document and arrays from which `restore` makes an equal object."""
+    """Document and arrays from which `restore` makes an equal object.
+
+    The document is ready for JSON; the arrays are columns, by their type.
+    """
     describer = _Describer()
     document = {"content": describer.describe(content)}
     arrays = {}

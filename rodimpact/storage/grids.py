@@ -51,7 +51,8 @@ class Grid:
     def __init__(self, path: str, text: Any, shape: list[int]) -> None:
         """Keep the path, the text and the shape of the array of values.
 
-        The shape is -1 along the axis of this grid, and 1 along the others.
+        The shape is -1 along the axis of this grid, and 1 along the others. The values
+        follow when the number is read, see `varied`.
         """
         self.path = path
         self.text = text
@@ -59,23 +60,22 @@ class Grid:
         self._shape = shape
 
     def array(self, dimension: str) -> Number:
-        """Values of the number along the axis of this grid.
+        """Values of the number in SI units, along the axis of this grid.
 
-        They are in the SI unit of the dimension. They are kept in `varied`. ValueError
-        if the text is no grid.
+        They are kept in `varied`, too. ValueError if the text is no grid.
         """
         values = grid_values(self.text, dimension)
         self.varied = Varied(self.path, values, units.si_unit(dimension))
         return values.reshape(self._shape)
 
     def along_axis(self, values: Floats) -> Number:
-        """Values of a number that is tied to this one, along its axis."""
+        """Values of a number that is tied to this one, shaped to lie along its axis."""
         return values.reshape(self._shape)
 
     def amounts(self) -> Varied:
-        """Values of the grid, by the units that its text has.
+        """Path, values and SI unit of the grid, by the units that its text has.
 
-        ValueError if the text is no grid.
+        Nothing is kept. ValueError if the text is no grid.
         """
         first, *_ = re.split("[:,]", self.text, maxsplit=1)
         unit = units.read_amount(first).unit
@@ -168,7 +168,7 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
 
 
 def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
-    """Return grids and ties by their paths, from their texts.
+    """Return grids and ties by their paths, from their texts; {} for None.
 
     InvalidModel for anything else. The k-th grid runs along axis k; a tie runs along
     the axis of its source, which must be a grid.

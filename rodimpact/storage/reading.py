@@ -192,7 +192,7 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
 
 
 def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
-    """An array of at most so many bytes, or ValueError.
+    """An array of the archive; ValueError if it has more than `most` bytes.
 
     The header is read before the numbers, to be sure that they are no more than it
     says.

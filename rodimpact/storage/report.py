@@ -323,7 +323,7 @@ def _balances_table(outcome: Any) -> str:
 
 
 def _error_text(value: float) -> str:
-    """A relative error for a table: its size to two digits."""
+    """A relative error for a table: its size to two digits, 1e-15 at least."""
     if abs(value) < 1e-15:
         return "below 1e-15"
     return f"{abs(value):.2g}"
@@ -349,7 +349,10 @@ def _episodes_table(solution: Any) -> str:
 
 
 def _sentences(outcome: Any) -> str:
-    """Why there is no restitution, and why the run ended."""
+    """Why there is no restitution, and why the run ended, a line each.
+
+    The second is left out if the first one says it.
+    """
     sentences = []
     reason = outcome.why_no_restitution()
     if reason:
@@ -367,7 +370,11 @@ def _then(outcome: Any) -> str:
 
 
 def _vibration_scale(outcome: Any) -> Any:
-    """Energy before of the bodies' relative motion and of vibration, J."""
+    """Scale of vibration energies, J: an energy that is lost in its last digits is 0.
+
+    It is m (largest difference of velocities)^2/2 with all masses m, and the vibration
+    energy, both before the collision.
+    """
     velocities = outcome.velocities_before
     spread = max(velocities) - min(velocities)
     mass = sum(mass for mass in outcome.masses if mass < math.inf)

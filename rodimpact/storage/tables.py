@@ -90,9 +90,9 @@ def as_html(text: str) -> str:
 
 
 def misnamed(column: object) -> str:
-    """Why a column cannot have this name.
+    """Why a column cannot have this name, as a sentence; "" if it can.
 
-    A column of this name would not be read as it was written.
+    A column of such a name would not be read as it was written.
     """
     if isinstance(column, str):
         is_time = TIMES.fullmatch(column)
@@ -106,7 +106,7 @@ def misnamed(column: object) -> str:
 
 
 def heading(column: str, unit: str) -> str:
-    """Head of a column with its unit.
+    """Head of a column with its unit; "1" stands for no unit.
 
     InvalidModel if the column cannot have this name or this unit.
 
@@ -156,7 +156,7 @@ def _lines_of_table(
 
 
 def joules(value: float, scale: float) -> str:
-    """An energy for a table."""
+    """An energy for a table, with its unit; 0 J if it is round-off beside `scale`."""
     return format_si(clean(value, scale), "J")
 
 
@@ -170,7 +170,10 @@ def versioned_json(**entries: Any) -> str:
 
 
 def finite(value: Any) -> Any:
-    """The same for JSON, which has no infinite numbers and no nan: they become None."""
+    """The same for JSON, which has no infinite numbers and no nan: they become None.
+
+    Mappings, lists and tuples are copied, tuples as lists.
+    """
     if isinstance(value, dict):
         return dict(zip(value, map(finite, value.values()), strict=True))
     if isinstance(value, list | tuple):

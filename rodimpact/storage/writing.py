@@ -36,7 +36,7 @@ EXISTS = "it exists already; give force=True to replace it"
 
 
 def file_name(path: Any) -> str:
-    """A path as text.
+    """A path as text, unchanged; whether there is such a file does not matter.
 
     InvalidModel for what is none, such as the number of an open file.
     """
