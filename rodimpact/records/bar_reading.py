@@ -63,7 +63,10 @@ def instrumented_bars(
 
 
 def output_bar_of(gauges: Any, bar: Any, compression: Any) -> InstrumentedBar:
-    """The output bar of a direct impact with the records of its gauges."""
+    """The output bar of a direct impact with the records of its gauges.
+
+    InvalidModel unless `bar` is one uniform rod, and for gauges that are wrong.
+    """
     one_of("compression", compression, SIGN_OF_COMPRESSION)
     if not _is_uniform(bar):
         message = "must be the output bar alone, a uniform Rod"
@@ -81,7 +84,10 @@ class Rods(NamedTuple):
 
 
 def rods_of(bars: Any) -> Rods:
-    """Both bars; InvalidModel unless they are one uniform rod or two."""
+    """Input and output bar; one uniform rod stands for both.
+
+    InvalidModel unless the argument is one uniform rod or two.
+    """
     rods = bars
     if not isinstance(bars, tuple | list):
         rods = (bars, bars)
@@ -209,7 +215,10 @@ class _Times(NamedTuple):
 
 
 def _common_times(name: str, strains: list[Signal]) -> _Times:
-    """Times that all records of a bar contain, at the steps of the first one."""
+    """Times that all records of a bar contain, at the steps of the first one.
+
+    InvalidModel, which names the argument `name`, if they contain too few in common.
+    """
     dt = strains[0].dt
     start = max(strain.start for strain in strains)
     end = min(strain.end for strain in strains)

@@ -173,7 +173,7 @@ class Calibration:
 
 
 def with_gains(calibration: Calibration, bars: InstrumentedBars) -> InstrumentedBars:
-    """Bars of a shot with the gains of a calibration applied."""
+    """Bars of a shot with their strains multiplied by the gains of a calibration."""
     input_gain, output_gain = calibration.gains
     return InstrumentedBars(
         _amplified(bars.input, input_gain), _amplified(bars.output, output_gain)
@@ -466,7 +466,10 @@ def _noise(bar: InstrumentedBar) -> float:
 
 
 def _at_output_gauge(input_bar: InstrumentedBar, output_bar: InstrumentedBar) -> Floats:
-    """The incident pulse at the output gauge, if the joint transmitted all of it."""
+    """The incident pulse at the output gauge, if the joint transmitted all of it.
+
+    It is the strain at the times of the output bar, without the gains of the bars.
+    """
     passing = _passing(input_bar)
     pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
     same_steps = input_bar._replace(dt=output_bar.dt)
@@ -522,7 +525,8 @@ def _plateau_error(bar: InstrumentedBar) -> float:
 def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
     """Sums of values, [sample], over blocks, [block].
 
-    A block lasts the rise time of the pulse.
+    A block lasts the rise time of the pulse, but for the last one, which may be
+    shorter.
     """
     block_samples = max(1, round(bar.first_pulse.rise / bar.dt))
     starts = np.arange(0, len(values), block_samples)
@@ -542,7 +546,7 @@ def _bending(gauge: BarGauge, bar: InstrumentedBar) -> float | None:
     """Largest bending strain while the pulse passes, over the plateau of the mean.
 
     The pulse, its plateau and the time in which it passes are those of the first gauge
-    of the bar.
+    of the bar. None if only one side has a gauge.
     """
     bending = gauge.bending
     if bending is None:

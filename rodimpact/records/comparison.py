@@ -201,9 +201,10 @@ def _best_shifts_on_grid(
 ) -> list[float]:
     """The best local minima of the misfit among the shifts ``high - j step``.
 
-    With the model m, the record y and the scale c the squared misfit is
-    ``c^2 sum(m^2) - 2 c sum(m y) + sum(y^2)``. The products with all shifts of the
-    model at once are a correlation, by Fourier transforms.
+    The best comes first, and there are `REFINED_SHIFTS` at most. With the model m, the
+    record y and the scale c the squared misfit is ``c^2 sum(m^2) - 2 c sum(m y) +
+    sum(y^2)``. The products with all shifts of the model at once are a correlation, by
+    Fourier transforms.
     """
     times = comparison.record.times
     n = int((times[-1] - times[0]) / step) + 1

@@ -47,7 +47,7 @@ class Curve:
 
     @property
     def loading(self) -> slice:
-        """Samples up to the largest strain."""
+        """Slice of the samples up to the largest strain, which is among them."""
         return slice(0, int(self.strain.argmax()) + 1)
 
     def at_strain(self, strain: Any, column: Floats) -> Floats:
@@ -108,7 +108,7 @@ def curve_of(faces: Faces, specimen: Specimen, times: Floats) -> Curve:
 
 
 def integral(rate: Floats, times: Floats) -> Floats:
-    """Integral from the first time on, by trapezia."""
+    """Integral from the first time to each of the times, by trapezia: first 0."""
     from scipy.integrate import cumulative_trapezoid
 
     total: Floats = cumulative_trapezoid(rate, times, initial=0)

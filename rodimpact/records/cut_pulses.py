@@ -200,7 +200,10 @@ def _check_end(incident: _Pulse) -> None:
 
 
 def _joined(first: Signal, second: Signal) -> Signal:
-    """Both pulses in one record at the steps of the first one, zero between them."""
+    """Both pulses in one record at the steps of the first one, zero between them.
+
+    Where they overlap the strains are added.
+    """
     dt = first.dt
     count = round((second.end - first.start) / dt)
     times = first.start + dt * np.arange(count + 1)

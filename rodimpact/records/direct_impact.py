@@ -56,7 +56,7 @@ class DirectImpactShot:
         bar = self.output
         waves = waves_at_face(bar)
         force = bar.stiffness * (waves.away + waves.towards)
-        # No force acts before the impact.
+        # `times` begin with the impact, before which no force acts.
         force[bar.times < self.times[0]] = 0.0
         input_velocity = self._speed() - self._lost_velocity(force)
         output_velocity = bar.speed * (waves.away - waves.towards)
@@ -76,10 +76,11 @@ class DirectImpactShot:
     def _lost_velocity(self, force: Floats) -> Floats:
         """Velocity that the striker's face has lost to a force, m/s.
 
-        It is int F dt/m of a rigid striker, and c (g + T(2 L) g) of a rod with a free
-        far end. Here g is the strain of the wave that leaves the face, of the force and
-        all returned waves: Z c g = F + Z c T(2 L) g, with Z c the stiffness. T(x)
-        carries a wave over the distance x.
+        Both are at the times of the bar, [sample]. The velocity is int F dt/m of a
+        rigid striker, and c (g + T(2 L) g) of a rod with a free far end. Here g is the
+        strain of the wave that leaves the face, of the force and all returned waves: Z
+        c g = F + Z c T(2 L) g, with Z c the stiffness. T(x) carries a wave over the
+        distance x.
         """
         striker = self.striker
         if isinstance(striker, RigidMass):
@@ -108,8 +109,8 @@ class DirectImpactShot:
         later = self.output._replace(times=self.output.times + delay)
         return replace(self, output=later)
 
-    def sentence(self) -> str:
-        """Origin of the velocity of the input face, and error of its start."""
+    def method_sentence(self) -> str:
+        """Sentence on how the velocity of the input face follows, and on its error."""
         kind = "a rigid mass"
         if isinstance(self.striker, Rod):
             kind = "a rod with a free far end"

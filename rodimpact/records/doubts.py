@@ -319,11 +319,15 @@ class _Delay(NamedTuple):
 
 
 def _delay(before: _Onset, after: _Onset) -> _Delay:
-    """Time from the onset of one pulse to that of a later one."""
+    """Time from the onset of one pulse to that of a later one: least, most and middle.
+
+    The earlier one may have begun at any time from `earliest` to `latest`, and so may
+    the later one.
+    """
     return _Delay(
-        after.earliest - before.latest,
-        after.latest - before.earliest,
-        after.latest - before.latest,
+        least=after.earliest - before.latest,
+        most=after.latest - before.earliest,
+        middle=after.latest - before.latest,
     )
 
 

@@ -82,8 +82,8 @@ class EqualForceShot:
         output = self.bars.output._replace(times=self.bars.output.times + delay)
         return replace(self, bars=self.bars._replace(output=output))
 
-    def sentence(self) -> str:
-        """Duration of the separation of waves, and effect of an offset by then."""
+    def method_sentence(self) -> str:
+        """Sentence on how long the waves are separated, and on an offset by then."""
         input_bar = self.bars.input
         duration = self.times[-1] - self.times[0]
         period = 2 * float(input_bar.distances[0]) / input_bar.speed

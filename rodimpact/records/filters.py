@@ -31,7 +31,7 @@ MIN_MEAN_STEPS = 1e-6
 
 
 def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
-    """Gaussian filter whose gain falls to 1/sqrt(2) at a frequency, Hz."""
+    """Values after a Gaussian filter whose gain is 1/sqrt(2) at a frequency, Hz."""
     # The response lasts 1/frequency to either side: 7.5 standard deviations.
     tail = math.ceil(min(1 / dt / frequency, MAX_SAMPLES))
     exponent = math.log(2) / 2  # exp(-exponent) is 1/sqrt(2)
@@ -44,7 +44,7 @@ def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
 
 
 def blurred(values: Floats, dt: float, deviation: float) -> Floats:
-    """Gaussian filter of this standard deviation, s.
+    """Values after a Gaussian filter of this standard deviation, s.
 
     Its gain exp(-(2 pi f deviation)^2/2) is 1/sqrt(2) where
     2 pi f deviation = sqrt(ln 2).

@@ -227,5 +227,8 @@ def _head_of(cell: str) -> Head:
 
 
 def spelt(unit: str) -> str:
-    """A unit as it is known here."""
+    """A unit in the spelling of this package, from words of instruments.
+
+    Other units stay as they are.
+    """
     return UNIT_WORDS.get(unit.casefold(), unit)

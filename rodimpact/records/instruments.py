@@ -322,7 +322,7 @@ def _head_line(channels: list[str], units: list[str], time_unit: str, mark: str)
 
 
 def _head(name: str, unit: str) -> str:
-    """Head of a column."""
+    """Head of a column, with its unit in brackets if it has one."""
     if unit:
         return f"{name} [{unit}]"
     return name

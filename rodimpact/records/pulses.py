@@ -132,7 +132,7 @@ def plateau(values: Floats) -> float:
 
 
 def _sign_of(values: Floats) -> float:
-    """Sign of the sample with the largest absolute value."""
+    """Sign of the sample with the largest absolute value, 1.0 or -1.0."""
     if values.max() >= -values.min():
         return 1.0
     return -1.0
@@ -170,7 +170,7 @@ def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float
     """Last time before a tenth of the plateau at which a pulse is within its noise, s.
 
     It is not above a hundredth of the plateau, or three standard deviations of the
-    noise.
+    noise. It is the first time if no sample is as low.
     """
     level = max(ONSET_RATIO * abs(pulse.plateau), ONSET_NOISE_RATIO * noise)
     size = np.sign(pulse.plateau) * values  # positive in the pulse

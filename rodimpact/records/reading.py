@@ -318,9 +318,9 @@ def _first_increasing(table: ColumnTable) -> str:
 
 
 def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
-    """Units of channels that the user gave, by name.
+    """Units of channels that the user gave, by name; a single one holds for all.
 
-    InvalidModel for an unknown channel.
+    None stands for a unit that was not given. InvalidModel for an unknown channel.
     """
     if not isinstance(units, Mapping):
         return dict.fromkeys(channels, units)

@@ -275,7 +275,7 @@ def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
         shot,
         curve,
         list(recorded),
-        verdict_of_equal_forces(curve, shot.sentence()),
+        verdict_of_equal_forces(curve, shot.method_sentence()),
         doubts_of_equal_forces(recorded, records.specimen.length),
         report,
         calibration=records.calibration,
@@ -288,8 +288,8 @@ def _reduce_direct_impact(
 ) -> Reduction:
     """Reduce the impact of a striker on a specimen that lies on an output bar.
 
-    An error of the time of the impact is one of the strain: times the first velocity,
-    over L0.
+    An error dt of the time of the impact makes an error v1 dt/L0 of the strain, with
+    the first velocity v1 of the input face: it joins the band of the strain.
     """
     start = start_of_impact(bar)
     times = _times_between(start, separated_until(bar), bar.dt, "output_gauges")
@@ -300,7 +300,7 @@ def _reduce_direct_impact(
         shot,
         curve,
         [bar],
-        verdict_of_equal_forces(curve, shot.sentence()),
+        verdict_of_equal_forces(curve, shot.method_sentence()),
         doubts_of_direct_impact(bar),
         report,
         strain_error=strain_error,
@@ -308,7 +308,7 @@ def _reduce_direct_impact(
 
 
 def _times_between(start: float, end: float, dt: float, name: str) -> Floats:
-    """Times of a curve from `start` on, at steps of `dt`, up to `end`, all in s.
+    """Times of a curve from `start` on, at steps of `dt`, before `end`, all in s.
 
     InvalidModel if they are too few; it names the argument `name`.
     """

@@ -122,9 +122,9 @@ class Reduction(Curve):
 
     @property
     def equilibrium(self) -> Floats:
-        """Difference of the forces over their mean, 2 (F1 - F2)/(F1 + F2).
+        """Difference of the forces over their mean, 2 (F1 - F2)/(F1 + F2), shape (n,).
 
-        It is nan without force.
+        It is nan where the sum is below `MIN_TOTAL_FORCE_RATIO` of its largest value.
         """
         total = self.input_force + self.output_force
         is_small = np.abs(total) < MIN_TOTAL_FORCE_RATIO * np.abs(total).max()
@@ -159,7 +159,10 @@ class Reduction(Curve):
 
     @property
     def signals(self) -> dict[str, Signal]:
-        """All columns as signals, by name."""
+        """All columns as signals over the times, by name.
+
+        An incompressible specimen has ``true_strain`` and ``true_stress`` among them.
+        """
         units = {
             "strain": "",
             "strain_rate": "1/s",
@@ -202,7 +205,10 @@ class Reduction(Curve):
         return "\n".join(lines)
 
     def _rows(self) -> list[list[str]]:
-        """Heads and rows of the table: loading, at round strains and at the peak."""
+        """Heads and rows of the table, while loading.
+
+        Its strains are round ones, that at the peak stress, and the largest.
+        """
         at_peak = self.verdict.strain_at_peak
         strains = table_strains(at_peak, float(self.strain[self.loading][-1]))
         columns = {}
@@ -226,7 +232,10 @@ class Reduction(Curve):
         return rows
 
     def _method(self) -> str:
-        """How the waves were propagated, and for how long they are separated."""
+        """Line on the wave that gives the stress, and on how waves were propagated.
+
+        It also tells for how long they are separated.
+        """
         propagation = "without dispersion"
         if self.disperses:
             propagation = "with the exact first mode"

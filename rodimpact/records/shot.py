@@ -117,7 +117,8 @@ def bands_of(
 def high_frequency_power(column: Floats, resolution: Resolution) -> Floats:
     """Local mean square of the last octave of frequencies that records and bars carry.
 
-    Higher frequencies are lost; behind a kink of the curve they have the same power.
+    It has the shape of the column. Higher frequencies are lost; behind a kink of the
+    curve they have the same power.
     """
     dt = resolution.dt
     octave_start = resolution.cut_off / 2

@@ -241,7 +241,7 @@ class Signal(Frozen):
         return self.replace(values=self.values[inside], times=self.times[inside])
 
     def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
-        """Return the signal longer by these times, s.
+        """Return the signal longer by these times, s, or by a part of a step more.
 
         The first value is added before the record, the last value after it. Extend a
         record that begins just before its pulse: `low_pass` and `propagated` widen the
@@ -262,7 +262,10 @@ class Signal(Frozen):
         return self.replace(values=values, times=times)
 
     def baseline(self, start: float, end: float) -> Signal:
-        """Return the signal minus its mean from start to end, s."""
+        """Return the signal minus its mean from start to end, s.
+
+        ValueError if fewer than two samples lie there.
+        """
         return self - float(self.values[self._within(start, end)].mean())
 
     def _within(self, start: float, end: float) -> Any:
@@ -639,7 +642,7 @@ def _single_number(number: Any, unit: str) -> float:
 
 
 def _samples(name: str, numbers: Any, unit: str) -> Array:
-    """Samples in this unit as a read-only array.
+    """Samples in this unit as a new array, which is read-only.
 
     InvalidModel for fewer than two, and for samples that are not finite.
     """
@@ -653,7 +656,7 @@ def _samples(name: str, numbers: Any, unit: str) -> Array:
 
 
 def _check_word(name: str, word: Any) -> None:
-    """InvalidModel if an argument is no text that can be printed."""
+    """InvalidModel if an argument is no text that can be printed; "" is one."""
     if not isinstance(word, str) or not word.isprintable():
         raise invalid_argument(name, f"must be a word, got {shown(word)}")
 
@@ -666,7 +669,10 @@ def _unit_text(unit: str) -> str:
 
 
 def _number_of_steps(name: str, duration: Any, step: float) -> int:
-    """Number of time steps, s, that cover a duration, s, which is an argument."""
+    """Least number of time steps, s, that cover a duration, s, which is an argument.
+
+    InvalidModel if the duration is negative or too long.
+    """
     count = scalar(name, duration, "s") / step
     if not 0 <= count < filters.MAX_SAMPLES:
         message = f"must be 0 or more, and at most {filters.MAX_SAMPLES} samples"

@@ -7,7 +7,10 @@ ROUND_STRAINS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5)
 
 
 def table_strains(at_peak: float, largest: float) -> Sequence[float]:
-    """Round strains, the strain at the peak stress, and the largest strain."""
+    """Round strains, the strain at the peak stress, and the largest strain, in order.
+
+    Round strains above the largest one are left out.
+    """
     strains = {at_peak, largest}
     for strain in ROUND_STRAINS:
         if strain < largest:

@@ -40,7 +40,10 @@ class Waveguide(NamedTuple):
 
     @property
     def mode(self) -> waves.Bar | None:
-        """The exact first mode, if the bar is round and has a Poisson ratio."""
+        """The exact first mode, if the bar is round and has a Poisson ratio.
+
+        None for other bars, whose waves do not disperse.
+        """
         segment = self.rod.segments[0]
         if segment.solid_round and segment.material.poisson_ratio is not None:
             return waves.Bar.of(self.rod)
