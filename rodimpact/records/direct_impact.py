@@ -78,8 +78,8 @@ class DirectImpactShot:
 
         Both are at the times of the bar, [sample]. The velocity is int F dt/m of a
         rigid striker, and c (g + T(2 L) g) of a rod with a free far end. Here g is the
-        strain of the wave that leaves the face, of the force and all returned waves: Z
-        c g = F + Z c T(2 L) g, with Z c the stiffness. T(x) carries a wave over the
+        strain of the wave that leaves the face, of the force and all returned waves:
+        Z c g = F + Z c T(2 L) g, with Z c the stiffness. T(x) carries a wave over the
         distance x.
         """
         striker = self.striker
