@@ -35,7 +35,7 @@ NOTEBOOK_KERNELS = ("ipykernel.zmqshell", "IPython.utils._process_emscripten")
 
 ProgressFunction = Callable[[int, int | None], object]
 """Called with the work that is done and all of it, None where that is not known."""
-Report = Callable[[int, int | None], None]
+ProgressReport = Callable[[int, int | None], None]
 """Function that a long call calls with the work that is done and all of it."""
 
 
@@ -83,7 +83,7 @@ class Progress:
         # The work done at the first report is taken over from a checkpoint.
         self._done_before: int | None = None
 
-    def __enter__(self) -> Report:
+    def __enter__(self) -> ProgressReport:
         """Begin the call; return the function to which it reports how far it is.
 
         That is the user's function, the bar of the outermost call, or one that does

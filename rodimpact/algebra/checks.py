@@ -9,7 +9,7 @@ import numpy as np
 from ..methods.abilities import needs
 from ..methods.registry import count
 from ..model import Bonded, Free, Rod, Steps, System, Wall
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..model.frozen import InvalidModel, Problems, raise_if_problems
 from ..model.quantities import is_integer
 from ..progress import ProgressFunction, check_progress
@@ -18,7 +18,7 @@ from ..units import shown
 
 def check_system(system: System) -> None:
     """Raise InvalidModel for a system that has something without exact numbers."""
-    of_kind("system", system, System, "System([rod, Wall()])")
+    check_kind("system", system, System, "System([rod, Wall()])")
     problems: Problems = []
     if system.shape:
         problems.append(

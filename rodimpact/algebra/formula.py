@@ -19,7 +19,7 @@ import numpy as np
 
 from ..hints import explain_arguments, explain_missing, nearest
 from ..model import System
-from ..model.arguments import text
+from ..model.arguments import check_text
 from ..model.frozen import InvalidModel
 from ..progress import ProgressFunction
 from .checks import FormulaTooLong, check_arguments, check_final, fractions_of
@@ -331,7 +331,7 @@ class ClosedForm:
         remedy : str
             How to see all conditions, such as "--conditions shows all".
         """
-        text("remedy", remedy, ".cell has all")
+        check_text("remedy", remedy, ".cell has all")
         line = "where always"
         if self.nearest:
             line = "where " + ", ".join(map(shortened, self.nearest))

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..progress import Report
+from ..progress import ProgressReport
 from .checks import FormulaTooLong, check_final
 from .plane_cell import Floats, PlaneCell
 from .symbolic_row import SymbolicRow
@@ -131,7 +131,7 @@ class PlaneSearch:
         *,
         max_runs: int,
         max_events: int,
-        report: Report,
+        report: ProgressReport,
     ) -> None:
         """Begin without any cell."""
         self.cells: list[PlaneCell] = []

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ..model.frozen import invalid_argument
-from ..progress import Progress, ProgressFunction, Report
+from ..progress import Progress, ProgressFunction, ProgressReport
 from ..storage.extras import optional
 from .symbolic_row import SymbolicRow
 from .traced_fraction import Program, TracedFraction
@@ -90,7 +90,7 @@ class RationalFunctions:
         """Progress of what is computed in symbols; its amount is not known before."""
         return Progress(self._progress, "formula", "steps")
 
-    def _count_step(self, report: Report) -> None:
+    def _count_step(self, report: ProgressReport) -> None:
         """Report one step more."""
         self._steps += 1
         report(self._steps, None)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..hints import explain_arguments
 from ..model import Bonded, Material, Rigid, Rod, System
-from ..model.arguments import array, integer, of_kind, scalar
+from ..model.arguments import array, check_kind, integer, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.laws import RIGID
 from ..model.profiles import Steps
@@ -112,10 +112,10 @@ def striker(
     problems: Problems = []
     check_progress(problems, progress)
     raise_if_problems(problems)
-    of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
+    check_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
     if material is None:
         material = bar.segments[0].material
-    of_kind("material", material, Material, "materials.steel")
+    check_kind("material", material, Material, "materials.steel")
     _check_bodies(bar, material, contact)
     V = scalar("velocity", velocity, "m/s", "positive")
     T = scalar("duration", duration, "s", "positive")

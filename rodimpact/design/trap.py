@@ -16,7 +16,7 @@ import numpy as np
 
 from ..hints import explain_arguments
 from ..model import Free, Material, Rigid, Rod, System
-from ..model.arguments import of_kind, scalar
+from ..model.arguments import check_kind, scalar
 from ..model.frozen import InvalidModel, invalid_argument
 from ..results.solution import Solution
 from ..running.solving import solve
@@ -85,7 +85,7 @@ def momentum_trap(
     >>> round(design.misfit, 9)
     0.0
     """
-    of_kind("system", system, System, "System([striker, bar])")
+    check_kind("system", system, System, "System([striker, bar])")
     bar = system.bodies[-1]
     if not isinstance(bar, Rod) or not isinstance(system.ends[1], Free):
         raise invalid_argument(
@@ -99,7 +99,7 @@ def momentum_trap(
         )
     if material is None:
         material = bar.segments[-1].material
-    of_kind("material", material, Material, "materials.steel")
+    check_kind("material", material, Material, "materials.steel")
 
     untrapped = solve(system, until=end)
     bar_index = len(system.bodies) - 1

@@ -20,7 +20,7 @@ import numpy as np
 from ..hints import explain_arguments
 from ..methods.registry import METHODS, Options, count
 from ..model import Rod, System
-from ..model.arguments import of_kind, scalar
+from ..model.arguments import check_kind, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
 from ..running.jobs import check_executor
@@ -286,7 +286,7 @@ def _checked_records(measured: Any) -> list[Measured]:
     if isinstance(measured, list | tuple) and measured:
         records = list(measured)
     for record in records:
-        of_kind("measured", record, Measured, "Measured(signal, gauge=(1, 0.5))")
+        check_kind("measured", record, Measured, "Measured(signal, gauge=(1, 0.5))")
     return records
 
 

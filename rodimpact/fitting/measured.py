@@ -7,7 +7,7 @@ from typing import Literal
 
 from ..methods.registry import check_function
 from ..model import Rod, System
-from ..model.arguments import integer, of_kind, one_of, scalar
+from ..model.arguments import check_choice, check_kind, integer, scalar
 from ..model.frozen import FrozenDataclass, Problems, invalid_argument, quantity
 from ..records.comparison import Bounds
 from ..records.pulses import plateau
@@ -87,14 +87,16 @@ class Measured(FrozenDataclass):
     passages: Literal["first", "all"] = "first"
 
     def _check(self, problems: Problems) -> None:
-        of_kind("signal", self.signal, Signal, "read_signals('record.csv')['incident']")
+        check_kind(
+            "signal", self.signal, Signal, "read_signals('record.csv')['incident']"
+        )
         if not isinstance(self.gauge, tuple | list) or len(self.gauge) != 2:
             raise invalid_argument(
                 "gauge", f"must be (body, x), such as (1, 0.5), got {shown(self.gauge)}"
             )
         body, x = self.gauge
         self._set(gauge=(body, scalar("gauge", x, "m")))
-        one_of("passages", self.passages, ("first", "all"))
+        check_choice("passages", self.passages, ("first", "all"))
         check_function(problems, "seen", self.seen)
         if self.level is not None:
             self._set(level=scalar("level", self.level, self.signal.unit, "positive"))
@@ -162,20 +164,22 @@ class Measured(FrozenDataclass):
 
     def _rod(self, system: System) -> Rod:
         """The rod with the gauge; InvalidModel if the system has none there."""
-        of_kind("system", system, System, "System([rod, Wall()])")
+        check_kind("system", system, System, "System([rod, Wall()])")
         if system.shape:
             raise invalid_argument(
                 "system", f"must be a single system, got {shown(system)}"
             )
         body = integer("gauge", self.gauge[0], 0, len(system.bodies) - 1)
         rod = system.bodies[body]
-        of_kind(f"bodies.{body}", rod, Rod, "Rod(1.0, diameter=0.01, material=steel)")
+        check_kind(
+            f"bodies.{body}", rod, Rod, "Rod(1.0, diameter=0.01, material=steel)"
+        )
         assert isinstance(rod, Rod)
         return rod
 
     def prediction(self, strain: Signal, system: System) -> Signal:
         """The record by the strain at `place`, before shift, offset and trend."""
-        of_kind("strain", strain, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
+        check_kind("strain", strain, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         rod = self._rod(system)
         if self.distance and self.passages == "first":
             margin = self._propagation_time(system)
@@ -183,7 +187,7 @@ class Measured(FrozenDataclass):
             strain = extended.propagated(self.distance, rod, radius=self.radius)
         if self.seen is not None:
             strain = self.seen(strain)
-            of_kind("seen(strain)", strain, Signal, "strain.low_pass(100e3)")
+            check_kind("seen(strain)", strain, Signal, "strain.low_pass(100e3)")
         return strain
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..hints import explain_missing
 from ..model import System
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..records.signal import Signal
@@ -234,7 +234,7 @@ class Fit(Shown):
         InvalidModel
             If `other` is not a Fit, or has no number in common with this fit.
         """
-        of_kind("other", other, Fit, "fit(system, measured, vary, until)")
+        check_kind("other", other, Fit, "fit(system, measured, vary, until)")
         other_values = {(f.name, f.unit): f.value for f in other.fitted}
         notes = []
         for f in self.fitted:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from numpy.typing import ArrayLike
 
 from ..model import System
-from ..model.arguments import array, of_kind, one_of
+from ..model.arguments import array, check_choice, check_kind
 from ..model.frozen import (
     FrozenDataclass,
     Problems,
@@ -23,7 +23,7 @@ from ..model.frozen import (
     raise_if_problems,
 )
 from ..model.quantities import is_integer
-from ..progress import Report, is_function, no_report
+from ..progress import ProgressReport, is_function, no_report
 from ..units import shown
 from . import abilities
 from .abilities import Needs
@@ -164,7 +164,7 @@ class Options(FrozenDataclass):
             if has_both and name not in reported:
                 message = "fixes the step, rtol chooses it; give one of them"
                 problems.append((name, message))
-        one_of("method", self.method, METHOD_NAMES)
+        check_choice("method", self.method, METHOD_NAMES)
 
     def method_for(self, system: Any) -> str:
         """Return the name of the method that is to run.
@@ -183,7 +183,7 @@ class Options(FrozenDataclass):
             If `system` is no System, the method lacks something that the system has, an
             option is for another method, or `until` is missing.
         """
-        of_kind("system", system, System, "System([rod, Wall()])")
+        check_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)
         capable = capable_of(needs)
         method = self.method
@@ -221,7 +221,9 @@ class Options(FrozenDataclass):
                 problems.append((name, f"{message}; leave it out, or give another"))
         raise_if_problems(problems)
 
-    def run(self, method: str, system: System, report: Report = no_report) -> Run:
+    def run(
+        self, method: str, system: System, report: ProgressReport = no_report
+    ) -> Run:
         """Run a single collision by the method that `method_for` chose.
 
         Parameters
@@ -238,8 +240,8 @@ class Options(FrozenDataclass):
             If the method does not exist or lacks something that the system has, or the
             system is a family.
         """
-        one_of("method", method, tuple(METHODS))
-        of_kind("system", system, System, "System([rod, Wall()])")
+        check_choice("method", method, tuple(METHODS))
+        check_kind("system", system, System, "System([rod, Wall()])")
         if system.shape:
             message = f"is a family of shape {system.shape}; take a member, system[0]"
             raise invalid_argument("system", message)
@@ -250,7 +252,7 @@ class Options(FrozenDataclass):
         raise_if_problems(problems)
         return self._run_checked(method, system, report)
 
-    def _run_checked(self, method: str, system: System, report: Report) -> Run:
+    def _run_checked(self, method: str, system: System, report: ProgressReport) -> Run:
         """Run a single collision, as `run`.
 
         The method is known to have its physics. If single entries kept ``"auto"`` from

@@ -111,7 +111,7 @@ def demand(condition: Any, name: str, message: str, *values: Number) -> None:
     raise_if_problems(problems)
 
 
-def of_kind(name: str, value: Any, kind: type, example: str) -> None:
+def check_kind(name: str, value: Any, kind: type, example: str) -> None:
     """Raise InvalidModel if an argument is not of the class `kind`.
 
     The message shows `example` as one that is.
@@ -132,7 +132,7 @@ def of_kind(name: str, value: Any, kind: type, example: str) -> None:
     raise invalid_argument(name, f"{wanted}, got {found}")
 
 
-def one_of(name: str, value: Any, choices: Collection[str]) -> None:
+def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
     """Raise InvalidModel unless an argument is one of these words."""
     if not isinstance(value, str) or value not in choices:
         words = ", ".join(map(repr, choices))
@@ -156,7 +156,7 @@ def check_flag(name: str, value: Any) -> None:
         raise invalid_argument(name, f"must be True or False, got {shown(value)}")
 
 
-def text(name: str, value: Any, example: str) -> None:
+def check_text(name: str, value: Any, example: str) -> None:
     """Raise InvalidModel if an argument is no text; the message shows an `example`."""
     if not isinstance(value, str):
         raise invalid_argument(

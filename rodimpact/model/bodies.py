@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from ..hints import explain_missing, nearest
 from ..units import shown
 from . import frozen, profiles
-from .arguments import array, broadcast_arguments, demand, integer, of_kind
+from .arguments import array, broadcast_arguments, check_kind, demand, integer
 from .frozen import (
     Frozen,
     FrozenDataclass,
@@ -287,7 +287,7 @@ class Segment(FrozenDataclass):
         self._set(area=area)
         if self.lateral_inertia is not None or self.polar_moment is not None:
             self._check_lateral_inertia(problems)
-        of_kind("material", self.material, Material, "materials.steel")
+        check_kind("material", self.material, Material, "materials.steel")
         frozen.raise_if_problems(problems)
         if isinstance(area, Samples):
             # A taper is sound if uniform segments of its extreme areas are.

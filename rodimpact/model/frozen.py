@@ -309,7 +309,7 @@ Numeric: TypeAlias = TypedAttribute[Number, ArrayLike]
 NumericOrNone: TypeAlias = TypedAttribute[Number | None, ArrayLike | None]
 
 
-def increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
+def require_increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
     """Add a problem for each number that does not lie above the one before it.
 
     Where numbers are arrays, this must hold in every member of the family.

@@ -625,8 +625,8 @@ class Tabulated(Plastic, law="tabulated"):
                 f"{n_compressions} for {n_forces}"
             )
             raise frozen.invalid_argument("compression", message)
-        frozen.increasing(problems, "compression", self.compression)
-        frozen.increasing(problems, "force", self.force)
+        frozen.require_increasing(problems, "compression", self.compression)
+        frozen.require_increasing(problems, "force", self.force)
         if not problems and self.unloading is not None:
             steepest = self._steepest_slope()
             k = np.asarray(self.unloading)

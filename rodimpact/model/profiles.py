@@ -79,7 +79,7 @@ class Steps(FrozenDataclass):
         n_values = len(self.values)
         n_jumps = len(self.at)
         if n_values == n_jumps + 1:
-            frozen.increasing(problems, "at", self.at)
+            frozen.require_increasing(problems, "at", self.at)
         else:
             message = (
                 f"needs one value more than jumps, got {n_values} values for "
@@ -215,7 +215,7 @@ class Polynomials(FrozenDataclass):
                 f"needs two values or more, as many for each of {n_intervals} intervals"
             )
             problems.append(("values", f"{message}, got {n_values}"))
-        frozen.increasing(problems, "at", self.inner)
+        frozen.require_increasing(problems, "at", self.inner)
 
     @property
     def inner(self) -> list[float]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..hints import explain_arguments, explain_missing
 from ..model import Plastic, RigidMass, Rod, Soil, System, Wall
-from ..model.arguments import demand, integer, of_kind, scalar
+from ..model.arguments import check_kind, demand, integer, scalar
 from ..model.ends import FREE
 from ..model.frozen import InvalidModel, Problems, raise_if_problems
 from ..model.soil import resistances
@@ -231,7 +231,9 @@ def blows(
 
 def check_pile(system: Any) -> PileRow:
     """The parts of a row that drives a pile; InvalidModel for another row."""
-    of_kind("system", system, System, "rodimpact.System([ram, pile, rodimpact.Wall()])")
+    check_kind(
+        "system", system, System, "rodimpact.System([ram, pile, rodimpact.Wall()])"
+    )
     demand(system.shape == (), "system", "is a family; strike its members one by one")
     demand(
         system.ends == (FREE, FREE), "ends", "must be free; a wall stands below the toe"

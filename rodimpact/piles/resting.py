@@ -8,7 +8,7 @@ from ..hints import explain_arguments
 from ..methods.grid.method import mesh_size
 from ..methods.row_builder import build_row
 from ..model import Fixed, Joint, Plastic, Rigid, Rod, Soil, Steps, System, Wall
-from ..model.arguments import demand, integer, of_kind
+from ..model.arguments import check_kind, demand, integer
 from ..model.ends import FREE
 from .statics import (
     Chain,
@@ -79,7 +79,7 @@ def at_rest(system: System, cells: int = CELLS) -> System:
     >>> round(strain / (steel.density * 9.81 * 1000.0 / steel.youngs_modulus), 3)
     0.995
     """
-    of_kind("system", system, System, "rodimpact.System([pile])")
+    check_kind("system", system, System, "rodimpact.System([pile])")
     demand(system.shape == (), "system", "is a family; put members to rest one by one")
     _check_ends(system)
     for i, body in enumerate(system.bodies):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..algebra.atlas import Atlas
 from ..model import System
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..results.labels import quantity_of_parameter
 from .labels import wrap_words
 from .panels import (
@@ -68,7 +68,7 @@ def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
     >>> [float(x) for x in picture.ax.get_xlim()]
     [0.5, 1.5]
     """
-    of_kind("plane", plane, Atlas, "rodimpact.atlas(...)")
+    check_kind("plane", plane, Atlas, "rodimpact.atlas(...)")
 
     # What is measured.
     scales = []

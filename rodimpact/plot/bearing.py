@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..model.frozen import invalid_argument
 from ..piles.bearing import BearingGraph
 from .panels import Picture, add_grid, format_axes, two_axes_or_new
@@ -60,7 +60,7 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     >>> picture.ax.get_ylabel()
     'blow count (1/m)'
     """
-    of_kind("graph", graph, BearingGraph, "rodimpact.bearing_graph(...)")
+    check_kind("graph", graph, BearingGraph, "rodimpact.bearing_graph(...)")
     blow_ax, stress_ax = two_axes_or_new(ax, "blow count and stress", 4.4, (1, 1))
 
     # What is measured.

@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import StepPatch
 
 from ..design.pulses import PulseDesign
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..records.signal import Signal
 from .panels import Picture, axes_or_new, draw_zero, format_axes, new_figure
 from .scales import engineering, largest_of, time_scale, x_scale
@@ -50,7 +50,7 @@ def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
     >>> type(picture).__name__
     'Picture'
     """
-    of_kind("result", result, PulseDesign, "design.striker(...)")
+    check_kind("result", result, PulseDesign, "design.striker(...)")
     rod: Any = result.system.bodies[result.body]
 
     # What is measured.

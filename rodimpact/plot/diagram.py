@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..model import Absorbing
-from ..model.arguments import check_flag, one_of
+from ..model.arguments import check_choice, check_flag
 from ..model.frozen import invalid_argument
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_has_rod
@@ -147,8 +147,8 @@ def draft_spacetime(
     Its regions are polygons between fronts, or the cells of a smooth solution.
     """
     check_has_rod(solution)
-    one_of("field", field, FIELDS)
-    one_of("coordinates", coordinates, ("lab", "body"))
+    check_choice("field", field, FIELDS)
+    check_choice("coordinates", coordinates, ("lab", "body"))
     check_flag("dimensionless", dimensionless)
     check_flag("across", across)
     stations: Mapping[str, Gauge] = {}

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..hints import nearest
 from ..methods.signals import Floats
-from ..model.arguments import array, of_kind
+from ..model.arguments import array, check_kind
 from ..model.frozen import invalid_argument
 from ..results.labels import quantity_of_column
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
@@ -192,7 +192,7 @@ def sweep(
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
     """The column of a quantity; InvalidModel if it is unknown or has no value."""
-    of_kind("result", result, SweepResult, "rodimpact.sweep(family)")
+    check_kind("result", result, SweepResult, "rodimpact.sweep(family)")
     if not isinstance(quantity, str) or quantity not in result.columns:
         raise invalid_argument(
             "quantity",

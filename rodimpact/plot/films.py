@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from PIL import Image
 
-from ..progress import Report, no_report
+from ..progress import ProgressReport, no_report
 from .files import format_of
 
 LAST_FRAME_MS = 1500  # that the last frame of a GIF stays, before it begins again
@@ -40,7 +40,7 @@ def check_film(path: str | os.PathLike[str]) -> str:
     return kind
 
 
-def write_gif(file: BinaryIO, film: Any, report: Report = no_report) -> None:
+def write_gif(file: BinaryIO, film: Any, report: ProgressReport = no_report) -> None:
     """Write the frames of an Animation, in the colours of the last one."""
     last = film.frame(len(film) - 1)
     palette = _palette(Image.fromarray(last))
@@ -72,7 +72,7 @@ def _palette(last: Image.Image) -> Any:
     return palette
 
 
-def _write_mp4(file: BinaryIO, film: Any, report: Report) -> None:
+def _write_mp4(file: BinaryIO, film: Any, report: ProgressReport) -> None:
     """Let ffmpeg write the frames of an Animation, raw pixels, to this file's name.
 
     OSError is raised with the words of ffmpeg if it fails.

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle, StepPatch
 
 from ..methods.signals import Floats
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..results.gauges import Gauge
 from .labels import legend_above
 from .panels import Draft, Picture, axes_or_new, draw_zero, finish, format_axes
@@ -80,7 +80,7 @@ def gauge(
     if transmitted is not None:
         records.append(transmitted)
     for each in records:
-        of_kind("record", each, Gauge, "solution.gauge(1, 0.5)")
+        check_kind("record", each, Gauge, "solution.gauge(1, 0.5)")
     ax = axes_or_new(ax, 5.6, 3.0)
     time = time_scale(record.end)
 

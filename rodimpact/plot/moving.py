@@ -20,12 +20,12 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..model.arguments import one_of, scalar
+from ..model.arguments import check_choice, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..progress import (
     Progress,
     ProgressFunction,
-    Report,
+    ProgressReport,
     check_progress,
     no_report,
 )
@@ -283,7 +283,7 @@ class Animation:
     def __len__(self) -> int:
         return len(self.times)
 
-    def frames(self, report: Report = no_report) -> Iterator[NDArray[np.uint8]]:
+    def frames(self, report: ProgressReport = no_report) -> Iterator[NDArray[np.uint8]]:
         """All frames, one after the other."""
         for number in range(len(self)):
             yield self.frame(number)
@@ -394,7 +394,7 @@ def animation(
     ('t = 317 µs', (680, 840, 3))
     """
     check_has_rod(solution)
-    one_of("field", field, ("velocity", "stress", "strain"))
+    check_choice("field", field, ("velocity", "stress", "strain"))
     check_frames(frames, fps)
     start = scalar("start", start, "s")
     if stop is None:

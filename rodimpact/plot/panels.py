@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..methods.signals import Floats
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..model.frozen import invalid_argument
 from ..units import shown
 from .labels import legend_above
@@ -107,7 +107,7 @@ def axes_or_new(
     """The Axes given, or that of a new figure of this size, inches."""
     if ax is None:
         return new_figure(width, height, least_height).add_subplot()
-    of_kind("ax", ax, Axes, "plt.gca()")
+    check_kind("ax", ax, Axes, "plt.gca()")
     return ax
 
 

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from ..fitting.result import Fit
 from ..hints import explain_arguments
 from ..methods.signals import Floats
-from ..model.arguments import integer, of_kind
+from ..model.arguments import check_kind, integer
 from ..model.frozen import invalid_argument
 from ..records.comparison import Bounds, Misfit, gain_unit
 from ..records.pulses import plateau
@@ -86,7 +86,7 @@ def comparison(
     'predicted, 3 µs later, times 2'
     """
     # What is measured.
-    of_kind("measured", measured, Signal, "read_signals('shot.csv')['incident']")
+    check_kind("measured", measured, Signal, "read_signals('shot.csv')['incident']")
     misfit = measured.misfit(predicted, shift=shift, scale=scale)
     t = measured.times
     values = measured.values
@@ -160,7 +160,7 @@ def comparison(
 
 def _check_band(band: Signal, predicted: Signal) -> None:
     """Raise ValueError if a band is no signal in the unit of the prediction."""
-    of_kind("band", band, Signal, "0.02 * predicted")
+    check_kind("band", band, Signal, "0.02 * predicted")
     if band.unit != predicted.unit:
         raise invalid_argument(
             "band",
@@ -250,7 +250,7 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictu
     >>> type(picture).__name__
     'Picture'
     """
-    of_kind("result", result, Fit, "fit(system, measured, vary, until)")
+    check_kind("result", result, Fit, "fit(system, measured, vary, until)")
     record = integer("record", record, 0, len(result.measured) - 1)
     predicted = result.predicted[record]
     return comparison(
@@ -312,7 +312,7 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     >>> picture is not None
     True
     """
-    of_kind(
+    check_kind(
         "curve", curve, Reduction, "ri.reduce(input_gauge, output_gauge, bar, specimen)"
     )
 

@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib import RcParams, colors, rc_context, rc_params_from_file
 
 from ..hints import explain_arguments
-from ..model.arguments import one_of, scalar
+from ..model.arguments import check_choice, scalar
 from ..model.frozen import invalid_argument
 from ..units import shown
 
@@ -153,7 +153,7 @@ def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
     >>> float(round(25.4 * picture.ax.figure.get_figwidth(), 3))
     85.0
     """
-    one_of("mode", mode, LOOKS)
+    check_choice("mode", mode, LOOKS)
     if width is not None:
         width = scalar("width", width, "mm")
         if not MIN_WIDTH <= width <= MAX_WIDTH:

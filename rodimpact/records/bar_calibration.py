@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import waves
 from ..hints import explain_arguments, explain_missing
-from ..model.arguments import of_kind, scalar
+from ..model.arguments import check_kind, scalar
 from ..model.bodies import Rod
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
@@ -156,10 +156,10 @@ def calibrate_bar(
     >>> round(found.wave_speed, 1), round(found.poisson_ratio, 3)
     (5000.0, 0.29)
     """
-    of_kind("first", first, Signal, "incident.window(0.0, 2e-4)")
-    of_kind("second", second, Signal, "incident.window(4e-4, 6e-4)")
+    check_kind("first", first, Signal, "incident.window(0.0, 2e-4)")
+    check_kind("second", second, Signal, "incident.window(4e-4, 6e-4)")
     way = scalar("distance", distance, "m", "positive")
-    of_kind("bar", bar, Rod, "Rod(2.0, diameter=0.02, material=steel)")
+    check_kind("bar", bar, Rod, "Rod(2.0, diameter=0.02, material=steel)")
     if first.unit != second.unit:
         message = f"must be in the unit of first, {first.unit!r}, got {second.unit!r}"
         raise invalid_argument("second", message)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..model.frozen import FrozenDataclass, Problems, quantity
 from .signal import Signal
 
@@ -48,9 +48,9 @@ class BarGauge(FrozenDataclass):
         InvalidModel at once for a record that is no Signal. Both records of a pair must
         have the same times and unit.
         """
-        of_kind("signal", self.signal, Signal, SIGNAL_EXAMPLE)
+        check_kind("signal", self.signal, Signal, SIGNAL_EXAMPLE)
         if self.opposite is not None:
-            of_kind("opposite", self.opposite, Signal, SIGNAL_EXAMPLE)
+            check_kind("opposite", self.opposite, Signal, SIGNAL_EXAMPLE)
         if self.signal.unit and np.array_equal(self.gain, 1):
             message = f"must be strain, got {self.signal.unit}"
             problems.append(

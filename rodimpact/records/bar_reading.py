@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from ..model import Rod, System
-from ..model.arguments import of_kind, one_of
+from ..model.arguments import check_choice, check_kind
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..units import format_si, shown
@@ -42,7 +42,7 @@ def instrumented_bars(
     The arguments are those of `reduce`, with `bars` one rod or two; InvalidModel names
     a wrong one.
     """
-    one_of("compression", compression, SIGN_OF_COMPRESSION)
+    check_choice("compression", compression, SIGN_OF_COMPRESSION)
     rods = rods_of(bars)
     return InstrumentedBars(
         input=_instrumented_bar(
@@ -67,7 +67,7 @@ def output_bar_of(gauges: Any, bar: Any, compression: Any) -> InstrumentedBar:
 
     InvalidModel unless `bar` is one uniform rod, and for gauges that are wrong.
     """
-    one_of("compression", compression, SIGN_OF_COMPRESSION)
+    check_choice("compression", compression, SIGN_OF_COMPRESSION)
     if not _is_uniform(bar):
         message = "must be the output bar alone, a uniform Rod"
         raise invalid_argument("bars", f"{message}, got {shown(bar)}")
@@ -193,7 +193,7 @@ def _checked_gauges(name: str, gauges: Any, rod: Rod) -> list[BarGauge]:
         checked = list(gauges)
     distances = set()
     for gauge in checked:
-        of_kind(name, gauge, BarGauge, GAUGE_EXAMPLE)
+        check_kind(name, gauge, BarGauge, GAUGE_EXAMPLE)
         distances.add(gauge.distance)
         if gauge.distance >= float(rod.length):
             message = f"a gauge is {gauge.distance:g} m from the specimen"

@@ -2,7 +2,7 @@
 
 from dataclasses import KW_ONLY
 
-from ..model.arguments import of_kind, one_of
+from ..model.arguments import check_choice, check_kind
 from ..model.frozen import FrozenDataclass, Problems, invalid_argument, quantity
 from ..units import shown
 from .signal import Signal
@@ -66,7 +66,7 @@ class Bridge(FrozenDataclass):
         """
         if isinstance(self.gain, float) and self.gain == 0:
             problems.append(("gain", "must not be 0"))
-        one_of("kind", self.kind, GAUGES_ALONG)
+        check_choice("kind", self.kind, GAUGES_ALONG)
         if self.kind == "full" and self.poisson_ratio is None:
             message = (
                 "is missing; a full bridge needs it, two gauges lie across the bar"
@@ -102,7 +102,7 @@ class Bridge(FrozenDataclass):
         ValueError
             If the signal is not in volts.
         """
-        of_kind("volts", volts, Signal, VOLTS_EXAMPLE)
+        check_kind("volts", volts, Signal, VOLTS_EXAMPLE)
         if volts.unit != "V":
             unit = "pure numbers"
             if volts.unit:

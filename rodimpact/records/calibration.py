@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..hints import explain_arguments, explain_missing
-from ..model.arguments import of_kind, scalar
+from ..model.arguments import check_kind, scalar
 from ..model.bodies import Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.quantities import Floats
@@ -268,8 +268,8 @@ def calibrate(
     check_progress(problems, progress)
     raise_if_problems(problems)
     # each gauge of a bar is calibrated alone
-    of_kind("input_gauges", input_gauges, BarGauge, GAUGE_EXAMPLE)
-    of_kind("output_gauges", output_gauges, BarGauge, GAUGE_EXAMPLE)
+    check_kind("input_gauges", input_gauges, BarGauge, GAUGE_EXAMPLE)
+    check_kind("output_gauges", output_gauges, BarGauge, GAUGE_EXAMPLE)
     bars_as_given = instrumented_bars(input_gauges, output_gauges, bars, compression)
     with Progress(progress, "calibrate", "travel times") as report:
         output = _with_output_speed(bars_as_given.output)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..model.arguments import of_kind, one_of
+from ..model.arguments import check_choice, check_kind
 from ..model.bodies import Rod
 from ..model.frozen import FrozenDataclass, Problems, invalid_argument
 from ..model.quantities import Floats
@@ -76,8 +76,8 @@ class CutPulses(FrozenDataclass):
         What is no gauge, or an unknown clock, is an error at once.
         """
         for name in ("incident", "reflected", "transmitted"):
-            of_kind(name, getattr(self, name), BarGauge, GAUGE_EXAMPLE)
-        one_of("clock", self.clock, CLOCKS)
+            check_kind(name, getattr(self, name), BarGauge, GAUGE_EXAMPLE)
+        check_choice("clock", self.clock, CLOCKS)
         if self.incident.distance != self.reflected.distance:
             message = "must be that of the incident pulse, which the same gauge records"
             problems.append(("reflected", f"its distance {message}"))

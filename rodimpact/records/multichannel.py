@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..hints import explain_arguments
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..model.frozen import InvalidModel, Problems, invalid_argument
 from ..model.quantities import Floats
 from ..storage.extras import optional
@@ -153,7 +153,7 @@ def _times_of(signals: Any) -> Floats:
         )
         raise invalid_argument("signals", f"{message}, got {shown(signals)}")
     for name, signal in signals.items():
-        of_kind(f"signals.{name}", signal, Signal, "Signal([0.0, 1.0], dt=1e-6)")
+        check_kind(f"signals.{name}", signal, Signal, "Signal([0.0, 1.0], dt=1e-6)")
     first, *other_names = signals
     times: Floats = signals[first].times
     for name in other_names:

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from .. import units as known_units
 from ..hints import explain_arguments, nearest
 from ..methods import memory
-from ..model.arguments import one_of, scalar, text
+from ..model.arguments import check_choice, check_text, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.quantities import Floats
-from ..progress import Progress, ProgressFunction, Report, check_progress
+from ..progress import Progress, ProgressFunction, ProgressReport, check_progress
 from ..storage.reading import FileFormatError, open_regular
 from ..storage.tables import TIMES
 from ..storage.writing import PathLike
@@ -153,11 +153,11 @@ def read_signals(
     ([-5e-07, 0.0], [0.00125, 0.0025], 'V')
     """
     if decimal is not None:
-        one_of("decimal", decimal, (".", ","))
+        check_choice("decimal", decimal, (".", ","))
     if time is not None:
-        text("time", time, "time")
+        check_text("time", time, "time")
     if time_unit is not None:
-        text("time_unit", time_unit, "us")
+        check_text("time_unit", time_unit, "us")
     if rate is not None:
         rate = scalar("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:
@@ -203,7 +203,7 @@ class ColumnTable(Protocol):
 
 
 def _table_in(
-    file: BinaryIO, decimal: str | None, report: Report, opened: ExitStack
+    file: BinaryIO, decimal: str | None, report: ProgressReport, opened: ExitStack
 ) -> ColumnTable:
     """Columns of a text, a workbook or a TDMS file.
 

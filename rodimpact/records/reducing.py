@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..hints import explain_arguments
-from ..model.arguments import check_flag, of_kind, scalar
+from ..model.arguments import check_flag, check_kind, scalar
 from ..model.bodies import RigidMass, Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.quantities import Floats
-from ..progress import Progress, ProgressFunction, Report, check_progress
+from ..progress import Progress, ProgressFunction, ProgressReport, check_progress
 from .alignment import Alignment, loading_imbalance
 from .bar_reading import Compression, instrumented_bars, output_bar_of, rods_of
 from .calibration import Calibration, with_gains
@@ -132,7 +132,9 @@ def reduce(
     problems: Problems = []
     check_progress(problems, progress)
     raise_if_problems(problems)
-    of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
+    check_kind(
+        "specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)"
+    )
     assert specimen is not None
     limit = scalar("align_within", align_within, "s", "non-negative")
     check_flag("equal_forces", equal_forces)
@@ -177,7 +179,9 @@ def _check_combination(
 ) -> None:
     """InvalidModel for arguments that exclude each other."""
     if pulses is not None:
-        of_kind("pulses", pulses, CutPulses, "ri.CutPulses(incident, reflected, ...)")
+        check_kind(
+            "pulses", pulses, CutPulses, "ri.CutPulses(incident, reflected, ...)"
+        )
         if input_gauges is not None or output_gauges is not None:
             raise invalid_argument("pulses", "give either pulses or gauges, not both")
     if striker is not None and (input_gauges is not None or pulses is not None):
@@ -215,7 +219,9 @@ class _Records(NamedTuple):
         return bar.pulse_start + travel
 
 
-def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reduction:
+def _reduce_two_bars(
+    records: _Records, limit: float, report: ProgressReport
+) -> Reduction:
     """Reduce a shot whose gauges separate all waves.
 
     With a limit above 0, s, the waves are aligned within it first.
@@ -249,7 +255,7 @@ def _reduce_two_bars(records: _Records, limit: float, report: Report) -> Reducti
     )
 
 
-def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
+def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Reduction:
     """Reduce a shot with one gauge a bar and overlapping waves.
 
     InvalidModel for two gauges on a bar, and for an input gauge at the specimen.
@@ -284,7 +290,10 @@ def _reduce_with_equal_forces(records: _Records, report: Report) -> Reduction:
 
 
 def _reduce_direct_impact(
-    bar: InstrumentedBar, striker: Rod | RigidMass, specimen: Specimen, report: Report
+    bar: InstrumentedBar,
+    striker: Rod | RigidMass,
+    specimen: Specimen,
+    report: ProgressReport,
 ) -> Reduction:
     """Reduce the impact of a striker on a specimen that lies on an output bar.
 
@@ -330,7 +339,7 @@ def _reduction(
     bars: list[InstrumentedBar],
     verdict: Verdict,
     doubts: tuple[str, ...],
-    report: Report,
+    report: ProgressReport,
     *,
     calibration: Calibration | None = None,
     shifts: Shifts = NO_SHIFTS,

@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ..model.quantities import Floats
-from ..progress import Report
+from ..progress import ProgressReport
 from .calibration import Calibration
 from .curve import Curve
 from .signal import Signal
@@ -78,7 +78,7 @@ def bands_of(
     curve: Curve,
     calibration: Calibration | None,
     resolution: Resolution,
-    report: Report,
+    report: ProgressReport,
 ) -> Bands:
     """Bands of 95 %: noise, errors of a calibration, and lost frequencies.
 

@@ -22,10 +22,10 @@ from .. import units
 from ..model.arguments import (
     Array,
     array,
+    check_choice,
+    check_kind,
     demand,
     float_or_array,
-    of_kind,
-    one_of,
     scalar,
 )
 from ..model.bodies import Rod, Segment
@@ -316,7 +316,7 @@ class Signal(Frozen):
         >>> round(step.low_pass(100e3, "first-order").at(50e-7), 3)
         0.955
         """
-        one_of("kind", kind, filters.LOW_PASS)
+        check_choice("kind", kind, filters.LOW_PASS)
         f = scalar("frequency", frequency, "Hz", "positive")
         if f * self.dt >= 0.5:
             rate = units.format_si(1 / self.dt, "Hz")
@@ -368,7 +368,7 @@ class Signal(Frozen):
             raise invalid_argument(
                 "radius", "belongs to a rod; a waves.Bar has its own"
             )
-        of_kind(
+        check_kind(
             "bar",
             bar,
             waves.Bar,
@@ -482,7 +482,7 @@ class Signal(Frozen):
         >>> fit.rms < 1e-2, round(fit.scale, 2), round(fit.shift * 1e6, 1)
         (True, 2.0, 7.3)
         """
-        of_kind("other", other, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
+        check_kind("other", other, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         if scale is not None:
             self._require_same_unit(
                 other, what_cannot_be="compared with a fixed scale; leave scale out"

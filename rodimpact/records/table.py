@@ -12,7 +12,7 @@ from typing import BinaryIO
 import numpy as np
 
 from ..model.quantities import Floats
-from ..progress import Report
+from ..progress import ProgressReport
 from ..storage.reading import FileFormatError
 from ..units import shown
 from .heads import heads_of
@@ -56,7 +56,9 @@ class Table:
         that needs a column no more may take it from the list.
     """
 
-    def __init__(self, file: BinaryIO, decimal: str | None, report: Report) -> None:
+    def __init__(
+        self, file: BinaryIO, decimal: str | None, report: ProgressReport
+    ) -> None:
         """Find the table and its heads in the first lines, and read all columns."""
         self._text = TextFile(file)
         survey = self._text.survey
@@ -98,7 +100,7 @@ class Table:
             if row:  # else the line has delimiters alone
                 yield index + 1, row
 
-    def _read_columns(self, report: Report) -> list[Floats]:
+    def _read_columns(self, report: ProgressReport) -> list[Floats]:
         """Numbers of each column, read in blocks of rows.
 
         `report` is told how far the reading is.

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..model.quantities import Floats
-from ..progress import Report
+from ..progress import ProgressReport
 from .calibration import Calibration, with_one_error
 from .curve import Curve, Faces, curve_of
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
@@ -87,7 +87,7 @@ class TwoBarShot:
         sampled: Floats = np.interp(self.times + shift, bar.times, wave)
         return sampled
 
-    def aligned(self, limit: float, report: Report) -> TwoBarShot:
+    def aligned(self, limit: float, report: ProgressReport) -> TwoBarShot:
         """The shot with shifts that balance the forces at its start.
 
         The shifts, s, lie within a limit. The start goes up to half of the largest

@@ -15,7 +15,7 @@ from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod, Steps
-from ..model.arguments import Array, array, demand, one_of
+from ..model.arguments import Array, array, check_choice, demand
 from ..model.frozen import invalid_argument
 from .extreme_stress import ExtremeStress
 
@@ -71,7 +71,7 @@ def to_side(ticks: Ints, side: Side) -> Ints:
     a float cannot name a single tick beyond 2^51 of them. Smaller ones stay.
     InvalidModel for any other side.
     """
-    one_of("side", side, ("right", "left"))
+    check_choice("side", side, ("right", "left"))
     round_off = ticks >> 51  # ticks/2^51, rounded down: 0 for most runs
     if side == "right":
         return ticks + round_off

@@ -19,9 +19,9 @@ from ..model.arguments import (
     UNCHECKED,
     Array,
     array,
+    check_kind,
     demand,
     integer,
-    of_kind,
     scalar,
 )
 from ..model.frozen import invalid_argument
@@ -713,7 +713,7 @@ class Solution(Shown):
 
 def check_solution(value: Any) -> None:
     """Raise InvalidModel, a ValueError, unless a value is a `Solution`."""
-    of_kind("solution", value, Solution, "rodimpact.solve(system)")
+    check_kind("solution", value, Solution, "rodimpact.solve(system)")
 
 
 def check_has_rod(value: Any) -> None:

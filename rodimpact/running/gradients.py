@@ -29,7 +29,7 @@ from ..model.paths import (
     suggestion,
     with_numbers,
 )
-from ..progress import Progress, ProgressFunction, Report, check_progress
+from ..progress import Progress, ProgressFunction, ProgressReport, check_progress
 from ..results.labels import quantity_of_column, quantity_of_parameter
 from ..results.outcome import UndefinedRestitution
 from ..units import shown
@@ -353,7 +353,7 @@ class _Result:
     """
 
     def __init__(
-        self, of: str, options: Options, workers: int | None, report: Report
+        self, of: str, options: Options, workers: int | None, report: ProgressReport
     ) -> None:
         """Keep the arguments, and count the collisions solved from 0 on."""
         self.of = of

@@ -8,7 +8,7 @@ from ..hints import explain_arguments
 from ..methods.registry import Options
 from ..methods.run import MAX_EVENTS
 from ..model import Body, ContactLaw, System
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..model.frozen import Problems, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
 from ..results.outcome import Outcome, outcome_of
@@ -100,7 +100,7 @@ def solve(
     >>> round(float(solution.velocity(body=0, x=0.2, t=solution.t_end)), 12)
     0.0
     """
-    of_kind("system", system, System, "System([left, right])")
+    check_kind("system", system, System, "System([left, right])")
     options = Options(
         until=until,
         method=method,

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from ..hints import explain_missing, nearest
 from ..methods.registry import Options
 from ..model import System
-from ..model.arguments import of_kind
+from ..model.arguments import check_kind
 from ..model.frozen import (
     InvalidModel,
     Problems,
@@ -87,7 +87,7 @@ class Case:
 
     def __post_init__(self) -> None:
         """Raise InvalidModel with all mistakes, before any solution or file is made."""
-        of_kind("system", self.system, System, "System([rod, Wall()])")
+        check_kind("system", self.system, System, "System([rod, Wall()])")
         problems: Problems = []
         _check_options(problems, self.solve)
         _check_output(problems, self.output)

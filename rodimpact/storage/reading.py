@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..methods import memory
-from ..model.arguments import text
+from ..model.arguments import check_text
 from ..units import shown_path
 from ..version import __version__
 from .writing import (
@@ -65,8 +65,8 @@ class FileFormatError(ValueError):
 
     def __init__(self, message: str, path: str = "") -> None:
         """Keep the message, and put the path of the file before it in the text."""
-        text("message", message, "is empty")
-        text("path", path, "run.toml")
+        check_text("message", message, "is empty")
+        check_text("path", path, "run.toml")
         self.problems = [(path, message)]
         sentence = message
         if path:

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...progress import Report, no_report
+from ...progress import ProgressReport, no_report
 from ..batch import Batch
 from ..memory import require_memory
 from ..record_lists import blank
@@ -112,7 +112,7 @@ class FrontBatch(Batch[State]):
             rows = values.tolist()
         self.state = self.state._replace(values=rows, results=results)
 
-    def run_to_end(self, report: Report = no_report) -> None:
+    def run_to_end(self, report: ProgressReport = no_report) -> None:
         """Run the members that were loaded to their ends.
 
         The log grows as often as it is full.

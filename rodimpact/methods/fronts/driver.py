@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...progress import Report, no_report
+from ...progress import ProgressReport, no_report
 from .. import kernels
 from ..row import Array
 from ..run import Stopped
@@ -30,7 +30,7 @@ processor_time = getattr(time, "thread_time", time.perf_counter)
 def solve_one(
     layout: FamilyLayout,
     request: RunRequest,
-    report: Report = no_report,
+    report: ProgressReport = no_report,
 ) -> FrontBatch:
     """Follow every front of a single collision.
 

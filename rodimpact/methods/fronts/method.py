@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from ...progress import Report, no_report
+from ...progress import ProgressReport, no_report
 from .. import abilities as physics
 from .. import run as runs
 from ..row import Row
@@ -43,7 +43,7 @@ def solve(
     row: Row,
     until: float | None,
     max_events: int,
-    report: Report = no_report,
+    report: ProgressReport = no_report,
 ) -> Run:
     """Run a single collision.
 
@@ -57,7 +57,7 @@ def run_fronts(
     row: Row,
     until: float | None = None,
     max_events: int = runs.MAX_EVENTS,
-    report: Report = no_report,
+    report: ProgressReport = no_report,
 ) -> FrontRun:
     """Run a single collision, as `solve`, and return the run with its records."""
     request = RunRequest(until, max_events)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ...model.frozen import InvalidModel
-from ...progress import Report, no_report
+from ...progress import ProgressReport, no_report
 from .. import abilities as physics
 from ..row import Array, Row
 from ..run import PEAK_FORCE, Run
@@ -68,7 +68,7 @@ def run_grid(
     dt: float | None = None,
     rtol: float | None = None,
     snapshots: int | tuple[float, ...] | None = None,
-    report: Report = no_report,
+    report: ProgressReport = no_report,
 ) -> GridRun:
     """Run a single collision on a mesh that is fine enough.
 
@@ -181,7 +181,7 @@ def _run_refined(
 # Running ------------------------------------------------------------------------------
 
 
-def _run_to_end(run: GridRun, last: int, report: Report) -> None:
+def _run_to_end(run: GridRun, last: int, report: ProgressReport) -> None:
     """Run to step `last`, and try the proof of finality on the way.
 
     A proof sets `run.proved`.
@@ -195,7 +195,7 @@ def _run_to_end(run: GridRun, last: int, report: Report) -> None:
     run.advance(last, report_of)
 
 
-def _run_to_proof(run: GridRun, last: int, report: Report) -> None:
+def _run_to_proof(run: GridRun, last: int, report: ProgressReport) -> None:
     """Run to the proof of finality, or to step `last`; set `run.stopped_by`."""
 
     def report_of(taken: int) -> None:

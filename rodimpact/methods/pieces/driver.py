@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...progress import Report, no_report
+from ...progress import ProgressReport, no_report
 from ..batch import Batch
 from ..memory import require_memory
 from ..record_lists import as_objects
@@ -163,7 +163,7 @@ class Members:
         self,
         members: Iterable[int],
         should_stop: Callable[[], bool] = lambda: False,
-        report: Report = no_report,
+        report: ProgressReport = no_report,
     ) -> None:
         """Run members of these numbers, each to its end.
 
@@ -202,7 +202,7 @@ class Members:
         for name in MEMBER_FIELDS:
             self.records(name)[member] = self.batch.array(name)
 
-    def run_member(self, member: int = 0, report: Report = no_report) -> None:
+    def run_member(self, member: int = 0, report: ProgressReport = no_report) -> None:
         """Run a member to its end and store its records.
 
         It runs in slices of steps, each of which ends with CAP until the run has come

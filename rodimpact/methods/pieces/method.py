@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...model.frozen import InvalidModel
-from ...progress import Report, no_report
+from ...progress import ProgressReport, no_report
 from .. import abilities as physics
 from .. import record_lists
 from .. import run as runs
@@ -61,7 +61,7 @@ def solve(
     until: float | None,
     max_events: int,
     rtol: float | None = None,
-    report: Report = no_report,
+    report: ProgressReport = no_report,
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality.
 
@@ -157,7 +157,7 @@ def stated_errors(
     fine: Members,
     members: Any,
     stop: Callable[[], bool] = lambda: False,
-    report: Report = no_report,
+    report: ProgressReport = no_report,
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure].
 
