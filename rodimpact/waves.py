@@ -481,7 +481,7 @@ def _rayleigh_speed(nu: float) -> float:
         """Left-hand side of the equation."""
         return float(np.polyval([1.0, -8.0, linear, constant], r))
 
-    r = brentq(cubic, 0.5, 1.0)
+    r = brentq(cubic, a=0.5, b=1.0)
     return math.sqrt(r / (2 + 2 * nu))  # (c2/c0)^2 = 1/(2 + 2 nu)
 
 
@@ -629,6 +629,6 @@ def _slowness_curve(poisson_ratio: float) -> Any:
     It is a cubic spline through exact values of a bar of unit wave speed and radius.
     """
     frequencies = np.linspace(0.0, CUT_OFF, SLOWNESS_KNOTS)
-    unit_bar = Bar(1.0, poisson_ratio, 1.0)
+    unit_bar = Bar(wave_speed=1.0, poisson_ratio=poisson_ratio, radius=1.0)
     speed_ratios = unit_bar._speed_ratio(frequencies)
     return CubicSpline(frequencies, 1 / speed_ratios - 1)

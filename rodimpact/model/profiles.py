@@ -545,10 +545,10 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
     for i in np.flatnonzero(has_jump):
         start = edges[i]
         stop = edges[i + 1]
-        jumps_inside = jumps[first[i] : last[i]]
-        values_inside = values[first[i] : last[i] + 1]
-        cuts = np.concatenate(([start], jumps_inside, [stop]))
-        integral = np.sum(values_inside * np.diff(cuts))
+        inner_jumps = jumps[first[i] : last[i]]
+        values_between = values[first[i] : last[i] + 1]
+        cuts = np.concatenate(([start], inner_jumps, [stop]))
+        integral = np.sum(values_between * np.diff(cuts))
         means[i] = integral / (stop - start)
     return means
 

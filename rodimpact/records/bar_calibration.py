@@ -280,7 +280,15 @@ def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pa
         offset=0.0,
     )
     level = plateau(second.values[compared])
-    return _Pair(first, second, distance, start, bar.radius, compared, level)
+    return _Pair(
+        first=first,
+        second=second,
+        distance=distance,
+        start=start,
+        radius=bar.radius,
+        compared=compared,
+        level=level,
+    )
 
 
 class _SearchEnd(NamedTuple):

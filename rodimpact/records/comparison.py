@@ -119,7 +119,7 @@ def misfit_of(
         least, most = scale_range
         if _is_at_bound(best.scale, least, most, AT_BOUND_RTOL * (most - least)):
             at_limit.append("scale")
-    return Misfit(best.rms, shift, best.scale, tuple(at_limit))
+    return Misfit(rms=best.rms, shift=shift, scale=best.scale, at_limit=tuple(at_limit))
 
 
 class _Scaled(NamedTuple):

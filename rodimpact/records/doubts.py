@@ -464,7 +464,9 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
     predicted = TimeSeries(bar.times, -bar.propagated(passing, path))
     is_echo = (bar.times >= start) & (bar.times <= end)
     recorded = TimeSeries(bar.times[is_echo], bar.strains[0][is_echo])
-    misfit = misfit_of(recorded, predicted, (-slack, slack), None)
+    misfit = misfit_of(
+        recorded, predicted, shift_range=(-slack, slack), scale_range=None
+    )
     if misfit.rms > ECHO_MISFIT or misfit.scale <= 0 or misfit.at_limit:
         return None
     return path / (travel + misfit.shift)

@@ -244,10 +244,10 @@ def _reduce_two_bars(
     return _reduction(
         shot,
         curve,
-        list(recorded),
-        verdict,
-        doubts_of(recorded, curve, shot.shifts, alignment),
-        report,
+        bars=list(recorded),
+        verdict=verdict,
+        doubts=doubts_of(recorded, curve, shot.shifts, alignment),
+        report=report,
         calibration=records.calibration,
         shifts=shot.shifts,
         alignment=alignment,
@@ -280,10 +280,10 @@ def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Redu
     return _reduction(
         shot,
         curve,
-        list(recorded),
-        verdict_of_equal_forces(curve, shot.method_sentence()),
-        doubts_of_equal_forces(recorded, records.specimen.length),
-        report,
+        bars=list(recorded),
+        verdict=verdict_of_equal_forces(curve, shot.method_sentence()),
+        doubts=doubts_of_equal_forces(recorded, records.specimen.length),
+        report=report,
         calibration=records.calibration,
         strain_error=later.strain - curve.strain,
     )
@@ -308,10 +308,10 @@ def _reduce_direct_impact(
     return _reduction(
         shot,
         curve,
-        [bar],
-        verdict_of_equal_forces(curve, shot.method_sentence()),
-        doubts_of_direct_impact(bar),
-        report,
+        bars=[bar],
+        verdict=verdict_of_equal_forces(curve, shot.method_sentence()),
+        doubts=doubts_of_direct_impact(bar),
+        report=report,
         strain_error=strain_error,
     )
 

@@ -96,7 +96,12 @@ class TextFile:
                 characters += len(block)
                 line_ends += block.count("\n")
         return Survey(
-            encoding, head, characters, line_ends + 1, last_comma, quotes_commas
+            encoding=encoding,
+            head=head,
+            characters=characters,
+            lines=line_ends + 1,  # the last line has no end
+            last_comma=last_comma,
+            quotes_commas=quotes_commas,
         )
 
     def _opened(self, encoding: str) -> TextIO:

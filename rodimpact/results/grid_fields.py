@@ -487,8 +487,12 @@ class GridFields(Fields):
         first = self.rods[body].segments[0]
         last = self.rods[body].segments[-1]
         length = float(self.edges(body)[-1])
-        left = LoadedEnd(first, 0.0, end_areas(first).left, left_push)
-        right = LoadedEnd(last, length, end_areas(last).right, right_push)
+        left = LoadedEnd(
+            segment=first, x=0.0, area=end_areas(first).left, push=left_push
+        )
+        right = LoadedEnd(
+            segment=last, x=length, area=end_areas(last).right, push=right_push
+        )
         return left, right
 
 

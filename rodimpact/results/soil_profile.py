@@ -66,4 +66,10 @@ def soil_profile(fields: Fields, body: int, tick: int) -> SoilProfile:
     elastic = float(rod.shaft.quake) * (now.mobilised - at_start.mobilised)
     plastic_set = since_start - elastic
     plastic_set[now.ultimate == 0] = 0.0  # there is no soil that could yield
-    return SoilProfile(x, now.ultimate, now.mobilised, since_start, plastic_set)
+    return SoilProfile(
+        x=x,
+        resistance=now.ultimate,
+        mobilised=now.mobilised,
+        displacement=since_start,
+        plastic_set=plastic_set,
+    )

@@ -236,7 +236,7 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
         return None
     least_equal = largest - abs(largest) * EQUAL_STRESS_RTOL
     best = meets[differences >= least_equal]
-    return _earliest(low, high, partners, best, least_equal, domain.T)
+    return _earliest(low, high, partners, chosen=best, least=least_equal, T=domain.T)
 
 
 def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:

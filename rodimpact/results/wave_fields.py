@@ -224,7 +224,12 @@ class WaveFields(Fields):
         breaks = breaks[(breaks >= 0) & (breaks <= self.end)]
         rightward = rightward.cut(breaks, self.end)
         leftward = leftward.cut(breaks, self.end)
-        return PassingWaves(rightward, leftward, leftward - rightward, waves.wave_speed)
+        return PassingWaves(
+            rightward=rightward,
+            leftward=leftward,
+            difference=leftward - rightward,
+            wave_speed=waves.wave_speed,
+        )
 
     # Integrals over bodies ----------------------------------------------------------
 

@@ -122,7 +122,8 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
         upper = window.value + window.error
         # Its interval overlaps that of all windows so far.
         agrees = (lower <= high) & (upper >= low)
-        in_agreement &= ~exists | agrees  # the first that contradicts ends the search
+        contradicts = exists & ~agrees
+        in_agreement &= ~contradicts  # the first that contradicts ends the search
         used = exists & in_agreement
         low = np.where(used, np.maximum(low, lower), low)
         high = np.where(used, np.minimum(high, upper), high)
