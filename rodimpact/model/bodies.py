@@ -389,7 +389,10 @@ class Segment(FrozenDataclass):
             self._set(polar_moment=None)
 
     def _check_poisson_ratio(self, problems: Problems) -> None:
-        """Add a problem of a Poisson ratio that lateral inertia cannot take."""
+        """Add a problem of a Poisson ratio that is missing, or too large.
+
+        Mindlin and Herrmann need one below 0.5.
+        """
         material = self.material
         path = "material.poisson_ratio"
         if material.poisson_ratio is None:

@@ -598,7 +598,10 @@ class Frozen:
 
     @cached_property
     def _varies(self) -> bool:
-        """Whether a number of this object, or of one of its parts, is an array."""
+        """Whether a number of this object, or of one of its parts, is an array.
+
+        Arrays that all members of a family share do not count.
+        """
         # This runs for every object that is made: `_parts` would be slower.
         for name, value in self.__dict__.items():
             items = (value,)

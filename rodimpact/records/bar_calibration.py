@@ -90,7 +90,10 @@ class BarCalibration:
     misfit: float
 
     def __str__(self) -> str:
-        """The numbers with their standard errors, a line each."""
+        """The numbers with their standard errors, a line each.
+
+        A large misfit adds a line that says what is doubtful.
+        """
         lines = [
             f"wave speed: {self.wave_speed:.2f} +- {self.wave_speed_error:.2f} m/s",
             f"Poisson ratio: {self.poisson_ratio:.5f} +- "

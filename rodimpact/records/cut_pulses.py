@@ -188,7 +188,10 @@ def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
 
 
 def _check_end(incident: _Pulse) -> None:
-    """InvalidModel if the incident pulse is cut off before it is over."""
+    """InvalidModel if the incident pulse is cut off before it is over.
+
+    Its last sample must not exceed `MAX_END_RATIO` of its largest.
+    """
     values = np.abs(incident.signal.values)
     ratio = float(values[-1] / values.max())
     if ratio > MAX_END_RATIO:

@@ -139,7 +139,10 @@ def timing_error_of(bar: InstrumentedBar) -> float:
 
 
 def check_striker(striker: Any) -> None:
-    """InvalidModel unless the striker is a rigid mass or a uniform rod that moves."""
+    """InvalidModel unless the striker is a rigid mass or a uniform rod that moves.
+
+    Its velocity must be a single number above 0.
+    """
     example = "ri.Rod(0.2, diameter=0.016, material=ri.materials.steel, velocity=12.0)"
     is_uniform = isinstance(striker, Rod) and len(striker.segments) == 1
     if not is_uniform and not isinstance(striker, RigidMass):

@@ -177,9 +177,9 @@ def _percent(ratio: float) -> str:
 
 
 def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
-    """Compare the gauges on opposite sides of the bar over the first pulse.
+    """A doubt for each pair of opposite gauges of which one records too little.
 
-    A doubt if one of them records less than `MIN_OPPOSITE_RATIO` of the other.
+    It records less than `MIN_OPPOSITE_RATIO` of the other over the first pulse.
     """
     for gauge, pulse in zip(bar.gauges, bar.first_pulses, strict=True):
         if gauge.opposite is None:
@@ -229,10 +229,11 @@ def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
 
 
 def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
-    """Compare the first pulse at two distances, while no other wave is at either gauge.
+    """A doubt if the first pulse has another strain at the second of two gauges.
 
     The record of the first gauge, propagated to the second one, predicts what that
-    records.
+    records, while no other wave is at either gauge. Nothing is said of one gauge, or if
+    that time is too short.
     """
     if len(bar.distances) < 2:
         return
@@ -332,7 +333,10 @@ def _delay(before: _Onset, after: _Onset) -> _Delay:
 
 
 def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
-    """Compare the time from the first to the second gauge with their distance."""
+    """A doubt if the distance of two gauges contradicts the time between them.
+
+    Nothing is said of a bar with one gauge.
+    """
     if len(bar.distances) < 2:
         return
     apart = abs(float(bar.distances[1] - bar.distances[0]))
@@ -349,7 +353,10 @@ def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
-    """Compare the time from the incident to the reflected wave at one input gauge."""
+    """A doubt if the reflected wave comes at another time than the distance says.
+
+    Nothing is said of an input bar with two gauges, or if no reflected wave stands out.
+    """
     if len(bar.distances) > 1:
         return
     reflected = _reflected_onset(bar)
@@ -398,7 +405,10 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
 
 
 def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterator[str]:
-    """Compare the time from the input to the output gauge with their distances."""
+    """A doubt if the transmitted wave comes at another time than distances say.
+
+    A specimen of this length, m, may make it late.
+    """
     before = float(bars.input.distances[0])
     behind = float(bars.output.distances[0])
     input_speed = bars.input.speed
@@ -419,7 +429,7 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
 
 
 def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
-    """Time the transmitted pulse that comes back from the free far end of its bar.
+    """A doubt if the pulse from the far end of the output bar has another bar speed.
 
     E and density of the bar say a wave speed; the pulse that comes back measures it.
     Without such a pulse (a record too short, a trap or a damper at the far end) nothing
@@ -476,7 +486,7 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
 
 
 def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
-    """Compare the shifts of both waves, s, with the limit of their search, s."""
+    """A doubt for each wave whose shift, s, is at the limit of the search, s."""
     for wave, shift in shifts._asdict().items():
         if abs(shift) >= (1 - SHIFT_LIMIT_RTOL) * limit:
             yield (
@@ -488,7 +498,7 @@ def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
 
 
 def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
-    """Compare the balance over all loading before and after the alignment."""
+    """A doubt if the alignment makes the balance over all loading much worse."""
     before = alignment.imbalance_before
     after = alignment.imbalance_after
     if after > MIN_WORSE_IMBALANCE and after > WORSE_IMBALANCE_RATIO * before:
@@ -501,9 +511,10 @@ def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
 
 
 def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
-    """Compare the forces on both faces while the output force is on its plateau.
+    """A doubt if the forces on both faces differ on the plateau of the output force.
 
-    `impedance` is that of the input bar, Z, kg/s.
+    `impedance` is that of the input bar, Z, kg/s: the incident force has an error,
+    which may explain a part of the difference.
     """
     size = np.abs(curve.output_force)
     is_plateau = size >= PLATEAU_RATIO * size.max()

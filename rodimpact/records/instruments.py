@@ -286,7 +286,11 @@ def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
 
 
 def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
-    """Layout of a file whose table stands below its entries, or to their right."""
+    """Layout of a file whose table stands below its entries, or to their right.
+
+    The heads are among its entries, or made of name and unit of the channel. Without
+    them all lines are taken as they are.
+    """
     time_unit = first_value(entries, "horizontal units", "")
     units = entries.get("vertical units", [])
     if "time" in entries:  # this entry is the row of heads

@@ -146,7 +146,10 @@ def signals_from_xarray(data: Any) -> dict[str, Signal]:
 
 
 def _times_of(signals: Any) -> Floats:
-    """The times of all signals; InvalidModel if they have none in common."""
+    """The times that all signals have.
+
+    InvalidModel if there is no signal, or their times differ.
+    """
     if not isinstance(signals, Mapping) or not signals:
         message = (
             "must be signals by name, such as {'incident': Signal([0.0, 1.0], dt=1e-6)}"

@@ -402,7 +402,10 @@ def _clipping(table: ColumnTable, column: int) -> str:
 
 
 def _runs(values: Floats) -> Iterator[tuple[Ints, Ints]]:
-    """Starts and lengths of runs of equal samples, block by block."""
+    """Starts and lengths of runs of equal samples, as arrays, block by block.
+
+    A run that goes on in the next block comes with the block in which it ends.
+    """
     count = len(values)
     begin = 0  # start of the run that goes on from the block before
     for start in range(0, count, BLOCK_SAMPLES):

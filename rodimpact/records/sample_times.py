@@ -73,7 +73,9 @@ def checked_times(
     steps = np.diff(times)
     if _are_rounded(times, steps):
         equal = _equal_steps(times)
-        warnings.warn(_sentence(name, times, steps, equal), RoundedTimes, stacklevel)
+        warnings.warn(
+            _rounding_sentence(name, times, steps, equal), RoundedTimes, stacklevel
+        )
         return equal
 
     def refuse_if(is_wrong: Any, message: str) -> None:
@@ -152,8 +154,8 @@ def _equal_steps(times: Floats) -> Floats:
     return equal
 
 
-def _sentence(name: str, times: Floats, steps: Floats, equal: Floats) -> str:
-    """What was rounded, and what is taken."""
+def _rounding_sentence(name: str, times: Floats, steps: Floats, equal: Floats) -> str:
+    """Sentence of the warning: what was rounded, and which times are taken."""
     distance = format_si(float(np.abs(times - equal).max()), "s", digits=2)
     shortest = format_si(float(steps.min()), "s", digits=3)
     longest = format_si(float(steps.max()), "s", digits=3)

@@ -234,7 +234,10 @@ class _Balance(NamedTuple):
 
 
 def _balance(curve: Curve, rise: float) -> _Balance:
-    """Balance of means over a part of the rise time, which noise disturbs less."""
+    """Balance of means over a part of the rise time, which noise disturbs less.
+
+    After the loading no forces count as equal.
+    """
     dt = curve.times[1] - curve.times[0]
     width = max(1, round(SMOOTHING_RATIO * rise / dt))
     window = np.full(width, 1 / width)

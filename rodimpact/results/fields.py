@@ -300,7 +300,7 @@ class Fields(Protocol):
         return float(wall.velocity)
 
     def _check_rod(self, body: int) -> None:
-        """Raise InvalidModel for a body that has no inside."""
+        """Raise InvalidModel unless a body is a rod: others have no inside."""
         if self._is_rod(body):
             return
         kind = "a rigid mass"

@@ -35,7 +35,7 @@ class PairTheory(NamedTuple):
 
     @property
     def source(self) -> str:
-        """Where the closed form comes from."""
+        """Where the closed form comes from, in a word or two for figures."""
         if np.isfinite(self.impedance).all():
             return "Saint-Venant 1867"
         has_wall = np.isinf(self.mass).any()

@@ -177,7 +177,10 @@ def _constant_fields(solution: Solution) -> WaveFields:
 
 
 def _interval(fields: WaveFields, start: float, stop: float) -> Interval:
-    """The ticks between two times, s; InvalidModel unless the second one is later."""
+    """The ticks between two times, s; InvalidModel unless the second one is later.
+
+    ValueError for times outside the solution.
+    """
     start_time = scalar("start", start, "s", sign=UNCHECKED)
     stop_time = scalar("stop", stop, "s", sign=UNCHECKED)
     first_tick = int(fields.to_ticks(start_time))

@@ -64,7 +64,10 @@ class FileFormatError(ValueError):
     """
 
     def __init__(self, message: str, path: str = "") -> None:
-        """Keep the message, and put the path of the file before it in the text."""
+        """Keep path and message as `problems`; the text is the message behind the path.
+
+        `problems` is a list of one pair, as that of `InvalidModel`.
+        """
         check_text("message", message, "is empty")
         check_text("path", path, "run.toml")
         self.problems = [(path, message)]
