@@ -511,7 +511,7 @@ def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
 def _check_contact(
     problems: Problems, i: int, law: Any, gap: Number, pair: Any
 ) -> None:
-    """Add a problem of contact i if its law or gap is wrong.
+    """Add a problem of contact i, between a pair of bodies, if its law or gap is wrong.
 
     The law may be none, or may not go with the gap or the bodies.
     """

@@ -254,7 +254,8 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     """Timing of the first pulse of a record, which is cut off where this pulse is over.
 
     `strain` is positive in compression if `compression`, the sign in the records, is
-    right. InvalidModel if the first pulse is a tension, or none can be timed.
+    right. InvalidModel, which names the argument `name`, if the first pulse is a
+    tension, or none can be timed.
     """
     values = strain - np.median(strain[:MIN_REST_SAMPLES])
     window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES

@@ -31,7 +31,10 @@ MIN_MEAN_STEPS = 1e-6
 
 
 def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
-    """Values after a Gaussian filter whose gain is 1/sqrt(2) at a frequency, Hz."""
+    """Values after a Gaussian filter whose gain is 1/sqrt(2) at a frequency, Hz.
+
+    The values are at equal steps of `dt`, s.
+    """
     # The response lasts 1/frequency to either side: 7.5 standard deviations.
     tail = math.ceil(min(1 / dt / frequency, MAX_SAMPLES))
     exponent = math.log(2) / 2  # exp(-exponent) is 1/sqrt(2)
@@ -46,8 +49,8 @@ def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
 def blurred(values: Floats, dt: float, deviation: float) -> Floats:
     """Values after a Gaussian filter of this standard deviation, s.
 
-    Its gain exp(-(2 pi f deviation)^2/2) is 1/sqrt(2) where
-    2 pi f deviation = sqrt(ln 2).
+    The values are at equal steps of `dt`, s. The gain exp(-(2 pi f deviation)^2/2) is
+    1/sqrt(2) where 2 pi f deviation = sqrt(ln 2).
     """
     frequency = math.sqrt(math.log(2)) / (2 * math.pi * deviation)
     return gaussian(values, dt, frequency)
@@ -56,8 +59,9 @@ def blurred(values: Floats, dt: float, deviation: float) -> Floats:
 def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats:
     """Response of a Butterworth amplifier that is at rest before.
 
-    It is exact for straight lines between samples. The gain is 1/sqrt(2) at the
-    frequency, Hz; the order is 1 or 2.
+    The values are at equal steps of `dt`, s; the response is exact for straight lines
+    between them. The gain is 1/sqrt(2) at the frequency, Hz; the order is 1 or 2.
+    InvalidModel for a frequency that is too low for the steps.
     """
     from scipy import signal
 
@@ -105,7 +109,8 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
 def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
     """The pulse after a distance, m, along a `waves.Bar`.
 
-    The travel time of long waves is left out.
+    The values are at equal steps of `dt`, s. The travel time of long waves is left out,
+    so that the times stay the same.
     """
     duration = DISPERSION_TAIL * abs(distance) / bar.wave_speed
     tail = math.ceil(min(duration / dt, MAX_SAMPLES))
@@ -117,7 +122,7 @@ def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
 
 
 def first_mode(f: Floats, distance: float, bar: Any) -> Any:
-    """Complex gain of a distance, m, along a `waves.Bar`.
+    """Complex gain of a distance, m, along a `waves.Bar`, at frequencies f, Hz.
 
     The frequencies are evenly spaced from 0 on. Delays count from the arrival of long
     waves; no wave above the cut-off goes on.
@@ -133,7 +138,7 @@ def first_mode(f: Floats, distance: float, bar: Any) -> Any:
 def _filter(
     values: Floats, dt: float, gain: Callable[[Floats], Any], tail: int
 ) -> Floats:
-    """Values after a filter with a gain over frequency.
+    """Values, at equal steps of `dt`, s, after a filter with a gain over frequency.
 
     The response of the filter lasts `tail` samples. The transform is periodic. A smooth
     curve leads from the last value back to the first one, out of reach of the record.

@@ -103,7 +103,8 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
 def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
     """FileFormatError if the last line above the numbers has heads for other columns.
 
-    These may be numbers or words, two or more with a delimiter between them.
+    `texts` are the lines above the numbers, and `count` is the number of columns. The
+    heads may be numbers or words, two or more with a delimiter between them.
     """
     cells = []
     if texts:
@@ -125,8 +126,9 @@ def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
 def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:
     """Heads of different names: those of a line above, if the last line repeats names.
 
-    Scopes write a line of channels above a line such as Time, Signal, Signal. The heads
-    stay as they are if no line has different names.
+    `rows` are the cells of all lines with heads. Scopes write a line of channels above
+    a line such as Time, Signal, Signal. The heads stay as they are if no line has
+    different names.
     """
     if len({head.name for head in heads}) == len(heads):
         return heads
@@ -147,7 +149,7 @@ def _has_times(heads: list[Head]) -> bool:
 
 
 def _last_heads(rows: list[list[str]]) -> list[Head]:
-    """Heads in the last line, or in the one before a line of units."""
+    """Heads in the last row, or in the one before if the last is a line of units."""
     heads = _with_units_below(rows)
     if heads is None:
         heads = [_head_of(cell) for cell in rows[-1]]
@@ -155,7 +157,7 @@ def _last_heads(rows: list[list[str]]) -> list[Head]:
 
 
 def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
-    """Heads with times and a line of units below, above other lines.
+    """Heads with times and a row of units below, above other rows.
 
     Without them the result is the heads that are given. The recorder catman writes two
     dozen lines about each channel: its name, its unit, and so on.
@@ -169,10 +171,9 @@ def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
 
 
 def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
-    """Heads whose units are in a line of their own.
+    """Heads from the last row but one, with their units from the last row.
 
-    None if the last line is no line of units. All cells of that line must be known
-    units; the line above it has the names.
+    None unless all cells of the last row are known units.
     """
     if len(rows) < 2:
         return None

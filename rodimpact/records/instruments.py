@@ -106,9 +106,10 @@ def _cells(line: str) -> list[str]:
 def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
     """Layout of a file whose rows have a number instead of a time.
 
-    The first line is X, channels, Start, Increment; the second one has their units, the
-    time of the first row and the time step. In each row the number, of a sample from 0
-    on, becomes a time.
+    `heads` are the cells of the first line: X, channels, Start, Increment. `entries`
+    are those of the second one: units of the channels, the time of the first row and
+    the time step. In each row the number, of a sample from 0 on, becomes a time.
+    FileFormatError if the last two are no numbers.
     """
     start_column = heads.index("start")
     try:
@@ -231,8 +232,9 @@ def _labview_layout(
 ) -> Layout:
     """Layout of a file whose table stands below the line of names.
 
-    `mark` ends each cell. If the file has no times, the time is put before each row.
-    FileFormatError if it has a column of times for each channel.
+    `head_index` is the index of this line, `names` its cells, and `mark` ends each
+    cell. If the file has no times, the time is put before each row. FileFormatError if
+    it has a column of times for each channel.
     """
     columns = first_value(entries, "x_columns", "One").casefold()
     if columns not in ("one", "no"):

@@ -205,9 +205,10 @@ class ColumnTable(Protocol):
 def _table_in(
     file: BinaryIO, decimal: str | None, report: ProgressReport, opened: ExitStack
 ) -> ColumnTable:
-    """Columns of a text, a workbook or a TDMS file.
+    """Columns of a text, a workbook or a TDMS file, whichever the file is.
 
-    The text of a workbook is added to `opened`.
+    The decimal sign is that of a text, if the user gave it. The text of a workbook is
+    added to `opened`.
     """
     if os.fspath(file.name).casefold().endswith(TDMS_ENDING):
         return read_tdms(file)

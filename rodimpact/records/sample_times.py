@@ -73,9 +73,8 @@ def checked_times(
     steps = np.diff(times)
     if _are_rounded(times, steps):
         equal = _equal_steps(times)
-        warnings.warn(
-            _rounding_sentence(name, times, steps, equal), RoundedTimes, stacklevel
-        )
+        sentence = _rounding_sentence(name, times, steps, equal)
+        warnings.warn(sentence, RoundedTimes, stacklevel)
         return equal
 
     def refuse_if(is_wrong: Any, message: str) -> None:

@@ -118,7 +118,8 @@ def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
     """Largest absolute difference of a field of two solutions near each time, [time].
 
     It is the largest one over all rods, over the compared points of each, and over the
-    times near each time, `times` [time, delay], s. Walls and rigid masses are left out.
+    times near each time, `times` [time, delay], s. `name` is that of the field. Walls
+    and rigid masses are left out.
     """
     largest = np.zeros(len(times))
     instants = times.ravel()

@@ -185,8 +185,8 @@ class Table:
     def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
         """Float of a number or a text with unit, array of a grid or a tie; else nan.
 
-        Then the mistake is noted; if the number can vary, `hint` and how to vary it
-        follow.
+        The unit must be one of the dimension, such as "length". A mistake is noted; if
+        the number can vary, `hint` and how to vary it follow.
         """
         try:
             if isinstance(value, Grid | Tie):
@@ -203,7 +203,7 @@ class Table:
             return math.nan
 
     def number_list(self, key: str, dimension: str, vary: bool = True) -> Any:
-        """A list of numbers.
+        """A list of numbers of a dimension, such as "length".
 
         With `vary` a grid or a tie may be given in place of an item. An item with a
         mistake is nan. Anything but a list is None; all mistakes are noted.

@@ -218,7 +218,7 @@ def variables_of(grids: Mapping[str, Grid | Tie], numbers: Collection[str]) -> s
 
 
 def grid_values(text: Any, dimension: str) -> Floats:
-    """All values of a grid, shape (n,), in SI units.
+    """All values of a grid, shape (n,), in the SI unit of the dimension.
 
     ValueError for anything but a text in `FORM`.
     """

@@ -140,9 +140,10 @@ def read_npz(
 
 
 def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str, Any]:
-    """What the file says of itself; all of it but arrays.
+    """What the file says of itself: all of it but the numbers of its arrays.
 
-    FileFormatError if it is foreign, of another schema, or of a kind that nobody reads.
+    FileFormatError if it is foreign, of another schema, or of a kind that none of the
+    readers reads.
     """
     foreign = FileFormatError("is an NPZ file, but not one that rodimpact saved")
     if "document.npy" not in archive.namelist():
@@ -171,7 +172,7 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
 
 
 def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
-    """The arrays that the document names, each as it was written.
+    """The arrays that the document names in its `entries`, each as it was written.
 
     FileFormatError if an array is missing, is not named, or differs from its entry:
     type, shape and checksum.
