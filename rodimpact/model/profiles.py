@@ -588,7 +588,7 @@ def _averages_of_polynomials(
 ) -> Floats:
     """Mean values of polynomials along a rod between n + 1 edges, shape (n,).
 
-    The length of the rod is in m; there are no values beyond it. The means are
+    The length of the rod is in m; beyond it the values count as 0. The means are
     differences of the integral from x = 0 on. In an interval of width w that is the
     integral to its begin plus w/2 times a primitive in y, as dx = w/2 dy.
     """

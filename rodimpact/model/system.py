@@ -354,7 +354,7 @@ class System(FrozenDataclass):
         return self.replace(bodies=bodies)
 
     def mirrored(self) -> System:
-        """Return the row with left and right exchanged: velocities change their sign.
+        """Return the row with left and right exchanged: velocities and gravity turn.
 
         Returns
         -------

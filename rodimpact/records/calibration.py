@@ -535,7 +535,7 @@ def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
 
 
 def _passing(bar: InstrumentedBar) -> Floats:
-    """The record of a pulse that passes for the first time, zero after it."""
+    """The record of the first gauge until its first pulse has passed, zero after it."""
     pulse = bar.first_pulse
     end = pulse.start + pulse.width + 2 * pulse.rise
     passing: Floats = np.where(bar.times < end, bar.strains[0], 0.0)

@@ -192,7 +192,7 @@ def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
 
     Without a delimiter heads end at blanks. If that does not give `count` heads, a unit
     in brackets is joined to what is before it; if that does not either, heads end at
-    two blanks or a tab.
+    two blanks or a tab. A last head more, for comments, is left out.
     """
     cells = form.cells(text)
     if not form.delimiter and len(cells) != count:

@@ -209,7 +209,7 @@ def _keysight_layout(first_line: str, entries: Entries) -> Layout:
     """Layout of a file of one channel.
 
     The name is in the first line, the units are among the entries. With several
-    channels or segments there is a pair of columns for each.
+    channels or segments there is a pair of columns for each: FileFormatError.
     """
     starts = [text for text in entries["xorg"] if text]  # of each channel or segment
     if len(starts) > 1:

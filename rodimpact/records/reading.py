@@ -227,9 +227,10 @@ def _signals(
 ) -> dict[str, Signal]:
     """Signal of each channel, by name, in SI units and over common times.
 
-    A channel that is shorter than the times has the first of them. The columns leave
-    the table one by one, to save memory. FileFormatError without times, or with a
-    second clock beside `rate`.
+    A channel that is shorter than the times has the first of them; one that may be
+    clipped makes a warning. The columns leave the table one by one, to save memory.
+    FileFormatError without times, for fewer than two rows, or with a second clock
+    beside `rate`.
     """
     lengths = [len(column) for column in table.columns]
     row_count = max(lengths)

@@ -77,7 +77,10 @@ def _from_two_gauges(bar: InstrumentedBar) -> Waves:
 
 
 def from_pulse(bar: InstrumentedBar, gauge: int) -> Floats:
-    """The record of a gauge from its first pulse on, zero before it."""
+    """The record of a gauge from its first pulse on, zero before it.
+
+    The pulse begins a rise time before its start.
+    """
     pulse = bar.first_pulses[gauge]
     is_moving = bar.times >= pulse.start - pulse.rise
     moving: Floats = np.where(is_moving, bar.strains[gauge], 0.0)

@@ -155,8 +155,9 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
 def verdict_of_equal_forces(curve: Curve, method: str) -> Verdict:
     """Verdict on a curve for which equal forces on both faces were assumed.
 
-    Its numbers on equilibrium are None and nan. `method` is its last sentence: how the
-    velocity of the input face was found.
+    Its numbers on equilibrium are None and nan; with the wave speed of the specimen a
+    sentence estimates when the forces become equal. `method` is the last sentence: how
+    the velocity of the input face was found.
     """
     sentence = "equilibrium is assumed, not measured: one force stands for both faces"
     wave_speed = curve.specimen.wave_speed

@@ -125,8 +125,8 @@ def _of_path(system: System, path: str) -> Quantity:
 def quantity_of_column(system: System, column: str) -> Quantity:
     """Name and unit of a column of results or of a field, such as ``"stress"``.
 
-    The column of a contact has its name if there are several contacts. Any name that is
-    no column is taken for the path of a number, see `quantity_of_parameter`.
+    The name tells the contact if there are several. Any name that is no column is taken
+    for the path of a number, see `quantity_of_parameter`.
 
     Examples
     --------

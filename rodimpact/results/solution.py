@@ -396,7 +396,8 @@ class Solution(Shown):
         """Record of a strain gauge at x, m from the left end of a body.
 
         It has an entry at each of the times between which straight lines follow both
-        waves. The strains of the waves count from the velocity at t = 0.
+        waves. The strains of the waves count from the velocity at t = 0. ValueError for
+        a body that is no rod, and for a place outside of it.
         """
         x = scalar("x", x, "m", sign=UNCHECKED)
         # With A = v - c eps, the wave running right, and B = v + c eps, the one running

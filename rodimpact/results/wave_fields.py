@@ -82,7 +82,7 @@ class WaveFields(Fields):
     # Fields at points and times -----------------------------------------------------
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
-        """Velocity (A(p) + B(q))/2 + frame, m/s.
+        """Velocity in a rod, m/s: half the sum of its two waves, plus the frame's own.
 
         x, m, and ticks broadcast, and the result has their shape.
         """
@@ -95,7 +95,10 @@ class WaveFields(Fields):
         return self._one_sided_values(body, x, ticks, side, velocity)
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
-        """(B(q) - A(p))/(2 c); of the shape to which x, m, and ticks broadcast."""
+        """Strain in a rod: the difference of its two waves, over 2 c.
+
+        x, m, and ticks broadcast, and the result has their shape.
+        """
 
         def strain(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
             """Strain where two parts of the waves meet."""
@@ -211,8 +214,9 @@ class WaveFields(Fields):
     def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves that pass the point x, m, from t = 0 to the end of the run.
 
-        A arrives later than it left by the time of travel from the left end, B by that
-        from the right one. Both are cut at the breaks of either.
+        The rightward wave arrives later than it left by the time of travel from the
+        left end, the leftward one by that from the right end. Both are cut at the
+        breaks of either.
         """
         point = self._points(body, x)
         offset = int(point.offset)
@@ -252,7 +256,8 @@ class WaveFields(Fields):
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
         """Energy of a rod at `tick`; the kinetic energy is relative to a velocity, m/s.
 
-        Sums over its segments of Z/8 times the integrals of (A + B)^2 and of (A - B)^2.
+        Sums over its segments of Z/8 times the integrals of (A + B)^2 and of (A - B)^2,
+        see `SegmentWaves.squared_integrals`.
         """
         clock = self.clock
         # The velocity as it is in the frame, to which the waves refer
@@ -269,8 +274,9 @@ class WaveFields(Fields):
     def extreme_stress(self, body: int) -> ExtremeStress:
         """The largest tension and compression of all segments of a rod.
 
-        They are E/(2 c) times the extremes of B - A. Each peak has its stress, place
-        and time; tension and compression are found apart.
+        They are E/(2 c) times the extremes of B - A, with the leftward wave B and the
+        rightward wave A. Each peak has its stress, place and time; tension and
+        compression are found apart.
         """
         tensions = []
         compressions = []

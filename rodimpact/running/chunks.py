@@ -123,10 +123,9 @@ def members_of(system: System, start: int, stop: int) -> System:
 
 
 def needs_solutions(options: Options, readings: RequestedReadings) -> bool:
-    """Whether the readings need the solution of each member.
+    """Whether the readings need the solution of each member, which takes longer.
 
-    Columns that the method alone does not have are those of gauges, and names of `also`
-    that it does not find itself.
+    Gauges do, and so do names of `also` that the method does not find itself.
     """
     if readings.gauges:
         return True

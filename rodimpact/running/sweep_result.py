@@ -373,6 +373,8 @@ class SweepResult(Shown, OnlyContact[Any]):
     def to_dataframe(self) -> Any:
         """All members as a pandas DataFrame (extra ``dataframe``), one a row.
 
+        The columns are those of `table`; the status is categorical.
+
         Examples
         --------
         >>> import rodimpact as ri
@@ -395,8 +397,8 @@ class SweepResult(Shown, OnlyContact[Any]):
     def to_xarray(self) -> Any:
         """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis.
 
-        Strains have the dimensions ``gauge`` and ``time`` besides. Every variable has
-        its ``long_name`` and its ``units``.
+        Numbers that vary are coordinates. Strains have the dimensions ``gauge`` and
+        ``time`` besides. Every variable has its ``long_name`` and its ``units``.
 
         Examples
         --------

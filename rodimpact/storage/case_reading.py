@@ -188,10 +188,9 @@ def read_elasticity(table: Table) -> dict[str, Any]:
 
 
 def read_damping(table: Table) -> dict[str, Any]:
-    """Arguments of `Material.damped`, empty if there is no damping.
+    """Arguments of `Material.damped`; {} without a loss factor and its frequency.
 
-    Then neither the loss factor nor its frequency is given. If one of them is missing,
-    or a viscosity is given too, that is noted as a mistake.
+    If only one of them is given, or a viscosity too, that is noted as a mistake.
     """
     has_factor = table.has_or_varies("loss_factor")
     has_frequency = table.has_or_varies("loss_frequency")
@@ -436,6 +435,7 @@ def read_faces(
 
     A radius that is not given is infinite, for a flat face. A material that is not
     given is that of the rod there, and None, for a rigid face, if there is no rod.
+    Steel stands in where the body is not known.
     """
     faces: dict[str, Any] = {}
     bodies = [*pair, None, None]  # None for a body that is missing

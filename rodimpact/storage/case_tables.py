@@ -156,9 +156,10 @@ class Table:
         return numbers
 
     def number(self, key: str, field: QuantityField) -> Any:
-        """A number, an array where it varies, a profile, or the word allowed there.
+        """A number, an array where it varies, a list, a profile, or a word.
 
-        It is nan, and a mistake is noted, if it is missing or none of these.
+        The field tells which of these may be there. The result is nan, and a mistake is
+        noted, if the entry is missing or none of these.
         """
         if field.many:
             return self.number_list(key, field.dimension)

@@ -99,9 +99,10 @@ class Tie:
         self._text = text
 
     def array(self, dimension: str) -> Number:  # noqa: ARG002
-        """Values along the axis of the source: those of the source times factors.
+        """Values along the axis of the source: its values times and over the factors.
 
-        ValueError for a factor that cannot be read, or a divisor of 0.
+        They are in SI units; the dimension is not checked here. ValueError for a factor
+        that cannot be read, or a divisor of 0.
         """
         parts = _split_at(self._text, self.source.path)
         assert parts is not None
