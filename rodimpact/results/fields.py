@@ -371,14 +371,20 @@ class Fields(Protocol):
     def strain(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        """Strain in a rod, positive in tension; x and t broadcast."""
+        """Strain in a rod, positive in tension; x and t broadcast.
+
+        InvalidModel for a body that is no rod.
+        """
         ticks = self.to_ticks_beside(t, side)
         self._check_rod(body)
         points = array("x", x, "m")
         return self.rod_strain(body, points, ticks, side)
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Strain rate in a rod, 1/s; x and t broadcast."""
+        """Strain rate in a rod, 1/s; x and t broadcast.
+
+        InvalidModel for a body that is no rod.
+        """
         ticks = self.to_ticks(t)
         self._check_rod(body)
         points = array("x", x, "m")

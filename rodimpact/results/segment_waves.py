@@ -47,13 +47,19 @@ class SegmentWaves(NamedTuple):
     # Where parts of the waves meet --------------------------------------------------
 
     def velocity(self, p: Ints, q: Ints, side: Side) -> Floats:
-        """v = (A(p) + B(q))/2, m/s in the frame of the clock."""
+        """Velocity where the parts that left at p and q meet, (A(p) + B(q))/2.
+
+        It is in m/s, in the frame of the clock. The side is that of jumps of the waves.
+        """
         A = self.rightward
         B = self.leftward
         return (A.at(p, side) + B.at(q, side)) * 0.5
 
     def strain(self, p: Ints, q: Ints, side: Side) -> Floats:
-        """(B(q) - A(p))/(2 c)."""
+        """Strain where the parts that left at p and q meet, (B(q) - A(p))/(2 c).
+
+        The side is that of jumps of the waves.
+        """
         A = self.rightward
         B = self.leftward
         per_difference = self.strain_per_difference
@@ -84,7 +90,10 @@ class SegmentWaves(NamedTuple):
     # Integrals over the segment -----------------------------------------------------
 
     def initial_elongation(self) -> float:
-        """Elongation at t = 0: integral of (B - A)/2 from -T to 0, m/s ticks."""
+        """Elongation of the segment at t = 0: half the integral of B - A from -T to 0.
+
+        It is in m/s ticks.
+        """
         A = self.rightward
         B = self.leftward
         T = self.transit
@@ -108,10 +117,10 @@ class SegmentWaves(NamedTuple):
     def squared_integrals(self, tick: int, velocity: float) -> SquaredWaves:
         """Integrals of (A + B)^2 and (A - B)^2 over the segment at `tick`.
 
-        The variable of the integrals is the time of travel. Both waves are taken less a
-        velocity, m/s, to which the kinetic energy is relative. The part of A that left
-        at `time` meets the part of B that left at start + tick - `time`, so B is taken
-        backwards.
+        The variable of the integrals is the time of travel. Both waves, A rightward and
+        B leftward, are taken less a velocity, m/s, to which the kinetic energy is
+        relative. The part of A that left at `time` meets the part of B that left at
+        start + tick - `time`, so B is taken backwards.
         """
         start = tick - self.transit
         rightward = self.rightward.within(start, tick)

@@ -116,7 +116,10 @@ class Solution(Shown):
     """
 
     def __init__(self, run: Run, options: Options) -> None:
-        """Keep what the run says of itself; fields and outcome are found on demand."""
+        """Keep what the run says of itself; fields and outcome are found on demand.
+
+        A run without `until` that is proved final counts as stopped by "final".
+        """
         self.options = options
         self.run = run
         self.system = run.system

@@ -281,9 +281,10 @@ class Table:
         return None
 
     def table(self, key: str) -> Table:
-        """The table of that name.
+        """The table of that name; an empty one if there is none.
 
-        It is an empty one, in which nothing is missing, for anything else.
+        Anything else is noted as a mistake, and gives an empty table in which nothing
+        is missing.
         """
         data = self.get(key, {})
         if isinstance(data, dict):

@@ -370,10 +370,10 @@ def _then(outcome: Any) -> str:
 
 
 def _vibration_scale(outcome: Any) -> Any:
-    """Scale of vibration energies, J: an energy that is lost in its last digits is 0.
+    """Scale of vibration energies, J, beside which round-off counts as 0.
 
-    It is m (largest difference of velocities)^2/2 with all masses m, and the vibration
-    energy, both before the collision.
+    It is m (largest difference of velocities)^2/2 with the mass m of all bodies but
+    walls, and the vibration energy, both before the collision.
     """
     velocities = outcome.velocities_before
     spread = max(velocities) - min(velocities)
