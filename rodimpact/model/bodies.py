@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY
+from decimal import Decimal
 from typing import Any, ClassVar, TypeAlias, get_args
 
 import numpy as np
@@ -845,7 +846,7 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     pieces: list[Segment] = []
     for i, A in enumerate(area.values):
         piece = dict(shape)
-        piece["length"] = edges[i + 1] - edges[i]
+        piece["length"] = _distance(edges[i], edges[i + 1])
         piece["area"] = A
         try:
             pieces.append(Segment(**piece))
@@ -855,6 +856,22 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
                 problems.append((path.replace("area", f"area.values.{i}"), message))
     frozen.raise_if_problems(problems)
     return tuple(pieces)
+
+
+def _distance(start: Number, end: Number) -> Number:
+    """From one place to a later one as they are written: 0.4 - 0.1 is 0.3.
+
+    The difference of the floats is 0.30000000000000004, which a case file and a formula
+    would take for the length that was meant. This is the float nearest to the
+    difference of the decimals.
+    """
+    if not isinstance(start, np.ndarray) and not isinstance(end, np.ndarray):
+        return float(Decimal(repr(float(end))) - Decimal(repr(float(start))))
+    starts, ends = np.broadcast_arrays(start, end)
+    distances = np.empty(starts.shape)
+    for member in np.ndindex(starts.shape):
+        distances[member] = _distance(float(starts[member]), float(ends[member]))
+    return distances
 
 
 class RigidMass(FrozenDataclass, kind="mass"):

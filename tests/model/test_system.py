@@ -871,6 +871,17 @@ def test_steps_of_the_area_make_a_stepped_rod():
     assert stepped.velocity.values[-1] == 1.0
 
 
+def test_lengths_between_steps_are_differences_of_decimals():
+    area = ri.Steps([1e-4, 2e-4, 3e-4], [0.1, 0.3])
+    lengths = [segment.length for segment in rod(length=0.4, area=area).segments]
+    assert lengths == [0.1, 0.2, 0.1]
+
+    ends = np.array([0.4, 0.7])
+    _, middle, last = rod(length=ends, area=area).segments
+    assert middle.length == 0.2
+    assert last.length.tolist() == [0.1, 0.4]
+
+
 def test_each_step_of_a_round_rod_is_round():
     stepped = rod(area=ri.Steps([1e-4, 2e-4], [0.25]), **ROUND_LOVE)
     polar_moments = [segment.polar_moment for segment in stepped.segments]
