@@ -63,7 +63,12 @@ def group_of(run, contact, right):
     return run.segments[k + right]
 
 
+def step_ends(solution):
+    """Times of the ends of all steps of a run on a grid, s, from t = 0 on [step + 1]."""
+    ends = solution.run.signals.edges * solution.fields.clock.tick
+    return np.minimum(ends, solution.t_end)
+
+
 def gaps_of(solution, contact):
-    """Gap of a contact at the ends of all steps, m."""
-    edges = solution.run.signals.edges * solution.fields.clock.tick
-    return solution.contacts[contact].gap(np.minimum(edges, solution.t_end))
+    """Gap of a contact at the ends of all steps, m [step + 1]."""
+    return solution.contacts[contact].gap(step_ends(solution))

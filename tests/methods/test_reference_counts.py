@@ -7,7 +7,7 @@ depends on it.
 """
 
 import re
-from types import ModuleType
+from typing import NamedTuple
 
 import pytest
 
@@ -20,15 +20,18 @@ NEWEST_NUMBA = (0, 68)
 
 
 def kernel_calls(method):
-    """Entries of the kernels of a method, as functions, with the types of their
-    arguments.
+    """Types of the arguments with which Python calls compiled kernels of a method.
+
+    The keys are the functions, in a scope whose other kernels are compiled.
     """
     calls = {}
     run = compiling.Compiled.__call__
 
     def record(compiled, *args):
-        types = tuple(compiling.compiler().typeof(arg) for arg in args)
-        calls[compiled._twin] = types
+        types = []
+        for arg in args:
+            types.append(compiling.compiler().typeof(arg))
+        calls[compiled._twin] = tuple(types)
         return run(compiled, *args)
 
     with pytest.MonkeyPatch.context() as patch:
@@ -37,37 +40,61 @@ def kernel_calls(method):
     return calls
 
 
-def modules_of(module, seen):
-    """A compiled kernel module and all that it imports."""
-    seen.append(module)
-    for value in vars(module).values():
-        if compiling._is_kernel(value) and value not in seen:
-            modules_of(value, seen)
-    return seen
+def imported_kernels(scope):
+    """Kernel modules among the values of a dict of names, and all that they import."""
+    modules = []
+    scopes = [scope]
+    for each in scopes:  # the list grows
+        for value in each.values():
+            if compiling._is_kernel(value) and value not in modules:
+                modules.append(value)
+                scopes.append(vars(value))
+    return modules
+
+
+class Counts(NamedTuple):
+    """Instructions in the machine code of a function, not how often they are run."""
+
+    increments: int
+    decrements: int
 
 
 def count_references(dispatcher):
-    """Increments and decrements in all machine code of a function."""
+    """Counts in all machine code of a compiled function, whatever the arguments."""
     code = "\n".join(dispatcher.inspect_llvm().values())
-    increments = len(re.findall(r"call void @NRT_incref", code))
-    decrements = len(re.findall(r"call void @NRT_decref", code))
-    return increments, decrements
+    return Counts(
+        increments=len(re.findall(r"call void @NRT_incref", code)),
+        decrements=len(re.findall(r"call void @NRT_decref", code)),
+    )
+
+
+def counts_in(scope):
+    """Counts of the compiled functions among the values of a dict of names.
+
+    The keys are their names behind that of their module.
+    """
+    counts = {}
+    for name, value in scope.items():
+        is_compiled = hasattr(value, "inspect_llvm")
+        if is_compiled:
+            counts[f"{scope['__name__']}.{name}"] = count_references(value)
+    return counts
 
 
 def reference_counts(method):
-    """Increments and decrements by function, where there are any."""
+    """Counts by the name of each compiled function that a method runs.
+
+    Functions without any are left out. An entry's name stands without its module's.
+    """
     counts = {}
     for entry, types in kernel_calls(method).items():
         dispatcher = compiling.compiler().njit(**compiling.OPTIONS)(entry)
-        dispatcher.compile(types)
+        dispatcher.compile(types)  # what the entry calls is compiled with it
         counts[entry.__name__] = count_references(dispatcher)
-        module = ModuleType("scope")
-        vars(module).update(entry.__globals__)
-        for inner in modules_of(module, []):
-            for name, value in vars(inner).items():
-                if hasattr(value, "inspect_llvm"):
-                    counts[f"{inner.__name__}.{name}"] = count_references(value)
-    return {name: pair for name, pair in counts.items() if sum(pair)}
+        counts |= counts_in(entry.__globals__)
+        for module in imported_kernels(entry.__globals__):
+            counts |= counts_in(vars(module))
+    return {name: count for name, count in counts.items() if sum(count) > 0}
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rodimpact.methods.grid.refinement import (
+    DURATION_FACTOR,
     FACTORS,
     SAFETY_FACTOR,
     TIME_RESOLUTION,
@@ -16,6 +17,8 @@ from rodimpact.methods.memory import TooLong
 
 
 class Run(NamedTuple):
+    """Stands for a run with a step of 1 s that is divided by `factor`."""
+
     factor: int
     stopped_by: str = "final"
 
@@ -24,85 +27,119 @@ class Run(NamedTuple):
         return 1 / self.factor
 
 
-def search(values, goal, last=64, order=1.0):
-    """Values of one measure by level, and the levels that were run."""
-    run = []
+class Search(NamedTuple):
+    finest: Run
+    estimates: dict[str, float]  # relative errors by measure
+    factors: list[int]  # of all levels that were run
 
-    def level(factor):
-        run.append(factor)
+
+def search(impulse, rtol, max_factor=64, order=1.0):
+    """Refine until the impulse, a function of the factor, is settled."""
+    factors = []
+
+    def run_level(factor):
+        factors.append(factor)
         return Run(factor)
 
-    finest, estimates = refined(
-        level, lambda r: {"impulse": np.array([values(r.factor)])}, order, goal, last
-    )
-    return finest, estimates, run
+    def measures(run):
+        return {"impulse": np.array([impulse(run.factor)])}
+
+    finest, estimates = refined(run_level, measures, order, rtol, max_factor)
+    return Search(finest, estimates, factors)
 
 
 def test_levels_are_not_powers_of_two_only():
     assert FACTORS[:10] == (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
 
 
-def test_coarser_levels_must_agree():
-    values = {1: 0.0, 2: 0.0, 3: 1.0, 4: 1.0, 6: 1.0, 8: 1.0, 12: 1.0}.get
-    finest, estimates, run = search(values, 1e-3)
-    assert run == [1, 2, 3, 4, 6, 8, 12]
-    assert finest.factor == 12
-    assert estimates == {"impulse": 0.0}
+def test_four_coarser_levels_must_agree_with_the_finest():
+    impulses = {1: 0.0, 2: 0.0, 3: 1.0, 4: 1.0, 6: 1.0, 8: 1.0, 12: 1.0}
+    result = search(impulses.get, rtol=1e-3)
+    assert result.factors == [1, 2, 3, 4, 6, 8, 12]
+    assert result.finest.factor == 12
+    assert result.estimates == {"impulse": 0.0}
 
 
 def test_what_powers_of_two_do_not_see_is_seen():
     """A sawtooth that is the same on all of them, as of a contact that closes inside a
     step.
     """
-    _, estimates, run = search(lambda n: 1.0 if n & (n - 1) == 0 else 1 + 0.1 / n, 1e-3)
-    assert run[-1] == 64
-    assert estimates["impulse"] == pytest.approx(SAFETY_FACTOR * 0.1 / 48 * 3)
+
+    def sawtooth(factor):
+        is_power_of_two = factor & (factor - 1) == 0
+        if is_power_of_two:
+            return 1.0
+        return 1 + 0.1 / factor
+
+    result = search(sawtooth, rtol=1e-3, max_factor=64)
+
+    assert result.factors[-1] == 64
+    # From 48 to 64 the impulse changes by 0.1/48; first order makes of that an error of
+    # 1/(64/48 - 1) = 3 times the change.
+    error = 3 * 0.1 / 48
+    assert result.estimates["impulse"] == pytest.approx(SAFETY_FACTOR * error)
 
 
 @pytest.mark.parametrize("order", [0.5, 1, 2])
-def test_the_estimate_bounds_the_error_of_a_method_of_that_order(order):
-    finest, estimates, _ = search(
-        lambda factor: 1 + 0.01 / factor**order, 1e-3, 1024, order
-    )
-    error = 0.01 / finest.factor**order
-    assert estimates["impulse"] <= 1e-3
-    assert SAFETY_FACTOR * error == pytest.approx(estimates["impulse"], rel=0.02)
+def test_the_estimate_is_the_error_of_that_order_times_the_safety_factor(order):
+    def impulse(factor):
+        return 1 + 0.01 / factor**order
+
+    result = search(impulse, rtol=1e-3, max_factor=1024, order=order)
+
+    error = 0.01 / result.finest.factor**order
+    estimate = result.estimates["impulse"]
+    assert estimate <= 1e-3
+    assert SAFETY_FACTOR * error == pytest.approx(estimate, rel=0.02)
 
 
-def test_a_duration_is_known_to_a_part_of_a_step_at_best_and_not_waited_for():
+def test_an_unsettled_duration_is_estimated_but_not_refined_for():
     def measures(run):
-        return {
-            "impulse": np.ones(1),
-            "duration": np.array([0.0, 2.0 + run.factor % 2]),
-        }
+        longest = 2.0 + run.factor % 2  # s: 3, 2, 3 and 2 on the first levels
+        return {"impulse": np.ones(1), "duration": np.array([0.0, longest])}
 
-    finest, estimates = refined(Run, measures, 1.0, 0.01, 64)
+    finest, estimates = refined(Run, measures, order=1.0, rtol=0.01, max_factor=64)
+
+    # Four levels are the fewest. From 3 to 4 the duration changes by 1 s; first order
+    # makes of that an error of 1/(4/3 - 1) = 3 s, of a duration of 2 s.
     assert finest.factor == 4
-    assert estimates == {
-        "impulse": 0.0,
-        "duration": pytest.approx(SAFETY_FACTOR * 5 / 3 * 3.0 / 2),
-    }
-    _, estimates = refined(Run, lambda _: {**measures(finest)}, 1.0, 0.01, 64)
-    assert estimates == {
-        "impulse": 0.0,
-        "duration": pytest.approx(TIME_RESOLUTION / 4 / 2),
-    }
+    error = DURATION_FACTOR * 3.0 / 2.0
+    assert estimates["impulse"] == 0.0
+    assert estimates["duration"] == pytest.approx(SAFETY_FACTOR * error)
+
+
+def test_a_settled_duration_is_known_to_a_part_of_a_step_at_best():
+    def measures(run):
+        return {"impulse": np.ones(1), "duration": np.array([0.0, 2.0])}
+
+    finest, estimates = refined(Run, measures, order=1.0, rtol=0.01, max_factor=64)
+
+    assert finest.factor == 4
+    error = TIME_RESOLUTION * finest.step
+    assert estimates["impulse"] == 0.0
+    assert estimates["duration"] == pytest.approx(error / 2.0)
+
+
+def settled(run):
+    """Measures that are the same on all levels."""
+    return {"impulse": np.ones(1)}
 
 
 def test_a_run_that_is_too_long_ends_the_search():
-    def level(factor):
+    def run_level(factor):
         if factor > 1:
             raise TooLong([("until", "no room")])
         return Run(factor)
 
-    finest, estimates = refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
+    finest, estimates = refined(run_level, settled, order=1.0, rtol=1e-3, max_factor=64)
+
     assert finest.factor == 1
-    assert estimates == {"impulse": math.inf}
+    assert estimates == {"impulse": math.inf}  # of a single level
 
 
 def test_a_first_run_that_is_too_long_is_refused():
-    def level(factor):
+    def run_level(factor):
         raise TooLong([("until", "no room")])
 
     with pytest.raises(TooLong, match="no room"):
-        refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
+        refined(run_level, settled, order=1.0, rtol=1e-3, max_factor=64)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.polynomial import Chebyshev
 from scipy.integrate import quad
 
-from rodimpact.methods.signals import Pieces
+from rodimpact.methods.signals import LINE_RTOL, Pieces
 
 STEPS = st.lists(
     st.tuples(st.integers(0, 60), st.integers(-5, 5)),
@@ -17,12 +17,9 @@ STEPS = st.lists(
     max_size=8,
     unique_by=lambda step: step[0],
 ).map(sorted)
-
-
-"""Steps of a signal, each a tick and the value from then on."""
-
-
+"""Steps of a signal in the order of time, each a tick and the value from then on."""
 TICKS = st.integers(-20, 80)
+"""Ticks before, among and after those of `STEPS`."""
 
 
 def signal_of(steps):
@@ -41,7 +38,7 @@ def value_at(steps, t):
 
 
 @given(STEPS, TICKS, TICKS)
-def test_value_limits_and_integral(steps, t, u):
+def test_value_limit_from_the_left_and_integral_of_steps(steps, t, u):
     signal = signal_of(steps)
     assert signal.at(t) == value_at(steps, t)
     assert signal.at(t, "left") == value_at(steps, t - 1)
@@ -53,7 +50,8 @@ def test_value_limits_and_integral(steps, t, u):
 
 
 @given(STEPS, STEPS, TICKS, st.integers(0, 60), st.integers(-30, 130))
-def test_integral_of_a_product(first, second, start, length, about):
+def test_integrals_of_products_of_steps(first, second, start, length, about):
+    """With the second signal as it is, and as it runs backwards: s(about - t)."""
     stop = start + length
     f = signal_of(first)
     g = signal_of(second)
@@ -61,6 +59,7 @@ def test_integral_of_a_product(first, second, start, length, about):
     exact_turned = 0
     for k in range(start, stop):
         exact += value_at(first, k) * value_at(second, k)
+        # From tick k to k + 1 the other runs backwards from about - k to about - k - 1.
         exact_turned += value_at(first, k) * value_at(second, about - k - 1)
     assert (f * g).integral(start, stop) == exact
     assert (f * g.time_reversed(about)).integral(start, stop) == exact_turned
@@ -68,27 +67,29 @@ def test_integral_of_a_product(first, second, start, length, about):
 
 # Polynomial pieces, beside NumPy's polynomials and SciPy's quadrature
 
-LATE = 1 << 50  # ticks at which a run may be
+LATE = 1 << 50  # a tick that a long run may come to; ticks count from it in floats
 
 
-def random_pieces(seed, size=9, count=6, start=LATE):
-    """Pieces of unequal length, and the same as NumPy's polynomials in time from
-    `start`.
+def random_pieces(seed, size=9, count=6):
+    """Pieces of unequal length from tick LATE on, and the same as NumPy's polynomials.
+
+    There are `count` pieces with `size` coefficients each. The polynomials are of the
+    ticks since LATE.
     """
     rng = np.random.default_rng(seed)
     durations = rng.integers(3, 1 << 30, count)
     times = np.concatenate(([0], np.cumsum(durations)))
-    decay = (1 + np.arange(size)) ** 2
+    decay = (1 + np.arange(size)) ** 2  # high degrees matter less, as in smooth signals
     coefficients = rng.normal(size=(count, size)) / decay
     polynomials = []
     for c, (begin, end) in zip(coefficients, pairwise(times), strict=True):
         polynomials.append(Chebyshev(c, domain=[float(begin), float(end)]))
-    ticks = start + times
+    ticks = LATE + times
     return Pieces(ticks[:-1], coefficients, ticks[-1]), polynomials
 
 
 def exact_value(polynomials, t):
-    """Value at t, from the start; the first and the last value hold outside."""
+    """Value at t ticks since LATE; the first and the last value hold outside."""
     first = polynomials[0].domain[0]
     last = polynomials[-1].domain[1]
     inside = min(max(t, first), last)
@@ -97,12 +98,13 @@ def exact_value(polynomials, t):
 
 
 def breaks_of(polynomials):
-    """Times at which the polynomials begin, and the end of the last."""
-    return [*(p.domain[0] for p in polynomials), polynomials[-1].domain[1]]
+    """Times at which the polynomials begin, and the end of the last, from LATE on."""
+    begins = [p.domain[0] for p in polynomials]
+    return [*begins, polynomials[-1].domain[1]]
 
 
 def integrated(function, start, stop, breaks):
-    """By SciPy, from break to break."""
+    """Integral from start to stop by SciPy, from break to break."""
     inside = [t for t in breaks if start < t < stop]
     total = 0.0
     for low, high in pairwise(sorted({start, *inside, stop})):
@@ -111,10 +113,10 @@ def integrated(function, start, stop, breaks):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_polynomials_are_those_of_numpy(seed):
+def test_values_of_polynomials_are_those_of_numpy(seed):
     signal, polynomials = random_pieces(seed)
     rng = np.random.default_rng(seed)
-    ticks = rng.integers(signal.ticks[0] - 1000, signal.end + 1000, 50)
+    ticks = rng.integers(signal.ticks[0] - 1000, signal.end + 1000, 50)  # outside, too
     expected = [exact_value(polynomials, float(t - LATE)) for t in ticks]
     assert signal.at(ticks) == pytest.approx(expected, abs=1e-13)
 
@@ -131,7 +133,7 @@ def test_polynomials_have_two_sides_at_breaks(seed):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_integrals_of_polynomials(seed):
+def test_integrals_of_polynomials_and_of_their_products_are_those_of_scipy(seed):
     f, of_f = random_pieces(seed)
     g, of_g = random_pieces(seed + 10, size=4, count=9)
     start = int(f.ticks[1]) - 99
@@ -168,9 +170,9 @@ def test_integrals_of_polynomials(seed):
 
 
 @pytest.mark.parametrize("size", [1, 2, 9])
-def test_signals_that_are_made_of_others(size):
+def test_difference_product_delay_sum_and_multiple_have_their_values(size):
     f, _ = random_pieces(1, size)
-    g, _ = random_pieces(2, count=3)
+    g, _ = random_pieces(2, count=3)  # with other breaks and another degree
     ticks = np.random.default_rng(3).integers(f.ticks[0], min(f.end, g.end), 40)
     difference = f.at(ticks) - g.at(ticks)
     product = f.at(ticks) * g.at(ticks)
@@ -194,13 +196,21 @@ def test_a_part_of_a_signal_has_its_values(size):
 
 def test_straight_lines_between_marks_follow_a_signal():
     signal, _ = random_pieces(5)
+    marks = signal.marks
+    at_marks = signal.at(marks)
     ticks = np.random.default_rng(5).integers(signal.ticks[0], signal.end, 2000)
-    times = (ticks - LATE).astype(float)
-    times_of_marks = (signal.marks - LATE).astype(float)
-    at_marks = signal.at(signal.marks)
-    lines = np.interp(times, times_of_marks, at_marks)
-    assert np.abs(lines - signal.at(ticks)).max() < 1e-4 * np.ptp(at_marks)
-    assert len(signal.marks) < 1000 * len(signal.ticks)
+
+    # Ticks as late as these are subtracted as integers: floats would round them.
+    lines = np.interp(
+        (ticks - LATE).astype(float), (marks - LATE).astype(float), at_marks
+    )
+
+    # The bound of `marks` is on the sum of the coefficients, which exceeds the range.
+    largest_error = np.abs(lines - signal.at(ticks)).max()
+    assert largest_error < 2 * LINE_RTOL * np.ptp(at_marks)
+    # A line over one of n parts of a piece misses it by about its bend/(2 n^2). The
+    # bends of these pieces are up to some 10 ranges of the signal.
+    assert len(marks) < 4 / np.sqrt(LINE_RTOL) * len(signal.ticks)
 
 
 def test_a_constant_signal_needs_no_marks_but_its_breaks():
@@ -211,10 +221,11 @@ def test_a_constant_signal_needs_no_marks_but_its_breaks():
 def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():
     """As the force of a wall that a bar under gravity left long ago."""
     count = 40000
-    width = 7
-    force = np.zeros((count, 1))
+    width = 7  # ticks of a piece
+    force = np.zeros((count, 1))  # constant pieces
     force[7] = 0.1
     end = count * width
     signal = Pieces(np.arange(count) * width, force)
     integral = signal.integrated_twice(end)
+    # The impulse times the time since the middle of the piece in which it acts.
     assert integral == pytest.approx(0.1 * width * (end - 7.5 * width), rel=1e-14)

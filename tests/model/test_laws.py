@@ -41,13 +41,14 @@ def test_a_law_survives_its_description(law):
     assert eval(repr(law), vars(ri)) == law
 
 
-def test_names():
+def test_every_law_has_its_name_and_an_example_here():
     names = (
         "rigid bonded joint spring spring-dashpot hertz hunt-crossley power yielding "
         "smith-toe cushion tabulated"
     )
     assert list(CONTACT_LAWS) == names.split()
-    assert len(set(LAWS)) == len(LAWS)
+    assert {type(law) for law in LAWS} == set(CONTACT_LAWS.values())
+    assert len(set(LAWS)) == len(LAWS)  # laws can be hashed, and all differ
 
 
 STIFF_LAWS = [
@@ -61,6 +62,8 @@ STIFF_LAWS = [
 
 
 # Mistakes
+# --------------------------------------------------------------------------------------
+# In tables of mistakes, a text that begins with = is the whole message; "" is any.
 
 INF = math.inf
 NAN = math.nan
@@ -88,9 +91,6 @@ def test_a_damping_is_no_negative_number(law, stiffness, damping, messages):
 @pytest.mark.parametrize("value", [-0.01, 1.01, NAN, "half", True])
 def test_a_restitution_lies_between_0_and_1(value):
     assert_told(lambda: ri.Rigid(value), {"restitution": ""})
-
-
-# In tables of mistakes, a text that begins with = is the whole message.
 
 
 @pytest.mark.parametrize(
@@ -199,20 +199,21 @@ SPHERE_MISTAKES = {
 @pytest.mark.parametrize(
     ("faces", "messages"), SPHERE_MISTAKES.values(), ids=SPHERE_MISTAKES
 )
-def test_mistakes_of_spheres(faces, messages):
+def test_mistakes_of_spheres_are_named(faces, messages):
     assert_told(lambda: ri.Hertz.from_radii(*faces), messages)
 
 
-def test_what_may_be_left_out_or_be_0():
+def test_dampings_may_be_0_and_hardening_and_unloading_be_left_out():
     assert ri.SpringDashpot(1.0, 0.0).damping == 0.0
     assert ri.HuntCrossley(1.0, 0.0).damping == 0.0
     assert ri.Yielding(1e9, 1e3).hardening == 0.0
     table = ri.Tabulated([1e-4, 3e-4], [1e3, 5e3])
-    assert table.stiffness == max(table.slopes)
+    assert table.stiffness == max(table.slopes)  # it unloads along its steepest line
     assert table.stiffness == pytest.approx(2e7)
 
 
 # Hertz contact of spheres
+# --------------------------------------------------------------------------------------
 
 
 def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
@@ -221,7 +222,7 @@ def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
     """
     R = 0.02
     a = 1e-4
-    compliance = (1 - 0.35**2) / 100.6e9 + (1 - 0.29**2) / 200e9
+    compliance = (1 - 0.35**2) / 100.6e9 + (1 - 0.29**2) / 200e9  # 1/E*: brass, steel
     force = 4 / (3 * compliance) * a**3 / R
     overlap = a * a / R
 
@@ -230,7 +231,7 @@ def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
     assert law.stiffness * overlap**1.5 == pytest.approx(force, rel=1e-14)
 
 
-def test_a_rigid_face_does_not_yield():
+def test_a_rigid_face_makes_a_contact_of_like_faces_twice_as_stiff():
     both_elastic = ri.Hertz.from_radii(0.01, INF, STEEL, STEEL)
     left_elastic = ri.Hertz.from_radii(0.01, INF, STEEL, None)
     right_elastic = ri.Hertz.from_radii(0.01, INF, None, STEEL)
@@ -256,8 +257,10 @@ def test_numbers_of_a_material_make_a_family():
 
 
 def mean_hertz_force(x0, x1):
-    """Mean of 3 x^1.5 from x0 to x1, and its slope by x1, without a difference: r =
-    sqrt(x).
+    """Mean of 3 x^1.5 from x0 to x1, and its derivative by x1.
+
+    Nothing is subtracted, so that no digits are lost as x1 comes near to x0: in terms
+    of the square roots, the difference of the integrals is divisible by x1 - x0.
     """
     r = math.sqrt(x0)
     s = math.sqrt(x1)
@@ -268,11 +271,12 @@ def mean_hertz_force(x0, x1):
 
 
 def mean_spring_force(x0, x1):
-    """Mean of 3 x from x0 to x1, and its slope by x1."""
+    """Mean of 3 x from x0 to x1, and its derivative by x1."""
     return 3 * (x0 + x1) / 2, 1.5
 
 
 # A force that is a power of the indentation
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -283,7 +287,7 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(
 ):
     rng = np.random.default_rng(1)
     for power in range(-14, 3):
-        factor = 1 + 10.0**power
+        factor = 1 + 10.0**power  # almost 1 at first, 101 at last
         x0 = float(rng.uniform(0.1, 2))
         for x1 in (x0 * factor, x0 / factor, x0):
             mean, slope = contact_laws.mean_power(3.0, exponent, x0, x1)
@@ -293,7 +297,8 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(
 
 
 @pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
-def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
+def test_mean_force_times_change_is_the_work_of_a_power_also_across_a_gap(exponent):
+    """And the slope of the mean force is its derivative by the later overlap."""
     rng = np.random.default_rng(2)
     (link,) = record_lists.blank(1, LINK)
     link.law = Law.POWER
@@ -304,9 +309,11 @@ def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
         return 5.0 * max(x, 0.0) ** (exponent + 1) / (exponent + 1)
 
     def mean_force(x0, x1):
-        return contact_laws.mean_force(link, x0, x1)[0]
+        mean, _ = contact_laws.mean_force(link, x0, x1)
+        return mean
 
-    for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
+    pairs = rng.uniform(-1, 2, (200, 2))  # overlaps, negative where there is a gap
+    for x0, x1 in pairs.tolist():
         mean, slope = contact_laws.mean_force(link, x0, x1)
         work = energy(x1) - energy(x0)
         assert mean * (x1 - x0) == pytest.approx(work, rel=1e-12, abs=1e-13)
@@ -314,55 +321,63 @@ def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
         assert slope == pytest.approx(change / 2e-6, rel=1e-4, abs=1e-3)
 
 
-def random_table(rng):
-    """A link that yields by a random table, its overlap and its free change of
-    overlap.
-    """
-    (link,) = record_lists.blank(1, LINK)
-    k = 10 ** rng.uniform(-3, 8)
-    strength = 10 ** rng.uniform(-4, 2)
-    count = rng.integers(6)
-    link.law = Law.YIELD
-    link.stiffness = k
-    link.yield_force = strength
-    link.self_mobility = 10 ** rng.uniform(-4, 4)
-    knots = strength + np.cumsum(10 ** rng.uniform(-3, 2, count))
-    link.knots = [*knots, UNREACHED]
-    link.hardening_share, *link.shares = rng.uniform(0, 1, count + 1)
-    overlap = strength / k * min(1.0, rng.uniform(-3, 2))
-    sign = rng.choice([1, -1])
-    size = 10 ** rng.uniform(-8, 1)
-    scale = rng.choice([1.0, strength / k])
-    change = sign * size * scale
-    link.gap = -overlap
-    link.overlap = overlap + change * rng.random()
-    return link, overlap, change
-
-
-def test_what_yields_meets_its_mean_force_on_any_table():
-    for seed in range(200):
-        link, x0, change = random_table(np.random.default_rng(seed))
-
-        F, x1, _ = ck.solve_link(link, change)
-
-        round_off = 1e-11 * (abs(x1) + abs(x0) + abs(change))
-        expected = x0 + change - link.self_mobility * F
-        assert x1 == pytest.approx(expected, abs=round_off), seed
-        mean, _ = contact_laws.mean_force(link, x0, x1)
-        near = pytest.approx(mean, rel=1e-6, abs=round_off / link.self_mobility)
-        assert near == F, seed
-
-
 # What yields
 # --------------------------------------------------------------------------------------
 
 
-def test_a_table_that_has_yielded_goes_on_where_it_was():
+def random_table(rng):
+    """A link that yields by a random table, with a random gap and mobility, and how far
+    its faces would close in a step if it had no force.
+    """
+    (link,) = record_lists.blank(1, LINK)
+    stiffness = 10 ** rng.uniform(-3, 8)
+    yield_force = 10 ** rng.uniform(-4, 2)
+    count = rng.integers(6)
+    link.law = Law.YIELD
+    link.stiffness = stiffness
+    link.yield_force = yield_force
+    link.self_mobility = 10 ** rng.uniform(-4, 4)
+    knots = yield_force + np.cumsum(10 ** rng.uniform(-3, 2, count))
+    link.knots = [*knots, UNREACHED]
+    # Slopes over the stiffness: below the first knot, and from each knot on.
+    slopes = rng.uniform(0, 1, count + 1)
+    link.hardening_share = slopes[0]
+    link.shares = slopes[1:]
+    # The start is a gap in most cases, and just at yield in every fifth.
+    overlap = yield_force / stiffness * min(1.0, rng.uniform(-3, 2))
+    sign = rng.choice([1, -1])
+    size = 10 ** rng.uniform(-8, 1)
+    scale = rng.choice([1.0, yield_force / stiffness])
+    closing = sign * size * scale
+    link.gap = -overlap
+    # The solver starts from this guess of the overlap at the end of the step.
+    link.overlap = overlap + closing * rng.random()
+    return link, closing
+
+
+def test_the_force_of_a_step_is_the_mean_force_of_any_yielding_table():
+    for seed in range(200):
+        link, closing = random_table(np.random.default_rng(seed))
+        x0 = -link.gap
+
+        F, x1, _ = ck.solve_link(link, closing)
+
+        round_off = 1e-11 * (abs(x1) + abs(x0) + abs(closing))
+        expected = x0 + closing - link.self_mobility * F
+        assert x1 == pytest.approx(expected, abs=round_off), seed
+        mean, _ = contact_laws.mean_force(link, x0, x1)
+        error = round_off / link.self_mobility
+        assert pytest.approx(mean, rel=1e-6, abs=error) == F, seed
+
+
+def test_a_table_that_has_yielded_loads_again_to_where_it_was_and_goes_on():
     law = ri.Tabulated([1.0, 2.0, 3.0], [1.0, 1.5, 3.5], unloading=4.0)
     assert law.hardened(0.0) == law
 
-    hardened = law.hardened(1.25)  # at a compression of 1.5
-    elastic = 1.25 / 4
+    # The table was loaded to 1.25, halfway along its first line: at a compression of
+    # 1.5, 0.5 before the next point.
+    hardened = law.hardened(1.25)
+    elastic = 1.25 / 4  # compression by that force along the unloading line
     np.testing.assert_allclose(
         hardened.compression, [elastic, elastic + 0.5, elastic + 1.5]
     )
@@ -385,19 +400,19 @@ def yielding_family(request):
     return ri.System([striker, struck], contacts=[law])
 
 
-def test_a_family_sweeps_what_yields(yielding_family):
+def test_members_of_a_yielding_family_are_those_alone_and_yield(yielding_family):
     swept = ri.sweep(yielding_family, also=["set"])
     for i in range(2):
         outcome = ri.solve(yielding_family[i]).outcome
         peak_force = outcome.contacts[0].peak_force
         assert swept.restitution[i] == outcome.restitution
         assert swept.peak_force[i] == peak_force
-        assert peak_force > 1e3
+        assert peak_force > 1e3  # it yields
         assert swept.sets[0][i] > 0
     assert swept.restitution[0] != swept.restitution[1]
 
 
-def test_a_case_file_names_what_yields(yielding_family):
+def test_a_case_file_keeps_what_yields(yielding_family):
     for i in range(2):
         member = yielding_family[i]
         assert ri.parse_case(ri.format_case(member)).system == member
