@@ -152,7 +152,8 @@ def clock_of(
     impedance : sequence of float, optional
         By default those of the segments, and 0 outside.
     is_mesh : bool
-        Whether the ticks are those of a mesh, to which transit times are not rounded.
+        Whether the ticks are those of a mesh, to which transit times are not rounded:
+        then `transit_error` is 0.
     """
     if frame is None:  # which takes longer than all else here
         frame = float(row.frame)

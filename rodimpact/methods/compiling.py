@@ -213,9 +213,9 @@ class Compiled:
 
 
 def compiled(kernel: Kernel, user_functions: Functions = ()) -> Compiled:
-    """Return a kernel as machine code.
+    """Return a kernel as machine code, the same object at every call.
 
-    It has functions that numba has compiled for `user_force`.
+    `user_functions`, which numba has compiled, take the place of `user_force`.
     """
     with ONE_AT_A_TIME:
         return _compiled(kernel, user_functions)
@@ -226,7 +226,10 @@ _compiled = functools.cache(Compiled)
 
 @functools.cache
 def interpreted(kernel: Any, user_functions: Functions = ()) -> Kernel:
-    """Return a kernel in plain Python, with these functions for `user_force`."""
+    """Return a kernel in plain Python, with these functions for `user_force`.
+
+    It is the kernel itself if there are none.
+    """
     if not user_functions:
         return kernel  # type: ignore[no-any-return]
     twin = _twin(sys.modules[kernel.__module__], user_functions)

@@ -83,7 +83,9 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
     """Force F of a link that is not open, N, with dF/dd, N/m, and dF/dclosing, N s/m.
 
     A law that feels d' = closing - Y F is solved for F. Below d = 0 a power goes on as
-    an odd function, so that Newton's method and the search for d = 0 pass.
+    an odd function, so that Newton's method and the search for d = 0 pass. A bond or a
+    rigid contact takes all closing away, F = closing/Y; a rod is beside it, so that Y
+    is positive.
 
     A link at rest (REST) has no law: its force is such that `closing` is 0. In place of
     F stands what must become 0, `closing`.

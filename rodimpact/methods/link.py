@@ -79,7 +79,8 @@ def link_of(law: int) -> Any:
 def link_of_contact(law: Any, gap: Any) -> Any:
     """The link of a contact with this law; `gap` in m.
 
-    The page has this as JavaScript.
+    A rigid contact with a restitution is an impact (IMPACT). The page has this as
+    JavaScript.
     """
     link = link_of(KINDS[law.law])
     link.gap = gap

@@ -32,9 +32,19 @@ def build_row(system: Any) -> Row:
     """
     bodies = system.bodies
     nothing = ("none", 0.0)
-    # Lists are empty at first;
-    # segments are counted from 1, and no mass is left of node 0.
-    row = Row(system, [], [""], [], [0], [], [], [], [], [], [nothing, nothing])
+    row = Row(
+        system,
+        [],  # segments
+        [""],  # paths: segments are counted from 1
+        [],  # spans
+        [0],  # first: no mass is left of node 0
+        [],  # masses
+        [],  # mass_velocity
+        [],  # mass_of
+        [],  # links
+        [],  # contact_link
+        [nothing, nothing],  # boundaries
+    )
     rods = [body.kind == "rod" for body in bodies]
     for block in rigid_blocks(system):
         i = block[0]

@@ -214,7 +214,8 @@ def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> 
         A gap that closes at most so many ticks before an arrival waits for it.
     """
     if node.gap < -node.gap_rate * (NEVER - tick):  # it closes before the clock ends
-        ticks = (2 * node.gap - node.gap_rate) / (-2 * node.gap_rate)  # gap/speed + 1/2
+        # gap/speed + 1/2: the 1/2 makes `trunc` round
+        ticks = (2 * node.gap - node.gap_rate) / (-2 * node.gap_rate)
         closing_tick: int = tick + math.trunc(ticks)
         if closing_tick + window < arrival_tick:
             return closing_tick

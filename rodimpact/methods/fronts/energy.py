@@ -144,15 +144,15 @@ def largest_difference(
         if wave_a.next_row != NONE:
             a1 = min(log[wave_a.next_row].tick, end_tick)
         # Waves that left the other end a transit before this one do not meet it.
-        while (
-            log[row_b].next_row != NONE
-            and log[log[row_b].next_row].tick <= a0 - transit
-        ):
-            row_b = log[row_b].next_row
+        next_b = log[row_b].next_row
+        while next_b != NONE and log[next_b].tick <= a0 - transit:
+            row_b = next_b
+            next_b = log[row_b].next_row
         # Waves that left the other end a transit after this one,
         # or later, do not meet it either.
         r = row_b
-        while r != NONE and log[r].tick < a1 + transit and a1 - a0 > window:
+        counts = a1 - a0 > window  # else this wave comes of round-off
+        while counts and r != NONE and log[r].tick < a1 + transit:
             wave_b = log[r]
             b0 = wave_b.tick
             b1 = end_tick

@@ -523,6 +523,7 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
         parts.append(_cells(segment, max(4, round(MODAL_CELLS * share))))
     # Each part is a matrix [property, cell]: the cells of all segments stand in a row.
     cells = Cells(*np.concatenate(parts, axis=1))
+    # Half of the cells on the right and on the left of each node
     mass = (np.append(cells.cell_mass, 0.0) + np.append(0.0, cells.cell_mass)) / 2
     axial_inertia = np.diag(mass) + _chain(cells.lateral_inertia)
     radial = np.diag(cells.radial_stiffness) + _chain(_in_series(cells.shear_stiffness))

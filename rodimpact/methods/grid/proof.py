@@ -44,8 +44,8 @@ def finality_time(run: GridRun) -> float:
         gap = float(link["gap"]) * run.step  # m
         if gap < 0:  # it presses
             return math.inf
-        left = side_of(run, link["left_node"], True, state)
-        right = side_of(run, link["right_node"], False, state)
+        left = side_of(run, link["left_node"], right_end=True, state=state)
+        right = side_of(run, link["right_node"], right_end=False, state=state)
         reach = left.bound + right.bound
         opening = right.mean - left.mean
         least_opening = -math.inf  # least velocity with which the ends can part

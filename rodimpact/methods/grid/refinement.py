@@ -141,7 +141,8 @@ def comparable_runs(
     with step g. There are none if the levels are too few, or if the states would take
     too much memory.
     """
-    coarser = [run for run in runs if run.step > finest.step][-MAX_COMPARED:]
+    coarser = [run for run in runs if run.step > finest.step]
+    coarser = coarser[-MAX_COMPARED:]
     if len(coarser) + 1 < MIN_LEVELS:  # the finest one is a level, too
         return []
     if sum(run.states_bytes for run in coarser) > MAX_STATES_BYTES:

@@ -62,8 +62,7 @@ def check_finality(state: State, tick: int) -> None:
             and tick < run.end_tick
         ):
             time = time_until_over(run, state.links, parts)
-            # Where the time is infinite,
-            # the tick of the next look still stays below NEVER.
+            # However long the time is, the tick of the next look stays below NEVER.
             ticks = int(min(time / run.tick_duration, 0.5 * NEVER)) + 1
             run.next_proof_tick = tick + max(run.proof_interval, ticks)
             if time == 0:
@@ -252,7 +251,7 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
 
     With E the energy about the reference motion, elastic parts move the end by sqrt(2 E
     s) at most, s = integral of g^2 dx/(E A), g the mass fraction beyond x as seen from
-    the end. At the left and at the right of a part it is g and w.
+    the end. At the left and at the right of a part it is g0 and g1.
 
     A dashpot c transmits the change of the momentum of either side. A momentum of the
     mass m is sqrt(2 E m) at most, so its change is at most twice that, and the stretch
@@ -271,27 +270,27 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
         part = state.parts[k]
         before = passed
         passed += part.mass
-        g = 1.0  # mass fraction beyond the left end of the part
-        w = 1.0  # beyond its right end
+        g0 = 1.0  # mass fraction beyond the left end of the part
+        g1 = 1.0  # beyond its right end
         if not is_anchored:  # beyond means: to the left, as seen from the right end
-            g = before / mass
-            w = passed / mass
+            g0 = before / mass
+            g1 = passed / mass
         if not is_anchored and side == 0:  # and to the right, as seen from the left end
-            g = 1 - g
-            w = 1 - w
+            g0 = 1 - g0
+            g1 = 1 - g1
         if part.kind == Part.SEGMENT:
             transit = state.runs[0].tick_duration * state.lines[2 * part.index].delay
-            deviation += sign * strain_integral(part, g, w) * transit
-            # The mean of g^2 where g is linear is (g^2 + g w + w^2)/3.
-            compliance += part.compliance * (g * g + g * w + w * w) / 3
-        elif part.kind == Part.JOINT:
+            deviation += sign * strain_integral(part, g0, g1) * transit
+            # The mean of g^2 where g is linear is (g0^2 + g0 g1 + g1^2)/3.
+            compliance += part.compliance * (g0 * g0 + g0 * g1 + g1 * g1) / 3
+        elif part.kind == Part.JOINT:  # it has no mass: g0 and g1 are equal
             joint = state.links[part.index]
             if part.compliance > 0:  # it has a spring
-                deviation -= sign * joint.overlap * g
-                compliance += part.compliance * (g * g)
+                deviation -= sign * joint.overlap * g0
+                compliance += part.compliance * (g0 * g0)
             else:  # a dashpot alone
                 heavier_side = max(passed, mass - passed)
-                stretch += 2 * g * math.sqrt(heavier_side) / joint.damping
+                stretch += 2 * g0 * math.sqrt(heavier_side) / joint.damping
         elif part.kind == Part.ENDLESS:
             compliance = part.compliance  # so large that no force holds its end
     if stretch > 0:
@@ -341,19 +340,19 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
     group.ends_follow_waves = has_at_most_a_segment or stop - first == 1
 
 
-def strain_integral(part: GroupPart, g: float, w: float) -> float:
+def strain_integral(part: GroupPart, g0: float, g1: float) -> float:
     """Return the integral of g strain dx over a segment, over its transit time, m/s.
 
-    g is linear, from g at the left end to w at the right end. As dx is c dt, strain dx
-    is (b - a)/2 dt. The part of a that was sent last is at the left end now, that of b
+    g is linear, from g0 at the left end to g1 at the right one. As dx is c dt, strain
+    dx is (b - a)/2 dt. The part of a that was sent last is at the left end now, that of b
     at the right end: y of b runs with x, that of a against it, so that their moments
     add.
     """
     mean = part.wave_integrals[1] - part.wave_integrals[0]  # integral of b - a over y
     slope = part.wave_moments[1] + part.wave_moments[0]  # integral of (b - a) y
-    # Here y is the place, g is (g + w)/2 + (w - g)/2 y, and strain dx over the transit
-    # time is (b - a)/2 dy/2: the three halves make 1/8.
-    return float((g + w) * mean + (w - g) * slope) / 8
+    # Here y is the place, g is (g0 + g1)/2 + (g1 - g0)/2 y, and strain dx over the
+    # transit time is (b - a)/2 dy/2: the three halves make 1/8.
+    return float((g0 + g1) * mean + (g1 - g0) * slope) / 8
 
 
 def wave_bounds(

@@ -91,16 +91,16 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
     return piece
 
 
-def initial_waves(velocity: Any, stretch: Any, T: Any) -> list[Any]:
+def initial_waves(velocity: Any, c_strain: Any, T: Any) -> list[Any]:
     """Pieces of both waves in a segment at t = 0, m/s.
 
     They are a = v - c strain and b = v + c strain. v is its velocity in the frame,
-    `stretch` is c strain, and T the transit time, ticks: what is under way now has been
-    sent since -T.
+    `c_strain` is c times its strain, m/s, and T the transit time, ticks: what is under
+    way now has been sent since -T.
     """
     return [
-        piece_of(-T, 0, [velocity - stretch]),
-        piece_of(-T, 0, [velocity + stretch]),
+        piece_of(-T, 0, [velocity - c_strain]),
+        piece_of(-T, 0, [velocity + c_strain]),
     ]
 
 

@@ -208,8 +208,8 @@ def error_at(f: Values, y: float) -> float:
     share = 1.0  # 2^(N + 1) (y - x_0) (y - x_1) ..., of which half is wanted
     for j in range(POINTS):
         share *= 2 * abs(y - X[j])
-    between = 0.5 * share * remainder(f, False)
-    return between + remainder(f, True)
+    between = 0.5 * share * remainder(f, False)  # that of values
+    return between + remainder(f, True)  # that of integrals, as of collocation
 
 
 def is_constant(f: Values) -> bool:
