@@ -45,8 +45,8 @@ def build_row(system: Any) -> Row:
         [],  # contact_link
         [nothing, nothing],  # boundaries
     )
-    rods = [body.kind == "rod" for body in bodies]
-    for block in rigid_blocks(system):
+    blocks = rigid_blocks(system)
+    for block in blocks:
         i = block[0]
         body = bodies[i]
         if i > 0:  # the contact between the block before and this one
@@ -62,12 +62,16 @@ def build_row(system: Any) -> Row:
     if bodies[-1].kind != "wall":
         add_end(row, 1, system.ends[1])
     row.first.append(len(row.masses))
+    at_left_wall: list[int] = []  # bodies of the left wall's block
+    if bodies[0].kind == "wall":
+        at_left_wall = blocks[0]
     for i, body in enumerate(bodies):
-        # Numbers behind those of the masses stand for
-        # the left wall, and then for the right one.
         if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
+            # Numbers behind those of the masses stand for
+            # the left wall, and then for the right one.
+            is_at_left_wall = i in at_left_wall
             row.mass_of[i] = len(row.masses)
-            if any(rods[:i]):  # the right wall
+            if not is_at_left_wall:
                 row.mass_of[i] += 1
     return row
 

@@ -241,3 +241,20 @@ def test_a_contact_too_short_for_the_clock_is_refused(gap):
     system = ri.System([STRIKER, ri.Wall()], [gap], [ri.Hertz(1e10)])
     with pytest.raises(ri.InvalidModel, match=r"it lasts about 0\.0003 s, too short"):
         ri.solve(system)
+
+
+@pytest.mark.parametrize("wall_velocity", [0.0, -0.25])
+@pytest.mark.parametrize("is_on_left", [True, False])
+def test_a_mass_bonded_to_a_wall_has_its_velocity(wall_velocity, is_on_left):
+    """A push on the other end of the row, 100 N, is no velocity of the wall."""
+    bonded = ri.RigidMass(2.0, velocity=wall_velocity)
+    bodies = [ri.RigidMass(1.0), bonded, ri.Wall(velocity=wall_velocity)]
+    contacts = [ri.Spring(1e6), ri.Bonded()]
+    ends = [ri.Pushed(100.0), ri.Free()]
+    if is_on_left:
+        for each in (bodies, contacts, ends):
+            each.reverse()
+    system = ri.System(bodies, contacts=contacts, ends=tuple(ends))
+    solution, _ = solve_by_characteristics(system, until=1e-3)
+    velocity = solution.fields.velocity(1, 0.0, [0.0, 5e-4, 1e-3])
+    assert velocity == pytest.approx(wall_velocity, abs=1e-12)
