@@ -156,7 +156,7 @@ def _fault() -> str:
 
 @functools.cache  # once is enough
 def _tell(reason: str) -> None:
-    """Warn why nothing is compiled.
+    """Warn why nothing is compiled, once for each reason.
 
     Without a reason, tell a terminal that compiling takes time.
     """

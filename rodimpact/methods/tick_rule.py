@@ -88,7 +88,8 @@ def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int
     Parameters
     ----------
     durations : [n] Duration
-        With their sorted indices; members of an earlier class have q < 0.
+        With their sorted indices: the i-th longest has the index
+        durations[i].sorted_index. Members of an earlier class have q < 0.
     start : int
         Place of the leader in the order.
     max_parts : int
@@ -161,7 +162,7 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
     sort_durations(durations, drive_count)
     longest_ticks = 0
     longest_time = durations[durations[0].sorted_index].time
-    for start in range(len(durations)):
+    for start in range(len(durations)):  # by decreasing time
         leader = durations[durations[start].sorted_index]
         if leader.q < 0:  # it has its ticks, as a member of an earlier class
             continue

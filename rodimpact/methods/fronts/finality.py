@@ -260,6 +260,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
         for l in range(2 * inner, 2 * inner + 2):
             is_leftward = l % 2 == 1  # it carries b, not a
             sign = 1 if is_leftward else -1
+            # b runs to a contact on the left of the group, a to one on the right.
             runs_to_contact = is_leftward == is_right
             line = state.lines[l]
             # From the end where the waves arrive, back to the end where they are sent

@@ -278,6 +278,7 @@ class Mesh:
         """
         row = self.row
         outer_links = (0, len(row.links) - 1)
+        # Links that are recorded if they are bonds: contacts, and those of driven ends
         recorded_links = {*row.contact_link, *(outer_links[side] for side in driven)}
         node = -1  # the last one so far
         parts: list[Cells] = []

@@ -307,6 +307,7 @@ class GridRun:
         is_solved = True
         time_of_step = step_time(self.mesh, plain=not is_compiled)
         chunk = max(1, int(REPORT_INTERVAL / time_of_step))  # steps between two reports
+        # Numbers of steps after which progress is reported, and that of all steps
         for taken in (*range(first + chunk, end, chunk), end):
             is_solved = is_solved and kernel(grid, history, taken)
             if is_solved and report and taken < end:

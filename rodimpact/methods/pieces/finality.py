@@ -344,8 +344,8 @@ def strain_integral(part: GroupPart, g0: float, g1: float) -> float:
     """Return the integral of g strain dx over a segment, over its transit time, m/s.
 
     g is linear, from g0 at the left end to g1 at the right one. As dx is c dt, strain
-    dx is (b - a)/2 dt. The part of a that was sent last is at the left end now, that of b
-    at the right end: y of b runs with x, that of a against it, so that their moments
+    dx is (b - a)/2 dt. The part of a that was sent last is at the left end now, that of
+    b at the right end: y of b runs with x, that of a against it, so that their moments
     add.
     """
     mean = part.wave_integrals[1] - part.wave_integrals[0]  # integral of b - a over y
