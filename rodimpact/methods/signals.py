@@ -353,10 +353,8 @@ class Pieces:
 def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
     """Values at y of the Chebyshev series in the rows i of `coefficients`.
 
-    i and y broadcast.
-
-    By Clenshaw's recurrence b_k = c_k + 2 y b_(k+1) - b_(k+2) they are c_0 + y
-    b_1 - b_2.
+    i and y broadcast. By Clenshaw's recurrence b_k = c_k + 2 y b_(k+1) - b_(k+2) the
+    values are c_0 + y b_1 - b_2.
     """
     before = np.zeros(())  # b_(k + 2)
     last = np.zeros(())  # b_(k + 1)

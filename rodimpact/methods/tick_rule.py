@@ -207,14 +207,13 @@ def clock_bits(ratio: float) -> int:
         return MAX_TRANSIT_BITS
     if not 0 < ratio < math.inf:
         return 0
-    # The ratio is mantissa times 2^exponent, with a mantissa from 1/2 to below 1. Its
-    # logarithm, rounded up, is the exponent, or one less for a power of two. One bit
-    # more is left free, as the longest transit has about 2^bits ticks only.
+    # The ratio is mantissa times 2^exponent, with a mantissa from 1/2 to below 1.
     mantissa, exponent = math.frexp(ratio)
-    bits = CLOCK_BITS - exponent
-    if mantissa > 0.5:
-        bits -= 1
-    return min(MAX_TRANSIT_BITS, bits)
+    ratio_bits = exponent  # base-2 logarithm of the ratio, rounded up
+    if mantissa == 0.5:  # a power of two
+        ratio_bits = exponent - 1
+    # One bit is left free, as the longest transit has about 2^bits ticks only.
+    return min(MAX_TRANSIT_BITS, CLOCK_BITS - 1 - ratio_bits)
 
 
 def default_horizon(

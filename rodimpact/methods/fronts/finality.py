@@ -267,7 +267,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
             r = line.next_row
             wave = line.incoming_wave - group.mean_velocity
             edge = transit  # ticks since this wave was first sent, as far as it counts
-            is_last = False
+            is_last = False  # whether this wave is the one that is sent now
             while not is_last:
                 is_last = r == NONE
                 low = 0  # ticks since this wave was last sent

@@ -40,7 +40,7 @@ def factor(
     left_inverse = 0.0
     left_share = 0.0
     for i in range(m):
-        # Factors of a prescribed node, unless it is none
+        # Factors of a prescribed node; another one gets its own below
         lower[i] = 0.0
         inverse = 1.0
         share = 0.0

@@ -131,9 +131,7 @@ def off_diagonal_of(mesh: Mesh, step: float) -> Array:
 
 
 def _end_impedances(mesh: Mesh) -> Array:
-    """Impedances of semi-infinite bars beyond both ends, kg/s [end].
-
-    They are 0 where there is none.
+    """Impedances of semi-infinite bars beyond both ends, kg/s [end]; 0 without a bar.
 
     They are sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the first and the last cell
     of the row. E A/dx is the relaxed stiffness, as slow waves feel it.

@@ -134,7 +134,8 @@ def factor_equations(
 ) -> None:
     """Set the LU factors of the loaded equations.
 
-    They are `lower`, `inverse_diagonal` and `upper`.
+    They are `lower`, `inverse_diagonal` and `upper`. Where soil does not change the
+    equations nothing is done.
     """
     if run.soil_changes_equations == 0:
         return
@@ -149,7 +150,8 @@ def push_ends_of_pieces(
     """Set right sides: unit forces on the first and on the last node of each piece.
 
     `by_first` becomes 1 at first nodes, `by_last` at last nodes, and both 0 elsewhere,
-    as at nodes whose velocity is prescribed.
+    as at nodes whose velocity is prescribed. Where soil does not change the equations
+    nothing is done.
     """
     if run.soil_changes_equations == 0:
         return
@@ -167,7 +169,10 @@ def push_ends_of_pieces(
 def solve_equations(
     run: Run, lower: Any, inverse_diagonal: Any, upper: Any, x: Any
 ) -> None:
-    """Replace x, forces on the nodes, by their changes of velocity in a step."""
+    """Replace x, forces on the nodes, by their changes of velocity in a step.
+
+    Where soil does not change the equations nothing is done.
+    """
     if run.soil_changes_equations == 0:
         return
     elimination.substitute(lower, inverse_diagonal, upper, x)

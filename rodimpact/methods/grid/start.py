@@ -44,7 +44,8 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     tension = mesh.stiffness * elongation + cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
     # Half a step behind t = 0 the tension is T + k (v + kick)/2, by differences of
-    # neighbours. The first drift adds k v to the tension half a step before.
+    # neighbours. As the first drift adds k v, it is T + k (kick - v)/2 half a step
+    # before.
     stretching = np.diff(kick - v, prepend=0.0, append=0.0)
     grid.force[:] = tension + grid.stiffness * stretching / 2
     _begin_soil(grid, kick)

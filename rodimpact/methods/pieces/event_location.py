@@ -75,7 +75,7 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
         for which in range(contact_laws.guard_count(links[i])):
             status = set_guard_values(run, links[i], node, which, h)
             zero = find_event(run, links[i], node, which, h)
-            # A place behind 1 means that there is no event.
+            # A place behind 1 means that there is no event; one at 1 itself counts.
             if zero <= 1 and (first == NONE or zero < position):
                 position = zero
                 first = i

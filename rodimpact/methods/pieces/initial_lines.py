@@ -31,7 +31,7 @@ def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
     """
     for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
         begin: Any = 0.0
-        for s in range(first - 1, last):
+        for s in range(first - 1, last):  # none of a wall or a mass, whose span is 1, 0
             yield body, s, begin
             begin = begin + row.segments[s].length
 

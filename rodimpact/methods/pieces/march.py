@@ -332,7 +332,7 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
         # comparison differs there only if it halves the piece. The second half is not
         # halved again.
         node.halved_until = end
-        end = tick + (end - tick + 1) // 2
+        end = tick + (end - tick + 1) // 2  # the first half, rounded up
     return end
 
 

@@ -232,11 +232,9 @@ def linearise_links(links: Links, node: Node, h: float, is_first: bool) -> float
 def set_equations(
     links: Links, masses: Masses, node: Node, h: float, G: Matrix, unknown_count: int
 ) -> None:
-    """Set the equations G of a Newton step.
+    """Set the equations G of a Newton step, so that forces fulfil the tangent laws.
 
-    Its changes of forces fulfil the tangent laws.
-
-    Each of the `unknown_count` forces has an equation at each of the N stages: that of
+    The tangents are set before, by `linearise_links`. Each of the `unknown_count` forces has an equation at each of the N stages: that of
     force u at stage j is row N u + j of `G`, and its change is column N u + j. The
     column behind these is the right side, in newtons. The tangent law of a link is
     F = base + by_overlap d + by_closing closing, with d and closing after the step. So

@@ -108,7 +108,8 @@ def in_pieces(
     Pieces begin at breaks of the signal. A kink is one if it changes values by more
     than `break_size` until the next break: straight lines between close samples of a
     smooth curve have none. So does what is constant at first or at last: no piece
-    reaches into it, as nothing may move before a wave arrives.
+    reaches into it, as nothing may move before a wave arrives. A piece that changes by
+    round-off only is made constant.
 
     Parameters
     ----------
@@ -129,9 +130,7 @@ def in_pieces(
     round_off = min(ROUND_OFF, largest_miss) * np.abs(signal.coefficients).max()
     # Differences of the values before and behind each edge but the first
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
-    jumps = (
-        changes > CONTINUITY_RTOL * break_size + round_off
-    )  # [edge behind the first]
+    jumps = changes > CONTINUITY_RTOL * break_size + round_off
     borders = _borders_of_rest(signal, edges, round_off)  # [edge]
     # No piece reaches across a jump, or into what is constant.
     fitted = _fit_longest(signal, edges, jumps | borders[1:], largest_miss)
@@ -283,6 +282,7 @@ def backwards(pieces: Any) -> Any:
     back = pieces[::-1].copy()
     back["start"] = -pieces["end"][::-1]
     back["end"] = -pieces["start"][::-1]
+    # Orders of all breaks but the first, from the last one on
     back["break_order"] = [SMOOTH, *pieces["break_order"][:0:-1]]
     back["coefficients"] *= (-1.0) ** np.arange(POINTS)
     return back
