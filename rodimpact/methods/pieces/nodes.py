@@ -234,13 +234,13 @@ def set_equations(
 ) -> None:
     """Set the equations G of a Newton step, so that forces fulfil the tangent laws.
 
-    The tangents are set before, by `linearise_links`. Each of the `unknown_count` forces has an equation at each of the N stages: that of
+    Each of the `unknown_count` forces has an equation at each of the N stages: that of
     force u at stage j is row N u + j of `G`, and its change is column N u + j. The
-    column behind these is the right side, in newtons. The tangent law of a link is
-    F = base + by_overlap d + by_closing closing, with d and closing after the step. So
-    the right side is the force by the present d and closing, less the present force. A
-    link at rest (REST) has no law: its force is such that `closing` becomes 0, and the
-    right side is the present `closing`, m/s.
+    column behind these is the right side, in newtons. The tangent law of a link, which
+    `linearise_links` has set, is F = base + by_overlap d + by_closing closing, with d
+    and closing after the step. So the right side is the force by the present d and
+    closing, less the present force. A link at rest (REST) has no law: its force is such
+    that `closing` becomes 0, and the right side is the present `closing`, m/s.
     """
     right_side = N * unknown_count
     for q in range(node.link_count):
