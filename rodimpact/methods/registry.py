@@ -281,10 +281,10 @@ class Options(FrozenDataclass):
         return next(name for name in capable if "rtol" in METHODS[name].takes)
 
     def _why(self, method: str, system: System) -> str:
-        """Sentence on what keeps a system from a faster method.
+        """Sentence on what keeps a system from a faster method, if single entries do.
 
-        It is "" if that is not single entries. Single entries switch on one of
-        `abilities.SINGLE`.
+        Single entries switch on one of `abilities.SINGLE`. It is empty if more than
+        they keep the system from that method.
         """
         needs = abilities.needs(system)  # path and name of physics
         needs_of_many = [need for need in needs if need[1] not in abilities.SINGLE]

@@ -130,7 +130,8 @@ def build_event_queue(state: State) -> None:
             incoming = 3 if k == 0 else 2 * k  # line that arrives here from inside
             outgoing = incoming ^ 1  # the other line of the same segment
             incoming_wave = state.lines[incoming].incoming_wave
-            if state.log[state.lines[outgoing].last_row].value == incoming_wave:
+            last_row = state.lines[outgoing].last_row
+            if state.log[last_row].value == incoming_wave:
                 queue[leaves + k] = state.lines[incoming].arrival_tick
     event_queue.build_tree(queue)
 

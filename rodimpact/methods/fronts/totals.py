@@ -34,8 +34,8 @@ def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float
     """Time at which the last contact ended in a proved run, s.
 
     It is found by `status.last_contact`, which says when it is 0, inf or nan.
-    `round_trip` is the longest time in a body
-    there and back, s. The page has this as JavaScript.
+    `round_trip` is the longest time in a body there and back, s. The page has this as
+    JavaScript.
     """
     ends: list[list[float]] = []
     for node in contacts:

@@ -257,7 +257,8 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
 
     Return whether one does. An impact that has not begun has an infinite `max_closing`.
     The one that begins at the closing velocity u is to leave -e u: the mean over the
-    step is (1 - e) u/2. Gaps within `tolerance` below 0 are closed already.
+    step is (1 - e) u/2. Gaps within `tolerance`, m/s, below 0 are closed already, and
+    closing velocities within it are 0.
     """
     has_new_impact = False
     for i in range(first, last + 1):

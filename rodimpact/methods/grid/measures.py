@@ -141,8 +141,10 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
     through the last three step ends. The force of a rigid contact drops to 0 inside its
     last step: with Fe extrapolated from the earlier step means and Fm the mean of the
     last step, it ends after the fraction Fm/Fe of that step. If it falls evenly, it
-    ends where the line through the last means reaches 0. A dashpot can lose its force
-    while there is overlap: then it ends as a rigid one.
+    ends where the line through the last means reaches 0. The force of a dashpot can end
+    while there is overlap: it falls to 0 along a line from its value at the begin of
+    the last step, which is extrapolated. If it pressed for less than three steps, it
+    ends with the last one.
     """
     begin = j - 1  # begin of the last step with force
     first_gap = float(gap[j - 1])  # gaps at its begin and at its end
@@ -156,7 +158,8 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
         fall = third - second
         last_fall = second - last
         if first_gap < 0:  # a dashpot lets go
-            # Force at the begin of the last step; it falls to 0 along a line.
+            # Force at the begin of the last step; half of it, times the time in which
+            # it falls to 0, is the mean of the step.
             extrapolated = second - fall / 2
             if extrapolated <= 0:
                 return begin

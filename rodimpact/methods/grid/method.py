@@ -238,7 +238,8 @@ def mesh_size(
 ) -> tuple[list[int], float]:
     """Numbers of cells, [segment], and the step, s, that is stable for them.
 
-    `cells`, `dt` and `until` are those of `run_grid`.
+    The step is `dt` if that is given. `cells`, `dt` and `until` are those of
+    `run_grid`.
 
     Raises
     ------

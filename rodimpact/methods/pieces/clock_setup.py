@@ -88,8 +88,8 @@ def reference_time(row: Row, until: float | None) -> Any:
 def refuse_short_contacts(row: Row, tick: Any) -> None:
     """Raise InvalidModel if a contact lasts too few ticks to be followed.
 
-    The row has no rods. `tick` is its duration, s. Where nothing moves no contact
-    closes.
+    The row has no rods. `tick` is the duration of a tick, s. Where nothing moves no
+    contact closes, and none is refused.
     """
     speeds = velocities_of(row)
     moving = largest(speeds) > smallest(speeds)

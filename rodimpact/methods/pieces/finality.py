@@ -358,9 +358,7 @@ def strain_integral(part: GroupPart, g0: float, g1: float) -> float:
 def wave_bounds(
     all_lines: Lines, log: Log, l: int, low: float, high: float
 ) -> tuple[float, float]:
-    """Return the range of `low`, `high` and the waves under way in line l, m/s.
-
-    It is their smallest and their largest value.
+    """Return bounds of `low`, `high` and the waves under way in line l, m/s.
 
     Under way is what lies from the read piece of the line on. The values of a series
     are within c[0] -/+ (abs(c[1]) + abs(c[2]) + ...).

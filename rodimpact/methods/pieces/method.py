@@ -156,7 +156,7 @@ def solve_family(
 def stated_errors(
     fine: Members,
     members: Any,
-    stop: Callable[[], bool] = lambda: False,
+    should_stop: Callable[[], bool] = lambda: False,
     report: ProgressReport = no_report,
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure].
@@ -169,7 +169,7 @@ def stated_errors(
     )
     coarse = Members(fine.row, coarser)
     prepare_second_run(fine.runs.view(np.recarray), coarse.runs.view(np.recarray))
-    coarse.run_all(members, stop, report)
+    coarse.run_all(members, should_stop, report)
     errors = np.full((len(fine.runs), len(runs.MEASURES)), math.nan)
     for m in members:
         ended = fine.ended(m)

@@ -112,7 +112,8 @@ def start_forces(links: Links, node: Node) -> int:
             elif link.unknown_index == NONE and (
                 is_bond or link.status == Status.PRESS
             ):
-                # The faces of two rods keep one velocity: closing - Y F = 0.
+                # It is the only link between two rods, and its faces keep one velocity:
+                # closing - Y F = 0.
                 closing = node.incoming[0][j] - node.incoming[1][j]
                 link.force[j] = closing / link.mobility
     return unknown_count
@@ -133,9 +134,7 @@ def integrate(rate: Values, h: float, f: MutableValues) -> None:
 
 
 def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
-    """Set velocities of masses, and closing and overlaps of links.
-
-    They follow from the present forces.
+    """Set velocities of masses, and closing and overlaps of links, by present forces.
 
     m v' = F before - F behind,  closing = velocity on the left - on the right,
     d' = share (closing - Y F) with the elastic share, 0 of a link that cannot deform.

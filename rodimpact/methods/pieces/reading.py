@@ -54,12 +54,10 @@ def value_at(wave: Any, tick: float) -> float:
 
 
 def passed_by(wave: Any, tick: float) -> tuple[float, float]:
-    """Integrals of a wave and of its square over ticks.
+    """Integrals of a wave and of its square, over ticks, up to a tick.
 
-    They go from the start of its line to a tick.
-
-    Those up to the piece that holds there are known: what this piece adds is
-    integrated.
+    They go from the start of its line, and are 0 before. Those up to the piece that
+    holds there are known: what this piece adds is integrated.
     """
     i = place_of(wave, tick)
     begin = wave["start"][i]
