@@ -62,17 +62,7 @@ def build_row(system: Any) -> Row:
     if bodies[-1].kind != "wall":
         add_end(row, 1, system.ends[1])
     row.first.append(len(row.masses))
-    at_left_wall: list[int] = []  # bodies of the left wall's block
-    if bodies[0].kind == "wall":
-        at_left_wall = blocks[0]
-    for i, body in enumerate(bodies):
-        if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
-            # Numbers behind those of the masses stand for
-            # the left wall, and then for the right one.
-            is_at_left_wall = i in at_left_wall
-            row.mass_of[i] = len(row.masses)
-            if not is_at_left_wall:
-                row.mass_of[i] += 1
+    number_bonded_masses(row, bodies, blocks[0])
     return row
 
 
@@ -112,7 +102,8 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
 
     `bodies` are all of the system, `block` has the numbers of those in the block. Their
     common velocity is momentum over mass. A wall becomes the boundary on its side. The
-    masses bonded to it are no masses of the row; `build_row` sets their `mass_of`.
+    masses bonded to it are no masses of the row; `number_bonded_masses` sets their
+    `mass_of`.
     """
     # Contacts inside the block are no links, and its bodies have no segments.
     row.contact_link.extend([-1 for _ in block[1:]])
@@ -139,6 +130,21 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
         velocity = momentum / mass
     row.masses.append(mass)
     row.mass_velocity.append(velocity)
+
+
+def number_bonded_masses(row: Row, bodies: Any, first_block: list[int]) -> None:
+    """Set `mass_of` of the masses bonded to a wall, once all masses are in the row.
+
+    The numbers behind those of the masses stand for the left wall, and then for the
+    right one. Masses of the first block are at the left wall if there is one.
+    """
+    has_left_wall = bodies[0].kind == "wall"
+    for i, body in enumerate(bodies):
+        if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
+            is_at_left_wall = has_left_wall and i in first_block
+            row.mass_of[i] = len(row.masses)
+            if not is_at_left_wall:
+                row.mass_of[i] += 1
 
 
 def add_rod(row: Row, path: str, rod: Any) -> None:

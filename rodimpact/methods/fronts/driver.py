@@ -128,11 +128,7 @@ def solve_many(
         )
         if is_compiled != batch.is_compiled:  # the form changes
             batch = FrontBatch(layout, request, is_compiled=is_compiled)
-        batch.load_members(members.values_of(block))
-        batch.run_to_end()
-        results = batch.array("results")
-        for (name, k), column in columns.items():
-            column[block] = results[name][:, k]
+        run_block(batch, members, block, columns)
         first = block.stop
         seconds = processor_time() - begin
         is_quick = seconds < BLOCK_TIME / 4
@@ -145,6 +141,23 @@ def solve_many(
         else:
             size = max(1, size // 2)
     return columns
+
+
+def run_block(
+    batch: FrontBatch,
+    members: "MemberValues",
+    block: slice,
+    columns: dict[tuple[str, int], Array],
+) -> None:
+    """Run a block of members to their ends, and store their results in `columns`.
+
+    The columns are by field and node, [member].
+    """
+    batch.load_members(members.values_of(block))
+    batch.run_to_end()
+    results = batch.array("results")
+    for (name, k), column in columns.items():
+        column[block] = results[name][:, k]
 
 
 class MemberValues:

@@ -69,11 +69,10 @@ def measure_segments(state: State) -> None:
 def set_group_velocities(state: State) -> None:
     """Set the velocities V of bonded groups of mass m.
 
-    The momenta p of the segments are measured before, at t = 0 and for a group bonded
-    to what is outside. V = p/m at t = 0, and
-    V(0) + (impulse on the left - impulse on the right)/m later: impulses are more exact
-    than the momenta of waves, and independent of them. A group bonded to what is
-    outside always has V = p/m.
+    V = p/m at t = 0, and V(0) + (impulse on the left - impulse on the right)/m later:
+    impulses are more exact than the momenta p of waves, and independent of them. A
+    group bonded to what is outside always has V = p/m. Where p counts, the momenta of
+    the segments have just been measured.
     """
     run = state.runs[0]
     segments = state.segments

@@ -122,20 +122,56 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
 def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     """Set mean velocity and velocity bounds of the group of segment s.
 
-    The group is on one side of contact k. The mean velocity is momentum over mass: sum
-    of (1/Y) integral(a + b) over the sum of 2 T/Y. That of a group bonded to the
-    outside is the wave that arrives from there. The bounds are those of all its waves;
-    if these are steady, both are the mean velocity.
+    The group is on one side of contact k. Its waves give both, see `measure_waves`. But
+    the mean velocity of a group bonded to the outside is the wave that arrives from
+    there, and if the waves are steady, both bounds are the mean velocity.
     """
     segments = state.segments
     nodes = state.nodes
     lines = state.lines
-    log = state.log
+    measure_waves(state, s, now)
     group = segments[s]
     first = group.group_first
     last = group.group_last
     is_steady = no_front_in_flight(lines, first, last)
     is_pressing = nodes[k].status == Status.PRESS
+    # What the group is bonded to outside:
+    # on one side at most, as the contact is on the other
+    is_semi_infinite = False
+    for side in range(2):
+        if side == 0:
+            end_node = first - 1
+        else:
+            end_node = last
+        # The line that arrives at this node from outside of the group
+        outside_wave = lines[2 * end_node + 3 * side].incoming_wave
+        outside_mobility = segments[end_node + side].mobility
+        if nodes[end_node].status == Status.BOND:
+            group.mean_velocity = outside_wave
+            is_semi_infinite = outside_mobility > 0
+            if not is_semi_infinite:  # a wall, which turns waves round
+                group.is_end_velocity_bounded = 0
+    # Steady waves are all the mean velocity;
+    # but a semi-infinite bar gives way while it is pressed.
+    if is_steady and not (is_semi_infinite and is_pressing):
+        group.min_end_velocity = group.mean_velocity
+        group.max_end_velocity = group.mean_velocity
+        group.is_end_velocity_bounded = 1
+
+
+def measure_waves(state: State, s: int, now: int) -> None:
+    """Set mean velocity and velocity bounds of the group of segment s from its waves.
+
+    The mean velocity is momentum over mass: sum of (1/Y) integral(a + b) over the sum
+    of 2 T/Y. The bounds are those of all its waves; they bound its end if it is a
+    single segment.
+    """
+    segments = state.segments
+    lines = state.lines
+    log = state.log
+    group = segments[s]
+    first = group.group_first
+    last = group.group_last
     # Both are summed over either wave: twice the mass, and twice the momentum
     mass = 0 * lines[2 * first].incoming_wave
     momentum = mass
@@ -166,29 +202,6 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     group.max_end_velocity = highest
     group.is_end_velocity_bounded = 0
     if first == last:  # a uniform segment: its waves go round unchanged
-        group.is_end_velocity_bounded = 1
-
-    # What the group is bonded to outside:
-    # on one side at most, as the contact is on the other
-    is_semi_infinite = False
-    for side in range(2):
-        if side == 0:
-            end_node = first - 1
-        else:
-            end_node = last
-        # The line that arrives at this node from outside of the group
-        outside_wave = lines[2 * end_node + 3 * side].incoming_wave
-        outside_mobility = segments[end_node + side].mobility
-        if nodes[end_node].status == Status.BOND:
-            group.mean_velocity = outside_wave
-            is_semi_infinite = outside_mobility > 0
-            if not is_semi_infinite:  # a wall, which turns waves round
-                group.is_end_velocity_bounded = 0
-    # Steady waves are all the mean velocity;
-    # but a semi-infinite bar gives way while it is pressed.
-    if is_steady and not (is_semi_infinite and is_pressing):
-        group.min_end_velocity = group.mean_velocity
-        group.max_end_velocity = group.mean_velocity
         group.is_end_velocity_bounded = 1
 
 

@@ -87,17 +87,6 @@ def make_run(
         round_trip = 2 * clock.longest_rod * clock.tick  # s
         t_final = last_contact_end(finished.run, finished.contacts, round_trip)
         t_proved = finished.proved_tick * clock.tick
-    slowest = min(clock.wave_speed[1:-1])  # the two outsides have none
-    max_strain = finished.run.max_wave / slowest  # a bound
-    why = end_of_run(
-        finished.run, finished.contacts, clock.system, finished.is_proved, t_final
-    )
-    status = with_advice(why)
-    worst_path = clock.worst
-    status += rounding(clock.transit_error, worst_path)
-    status += strain_warning(max_strain)
-    status += accuracy_sentence(rounding_errors)
-    status += faint_sentence(finished.run, finished.contacts, clock.system)
     return Run(
         method="fronts",
         until=until,
@@ -107,10 +96,31 @@ def make_run(
         t_final=t_final,
         t_proved=t_proved,
         stopped_by=finished.stopped_by,
-        status=status,
+        status=status_of(finished, t_final, rounding_errors),
         events=finished.run.events,
         contacts=tuple(tally_of(node, clock.tick) for node in finished.contacts),
         totals=totals_of(finished),
         accuracy=with_faint_forces(finished, rounding_errors),
         make_signals=lambda: signals_of(finished),
     )
+
+
+def status_of(
+    finished: FrontRun, t_final: float, rounding_errors: Mapping[str, float]
+) -> str:
+    """Sentences on why a run ended, on rounding, large strains and faint forces.
+
+    `t_final` is the end of the last contact, s, `rounding_errors` are those of
+    `make_run`.
+    """
+    clock = finished.clock
+    why = end_of_run(
+        finished.run, finished.contacts, clock.system, finished.is_proved, t_final
+    )
+    slowest = min(clock.wave_speed[1:-1])  # the two outsides have none
+    max_strain = finished.run.max_wave / slowest  # a bound
+    status = with_advice(why)
+    status += rounding(clock.transit_error, clock.worst)
+    status += strain_warning(max_strain)
+    status += accuracy_sentence(rounding_errors)
+    return status + faint_sentence(finished.run, finished.contacts, clock.system)

@@ -105,7 +105,8 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
     With q(g) the result of a coarser step g, an error that falls with the power p of
     the step h is abs(q(g) - q(h))/((g/h)^p - 1); one of higher order is less. The
     estimate is the largest over the last coarser levels: errors that differ from level
-    to level are not all equal by accident.
+    to level are not all equal by accident. With fewer than `MIN_LEVELS` levels it is
+    inf. Where all values are 0 it is not relative.
     """
     if len(levels) < MIN_LEVELS:
         return math.inf

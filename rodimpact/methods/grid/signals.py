@@ -64,9 +64,7 @@ def make_run(run: GridRun, until: float | None) -> Run:
     proof = ""
     if run.proved >= 0:
         t_proved = float(run.times[run.proved])
-        # End of the last force of each contact, and the opening after it
-        ends = [pressed[-1, 1:].tolist() for pressed in intervals if len(pressed)]
-        t_final = last_contact(ends, t_end, 2 * run.clock.longest_rod * run.clock.tick)
+        t_final = _last_contact_end(run, intervals, t_end)
         proof = proof_sentence(any(x.episodes for x in contacts), t_final)
     events = run.steps * len(run.row.links)
     end = run.steps * STEP_TICKS
@@ -92,6 +90,18 @@ def make_run(run: GridRun, until: float | None) -> Run:
         coarser=tuple(coarser),
         make_signals=lambda: _signals(run, forces, intervals, outside),
     )
+
+
+def _last_contact_end(run: GridRun, intervals: list[Floats], t_end: float) -> float:
+    """Time at which the last contact ended in a proved run to `t_end`, s.
+
+    It is found by `status.last_contact`, which says when it is 0, inf or nan.
+    `intervals` are the times of `GridRun.pressed` of each contact.
+    """
+    # End of the last force of each contact, and the opening after it
+    ends = [pressed[-1, 1:].tolist() for pressed in intervals if len(pressed)]
+    round_trip = 2 * run.clock.longest_rod * run.clock.tick  # s
+    return last_contact(ends, t_end, round_trip)
 
 
 # Status -------------------------------------------------------------------------------

@@ -264,9 +264,7 @@ def set_equations(
 
 
 def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
-    """Return the change of the closing rate of link q by a unit impulse, 1/kg.
-
-    The impulse is in link p.
+    """Return the change of the closing of link q by a unit impulse in link p, 1/kg.
 
     An impulse in the link itself drives the masses on both sides apart:
     -1/m_left - 1/m_right. One in a neighbour pushes the mass between them towards link
