@@ -69,7 +69,7 @@ FILLED = {name: law.fills_link for name, law in ALL_LAWS.items()}
 
 
 def link_of(law: int) -> Any:
-    """A link of this kind of law, without a gap and without force."""
+    """A link of this kind of law: all its numbers are 0, but the exponent is 1."""
     link = blank(1, LINK)[0]
     link.law = law
     link.exponent = 1.0

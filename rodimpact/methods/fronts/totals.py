@@ -116,7 +116,7 @@ def totals_of(finished: FrontRun) -> Totals:
     before = initial_motion(clock, masses, finished.segments)
     after = final_motion(clock, masses, finished.segments)
     boundary = BoundaryEffects(finished, masses, after.velocities)
-    energy_scale = total_mass * finished.run.velocity_scale**2 / 2
+    mass_energy = total_mass * finished.run.velocity_scale**2 / 2
     return Totals(
         masses,
         before,
@@ -127,7 +127,7 @@ def totals_of(finished: FrontRun) -> Totals:
             radiated=boundary.radiated,
         ),
         momentum_residual(finished, total_mass, boundary.impulse),
-        energy_residual(before, after, boundary, energy_scale),
+        energy_residual(before, after, boundary, mass_energy),
     )
 
 
@@ -152,18 +152,19 @@ def momentum_residual(finished: FrontRun, total_mass: float, impulse: float) -> 
 
 
 def energy_residual(
-    before: Motion, after: Motion, boundary: "BoundaryEffects", scale: float
+    before: Motion, after: Motion, boundary: "BoundaryEffects", mass_energy: float
 ) -> float:
     """What the row gained of energy, less works, plus what was radiated, relative.
 
-    `scale`, J, is an energy to which that at t = 0 and the absolute works are added.
+    The scale is the energy at t = 0, plus `mass_energy`, that of all masses at the
+    velocity scale, J, plus the absolute works.
     """
     start_energy = before.kinetic + sum(before.vibration)
     missing = after.kinetic + sum(after.vibration) - start_energy
     missing -= boundary.wall_work
     missing -= boundary.drive_work
     missing += boundary.radiated
-    scale = start_energy + scale
+    scale = start_energy + mass_energy
     for work in (boundary.wall_work, boundary.drive_work, boundary.radiated):
         scale += abs(work)
     return relative_residual(missing, scale)

@@ -129,8 +129,9 @@ def _with_wall_force(
 ) -> BoundaryAction | None:
     """What acts on an end of the row: on a wall the force of the nearest contact.
 
-    `contacts` begin at this end. Those that are None are bonds of rigid bodies to the
-    wall, which pass the force of the next contact on. The force contains blows.
+    `body` stands at this end, and `contacts` begin there. Those that are None are bonds
+    of rigid bodies to the wall, which pass the force of the next contact on. The force
+    contains blows.
     """
     if outside is None or not isinstance(body, Wall):
         return outside
