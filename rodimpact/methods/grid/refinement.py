@@ -175,7 +175,9 @@ def measures_of(run: GridRun) -> dict[str, Array]:
             # Impacts of rigid bodies have no peak force and no duration:
             # their impulse jumps.
             if run.row.links[run.row.contact_link[k]].law != Law.IMPACT:
-                begins, ends = run.spans(run.pressed(k))  # times of all its forces, s
+                begins, ends = run.force_spans(
+                    run.force_intervals(k)
+                )  # times of all its forces, s
                 peaks.append(largest_force(force))
                 durations.append(float((ends - begins).sum()))
         elif run.stopped_by == "until":

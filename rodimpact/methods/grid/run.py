@@ -377,7 +377,7 @@ class GridRun:
         first_gap = float(initial_gap(self.row.links[link]))
         return self.recorded(link, "force"), np.append(first_gap, gap)
 
-    def pressed(self, contact: int) -> Array:
+    def force_intervals(self, contact: int) -> Array:
         """Times of the forces of a contact, s [n, 3].
 
         They are begin and end of each force, and the opening before the next one; nan
@@ -390,12 +390,12 @@ class GridRun:
         force, gap = self.contact(contact)
         return self.step * contact_intervals(force, gap, open_gap)
 
-    def spans(self, pressed: Array) -> tuple[Array, Array]:
+    def force_spans(self, intervals: Array) -> tuple[Array, Array]:
         """Times at which forces of a contact begin, and end, s [n] each.
 
-        `pressed` is that of the contact. A force that still acts ends with the run.
+        `intervals` are its `force_intervals`. A force that still acts ends with the run.
         """
-        begins, ends, _ = pressed.T
+        begins, ends, _ = intervals.T
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def velocity(self, node: int) -> Array:

@@ -53,9 +53,9 @@ def make_run(run: GridRun, until: float | None) -> Run:
     intervals = []
     contacts = []
     for k, force in enumerate(forces):
-        pressed = run.pressed(k)
-        intervals.append(pressed)
-        contacts.append(_tally(run, k, force, pressed))
+        of_contact = run.force_intervals(k)
+        intervals.append(of_contact)
+        contacts.append(_tally(run, k, force, of_contact))
     t_end = until
     if t_end is None:
         t_end = float(run.times[-1])
@@ -96,10 +96,13 @@ def _last_contact_end(run: GridRun, intervals: list[Floats], t_end: float) -> fl
     """Time at which the last contact ended in a proved run to `t_end`, s.
 
     It is found by `status.last_contact`, which says when it is 0, inf or nan.
-    `intervals` are the times of `GridRun.pressed` of each contact.
+    `intervals` are the times of `GridRun.force_intervals` of each contact.
     """
     # End of the last force of each contact, and the opening after it
-    ends = [pressed[-1, 1:].tolist() for pressed in intervals if len(pressed)]
+    ends = []
+    for of_contact in intervals:
+        if len(of_contact):
+            ends.append(of_contact[-1, 1:].tolist())
     round_trip = 2 * run.clock.longest_rod * run.clock.tick  # s
     return last_contact(ends, t_end, round_trip)
 
@@ -175,10 +178,10 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
     """Totals of contact k in SI units.
 
     `force` is its mean force in each step, `intervals` are the times of
-    `GridRun.pressed`. An impact has no peak force (nan).
+    `GridRun.force_intervals`. An impact has no peak force (nan).
     """
     law = run.row.system.contacts[k]
-    begins, ends = run.spans(intervals)
+    begins, ends = run.force_spans(intervals)
     if law.opens:
         peak = largest_force(force)
     else:
