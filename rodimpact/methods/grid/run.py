@@ -393,7 +393,8 @@ class GridRun:
     def force_spans(self, intervals: Array) -> tuple[Array, Array]:
         """Times at which forces of a contact begin, and end, s [n] each.
 
-        `intervals` are its `force_intervals`. A force that still acts ends with the run.
+        `intervals` are its `force_intervals`. A force that still acts ends with the
+        run.
         """
         begins, ends, _ = intervals.T
         return begins, np.nan_to_num(ends, nan=self.times[-1])
