@@ -121,7 +121,7 @@ def initial_lines(row: Any, clock: Clock) -> Any:
     outside = []
     for side, (kind, value) in enumerate(row.boundaries):
         k = side * n_segments  # node at this end of the row
-        has_mass = row.first[k] != row.first[k + 1]  # masses left of a node
+        has_mass = row.first_mass[k] != row.first_mass[k + 1]  # masses left of a node
         # On a mass at a free end acts the force 0, which has a line like any other.
         if kind == "none" and not has_mass:
             outside.append(NONE)

@@ -51,7 +51,7 @@ class Clock:
         By segment with the outside, kg/s: impedance times transit time is mass.
     transit_error : float
         Largest relative change of a transit time by its rounding to the clock.
-    worst : str
+    worst_path : str
         Path of the segment with that error.
     """
 
@@ -64,7 +64,7 @@ class Clock:
     last_tick: int = 0
     impedance: Sequence[float] = ()
     transit_error: float = 0.0
-    worst: str = ""
+    worst_path: str = ""
 
     @property
     def system(self) -> System:
@@ -159,7 +159,7 @@ def clock_of(
         frame = float(row.frame)
     if impedance is None:
         impedance = [0.0, *(float(s.impedance) for s in row.segments), 0.0]
-    error, worst = most_rounded(row, transits, tick)
+    error, worst_path = most_rounded(row, transits, tick)
     if is_mesh:
         error = 0.0
     return Clock(
@@ -170,7 +170,7 @@ def clock_of(
         scale,
         impedance=impedance,
         transit_error=error,
-        worst=worst,
+        worst_path=worst_path,
     )
 
 

@@ -38,8 +38,9 @@ class Row:
     spans : list of (int, int)
         First and last segment of each body, counted from 1; (1, 0), without segments,
         for a wall or a rigid mass.
-    first : list of int
-        Masses left of each node; the links of node k begin at k + first[k].
+    first_mass : list of int
+        First mass of each node, which is the number of masses left of it; the links of
+        node k begin at k + first_mass[k].
     masses, mass_velocity : list of float
         Bodies bonded together are one mass, kg and m/s.
     mass_of : list of int
@@ -57,7 +58,7 @@ class Row:
     segments: list[Any]
     paths: list[str]
     spans: list[tuple[int, int]]
-    first: list[int]
+    first_mass: list[int]
     masses: list[Any]
     mass_velocity: list[Any]
     mass_of: list[int]
@@ -96,7 +97,7 @@ class Row:
         ("outside", side), ("mass", m) or ("segment", s).
         """
         stands = [("outside", 0)]  # all that stands in the row, from left to right
-        for k, (start, stop) in enumerate(pairwise(self.first)):
+        for k, (start, stop) in enumerate(pairwise(self.first_mass)):
             for m in range(start, stop):
                 stands.append(("mass", m))
             if k < len(self.segments):

@@ -37,7 +37,7 @@ def build_row(system: Any) -> Row:
         [],  # segments
         [""],  # paths: segments are counted from 1
         [],  # spans
-        [0],  # first: no mass is left of node 0
+        [0],  # first_mass: no mass is left of node 0
         [],  # masses
         [],  # mass_velocity
         [],  # mass_of
@@ -61,7 +61,7 @@ def build_row(system: Any) -> Row:
             add_rigid(row, bodies, block)
     if bodies[-1].kind != "wall":
         add_end(row, 1, system.ends[1])
-    row.first.append(len(row.masses))
+    row.first_mass.append(len(row.masses))
     number_bonded_masses(row, bodies, blocks[0])
     return row
 
@@ -165,7 +165,7 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
         else:
             segment_path = path
         row.paths.append(segment_path)
-        row.first.append(len(row.masses))  # masses on the left of the segment
+        row.first_mass.append(len(row.masses))  # masses on the left of the segment
 
 
 def add_end(row: Row, side: int, end: Any) -> None:

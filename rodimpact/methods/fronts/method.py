@@ -120,7 +120,7 @@ def status_of(
     slowest = min(clock.wave_speed[1:-1])  # the two outsides have none
     max_strain = finished.run.max_wave / slowest  # a bound
     status = with_advice(why)
-    status += rounding(clock.transit_error, clock.worst)
+    status += rounding(clock.transit_error, clock.worst_path)
     status += strain_warning(max_strain)
     status += accuracy_sentence(rounding_errors)
     return status + faint_sentence(finished.run, finished.contacts, clock.system)

@@ -271,7 +271,7 @@ class InitialLines:
 
     def _ends_with_rod(self, side: int) -> bool:
         """Whether no rigid mass stands at an end."""
-        first = self._row.first
+        first = self._row.first_mass
         if side == 0:
             return bool(first[0] == first[1])
         return bool(first[-2] == first[-1])

@@ -250,11 +250,10 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
     n = len(row.segments)
     nodes = blank(n + 1, NODE)
     for k, node in enumerate(nodes):
-        # Node k has the masses from row.first[k] to before row.first[k + 1]: each node
-        # has a link more than masses.
-        node.first_mass = row.first[k]
+        # Each node has a link more than masses.
+        node.first_mass = row.first_mass[k]
         node.first_link = k + node.first_mass
-        node.link_count = row.first[k + 1] - row.first[k] + 1
+        node.link_count = row.first_mass[k + 1] - row.first_mass[k] + 1
         # Lines of the segment k - 1 on the left, and of the segment k on the right
         node.incoming_lines = [2 * (k - 1), 2 * k + 1]
         node.outgoing_lines = [2 * (k - 1) + 1, 2 * k]

@@ -251,7 +251,7 @@ def _doubts(clock: Clock, run: Any, log: Any, end_tick: int) -> str:
     """
     text = totals.simplifications_text(run)
     text += _struck_together(clock.row)
-    text += rounding(clock.transit_error, clock.worst)
+    text += rounding(clock.transit_error, clock.worst_path)
     return text + strain_warning(_largest_strain(clock, log, end_tick))
 
 
