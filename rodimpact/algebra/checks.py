@@ -70,7 +70,7 @@ def check_arguments(progress: bool | ProgressFunction = True, **caps: Any) -> No
 
 
 class FormulaTooLong(InvalidModel):
-    """A run on fractions has too many events, or fractions too long for a formula."""
+    """A run on fractions has too many events, or a formula too many terms or digits."""
 
 
 def check_final(is_final: bool, max_events: int) -> None:

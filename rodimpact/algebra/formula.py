@@ -43,6 +43,11 @@ NEAREST_CONDITIONS = 3
 """Conditions that are printed beside a formula."""
 MAX_LINE_LENGTH = 160
 """Characters of a condition, and of another formula, at most."""
+CONDITIONS_TOO_LONG = (
+    "where conditions hold that are too long to print: fewer symbols make them "
+    "shorter, and .holds() in Python tells for numbers"
+)
+"""Line in place of the conditions of a formula if `FormulaTooLong` says so."""
 MAX_DENOMINATOR = 10**6
 """A value with a larger denominator is printed as a float."""
 
@@ -110,7 +115,8 @@ def closed_form(
         cells_by_formula: dict[Any, list[FormulaCell]] = {}
         for cell in around.cells:
             cells_by_formula.setdefault(cell.signature(), []).append(cell)
-    first_cells, *groups = cells_by_formula.values()
+        first_cells, *groups = cells_by_formula.values()
+        _ = first_cells[0].functions  # a formula that is too long is refused here
     sides = []
     for cells in groups:
         sides.append(_form(algebra, cells, around, ()))
@@ -326,6 +332,8 @@ class ClosedForm:
     def where(self, remedy: str) -> str:
         """The nearest conditions in a line, and how many more there are.
 
+        Where `cell` raises FormulaTooLong, the line says so, and what to do.
+
         Parameters
         ----------
         remedy : str
@@ -333,9 +341,13 @@ class ClosedForm:
         """
         check_text("remedy", remedy, ".cell has all")
         line = "where always"
-        if self.nearest:
-            line = "where " + ", ".join(map(shortened, self.nearest))
-        more = len(self.cell) - len(self.nearest)
+        try:
+            nearest_conditions = self.nearest
+        except FormulaTooLong:
+            return CONDITIONS_TOO_LONG
+        if nearest_conditions:
+            line = "where " + ", ".join(map(shortened, nearest_conditions))
+        more = len(self.cell) - len(nearest_conditions)
         if more:
             line += f", and {more} more; {remedy}"
         return line
@@ -442,10 +454,14 @@ class ClosedForm:
 
     def _line(self) -> str:
         """The formula and where it holds, as a side of another formula."""
-        equations = []
-        for name, value in shown_results(self._results):
-            equations.append(f"{name} = {value}")
-        formula = ", ".join(equations)
+        formula = "a formula that is too long to print"
+        try:
+            equations = []
+            for name, value in shown_results(self._results):
+                equations.append(f"{name} = {value}")
+            formula = ", ".join(equations)
+        except FormulaTooLong:
+            pass
         inequalities = self._separating_inequalities[:MAX_LISTED]
         where = ", ".join(map(shortened, inequalities))
         return f"{shortened(formula)} where {where}"
@@ -469,11 +485,15 @@ class ClosedForm:
         for name, value in shown_results(self._results):
             equations.append(f"{name} &= {latex(value)}")
         formula = "\\\\".join(equations)
-        conditions = ",\\ ".join(map(latex, self.nearest))
+        aligned = f"\\begin{{aligned}}{formula}\\end{{aligned}}"
+        try:
+            nearest_conditions = self.nearest
+        except FormulaTooLong:
+            return f"$${aligned}$$ {CONDITIONS_TOO_LONG}"
+        conditions = ",\\ ".join(map(latex, nearest_conditions))
         more = len(self.cell) - NEAREST_CONDITIONS
         if more > 0:
             conditions += f"\\ \\text{{and {more} more}}"
-        aligned = f"\\begin{{aligned}}{formula}\\end{{aligned}}"
         return f"$${aligned}\\qquad {conditions}$$"
 
 

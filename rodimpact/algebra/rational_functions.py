@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from ..model.frozen import invalid_argument
 from ..progress import Progress, ProgressFunction, ProgressReport
 from ..storage.extras import optional
+from .checks import FormulaTooLong
 from .symbolic_row import SymbolicRow
 from .traced_fraction import Program, TracedFraction
 
@@ -109,7 +109,7 @@ class RationalFunctions:
 
         Raises
         ------
-        InvalidModel
+        FormulaTooLong
             If they become too long.
         """
 
@@ -229,7 +229,7 @@ class RationalFunctions:
 
 
 def check_length(left: Any, right: Any) -> None:
-    """Raise InvalidModel before two long rational functions are added or multiplied.
+    """Raise FormulaTooLong before two long rational functions are combined.
 
     The greatest common divisor of the result would take minutes.
     """
@@ -237,12 +237,12 @@ def check_length(left: Any, right: Any) -> None:
     for f in (left, right):
         terms *= len(f.numer) + len(f.denom)
     if terms > MAX_PRODUCT_TERMS:
-        raise invalid_argument(
-            "symbols",
+        message = (
             f"a formula in these is too long: a single step multiplies {terms} terms, "
             f"of {MAX_PRODUCT_TERMS} at most; name fewer numbers, or some by their "
-            "whole paths, such as bodies.0.length",
+            "whole paths, such as bodies.0.length"
         )
+        raise FormulaTooLong([("symbols", message)])
 
 
 def definite(p: Any) -> bool:

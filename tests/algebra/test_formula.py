@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 import rodimpact as ri
-from rodimpact.algebra import traced_fraction
+from rodimpact.algebra import rational_functions, traced_fraction
 
 sympy = pytest.importorskip("sympy")
 
@@ -400,13 +400,27 @@ def test_notebooks_show_latex():
 
 def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
     three = row([0.4, 1.0, 0.7], [1e-4, 2e-4, 3e-4])
-    monkeypatch.setattr("rodimpact.algebra.rational_functions.MAX_PRODUCT_TERMS", 20)
+    monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 8)
 
     with pytest.raises(ri.InvalidModel, match=r"symbols: a formula .* name fewer"):
-        str(ri.closed_form(three))
+        ri.closed_form(three)
     shorter = ri.closed_form(three, ["bodies.0.length"])
 
     assert "l1" in str(shorter)
+
+
+def test_a_formula_says_if_its_conditions_are_too_long(monkeypatch):
+    form = ri.closed_form(row([2, 5], [1, 2]), ["length", "area"])
+    monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 1)
+
+    first, last = str(form).splitlines()
+
+    assert first == f"e = {form.restitution}"
+    assert last.startswith("where conditions hold that are too long to print: ")
+    assert last in form._repr_latex_()
+    assert form.holds()
+    with pytest.raises(ri.InvalidModel, match="symbols: a formula"):
+        _ = form.cell
 
 
 def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
