@@ -8,9 +8,10 @@ makes the error of a wrong name in a module.
 
 import difflib
 import inspect
+import re
 from collections.abc import Callable, Collection, Iterator
 from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from .units import MOST_SHOWN, one_line, shown
 
@@ -20,6 +21,8 @@ C = TypeVar("C", bound=type)
 
 MOST_CHOICES = 12
 """Choices that a message names."""
+SHORTEST_BEGINNING = 5
+"""Letters with which two words must begin alike to be related."""
 MOST_LEVELS = 2
 """Levels below an object that are searched for a missing attribute."""
 SYNONYMS: dict[str, tuple[str, ...]] = {
@@ -53,6 +56,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "v1": ("velocity_1",),
     "v2": ("velocity_2",),
     # words for numbers and arguments
+    "axes": ("ax",),
     "bar_speed": ("wave_speed",),
     "coefficient_of_restitution": ("restitution",),
     "contact": ("contacts",),
@@ -103,9 +107,15 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "xt": ("spacetime",),
 }
 """Names of this package, by other names of the same thing."""
+EXPLAINED = "_explains_arguments"
+"""Attribute of functions that answer wrong arguments."""
 ELSEWHERE = {
+    "compare": "plot.comparison(measured, predicted) draws it, and the command "
+    "`rodimpact compare` fits it",
     "contact_time": "it is opening - start of contacts[k].episodes; duration is the "
     "time with force",
+    "peak_force_time": "it is b.times[b.force.argmax()], b = solution.contacts[k]."
+    "breakpoints()",
     "plot": "functions of rodimpact.plot draw it, such as plot.overview",
     "run": "rodimpact.solve(system) solves it",
     "simulate": "rodimpact.solve(system) solves it",
@@ -124,7 +134,7 @@ def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
     if meant is not None:
         return f"perhaps {shown(head + meant)} is meant"
     all_names = []
-    for choice in choices:
+    for choice in related_first(word, choices):
         all_names.append(one_line(head + choice))
     return f"use one of {listed(all_names)}"
 
@@ -147,6 +157,44 @@ def similar(word: Any, choices: Collection[str]) -> str | None:
     if alike:
         return names[alike[0]]
     return None
+
+
+def related_first(word: Any, choices: Collection[str]) -> list[str]:
+    """All choices, if they are too many for a message the related ones first.
+
+    First come those whose words all stand in the wrong one, as Hertz in HertzContact;
+    then those that share a word with it, and those with a word that begins alike. The
+    others keep their order.
+    """
+    if not isinstance(word, str) or len(choices) <= MOST_CHOICES:
+        return list(choices)
+    return sorted(choices, key=lambda choice: -_kinship(word, choice))
+
+
+def _kinship(word: str, choice: str) -> int:
+    """How close a choice is to a wrong word, from 3 down to 0 for strangers."""
+    words = _words(word)
+    words_of_choice = _words(choice)
+    if words_of_choice and words_of_choice <= words:
+        return 3
+    if words_of_choice & words:
+        return 2
+    if _beginnings(words_of_choice) & _beginnings(words):
+        return 1
+    return 0
+
+
+def _words(name: str) -> set[str]:
+    """Words of a name in small letters: hertz and contact of HertzContact."""
+    words = re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name[:MOST_SHOWN])
+    return {word.lower() for word in words}
+
+
+def _beginnings(words: set[str]) -> set[str]:
+    """The first letters of all words that have as many."""
+    return {
+        word[:SHORTEST_BEGINNING] for word in words if len(word) >= SHORTEST_BEGINNING
+    }
 
 
 def _synonyms(word: str) -> tuple[str, ...]:
@@ -196,12 +244,26 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
         open_kind: Any = kind  # whose attributes a type checker does not know
         open_kind._deeper = deeper
         open_kind.__getattr__ = __getattr__
-        for name, method in list(vars(kind).items()):
-            if inspect.isfunction(method) and name[0] != "_":
-                setattr(kind, name, explain_arguments(method))
+        explain_methods(kind)
         return kind
 
     return decorated
+
+
+def explain_methods(kind: type) -> None:
+    """Let the public methods of a class answer wrong arguments, each once."""
+    for name, method in list(vars(kind).items()):
+        of_class = isinstance(method, classmethod)
+        function = method
+        if of_class:
+            function = method.__func__
+        is_explained = hasattr(function, EXPLAINED)
+        if name[0] == "_" or is_explained or not inspect.isfunction(function):
+            continue
+        explained: Any = explain_arguments(function)
+        if of_class:
+            explained = classmethod(explained)
+        setattr(kind, name, explained)
 
 
 class MissingAttribute(AttributeError):
@@ -291,10 +353,19 @@ def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
                 yield f"{path}.{end}", below
 
 
+class UndefinedResult(ValueError, AttributeError):
+    """The error of a property that this very object does not have.
+
+    It is an AttributeError, too: `hasattr` is then false, and `inspect` goes on.
+    """
+
+
 class NamedItems(dict[str, Any]):
     """A dictionary that answers a missing key with the one that may be meant."""
 
     def __missing__(self, name: Any) -> Any:
+        if not self:
+            raise KeyError(f"there is no {shown(name)}: there are no entries")
         raise KeyError(f"there is no {shown(name)}; {nearest(name, self)}")
 
 
@@ -325,7 +396,19 @@ def missing_name(
             if meant in its_names and meant not in names:
                 message = f"{message}; perhaps {f'{below}.{meant}'!r} is meant"
                 return AttributeError(message, name=name)
-    return AttributeError(f"{message}; {nearest(name, names)}", name=name)
+    if similar(name, names) is not None or len(names) <= MOST_CHOICES:
+        return AttributeError(f"{message}; {nearest(name, names)}", name=name)
+    if name in ELSEWHERE:
+        return AttributeError(f"{message}; {ELSEWHERE[name]}", name=name)
+    choices = list(names)
+    for below, its_names in modules.items():
+        for its_name in its_names:
+            choices.append(f"{below}.{its_name}")
+    hint = f"dir({module}) lists its names"
+    related = [choice for choice in choices if _kinship(name, choice) > 0]
+    if related:
+        hint = f"use one of {listed(related_first(name, choices))}"
+    return AttributeError(f"{message}; {hint}", name=name)
 
 
 # Arguments
@@ -351,6 +434,7 @@ def explain_arguments(function: Callable[P, R]) -> Callable[P, R]:
                 raise TypeError(message) from None
             raise  # the arguments are right: the error is the function's own
 
+    setattr(explained, EXPLAINED, True)
     return explained
 
 
@@ -366,32 +450,21 @@ def _refusal(
     The first of these is told: a keyword that is unknown, too many arguments by
     position, or missing ones. `self` is not counted.
     """
+    called, instead = _called(function, args)
     parameters = dict(signature.parameters)
-    if "self" in parameters:
-        del parameters["self"]
-        args = args[1:]
-    called = function.__qualname__.removesuffix(".__init__")
+    for owner in ("self", "cls"):
+        if owner in parameters:
+            del parameters[owner]
+            args = args[1:]
     for keyword in keywords:
         if keyword not in parameters:
-            return (
-                f"{called}() has no argument {keyword!r}; "
-                f"{nearest(keyword, parameters)}"
-            )
-    by_position = []  # names of parameters that may be given so
-    by_name = []  # those that must be named
-    for name, parameter in parameters.items():
-        if parameter.kind is parameter.KEYWORD_ONLY:
-            by_name.append(f"{name}=")
-        else:
-            by_position.append(name)
-    if len(args) > len(by_position):
-        taken = "no argument"
-        if by_position:
-            taken = f"only {listed(by_position)}"
-        message = f"{called}() takes {taken} by position, got {len(args)} arguments"
-        if by_name:
-            message = f"{message}; name the others: {listed(by_name)}"
-        return message
+            hint = nearest(keyword, parameters)
+            if similar(keyword, parameters) is None:
+                hint += instead
+            return f"{called}() has no argument {keyword!r}; {hint}"
+    excess = _excess(parameters, len(args))
+    if excess:
+        return f"{called}() takes {excess}"
     missing = []
     for i, (name, parameter) in enumerate(parameters.items()):
         is_given = i < len(args) or name in keywords
@@ -400,3 +473,59 @@ def _refusal(
     if missing:
         return f"{called}() needs {listed(missing)}; it takes {listed([*parameters])}"
     return otherwise
+
+
+def _excess(parameters: dict[str, inspect.Parameter], n_given: int) -> str:
+    """What is taken by position, if less than is given; else ""."""
+    by_position = []  # names of parameters that may be given so
+    by_name = []  # those that must be named
+    for name, parameter in parameters.items():
+        if parameter.kind is parameter.KEYWORD_ONLY:
+            by_name.append(f"{name}=")
+        else:
+            by_position.append(name)
+    if n_given <= len(by_position):
+        return ""
+    taken = "no argument"
+    if by_position:
+        taken = f"only {listed(by_position)}"
+    text = f"{taken} by position, got {n_given} arguments"
+    if by_name:
+        text += f"; name the others: {listed(by_name)}"
+    return text
+
+
+class _Called(NamedTuple):
+    """What a call is called in a message."""
+
+    name: str  # of the class, the method or the function
+    instead: str  # text on the other constructors of a class; "" if there are none
+
+
+def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
+    """What the call of a function with these arguments is called.
+
+    A method is named with the class of its object, a constructor by its class alone.
+    """
+    qualified = function.__qualname__
+    if not args or "." not in qualified or "<locals>" in qualified:
+        return _Called(qualified, "")
+    owner = args[0]
+    if not isinstance(owner, type):
+        owner = type(owner)
+    if function.__name__ == "__init__":
+        return _Called(owner.__name__, _other_constructors(owner))
+    return _Called(f"{owner.__name__}.{function.__name__}", "")
+
+
+def _other_constructors(kind: type) -> str:
+    """Text on the class methods that make an object from something else; "" if none.
+
+    Their names begin with "from_".
+    """
+    text = ""
+    for name, method in vars(kind).items():
+        if name.startswith("from_") and isinstance(method, classmethod):
+            _, *parameters = inspect.signature(method.__func__).parameters
+            text += f", or {kind.__name__}.{name}({listed(parameters)})"
+    return text

@@ -7,6 +7,8 @@ Measure the wave speed of yours where it matters.
 5048
 """
 
+import sys
+from types import ModuleType
 from typing import Any
 
 from .hints import nearest
@@ -66,3 +68,18 @@ def __getattr__(name: str) -> Any:
     """Raise AttributeError that names the nearest material."""
     message = f"no material is called {name!r}; {nearest(name, TABLE)}"
     raise AttributeError(message, name=name)
+
+
+class _Attributes(ModuleType):
+    """A module that says in its own words that its names are attributes."""
+
+    def __getitem__(self, name: Any) -> Any:
+        """Raise TypeError that names the attribute in place of the brackets."""
+        if isinstance(name, str) and name in TABLE:
+            raise TypeError(f"materials are attributes: write materials.{name}")
+        raise TypeError(
+            f"materials are attributes; {nearest(name, TABLE, 'materials.')}"
+        )
+
+
+sys.modules[__name__].__class__ = _Attributes

@@ -179,6 +179,8 @@ _ALIASES = {
     "lbf ft": "ft lbf",
     "kip ft": "ft kip",
 }
+_OTHER_NAMES = {"fps": "ft/s", "ips": "in/s", "pcf": "lb/ft^3"}
+"""Units of `UNITS` by names that are not read, but hinted at."""
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _LARGEST_PREFIX = max(_PREFIXES)
@@ -307,7 +309,10 @@ def _fraction(text: str, units: UnitFactors) -> Fraction:
     if unit and unit not in units:
         dimension = DIMENSION_OF_UNIT.get(unit)
         if dimension is not None:
-            raise ValueError(f"{unit!r} is a unit of {dimension}")
+            reason = f"{unit!r} is a unit of {dimension}"
+            if unit == "g" and "m/s^2" in units:
+                reason += ", and 1 g of standard gravity is '9.80665 m/s^2'"
+            raise ValueError(reason)
         raise ValueError(f"unknown unit {shown(unit)}{_hint(unit, units)}")
     power = 0
     if quantity["power"] is not None:
@@ -460,6 +465,8 @@ def _hint(word: str, units: Iterable[str]) -> str:
     for unit in units:
         if unit.casefold() == word.casefold():
             near.append(repr(unit))
+    if _OTHER_NAMES.get(word) in units:
+        near = [repr(_OTHER_NAMES[word])]
     if not near:
         matches = difflib.get_close_matches(word[:MOST_SHOWN], units, n=1)
         near = list(map(repr, matches))

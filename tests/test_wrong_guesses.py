@@ -3,6 +3,7 @@
 A row holds a guess in Python, or a command, and the part of the answer that helps.
 """
 
+import copy
 import inspect
 import shlex
 
@@ -57,6 +58,19 @@ NAMES = [
     ("signal.time", "perhaps 'times' is meant"),
     ("ri.gradient(system, wrt=['lenght'])", "use one that begins with bodies"),
     ("ri.closed_form(system, ['lenght'])", "perhaps 'length' is meant"),
+    ("ri.HertzContact", "use one of Hertz, "),
+    ("ri.compare", "plot.comparison(measured, predicted) draws it"),
+    ("ri.newtons_cradle", "dir(rodimpact) lists its names"),
+    ("family.to_pandas()", "use one of to_csv, to_dataframe, to_xarray, "),
+    ("family.accuracy", 'give sweep(..., also=["accuracy"])'),
+    ("ri.plot.energy(solution).axes", "perhaps 'ax' is meant"),
+    ("ri.materials['steel']", "write materials.steel"),
+    ("ri.materials['steal']", "perhaps 'materials.steel' is meant"),
+    ("solution.accuracy['velocities']", "there are no entries"),
+    ("smooth.accuracy['velocities']", "perhaps 'velocity' is meant"),
+    ("ri.gradient(system, 'e', ['bodies.0.length'])", "perhaps 'restitution' is"),
+    ("ri.gradient(stepped, wrt=['bodies.0.area'])", "of bodies.0.segments.0.area, bod"),
+    ("solution.contacts[0].peak_force_time", "b.times[b.force.argmax()]"),
 ]
 UNITS = [
     ("ri.Rod('400 mm', area=1e-4, material=steel)", "units.parse reads text"),
@@ -64,6 +78,10 @@ UNITS = [
     ("ri.units.parse('3 m', 'time')", "Use one of s, ms, us, ns"),
     ("ri.units.parse('3 milimeter', 'length')", "Use one of m, cm, mm"),
     ("ri.Rod(0.4, area=1e-4, material='steel')", "such as materials.steel"),
+    ("ri.Rod(0.4, area='1 cm^2', material=steel)", "units.parse('1 cm^2', 'area')"),
+    ("ri.Rod(0.4, area='1 cm2', material=steel)", "perhaps 'cm^2' is meant"),
+    ("ri.Wall('13 fps')", "perhaps 'ft/s' is meant"),
+    ("ri.System([rod], gravity='1 g')", "standard gravity is '9.80665 m/s^2'"),
 ]
 KEYWORDS = [
     ("ri.Rod(0.4, A=1e-4, material=steel)", "perhaps 'area' is meant"),
@@ -74,6 +92,9 @@ KEYWORDS = [
     ("ri.Material('x', E=2e11, rho=7800)", "perhaps 'youngs_modulus' is meant"),
     ("ri.Material(youngs_modulus=2e11, density=7800)", "needs name; it takes name"),
     ("ri.Hertz(k=1e10)", "perhaps 'stiffness' is meant"),
+    ("ri.Hertz(E=2e11, radius=0.05)", "or Hertz.from_radii(left_radius, right_"),
+    ("ri.Hertz.from_radii(R1=0.05, R2=0.05)", "no argument 'R1'; use one of left_r"),
+    ("ri.Hertz(1e9).stored(d=1e-6)", "Hertz.stored() has no argument 'd'"),
     ("ri.Cushion(stiffness=1e8, restitution=0.8)", "perhaps 'loading' is meant"),
     ("ri.Soil(Ru=1e5)", "perhaps 'resistance' is meant"),
     ("ri.SpringDashpot(1e6, c=1)", "perhaps 'damping' is meant"),
@@ -122,6 +143,7 @@ COMMANDS = [
     ("run", "arguments are required: CASE.toml"),
     ("run case.tml", "case.tml: cannot be read"),
     ("run cases.toml", "perhaps 'case.toml' is meant"),
+    ("compare case.toml records.csv --gauge a=0:0.1", "perhaps 'record.csv' is meant"),
     ("run record.csv", "a case file is TOML (a record is read by"),
     ("help soil", "there is no text on 'soil'; `rodimpact help` lists all texts"),
     ("run case.toml --plt x.png", "perhaps '--plot' is meant"),
@@ -142,7 +164,7 @@ COMMANDS = [
     ("box --ratio 2", "must be above 0 and at most 1"),
     ("formula case.toml --symbols lenght", "perhaps 'length' is meant"),
     ("animate case.toml -o x.html", "must end in one of .gif, .mp4"),
-    ("materials steel", "rodimpact materials --help shows what it takes"),
+    ("materials steel", "leave it out: rodimpact materials takes options only"),
     ("doctor --warmup", "perhaps '--warm' is meant"),
     ("--verison", "perhaps '--version' is meant"),
 ]
@@ -151,6 +173,7 @@ CASES = [
     ('"steel"', TABLE_OF_MATERIAL, "call the table [materials.NAME], and write NAME"),
     ("area =", "E = 2e11\narea =", "belongs to a table of the material"),
     ("area =", "density = 1\narea =", "belongs to a table of the material"),
+    ("[[bodies]]", "gravity = '1 g'\n[[bodies]]", "is '9.80665 m/s^2'"),
     ("[[bodies]]", "[shaft]\n[[bodies]]", "as the table [bodies.shaft]"),
     ("[[bodies]]", "[[contacts]]\n[[contacts]]\n[[bodies]]", "1 in all, got 2"),
 ]
@@ -164,12 +187,16 @@ def known():
     right = ri.Rod(1.0, area=1e-4, material=steel)
     system = ri.System([rod, right])
     lengths = np.array([0.2, 0.4])
+    area = ri.Steps([1e-4, 2e-4], at=[0.1])
+    stepped = ri.Rod(0.4, area=area, material=steel, velocity=1.0)
     return {
         "ri": ri,
         "steel": steel,
         "rod": rod,
         "system": system,
         "solution": ri.solve(system),
+        "smooth": ri.solve(system, method="characteristics"),
+        "stepped": ri.System([stepped, right]),
         "family": ri.sweep(ri.System([rod.replace(length=lengths), right])),
         "rigid": ri.rigid.collide(1.0, 1.0, 1.0, 0.0, 1.0),
         "signal": ri.Signal([0.0, 1.0], [0.0, 1e-3]),
@@ -244,6 +271,29 @@ def test_every_public_class_explains_a_missing_attribute():
         if inspect.isclass(kind) and not hasattr(kind, "__getattr__"):
             silent.append(name)
     assert silent == []
+
+
+def test_a_missing_record_names_a_file_that_is_there(tmp_path):
+    (tmp_path / "shot.csv").write_text("t,force\n0,1\n1,2\n")
+
+    with pytest.raises(FileNotFoundError, match=r"perhaps '.*shot\.csv' is meant"):
+        ri.read_signals(tmp_path / "shots.csv")
+
+
+def test_results_that_an_object_does_not_have_are_missing_attributes(known):
+    """So `hasattr`, and tools that ask for all attributes, get an answer."""
+    row = ri.System([known["rod"], known["rod"].replace(velocity=0.0), ri.Wall()])
+    several = ri.solve(row)
+    family = known["family"]
+
+    assert not hasattr(family, "dissipated")
+    assert getattr(family, "sets", None) is None
+    assert not hasattr(several.outcome, "impulse")
+    assert not hasattr(several.outcome, "restitution")
+    for result in (family, several, several.outcome):
+        names = [name for name, _ in inspect.getmembers(result)]
+        assert "contacts" in names
+        assert copy.copy(result) is not result
 
 
 def test_names_that_python_asks_for_need_no_hint(known):

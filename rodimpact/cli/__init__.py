@@ -187,7 +187,10 @@ class _Parser(argparse.ArgumentParser):
         from ..hints import nearest
 
         if not word.startswith("-"):
-            return f"does not take {word!r}; {self.prog} --help shows what it takes"
+            remedy = f"{self.prog} --help shows what it takes"
+            if not any(action.nargs != 0 for action in self._actions):
+                remedy = f"leave it out: {self.prog} takes options only"
+            return f"does not take {word!r}; {remedy}"
         options: list[str] = []
         for action in self._actions:
             options.extend(action.option_strings)

@@ -9,6 +9,8 @@ from .abilities import has_external_drive
 
 LARGE_STRAIN = 0.01
 """Strain from which linear theory is doubtful: squares count a percent."""
+LARGE_QUAKE = 0.1
+"""Quake from which a unit was probably mistaken, m: those of soil are millimetres."""
 ROUNDED = 2.0**-36
 """Relative change of a transit time by rounding from which a status states it."""
 
@@ -171,3 +173,23 @@ def strain_warning(strain: float) -> str:
         f" Strains may reach up to {strain:.2g}, where the linear theory of small "
         "strains (about 1 %) does not hold; check units and velocities."
     )
+
+
+def quake_warning(system: Any) -> str:
+    """Sentence that warns of the first quake that is far too large; "" if none is.
+
+    Soil along the rods comes first, then that at contacts.
+    """
+    quakes = []
+    for i, body in enumerate(system.bodies):
+        shaft = getattr(body, "shaft", None)
+        quakes.append((f"bodies.{i}.shaft.quake", getattr(shaft, "quake", 0.0)))
+    for k, law in enumerate(system.contacts):
+        quakes.append((f"contacts.{k}.quake", getattr(law, "quake", 0.0)))
+    for path, quake in quakes:
+        if quake > LARGE_QUAKE:
+            return (
+                f" {path} is {format_si(quake, 'm')}: quakes of soil are a few "
+                "millimetres; check its unit."
+            )
+    return ""

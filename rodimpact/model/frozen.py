@@ -33,7 +33,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import units
-from ..hints import explain_arguments, explain_missing, listed, nearest
+from ..hints import (
+    explain_arguments,
+    explain_methods,
+    explain_missing,
+    listed,
+    nearest,
+)
 from ..units import one_line, shown
 from .quantities import Floats, floats, number_of
 
@@ -438,8 +444,8 @@ class Frozen:
     def __init_subclass__(cls, **tag: str) -> None:
         """Set the tag of a class, and take its declared numbers as its `fields`.
 
-        The defaults of the numbers stay as attributes of the class. A constructor of
-        its own answers wrong arguments with those that may be meant.
+        The defaults of the numbers stay as attributes of the class. Its constructor
+        and its methods answer wrong arguments with those that may be meant.
         """
         if tag:
             cls._tag = tag
@@ -458,6 +464,7 @@ class Frozen:
                 setattr(cls, name, field.default)
         if "__init__" in vars(cls):
             _explain_constructor(cls)
+        explain_methods(cls)
 
     def __setattr__(self, name: str, value: Any = None) -> None:
         kind = type(self).__name__

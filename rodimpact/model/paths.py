@@ -136,9 +136,18 @@ def suggestion(path: str, choices: Collection[str]) -> str:
     """Hint at the choice that may be meant by a path: a sentence.
 
     It names the nearest of the choices that share the longest beginning with the path.
-    If none is near it lists them, or if they are many, their next parts.
+    If none is near it lists them, or if they are many, their next parts. Choices with
+    the last word of the path that stand deeper come first: the area of a stepped rod is
+    that of a segment.
     """
     beginning = _shared_beginning(path, choices)
+    last_word = path.removeprefix(beginning)
+    deeper = []
+    for choice in choices:
+        if choice.startswith(beginning) and choice.endswith("." + last_word):
+            deeper.append(choice)
+    if beginning and deeper:
+        return f"perhaps one of {listed(deeper)} is meant"
     remainders = []  # of the choices, behind the beginning
     for choice in choices:
         if choice.startswith(beginning):

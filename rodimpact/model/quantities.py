@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..units import shown
+from ..units import dimension_of, parse, shown
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def floats(value: Any, unit: str) -> Floats:
     """
     reason = ""
     if isinstance(value, str):
-        reason = "; units.parse reads text with a unit"
+        reason = f"; units.parse reads text with a unit: {_reading_of(value, unit)}"
     try:
         bare = _strip_units(value, unit)
         try:
@@ -75,6 +75,18 @@ def floats(value: Any, unit: str) -> Floats:
     except (TypeError, RecursionError):
         pass
     raise ValueError(f"must be a number{number_of(unit)}, got {shown(value)}{reason}")
+
+
+def _reading_of(text: str, unit: str) -> str:
+    """Call that reads a number with a unit, or why it cannot be read."""
+    dimension = dimension_of(unit)
+    try:
+        parse(text, dimension)
+    except ValueError as error:
+        # "cannot read '1 cm2' as area: why. Use one of m^2, ..."
+        _, _, reason = str(error).partition(": ")
+        return reason.partition(". Use one of ")[0]
+    return f"units.parse({text.strip()!r}, {dimension!r})"
 
 
 def is_integer(value: Any) -> bool:

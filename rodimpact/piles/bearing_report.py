@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from ..methods.status import quake_warning
 from ..storage.tables import align, versioned_json
 from ..units import format_si
 
@@ -56,6 +57,9 @@ def bearing_table(graph: Any) -> str:
     for point in graph.points:
         if not point.is_over:
             blocks.append(f"At {format_si(point.resistance, 'N')}: {point.status}")
+    warning = quake_warning(graph.system).strip()
+    if warning:
+        blocks.append(warning)
     return "\n\n".join(blocks)
 
 

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..hints import explain_arguments, explain_missing
+from ..methods.status import quake_warning
 from ..model import Plastic, RigidMass, Rod, Soil, System, Wall
 from ..model.arguments import check_kind, demand, integer, scalar
 from ..model.ends import FREE
@@ -325,6 +326,7 @@ def strike(
             next_system = _next_system(system, row, aftermath, cells)
         except InvalidModel as error:
             status += f" No other one can follow: {error}."
+    status += quake_warning(system)
     extreme = _extreme_stress(runs, row)
     return Blow(
         solution=solution,

@@ -17,6 +17,7 @@ from matplotlib import artist, cm, collections, colorbar, colors, patches, rcPar
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..hints import explain_missing
 from ..methods.signals import Floats
 from ..model.arguments import check_kind
 from ..model.frozen import invalid_argument
@@ -40,6 +41,7 @@ class Sheet(Figure):
         return memory.getvalue()
 
 
+@explain_missing()
 class Picture(SimpleNamespace):
     """The Axes `ax` and the artists that a function has drawn, by name.
 

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, cast
 
-from ..hints import explain_missing
+from ..hints import UndefinedResult, explain_missing
 from ..methods.abilities import has_external_drive
 from ..methods.groups import unilateral
 from ..methods.outcome import Totals
@@ -24,7 +24,7 @@ MAX_SILENT_RESIDUAL = 1e-6
 Number = TypeVar("Number")
 
 
-class UndefinedRestitution(ValueError):
+class UndefinedRestitution(UndefinedResult):
     """The collision has no coefficient of restitution; the message says why.
 
     Examples
@@ -56,7 +56,7 @@ class OnlyContact(Generic[Number]):
         ValueError where there are several.
         """
         if len(self.unilateral) != 1:
-            raise ValueError(self._several.format(len(self.unilateral)))
+            raise UndefinedResult(self._several.format(len(self.unilateral)))
         return self.contacts[self.unilateral[0]]
 
     @property

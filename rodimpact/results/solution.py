@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..hints import explain_missing
+from ..hints import NamedItems, explain_missing
 from ..methods.outcome import Totals
 from ..methods.registry import Options
 from ..methods.run import Run, Waves
@@ -134,7 +134,7 @@ class Solution(Shown):
         self.t_final = run.t_final
         self.t_proved = run.t_proved
         self.final = run.final
-        self.accuracy = dict(run.accuracy)
+        self.accuracy = NamedItems(run.accuracy)
         self.transit_error = run.clock.transit_error
 
     @cached_property

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..hints import explain_arguments, explain_missing, nearest
+from ..hints import explain_arguments, explain_missing, nearest, similar
 from ..methods.groups import groups, unilateral
 from ..methods.registry import METHODS, Options
 from ..methods.row import Array
@@ -722,6 +722,9 @@ def _check_arguments(
             choices.append("restitution")
     if not isinstance(of, str) or of not in choices:
         message = f"must be one of {', '.join(choices)}, got {shown(of)}"
+        meant = similar(of, choices)
+        if meant is not None:
+            message += f"; perhaps {meant!r} is meant"
         problems.append(("of", message))
     if not _is_list_of_text(wrt):
         message = (

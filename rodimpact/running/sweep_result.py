@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..hints import NamedItems, explain_missing
+from ..hints import NamedItems, UndefinedResult, explain_missing
 from ..methods.family import Columns
 from ..methods.groups import unilateral
 from ..methods.registry import Options
@@ -61,6 +61,10 @@ class Axis(NamedTuple):
 
     name: str
     values: Any
+
+
+class NotAskedFor(InvalidModel, UndefinedResult):
+    """A result of a family that is computed only if `also` names it."""
 
 
 @explain_missing("contacts", "system")
@@ -221,6 +225,14 @@ class SweepResult(Shown, OnlyContact[Any]):
         return self._requested("dissipated")[0]
 
     @property
+    def accuracy(self) -> Any:
+        """Stated error of velocities, impulses and peak forces, the largest of them.
+
+        It is relative to the largest of each. ValueError where it was not asked for.
+        """
+        return self._requested("accuracy")[0]
+
+    @property
     def sets(self) -> dict[int, Any]:
         """Permanent sets of yielding contacts, m, by contact.
 
@@ -247,13 +259,12 @@ class SweepResult(Shown, OnlyContact[Any]):
     def _requested(self, name: str) -> dict[int, Any]:
         """Columns that have that name, by the index of their body or contact.
 
-        The index is 0 for the whole row. InvalidModel unless the name was asked for in
+        The index is 0 for the whole row. NotAskedFor unless the name was asked for in
         `also`.
         """
         if name not in self.readings.also:
-            raise invalid_argument(
-                name, f'was not asked for; give sweep(..., also=["{name}"])'
-            )
+            message = f'was not asked for; give sweep(..., also=["{name}"])'
+            raise NotAskedFor([(name, message)])
         by_owner = {}
         for column, source in columns_of(self.system, [name]).items():
             by_owner[source.owner_index] = self.columns[column]

@@ -68,12 +68,9 @@ entry, which may then be absent, and the case becomes a family with one axis a g
 Numbers that are tied to another one follow it along its axis.
 """
 
-import difflib
 import os
 import tomllib
 from collections.abc import Mapping
-from contextlib import suppress
-from pathlib import Path
 
 from ..hints import explain_arguments
 from ..model.frozen import invalid_argument
@@ -129,8 +126,6 @@ def read_case(
             raw = file.read(MAX_CASE_BYTES + 1)
     except OSError as error:
         message = f"cannot be read: {error.strerror}"
-        if isinstance(error, FileNotFoundError):
-            message += _similar_file(name)
         raise invalid_argument(name, message) from None
     if len(raw) > MAX_CASE_BYTES:
         raise invalid_argument(
@@ -144,21 +139,6 @@ def read_case(
             name, f"is not text in UTF-8 (at line {line}); save it as UTF-8"
         ) from None
     return parse_case(text, name, vary)
-
-
-def _similar_file(name: str) -> str:
-    """Hint at a file of the same folder whose name is spelt like the missing one.
-
-    "" if there is none.
-    """
-    path = Path(name)
-    files = []
-    with suppress(OSError):  # there is no such folder, or it may not be read
-        files = [file.name for file in path.parent.iterdir()]
-    alike = difflib.get_close_matches(path.name, files, n=1)
-    if not alike:
-        return ""
-    return f"; perhaps {str(path.with_name(alike[0]))!r} is meant"
 
 
 @explain_arguments

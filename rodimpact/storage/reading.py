@@ -5,12 +5,15 @@ that it names, and each must have the size, type, shape and checksum that it had
 was written.
 """
 
+import difflib
 import errno
 import json
 import math
 import os
 import zipfile
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -89,7 +92,25 @@ def open_regular(path: PathLike) -> BinaryIO:
     except OSError as error:
         # The message of OSError has quotes of its own.
         unquoted = shown_path(path)[1:-1]
-        raise type(error)(error.errno, error.strerror, unquoted) from None
+        reason = error.strerror
+        if isinstance(error, FileNotFoundError):
+            reason += _similar_file(path)
+        raise type(error)(error.errno, reason, unquoted) from None
+
+
+def _similar_file(name: str) -> str:
+    """Hint at a file of the same folder whose name is spelt like the missing one.
+
+    "" if there is none.
+    """
+    path = Path(name)
+    files = []
+    with suppress(OSError):  # there is no such folder, or it may not be read
+        files = [file.name for file in path.parent.iterdir()]
+    alike = difflib.get_close_matches(path.name, files, n=1)
+    if not alike:
+        return ""
+    return f"; perhaps {str(path.with_name(alike[0]))!r} is meant"
 
 
 def read_npz(

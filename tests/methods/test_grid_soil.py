@@ -324,3 +324,18 @@ def test_members_of_a_family_have_soils_of_their_own():
         alone = ri.solve(system[i], **options)
         assert set_of_toe[i] == alone.contacts[1].permanent_set()
     assert set_of_toe[0] != set_of_toe[1]
+
+
+@pytest.mark.parametrize("owner", ["shaft", "toe"])
+def test_a_quake_of_metres_is_doubted(owner):
+    """2.5 m for 2.5 mm is the usual slip."""
+    quakes = {"shaft": 2.5e-3, "toe": 2.5e-3, owner: 2.5}
+    shaft = ri.Soil(1e5, quake=quakes["shaft"])
+    pile = ri.Rod(10.0, area=0.01, material=ri.materials.steel, shaft=shaft)
+    toe = ri.SmithToe(1e5, quake=quakes["toe"])
+    row = ri.System([pile.replace(velocity=1.0), ri.Wall()], contacts=[toe])
+    path = {"shaft": "bodies.0.shaft.quake", "toe": "contacts.0.quake"}[owner]
+
+    status = ri.solve(row, until=1e-3, cells=20).status
+
+    assert f"{path} is 2.5 m: quakes of soil are a few millimetres" in status

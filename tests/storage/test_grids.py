@@ -414,7 +414,7 @@ UNTIL = RICH + "[solve]\nuntil = 1\n"
                 ("bodies.7.velocity", "perhaps 'bodies.2.velocity' is meant"),
                 (
                     "bodies.2.length",
-                    "use one that begins with bodies.2.segments, bodies.2.velocity",
+                    "perhaps one of bodies.2.segments.0.length, bodies.2.segm",
                 ),
                 (
                     "bodies.1.velocity.values.2",

@@ -24,6 +24,7 @@ from ..status import (
     describe_end,
     last_contact,
     proof_sentence,
+    quake_warning,
     strain_warning,
     with_advice,
 )
@@ -129,6 +130,7 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
         )
     status += _accuracy_sentence(run)
     status += _overshoot_sentence(run)
+    status += quake_warning(run.row.system)
     return status + strain_warning(run.largest_strain)
 
 
