@@ -102,8 +102,31 @@ def test_the_box_meets_waves_whose_order_changes_nothing():
 def test_derivatives_have_units():
     g = ri.gradient(pair(0.4, 1.0), "impulse.0", ["bodies.1.length", "bodies.1.area"])
     assert g.unit == "N s"
-    assert list(g.units.values()) == ["(N s)/m", "(N s)/m^2"]
+    assert list(g.units.values()) == ["N s/m", "N s/m^2"]
     assert all(unit in str(g) for unit in g.units.values())
+
+
+@pytest.mark.parametrize(
+    ("law", "number", "unit"),
+    [
+        (ri.Hertz(1e9), "stiffness", "m^1.5/N"),
+        (ri.HuntCrossley(1e9, damping=0.3), "damping", "m/s"),
+        (ri.PowerLaw(1e9, 1.7), "stiffness", "1/(N/m^p)"),
+    ],
+)
+def test_derivatives_of_e_have_short_units(law, number, unit):
+    path = f"contacts.0.{number}"
+    row = pair(0.4, 1.0).replace(contacts=[law])
+
+    g = ri.gradient(row, wrt=["bodies.0.velocity", path])
+
+    assert g.units == {"bodies.0.velocity": "s/m", path: unit}
+
+
+def test_a_printed_derivative_has_its_stated_error():
+    g = ri.gradient(pair(0.4, 1.0), wrt=["bodies.0.length"])
+
+    assert str(g).endswith(f"1 1/m, stated error {g.errors['bodies.0.length']:.1g}")
 
 
 def test_equal_rods_have_a_kink_on_both_sides_of_which_e_falls():
