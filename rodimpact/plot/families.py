@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..hints import nearest
 from ..methods.signals import Floats
-from ..model.arguments import array, check_kind
+from ..model.arguments import array, check_kind, check_text
 from ..model.frozen import invalid_argument
 from ..results.labels import quantity_of_column
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
@@ -47,6 +47,8 @@ from .scales import MINUS, NEGLIGIBLE_RTOL, Scale, scale_of
 from .style import COMPUTED, RISING, SMALL, centred, colours, styled
 
 MAX_MARKED_POINTS = 40  # of a curve
+CLOSED_FORM = "closed form"
+"""Name of the curve of a closed form in a legend."""
 MIN_THEORY_POINTS = 400  # of a curve of theory
 HISTOGRAM_WIDTH = 0.22  # in widths of the Axes
 EQUAL_RTOL_DIGITS = 12  # of the logarithm of a ratio that is 1
@@ -100,6 +102,8 @@ def sweep(
     ax: Axes | None = None,
     quantity: str = "restitution",
     varied: Sequence[Varied] | None = None,
+    *,
+    label: str | None = None,
 ) -> Picture:
     """Draw a quantity of a family of collisions: a curve over one axis, a map over two.
 
@@ -123,6 +127,9 @@ def sweep(
         What the user varied along each axis, as the `varied` of a case from
         `read_case`: it names the axes. By default they bear the names of the numbers in
         which the systems differ.
+    label : str, optional
+        Name of a curve in the legend. Several curves on the same `ax` have colours of
+        their own, and are all named; by default "computed", "family 2", ...
 
     Returns
     -------
@@ -150,6 +157,8 @@ def sweep(
     """
     # What is measured.
     column = _column(result, quantity)
+    if label is not None:
+        check_text("label", label, "rounded ends")
     names = check_varied(result, varied)
     varied_axes = [i for i, count in enumerate(result.shape) if count > 1]
     if not 1 <= len(varied_axes) <= 2:
@@ -187,7 +196,7 @@ def sweep(
         return _draw_map(axes_or_new(ax, 6.0, 4.6), axes, shown, theory)
     if not axes[0].is_ordered:
         return _draw_scatter(axes_or_new(ax, 5.6, 3.6), axes[0], shown)
-    return _draw_curve(axes_or_new(ax, 5.6, 3.6), axes[0], shown, theory)
+    return _draw_curve(axes_or_new(ax, 5.6, 3.6), axes[0], shown, theory, label)
 
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
@@ -224,14 +233,32 @@ def _why_no_map(result: SweepResult, dimension: int) -> str:
 
 
 def _draw_curve(
-    ax: Axes, axis: FamilyAxis, shown: Quantity, theory: PairTheory | None
+    ax: Axes,
+    axis: FamilyAxis,
+    shown: Quantity,
+    theory: PairTheory | None,
+    label: str | None,
 ) -> Picture:
     """Draw values over one axis as a curve, counts as steps; below it the closed form.
 
     Few values are marked; with a closed form they are not joined. The axis of values
-    includes 0.
+    includes 0. It goes on to include the curves that the Axes has already.
     """
+    earlier = [each for each in _named(ax) if each.get_label() != CLOSED_FORM]
+    colour = colours().ink
+    name = "computed"
+    if earlier:
+        first, _, *others = colours().series  # the second is that of closed forms
+        cycle = [first, *others]
+        colour = cycle[(len(earlier) - 1) % len(cycle)]
+        name = f"family {len(earlier) + 1}"
+    if label is not None:
+        name = label
+    limits = ax.get_xlim()
     format_family_axis(ax.xaxis, axis)
+    if earlier:
+        limits = (*limits, *ax.get_xlim())
+        ax.set_xlim(min(limits), max(limits))
     law = None
     if theory is not None:
         law = _draw_law(ax, axis, shown, theory)
@@ -241,12 +268,13 @@ def _draw_curve(
             shown.values,
             axis.edges,
             baseline=None,
-            color=colours().ink,
+            color=colour,
             linewidth=1.4,
+            label=name,
         )
         _set_count_ticks(ax.yaxis, shown)
     else:
-        style = dict(COMPUTED)
+        style = COMPUTED | {"label": name}
         linestyle = "-"
         if axis.values.size > MAX_MARKED_POINTS:
             style.update(marker=".", markersize=0.8)
@@ -256,20 +284,32 @@ def _draw_curve(
         (drawn,) = ax.plot(
             broken.x,
             broken.y,
-            color=colours().ink,
+            color=colour,
             linewidth=1.2,
             linestyle=linestyle,
             **style,
         )
     named: list[artist.Artist] = []
-    if law is not None:
-        named = [law, drawn]
+    if law is not None or label is not None or earlier:
+        named = _named(ax)
+    if earlier:
+        ax.autoscale(axis="y")
     low, high = ax.get_ylim()
     add_grid(ax)
     format_axes(
         ax, named, ylabel=shown.scale.label, ylim=(min(0.0, low), max(0.0, high))
     )
     return Picture(ax=ax, values=drawn, theory=law)
+
+
+def _named(ax: Axes) -> list[artist.Artist]:
+    """Artists of an Axes that have names, closed forms once."""
+    artists, names = ax.get_legend_handles_labels()
+    named = []
+    for each, name in zip(artists, names, strict=True):
+        if name != CLOSED_FORM or name not in [other.get_label() for other in named]:
+            named.append(each)
+    return named
 
 
 def _draw_law(
@@ -301,7 +341,7 @@ def _draw_law(
         alpha=0.45,
         linewidth=5.0,
         solid_capstyle="butt",
-        label="closed form",
+        label=CLOSED_FORM,
     )
     return law
 

@@ -579,7 +579,11 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "plot.show": lambda: {"picture": ri.plot.energy(exact_solution())},
     "plot.snapshots": lambda: {"solution": exact_solution(), "times": [1e-5]},
     "plot.spacetime": lambda: {"solution": exact_solution()},
-    "plot.sweep": lambda: {"result": family_result(), "varied": varied_lengths()},
+    "plot.sweep": lambda: {
+        "result": family_result(),
+        "varied": varied_lengths(),
+        "label": "rounded ends",
+    },
     # closed forms and units
     "rigid.collide": lambda: {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5},
     "rigid.reduced_mass": lambda: {"m1": 1.0, "m2": 2.0},

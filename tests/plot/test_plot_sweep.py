@@ -140,6 +140,22 @@ def test_the_closed_form_lies_under_it_and_is_smooth_between_few_points(swept):
     assert legend(picture) == ["closed form", "computed"]
 
 
+def test_curves_of_two_families_are_told_apart(swept):
+    first = plot.sweep(swept["few"], axes(), label="thin")
+    wide_lengths = swept["lengths"].system[:40]
+    second = plot.sweep(ri.sweep(wide_lengths), first.ax, "vibration", label="thick")
+    third = plot.sweep(swept["few"], first.ax)
+
+    drawn = [first.values, second.values, third.values]
+    assert len({curve.get_color() for curve in drawn}) == 3
+    assert legend(third) == ["closed form", "thin", "thick", "family 3"]
+    low, high = third.ax.get_xlim()
+    for curve in drawn:
+        assert low <= min(curve.get_xdata())
+        assert max(curve.get_xdata()) <= high
+        assert np.nanmax(curve.get_ydata()) <= third.ax.get_ylim()[1]
+
+
 QUANTITIES = (
     "restitution",
     "impulse.0",
