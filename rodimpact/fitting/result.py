@@ -216,6 +216,14 @@ class Fit(Shown):
         """Correlations of the errors, shape (number, number)."""
         return correlation_of(self.covariance)
 
+    @property
+    def table_of_additions(self) -> str:
+        """Misfits without and with each addition, and which earn their place, as text.
+
+        It is the part of the printed fit that is about `additions`.
+        """
+        return align(self._rows_of_additions())
+
     def against(self, other: Fit) -> Fit:
         """Return this fit with notes on the changes under another law or theory.
 
@@ -294,7 +302,7 @@ class Fit(Shown):
             tables.append(self._table_of_correlations())
         tables.append(self._table_of_misfits())
         if self.additions:
-            tables.append(self._table_of_additions())
+            tables.append(self._rows_of_additions())
         notes = "\n".join([*self.notes, MODEL_ERROR])
         return "\n\n".join([*map(align, tables), notes])
 
@@ -331,7 +339,7 @@ class Fit(Shown):
             rows.append([record.title, f"{100 * misfit:.3g} %"])
         return rows
 
-    def _table_of_additions(self) -> list[list[str]]:
+    def _rows_of_additions(self) -> list[list[str]]:
         rows = [["addition", "misfit", "of blocks left out", "earns its place"]]
         rows.append(["none", *_misfits(self), ""])
         for addition in self.additions:

@@ -229,6 +229,12 @@ def test_the_addition_that_a_record_needs_earns_its_place(change, expected):
     noisy = changed_record(**change)
     found = ri.fit(rods(), noisy, VARY_VELOCITY, UNTIL, starts=1, additions=ADDITIONS)
     earning = [each.name for each in found.additions if each.earns_its_place]
+    assert found.table_of_additions in str(found)
+    _, without, *lines = found.table_of_additions.splitlines()
+    assert without.startswith("none")
+    assert [line.endswith("yes") for line in lines] == [
+        each.earns_its_place for each in found.additions
+    ]
     assert set(expected) <= set(earning)
     if not change:
         assert not earning
