@@ -69,7 +69,10 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
         If it would be worth it, and numba is missing or does not start.
     """
     if _forced is not None:  # the context `forced` decides
-        return _forced and not why_not()
+        is_compiled = _forced and not why_not()
+        if is_compiled and _is_kept:
+            _ready.add(kernel)
+        return is_compiled
     if kernel not in _ready:
         _spent[kernel] = _spent.get(kernel, 0.0) + seconds
         if _asked_for() and _pays(_spent[kernel] + ahead, kernel):  # this may warn
@@ -92,7 +95,23 @@ def forced(compiling: bool) -> Iterator[None]:
         _forced = before
 
 
+@contextlib.contextmanager
+def kept() -> Iterator[None]:
+    """Context in which kernels that are forced to be compiled stay so in this process.
+
+    Their machine code is loaded: from now on every run pays.
+    """
+    global _is_kept
+    before = _is_kept
+    _is_kept = True
+    try:
+        yield
+    finally:
+        _is_kept = before
+
+
 _forced: bool | None = None
+_is_kept = False
 _spent: dict[Kernel, float] = {}  # s, in plain Python
 _ready: set[Kernel] = set()  # paid for by this process
 

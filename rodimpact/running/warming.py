@@ -22,8 +22,9 @@ WARMING_CELLS = 8  # cells of the grid with which its kernels are run
 def warm() -> float:
     """Compile everything that can run compiled, and keep it on disk.
 
-    Machine code that is there already is loaded. Without `warm` a long run or a large
-    family compiles the kernels that it needs when it begins.
+    Machine code that is there already is loaded, and all later runs of this process use
+    it. Without `warm` a process begins in plain Python. It goes on in machine code when
+    plain Python has taken half a second, or three seconds if there is none on disk.
     ``dask.distributed.Client.run(ri.warm)`` does it on each worker of a cluster.
 
     Returns
@@ -49,8 +50,9 @@ def warm() -> float:
         message = f"nothing can be compiled: {reason}"
         warnings.warn(message, kernels.NoCompiler, stacklevel=3)
         return 0.0
-    for name in METHODS:
-        warm_method(name)
+    with kernels.kept():
+        for name in METHODS:
+            warm_method(name)
     return time.perf_counter() - start
 
 

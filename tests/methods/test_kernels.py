@@ -22,6 +22,7 @@ from rodimpact.methods.fronts import batch, members
 from rodimpact.methods.pieces import march as pieces
 from rodimpact.methods.record_lists import blank
 from rodimpact.methods.tick_rule import DURATION, assign_ticks, recognise
+from rodimpact.running import warming
 
 
 def ticks_of(durations, bits=49):
@@ -166,6 +167,22 @@ def test_machine_code_on_disk_costs_the_start_of_numba_and_its_loading(fresh):
     price = kernels.STARTING + kernels.LOADING
     assert price - 0.125 < spent_before_compiling(FOLLOW) <= price
     assert spent_before_compiling(PIECES) == 0  # numba has started
+
+
+def test_after_warming_every_run_of_the_process_is_compiled(fresh):
+    with kernels.forced(True):
+        assert kernels.worth_compiling(0.0, PIECES)
+    assert not kernels.worth_compiling(0.0, PIECES)
+
+    def warm_one(name):
+        with kernels.forced(True):
+            kernels.worth_compiling(0.0, FOLLOW)
+
+    fresh.setattr(warming, "warm_method", warm_one)
+    ri.warm()
+
+    assert kernels.worth_compiling(0.0, FOLLOW)
+    assert not kernels.worth_compiling(0.0, PIECES)
 
 
 def test_short_jobs_never_look_for_numba(fresh):
