@@ -12,7 +12,7 @@ import difflib
 import math
 import re
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Collection
 from decimal import Decimal
 from fractions import Fraction
 from numbers import Real
@@ -456,7 +456,7 @@ def _spelt(unit: str) -> str:
     return _ALIASES.get(spelt, spelt)
 
 
-def _hint(word: str, units: Iterable[str]) -> str:
+def _hint(word: str, units: Collection[str]) -> str:
     """End of a sentence that names the units that may be meant; "" if none is near.
 
     These are all units that differ by capitals alone, or else the nearest one.
@@ -465,8 +465,9 @@ def _hint(word: str, units: Iterable[str]) -> str:
     for unit in units:
         if unit.casefold() == word.casefold():
             near.append(repr(unit))
-    if _OTHER_NAMES.get(word) in units:
-        near = [repr(_OTHER_NAMES[word])]
+    other_name = _OTHER_NAMES.get(word)
+    if other_name is not None and other_name in units:
+        near = [repr(other_name)]
     if not near:
         matches = difflib.get_close_matches(word[:MOST_SHOWN], units, n=1)
         near = list(map(repr, matches))

@@ -254,11 +254,11 @@ def _draw_curve(
         name = f"family {len(earlier) + 1}"
     if label is not None:
         name = label
-    limits = ax.get_xlim()
+    low_before, high_before = ax.get_xlim()
     format_family_axis(ax.xaxis, axis)
     if earlier:
-        limits = (*limits, *ax.get_xlim())
-        ax.set_xlim(min(limits), max(limits))
+        low, high = ax.get_xlim()
+        ax.set_xlim(min(low_before, low), max(high_before, high))
     law = None
     if theory is not None:
         law = _draw_law(ax, axis, shown, theory)
@@ -305,7 +305,7 @@ def _draw_curve(
 def _named(ax: Axes) -> list[artist.Artist]:
     """Artists of an Axes that have names, closed forms once."""
     artists, names = ax.get_legend_handles_labels()
-    named = []
+    named: list[artist.Artist] = []
     for each, name in zip(artists, names, strict=True):
         if name != CLOSED_FORM or name not in [other.get_label() for other in named]:
             named.append(each)

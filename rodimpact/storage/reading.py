@@ -92,7 +92,7 @@ def open_regular(path: PathLike) -> BinaryIO:
     except OSError as error:
         # The message of OSError has quotes of its own.
         unquoted = shown_path(path)[1:-1]
-        reason = error.strerror
+        reason = str(error.strerror)
         if isinstance(error, FileNotFoundError):
             reason += _similar_file(path)
         raise type(error)(error.errno, reason, unquoted) from None

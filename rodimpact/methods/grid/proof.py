@@ -227,7 +227,7 @@ def mass_beyond(m: Array, right_end: bool, is_held: bool) -> Array:
     """
     if is_held:
         return np.ones(len(m) - 1)
-    on_left = np.cumsum(m[:-1]) / m.sum()
+    on_left: Array = np.cumsum(m[:-1]) / m.sum()
     if right_end:
         return on_left
-    return 1 - on_left
+    return np.subtract(1, on_left)
