@@ -209,12 +209,12 @@ def scaled_passage(x: float, spread: float, level: float) -> float:
 
 
 def front(x: float, t: float) -> float:
-    """Velocity at x and t by the integral of `rise_by_contour`, to about 12 digits.
+    """Velocity at x > 0 and t by the integral of `rise_by_contour`, to about 12 digits.
 
     The rule is the trapezoidal one, on the line k = (u - i) x^(-1/3) with steps of 1/6
     of u from -8 to 8.
     """
-    depth = 1 / float(np.cbrt(x))
+    depth = 1 / float(np.cbrt(x))  # of the line below the real axis, and its scale
     k = depth * (np.arange(-48, 49) / 6 - 1j)
     omega = k / np.sqrt(1 + k * k)
     waves = np.exp(1j * (omega * t - k * x)) / (k * (1 + k * k))

@@ -188,16 +188,20 @@ Branches = Callable[[np.ndarray], list[Branch]]
 
 
 def theory_branches(ka: np.ndarray) -> list[Branch]:
-    """Both branches of Mindlin and Herrmann's theory, by wave number times radius."""
+    """Both branches of Mindlin and Herrmann's theory, by wave number times radius.
+
+    Their shares are those of the sum over modes in the docstring of this file.
+    """
     ratio = ka / (2 * math.pi)
     slow, fast = ri.waves.mindlin_herrmann(ratio, NU)
     stiffness = (1 - NU) / ((1 + NU) * (1 - 2 * NU))  # (c1/c)^2
+    # share(slow), with frequencies divided by c k
     slow_share = (fast**2 - stiffness) / (fast**2 - slow**2)
     return [Branch(slow, slow_share), Branch(fast, 1 - slow_share)]
 
 
 def exact_branches(ka: np.ndarray) -> list[Branch]:
-    """The exact first mode, as if it were all."""
+    """The exact first mode, as if it were all the motion."""
     ratio = ka / (2 * math.pi)
     first_mode = ri.waves.first_mode(ratio, NU)
     return [Branch(first_mode, np.ones(len(ka)))]

@@ -21,8 +21,8 @@ class BorderLines(NamedTuple):
 class BorderLine(NamedTuple):
     """A piece of a border in a mesh of the lattice."""
 
-    point: int  # border point where it begins
-    end: Any  # [2] array
+    start_point: int  # index of the border point where it begins
+    end: Any  # [2] array, position
 
 
 def join_points(borders: BorderPoints) -> BorderLines:
@@ -43,8 +43,8 @@ def join_points(borders: BorderPoints) -> BorderLines:
     ends = []
     start_points = []
     for line in lines:
-        ends.append((borders.points[line.point], line.end))
-        start_points.append(line.point)
+        ends.append((borders.points[line.start_point], line.end))
+        start_points.append(line.start_point)
     return BorderLines(
         np.array(ends).reshape(-1, 2, 2), np.array(start_points, dtype=int)
     )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..methods.abilities import needs
-from ..methods.registry import count
+from ..methods.registry import checked_count
 from ..model import Bonded, Free, Rod, Steps, System, Wall
 from ..model.arguments import check_kind
 from ..model.frozen import InvalidModel, Problems, raise_if_problems
@@ -64,7 +64,7 @@ def check_arguments(progress: bool | ProgressFunction = True, **caps: Any) -> No
     """
     problems: Problems = []
     for name, value in caps.items():
-        count(problems, name, value)
+        checked_count(problems, name, value)
     check_progress(problems, progress)
     raise_if_problems(problems)
 

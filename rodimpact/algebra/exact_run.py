@@ -252,11 +252,13 @@ def _contact_times(
     """
     times: dict[int, list[TracedFraction]] = {node: [] for node in nodes}
     for change in simulation.changes:
-        times_at_node = times[change.next_row]  # starts and ends in turn
+        node = change.next_row  # where a change, unlike a front, has its node
+        times_at_node = times[node]  # starts and ends in turn
         is_pressing = change.value == Status.PRESS
         was_pressing = len(times_at_node) % 2 == 1
         if is_pressing != was_pressing:
-            times_at_node.append((change.tick + ZERO) / tick_rate)
+            tick = change.tick + ZERO  # a traced fraction, also if it is a plain 0
+            times_at_node.append(tick / tick_rate)
     episodes = []
     for times_at_node in times.values():
         starts = times_at_node[::2]

@@ -131,7 +131,7 @@ class CellsAround(NamedTuple):
 
 
 def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
-    """Cells that meet at the numbers of the system.
+    """Cells of formulas that meet at the numbers of the system.
 
     The collision is run near these numbers in each direction that no cell contains yet,
     until all directions are contained or there are `MAX_CELLS` cells.
@@ -161,7 +161,8 @@ def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
             is_incomplete = True
             continue
         cells.append(cell)
-        # A direction lies in the cell if it leads to the inner side of all ties.
+        # A direction lies in the cell if it leads to the inner side of all ties. With
+        # an empty list of ties `reshape` makes 0 rows.
         normals = np.reshape(cell.tie_normals, (-1, len(row.free_names)))
         is_inside = (directions @ normals.T > 0).all(axis=1)
         is_untried &= ~is_inside

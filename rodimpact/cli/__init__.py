@@ -177,6 +177,7 @@ class _Parser(argparse.ArgumentParser):
         args: Sequence[str] | None = None,
         namespace: argparse.Namespace | None = None,
     ) -> argparse.Namespace:
+        """As argparse does, but an unknown word is answered by `_hint`."""
         parsed, unknown = self.parse_known_args(args, namespace)
         if unknown:
             self.error(self._hint(unknown[0]))

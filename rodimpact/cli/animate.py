@@ -72,7 +72,7 @@ def run(args: Arguments) -> CommandResult:
     args.build_or_add_problems(check_frames, args.frames, args.fps)
     args.check_outputs("output")
 
-    with args.naming():
+    with args.naming_mistakes():
         solution = solve(case.system, **options)
     reason = nothing_to_draw(solution)
     if reason:
@@ -84,7 +84,7 @@ def run(args: Arguments) -> CommandResult:
     look = "light"
     if args.dark:
         look = "dark"
-    with args.naming(names=NAMES), plot.look(look):
+    with args.naming_mistakes(names=NAMES), plot.look(look):
         film = plot.animation(
             solution, args.field, args.frames, args.fps, magnification=args.magnify
         )

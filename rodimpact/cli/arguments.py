@@ -52,7 +52,7 @@ class Arguments(argparse.Namespace):
     """
 
     def __init__(self, parser: argparse.ArgumentParser) -> None:
-        """Begin without mistakes; the options are those of the parser."""
+        """Begin without mistakes; `options` has the option of each argument."""
         super().__init__()
         self.problems: Problems = []
         self.options: dict[str, str] = {}
@@ -88,7 +88,7 @@ class Arguments(argparse.Namespace):
             Names of arguments in messages, other than those of `options`.
         """
         try:
-            with self.naming(names=names):
+            with self.naming_mistakes(names=names):
                 return build(*values, **keywords)
         except InvalidModel as error:
             earlier = dict(self.problems)
@@ -98,7 +98,7 @@ class Arguments(argparse.Namespace):
             return None
 
     @contextmanager
-    def naming(
+    def naming_mistakes(
         self, every: str = "", names: Mapping[str, str] | None = None
     ) -> Iterator[None]:
         """Name mistakes after the options that gave the arguments.
@@ -158,7 +158,7 @@ class Arguments(argparse.Namespace):
         """Options for `solve` and `sweep`: those of the call, then those of the case.
 
         Mistakes bear the name of the option, or of the entry in the case, here and in
-        `naming`.
+        `naming_mistakes`.
         """
         options: dict[str, Any] = {}
         for name in ("method", *RUN_NUMBERS):
@@ -257,7 +257,7 @@ class Arguments(argparse.Namespace):
             if path is None:
                 continue
             try:
-                with self.naming():
+                with self.naming_mistakes():
                     write(path, force=self.force)
                 print_progress(f"wrote {path}")
             except ValueError as error:

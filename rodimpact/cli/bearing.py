@@ -68,7 +68,7 @@ def run(args: Arguments) -> CommandResult:
     names = {"resistances": "--resistance"}
     for i in range(len(resistances)):
         names[f"resistances[{i}]"] = "--resistance"
-    with args.naming(names=names):
+    with args.naming_mistakes(names=names):
         graph = bearing_graph(
             case.system,
             resistances,

@@ -17,7 +17,7 @@ from .. import Material, Rod, Solution, System, Wall, collide, solve
 from ..materials import TABLE
 from ..model.frozen import raise_if_problems
 from ..results.pair_theory import pair_theory
-from ..storage.tables import align, as_html, clean
+from ..storage.tables import align, as_html, without_round_off
 from ..storage.writing import write_text
 from ..units import format_si
 from .arguments import Arguments, add_number
@@ -225,14 +225,16 @@ def describe(replay: Replay) -> str:
 def _result_rows(replay: Replay) -> Iterator[list[str]]:
     """Rows of the table, header first: results of the solver beside the theory.
 
-    Velocities and the errors of the balances follow; they have no theory beside them.
+    Velocities follow without theory, then the errors of the balances beside 0.
     """
     outcome = replay.solution.outcome
     theory: Any = pair_theory(replay.solution.system)
     expected = theory.collision()
     episode = replay.solution.contacts[0].episodes[0]
     opening = episode.opening - episode.start
-    vibration = clean(sum(outcome.vibration_after), outcome.kinetic_before)
+    vibration = without_round_off(
+        sum(outcome.vibration_after), scale=outcome.kinetic_before
+    )
     yield ["", "found", "theory"]
     for quantity, unit, computed, closed_form in (
         (
@@ -249,7 +251,7 @@ def _result_rows(replay: Replay) -> Iterator[list[str]]:
         computed_text = format_si(float(computed), unit)
         yield [quantity, computed_text, format_si(float(closed_form), unit)]
     for name, v in zip(replay.names, outcome.velocities_after, strict=True):
-        velocity = f"{clean(v, 1.0):.6g} m/s"
+        velocity = f"{without_round_off(v, scale=1.0):.6g} m/s"
         yield [f"velocity of the {name} afterwards", velocity, ""]
     momentum_error = f"{abs(outcome.momentum_residual):.2g}"
     yield ["momentum balance, relative error", momentum_error, "0"]

@@ -95,7 +95,7 @@ def run(args: Arguments) -> CommandResult:
     args.check_outputs("save", figure="save")
     for name in positions:
         records[name] = _window(args, name, records[name])
-    with args.naming():
+    with args.naming_mistakes():
         solution = solve(case.system, **options)
     comparisons = _compare(args, case, solution, positions, records)
     status = args.write(save=figure_writer(partial(_draw, comparisons)))
@@ -130,7 +130,7 @@ def _window(args: Arguments, name: str, record: Signal) -> Signal:
     stop = record.end
     if args.stop is not None:
         stop = args.stop
-    with args.naming(names={"start, end": f"--start, --stop of {name}"}):
+    with args.naming_mistakes(names={"start, end": f"--start, --stop of {name}"}):
         return record.window(start, stop)
 
 
@@ -147,7 +147,7 @@ def _compare(
         raise InvalidModel([(case.path, reason)])
     comparisons = {}
     for name, position in positions.items():
-        with args.naming(f"--gauge {name}"):
+        with args.naming_mistakes(f"--gauge {name}"):
             predicted = _prediction(args, solution, position)
             comparisons[name] = _comparison(args, records[name], predicted)
     return comparisons

@@ -39,7 +39,7 @@ def run(args: Arguments) -> CommandResult:
     case = read_case(args.case)
     symbols = args.symbols.replace(" ", "").split(",")
     try:
-        with args.naming(names={"max_events": "solve.max_events"}):
+        with args.naming_mistakes(names={"max_events": "solve.max_events"}):
             form = closed_form(case.system, symbols, **_caps(case))
     except ImportError as error:
         return CommandResult("", complain(str(error), MISTAKE))
@@ -65,7 +65,10 @@ def _caps(case: Case) -> dict[str, Any]:
 
 
 def _text_of(form: ClosedForm, kinds: list[str], all_conditions: bool) -> str:
-    """A formula in full, with all conditions or the nearest."""
+    """Lines of e, velocities, impulses and contact times, and where they hold.
+
+    The conditions are all of them, or the nearest.
+    """
     lines = []
     if form.restitution is not None:
         lines.append(f"e = {form.restitution}")
@@ -79,5 +82,5 @@ def _text_of(form: ClosedForm, kinds: list[str], all_conditions: bool) -> str:
     if all_conditions and form.cell:
         lines.append("where " + "\n  and ".join(map(str, form.cell)))
     else:
-        lines.append(form.where("--conditions shows all"))
+        lines.append(form.where(remedy="--conditions shows all"))
     return "\n".join(lines)

@@ -82,7 +82,7 @@ def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:
             message = f"the record has no channel {name!r}; {hint}"
             args.add_problem(f"--gauge {name}", message)
         elif bridge is not None:
-            with args.naming(names={"volts": f"--bridge of {name}"}):
+            with args.naming_mistakes(names={"volts": f"--bridge of {name}"}):
                 signals[name] = bridge.strain(signals[name])
     return signals
 

@@ -235,7 +235,7 @@ def _reduce(
     input_gauges = []
     output_gauges = []
     for name, position in positions.items():
-        with args.naming(f"--gauge {name}"):
+        with args.naming_mistakes(f"--gauge {name}"):
             if position.body == first:
                 distance = float(pair[0].length) - position.x
                 input_gauges.append(BarGauge(signals[name], distance))
@@ -253,7 +253,7 @@ def _reduce(
     if args.incident is not None:
         incident, reflected = input_gauges
         (transmitted,) = output_gauges
-        with args.naming(f"--{PULSES[0]}"):
+        with args.naming_mistakes(f"--{PULSES[0]}"):
             pulses = CutPulses(incident, reflected, transmitted, args.clock)
         shot = {"pulses": pulses}
     names = {
@@ -267,7 +267,7 @@ def _reduce(
         "reflected": "--reflected",
         "transmitted": "--transmitted",
     }
-    with args.naming(names=names), warnings.catch_warnings():
+    with args.naming_mistakes(names=names), warnings.catch_warnings():
         # the table and the JSON contain the same sentences
         warnings.simplefilter("ignore", DoubtfulReduction)
         return reduce(

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from .. import rigid
 from ..model.frozen import raise_if_problems
-from ..storage.tables import align, clean, versioned_json
+from ..storage.tables import align, versioned_json, without_round_off
 from ..units import format_si
 from .arguments import Arguments, NumberAction, add_number
 from .exit_status import DONE, CommandResult
@@ -67,7 +67,7 @@ def run(args: Arguments) -> CommandResult:
     m2 = _mass(args, "--m2", args.m2)
     raise_if_problems(args.problems)
     e = args.restitution
-    with args.naming():
+    with args.naming_mistakes():
         collision = rigid.collide(
             m1, args.v1, m2, args.v2, e, allow_energy_release=args.energy_release
         )
@@ -81,10 +81,9 @@ def run(args: Arguments) -> CommandResult:
         Body(m1, args.v1, numbers["velocity_1"]),
         Body(m2, args.v2, numbers["velocity_2"]),
     ]
-    scales = Scales(
-        velocity=max(abs(args.v1), abs(args.v2)),
-        momentum=min(m1, m2) * max(abs(args.v1), abs(args.v2)),
-    )
+    fastest = max(abs(args.v1), abs(args.v2))
+    # The smaller mass, since the other may be that of a wall, inf.
+    scales = Scales(velocity=fastest, momentum=min(m1, m2) * fastest)
     rows = [HEADER]
     for number, body in enumerate(bodies, 1):
         rows.append(_row(number, body, scales))
@@ -127,11 +126,11 @@ class Scales(NamedTuple):
 
     def speed(self, v: float) -> str:
         """A velocity as a text."""
-        return f"{clean(v, self.velocity):.6g} m/s"
+        return f"{without_round_off(v, scale=self.velocity):.6g} m/s"
 
     def momentum_of(self, mass: float, v: float) -> str:
         """A momentum as a text."""
-        return format_si(clean(mass * v, self.momentum), "N s")
+        return format_si(without_round_off(mass * v, scale=self.momentum), "N s")
 
 
 def _row(number: int, body: Body, scales: Scales) -> list[str]:

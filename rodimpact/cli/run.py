@@ -61,7 +61,7 @@ def run(args: Arguments) -> CommandResult:
         args.build_or_add_problems(check_case_name, args.save, names=names)
     args.check_outputs("save", "plot", "gauges", figure="plot")
 
-    with args.naming():
+    with args.naming_mistakes():
         solution = solve(case.system, **options)
     if options == case.solve:
         _compare_with_saved(case, solution)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ..results.regions import regions_of
 from ..results.solution import Solution
-from ..storage.tables import clean
+from ..storage.tables import without_round_off
 from ..units import format_si
 
 LEGEND = "<| is a wave front that runs to the left, |> one that runs to the right."
@@ -124,14 +124,14 @@ def _pieces(solution: Solution, body: int, time: float) -> str:
             stress_change = stress - stresses[k - 1]
             is_rightward = v_change * stress_change < 0
             text += "  |>  " if is_rightward else "  <|  "
-        shown_velocity = f"{clean(float(v), impact_velocity):.3g} m/s"
+        shown_velocity = f"{without_round_off(float(v), scale=impact_velocity):.3g} m/s"
         text += f"{shown_velocity}, {_stress_text(float(stress), impact_stress)}"
     return text
 
 
 def _stress_text(stress: float, scale: float) -> str:
     """A stress as a text: tension, compression, or none beside its scale."""
-    stress = clean(stress, scale)
+    stress = without_round_off(stress, scale)
     if stress == 0:
         return "no stress"
     kind = "compression"

@@ -92,7 +92,7 @@ def run(args: Arguments) -> CommandResult:
     options = args.run_options(case)
     args.check_outputs("save", "plot", figure="plot")
 
-    with args.naming():
+    with args.naming_mistakes():
         result = sweep(
             case.system,
             checkpoint=args.checkpoint,

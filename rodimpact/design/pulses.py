@@ -215,7 +215,8 @@ def differences(wanted: Signal, reached: Signal, edges: Floats) -> StepDifferenc
     reached_force = np.interp(gauss_points, reached.times, reached.values)
     wanted_force = np.interp(gauss_points, wanted.times, wanted.values)
     difference = reached_force - wanted_force
-    interval = np.searchsorted(edges[1:-1], middles, "right")  # of each part
+    # Interval of each part: the number of inner edges to the left of its middle.
+    interval = np.searchsorted(edges[1:-1], middles, "right")
     n_intervals = len(edges) - 1
 
     def mean(values: Floats) -> Floats:

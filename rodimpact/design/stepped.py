@@ -155,7 +155,8 @@ def striker(
 
 def _check_bodies(bar: Rod, material: Material, contact: object) -> None:
     """Raise InvalidModel for a bar, material or contact that the search cannot take."""
-    if len(bar.segments) != 1 or System([bar]).shape or bar.velocity or bar.strain:
+    is_family = System([bar]).shape != ()
+    if len(bar.segments) != 1 or is_family or bar.velocity or bar.strain:
         raise invalid_argument(
             "bar", f"must be a single uniform rod at rest, got {shown(bar)}"
         )

@@ -144,9 +144,9 @@ class StrikerSearch(NamedTuple):
     def peeled(self, force: Floats) -> Floats:
         """Logarithms of areas that give the first steps of the force, N, in turn.
 
-        They stay within the bounds. The far end of the segments so far absorbs, then is
-        free: the wanted change of force over that by a free end is the reflection at
-        the next step of area.
+        They stay within the bounds. With the contact bonded, the last force of the
+        segments so far is F0 if their far end absorbs, and F1 if it is free. For the
+        wanted force F the next step of area must reflect r = (F - F0)/(F1 - F0).
         """
         first_force = force[:1]
         logarithms = self.matched(first_force)  # of the first segment

@@ -208,7 +208,8 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     """Raise InvalidModel with the path of what the page cannot show.
 
     This is an option or physics that it lacks, or a collision without a solution there,
-    or one whose run would hit a limit of the page.
+    or one whose run would hit a limit of the page. To find out, a collision by fronts
+    is solved by the code of the page.
     """
     check_options(case)
     path, physics = lacking(tables)

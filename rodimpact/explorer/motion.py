@@ -17,7 +17,7 @@ from typing import Any
 
 from ..methods.groups import groups
 from ..methods.pieces import lines, reading
-from ..storage.tables import clean
+from ..storage.tables import without_round_off
 from .tiling import ROWS, across_of, add_cells, no_cells
 
 PATH_INTERVALS = 400
@@ -296,7 +296,7 @@ def energies_at(run: Any, now: float) -> list[float]:
         contact_energy += link.stiffness * compression**power / power
     whole = energy_as_a_whole(row.system, momenta)
     strain = strain_energy(run, now)
-    vibration = max(0.0, clean(energy - whole - strain, energy))
+    vibration = max(0.0, without_round_off(energy - whole - strain, energy))
     return [whole, vibration, strain, energy + contact_energy, contact_energy]
 
 

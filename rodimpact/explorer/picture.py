@@ -8,7 +8,7 @@ from typing import Any
 
 from ..model.numbering import body_numbers, contact_names
 from ..results.magnification import BLOCK, drifts, magnified, round_down
-from ..storage.tables import clean
+from ..storage.tables import without_round_off
 from ..units import TIMES, format_factor, format_si
 from .facts import facts_of_body, initial_offsets, slowest_velocity
 from .reason import peak_of, reason_of
@@ -86,7 +86,10 @@ def page_data(
 
 
 def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
-    """Facts of each body, with its number and its path."""
+    """Facts of each body, with its number, "wall" for a wall.
+
+    `paths` are the ways of masses and walls in the picture, None for rods.
+    """
     bodies = []
     for i, body in enumerate(system.bodies):
         bodies.append(facts_of_body(body, numbers[i], paths[i]))
@@ -221,7 +224,7 @@ def restitution_of(facts: Any) -> Any:
         digits = 5
         if facts["method"] == "fronts":
             digits = 6
-        number = f"{clean(value, 1.0):.{digits}g}"
+        number = f"{without_round_off(value, 1.0):.{digits}g}"
         size = max(value, SMALLEST_RESTITUTION)
         error = error_text(size, digits, outcome["error"], "")
     elif len(outcome["unilateral"]) > 1:
@@ -301,7 +304,7 @@ def results_of(facts: Any) -> Any:
             if text != NO_VALUE:
                 rows.append((name, text))
     energy_before = outcome["energy_before"]
-    vibration = clean(outcome["vibration_after"], energy_before)
+    vibration = without_round_off(outcome["vibration_after"], energy_before)
     vibration_text = text_of(vibration, outcome["errors"].get("energy", 0.0), "J")
     rows.append(("energy before", format_quantity(energy_before, "J", 5)))
     rows.append((f"vibration energy {after}", vibration_text))
@@ -326,7 +329,7 @@ def velocities_after(facts: Any) -> list[Any]:
     velocities = []
     for i, body in enumerate(facts["bodies"]):
         if body["kind"] != "wall":
-            v = clean(outcome["after"][i], fastest)
+            v = without_round_off(outcome["after"][i], fastest)
             value = f"{v:.{digits}g}"
             velocities.append(
                 {

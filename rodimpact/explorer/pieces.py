@@ -267,7 +267,8 @@ def run_on_clock(
 def empty_matrix(nodes: list[Any]) -> list[list[float]]:
     """Matrix of zeros for the forces of the node with the most links.
 
-    It has N rows for each link, and a column more for the right side of the equations.
+    It has a row for each of the N Gauss stages of each link, and a column more for the
+    right side of the equations.
     """
     size = N * max([node.link_count for node in nodes])
     matrix = []
@@ -344,7 +345,7 @@ def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
 
 
 def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
-    """Motion of the bodies when it was measured last.
+    """Motion of the bodies of a row at its last measurement.
 
     The vibration energies are those of the parts. The kinetic energy is not measured,
     so it is NaN.
@@ -353,7 +354,7 @@ def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     vibration = []
     for part in ended.parts:
         vibration.append(part.vibration_energy)
-        if part.part_count > 0:
+        if part.part_count > 0:  # the first part of a group, which has its motion
             velocities.append(part.group_velocity + clock.frame)
     return Motion(body_velocities(row.system, velocities), vibration, math.nan)
 

@@ -9,7 +9,7 @@ describes.
 from bisect import bisect_right
 from typing import Any
 
-from ..storage.tables import clean
+from ..storage.tables import without_round_off
 from .texts import capital, format_quantity
 
 NEGLIGIBLE = 1e-6
@@ -339,7 +339,7 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
     energy = vibration + kinetic_energy(facts)
     if energy <= 0:
         return f"{text}."
-    percentage = clean(100 * vibration / energy, 100.0)  # 0 for round-off
+    percentage = without_round_off(100 * vibration / energy, 100.0)  # 0 for round-off
     return f"{text}; {percentage:.3g} % of the energy is vibration energy."
 
 
@@ -350,7 +350,7 @@ def velocities_of(facts: Any) -> list[str]:
     texts = []
     for i, body in enumerate(facts["bodies"]):
         if body["kind"] != "wall":
-            texts.append(f"{clean(after[i], fastest):.4g} m/s")
+            texts.append(f"{without_round_off(after[i], fastest):.4g} m/s")
     return texts
 
 

@@ -25,7 +25,7 @@ def as_sentence(text: str) -> str:
 
 
 def format_quantity(value: float, unit: str, digits: int) -> str:
-    """A quantity with an SI prefix, such as "12.5 µs", in so many digits."""
+    """A quantity with an SI prefix, such as "12.5 µs", in significant digits."""
     number, _, prefixed = format_si(value, unit, digits).partition(" ")
     if prefixed.startswith("u"):
         prefixed = f"µ{prefixed[1:]}"
@@ -33,7 +33,10 @@ def format_quantity(value: float, unit: str, digits: int) -> str:
 
 
 def error_text(value: float, digits: int, error: float, unit: str) -> str:
-    """Text of the error of a value, if it is above half of the last digit; else ""."""
+    """Text of the error of a value, if it is above half of the last digit; else "".
+
+    `digits` are the significant ones with which the value is shown.
+    """
     if value == 0:
         return ""
     # The last of the digits that are shown stands for 10^last_digit.
@@ -44,7 +47,10 @@ def error_text(value: float, digits: int, error: float, unit: str) -> str:
 
 
 def with_error(text: str, value: float, digits: int, error: float, unit: str) -> str:
-    """Text of a value with its error, if this is above half of the last digit."""
+    """Text of a value with its error, if this is above half of the last digit.
+
+    `digits` are the significant ones in `text`; the error has its own unit.
+    """
     error_shown = error_text(value, digits, error, unit)
     if error_shown == "":
         return text

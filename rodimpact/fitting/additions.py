@@ -39,31 +39,32 @@ class Trial(NamedTuple):
     end: Any  # of the best search: scipy.optimize.OptimizeResult
 
 
-def compared(trials: Sequence[Trial]) -> Fit:
-    """The first fit, with the additions of the others.
+def with_additions(base: Trial, trials: Sequence[Trial]) -> Fit:
+    """The fit without additions, with those of the trials as its `additions`.
 
-    Each has its misfit left out, and whether it earns its place.
+    Each fit has its misfit left out, and each addition whether it earns its place.
     """
-    records = trials[0].objective.measured
-    blocks = _blocks(records, 0)
-    squares = [_squares_left_out(trial) for trial in trials]
+    blocks = _blocks(base.objective.measured, division=0)
+    base_squares = _squares_left_out(base)
     additions = []
-    for trial, with_addition in zip(trials[1:], squares[1:], strict=True):
-        fall = squares[0] - with_addition
+    for trial in trials:
+        squares = _squares_left_out(trial)
+        fall = base_squares - squares
         fall_of_block = np.bincount(blocks, weights=fall)
         # That of the sum over the blocks, which are taken to be independent.
         standard_error = math.sqrt(float(fall_of_block @ fall_of_block))
-        fit = replace(trial.fit, misfit_left_out=_root_of_mean(with_addition))
+        fit = replace(trial.fit, misfit_left_out=_root_of_mean(squares))
         earns_its_place = bool(fall_of_block.sum() > standard_error)
         additions.append(Addition(trial.name, fit, earns_its_place))
     return replace(
-        trials[0].fit,
-        misfit_left_out=_root_of_mean(squares[0]),
+        base.fit,
+        misfit_left_out=_root_of_mean(base_squares),
         additions=tuple(additions),
     )
 
 
 def _root_of_mean(squares: Floats) -> float:
+    """Square root of the mean of squares."""
     return math.sqrt(float(squares.mean()))
 
 
@@ -71,8 +72,10 @@ def _squares_left_out(trial: Trial) -> Floats:
     """Square of each residual where its block was left out, mean over the divisions."""
     objective = trial.objective
     free = objective.is_free
+    # Numbers at their bounds stay there; `jac` has columns of the free numbers only.
     is_inside = (trial.end.x > objective.low) & (trial.end.x < objective.high)
     jacobian = trial.end.jac[:, is_inside[free]]
+    # Columns of length 1, so that `MIN_INFORMATION` does not depend on units.
     lengths = np.linalg.norm(jacobian, axis=0)
     jacobian = jacobian / np.where(lengths > 0, lengths, 1.0)
     squares = np.zeros(len(trial.end.fun))
@@ -106,7 +109,10 @@ def predicted_residuals(
 
 
 def _blocks(records: Sequence[Measured], division: int) -> Any:
-    """Block of each sample of all records, one number for each block."""
+    """Number of the block of each sample of all records.
+
+    The blocks of each record are numbered on from those of the record before it.
+    """
     blocks = []
     first = 0
     for record in records:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..hints import explain_arguments
-from ..methods.registry import METHODS, Options, count
+from ..methods.registry import METHODS, Options, checked_count
 from ..model import Rod, System
 from ..model.arguments import check_kind, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
@@ -26,7 +26,7 @@ from ..progress import Progress, ProgressFunction, check_progress
 from ..running.jobs import check_executor
 from ..running.readings import check_readings
 from ..units import shown
-from .additions import Trial, compared
+from .additions import Trial, with_additions
 from .measured import Measured
 from .objective import Objective
 from .parameters import RECORD_PREFIX, record_parameters, system_parameters
@@ -150,7 +150,7 @@ def fit(
         raise invalid_argument("vary", message)
     step = _checked_interval(interval, records)
     problems: Problems = []
-    search_count = count(problems, "starts", starts)
+    search_count = checked_count(problems, "starts", starts)
     check_progress(problems, progress)
     check_executor(problems, executor, system)
     gauges = []
@@ -178,10 +178,10 @@ def fit(
         base = _fit_from_sweep(task, vary, search_count)
         if not checked_additions:
             return base.fit
-        trials = [base]
+        trials = []
         for name, numbers in checked_additions.items():
             trials.append(_fit_with_addition(task, name, {**vary, **numbers}, base))
-        return compared(trials)
+        return with_additions(base, trials)
 
 
 class _Task(NamedTuple):

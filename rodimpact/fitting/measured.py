@@ -141,7 +141,11 @@ class Measured(FrozenDataclass):
 
     @property
     def place(self) -> Place:
-        """Where the strain is computed: at `gauge`, or by images beyond it."""
+        """Where the strain is computed.
+
+        At `gauge` for the first passage of a pulse; for all passages at the gauge of
+        the record itself, `distance` from there, by images.
+        """
         body, x = self.gauge
         if self.passages == "first":
             return Place(body, x)

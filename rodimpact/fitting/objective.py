@@ -163,8 +163,9 @@ class Objective:
         return np.asarray((low + high) / 2)
 
     def system_at(self, point: Floats) -> System:
-        """The system with the parameter values of a point, or of its shares alone."""
+        """The system at a point, or at its first numbers, the shares of parameters."""
         values = []
+        # The numbers of the records, which follow in a point, are left out.
         for parameter, share in zip(self._parameters, point.tolist(), strict=False):
             values.append(parameter.value(share))
         return with_values(self._system, self._parameters, values)

@@ -25,7 +25,10 @@ More rounds change the errors by less than 1 %.
 
 
 def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> Floats:
-    """Covariance of numbers, [number, number].
+    """Covariance of the fitted numbers, [number, number].
+
+    It is found in rounds: the noise follows from the residuals and the part that the
+    fit has explained, and that part from the noise.
 
     Parameters
     ----------
@@ -43,18 +46,22 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
         MIN_INFORMATION * information[-1], float(np.mean(residuals**2))
     )
     is_known = information > least_information
+    # The derivatives are J = Q R in the directions that are known.
     inverse_R = directions[:, is_known] / np.sqrt(information[is_known])
     unknown = directions[:, ~is_known]
     spectra = []  # of the columns of Q, by record
     for Q in np.split(jacobian @ inverse_R, ends):
         spectra.append(np.fft.rfft(Q, 2 * len(Q), axis=0))
+    # Autocovariances of each record: of the residuals, and of the noise that the fit
+    # has removed from them, which is 0 in the first round.
     observed = list(map(autocovariance, np.split(residuals, ends)))
     explained = list(map(np.zeros_like, observed))
     for _ in range(ROUNDS + 1):
-        noise = []
+        noise = []  # spectrum of the noise of each record
         for c, c_explained in zip(observed, explained, strict=True):
             noise.append(power_spectrum(c + c_explained))
-        projected = sum(map(projected_noise, noise, spectra))  # Q' G Q
+        # Q' G Q, with the covariance matrix G of the noise of all records
+        projected = sum(map(projected_noise, noise, spectra))
         explained = []
         for power, spectrum in zip(noise, spectra, strict=True):
             explained.append(explained_noise(power, spectrum, projected))

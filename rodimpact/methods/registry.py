@@ -149,9 +149,9 @@ class Options(FrozenDataclass):
         Counts and times are set as plain numbers. `rtol` must be 1 or less, and
         excludes `dt` and `cells`. An unknown method is refused.
         """
-        self._set(max_events=count(problems, "max_events", self.max_events))
+        self._set(max_events=checked_count(problems, "max_events", self.max_events))
         if self.cells is not None:
-            self._set(cells=count(problems, "cells", self.cells))
+            self._set(cells=checked_count(problems, "cells", self.cells))
         if self.snapshots is not None:
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
         reported = [path for path, _ in problems]
@@ -315,7 +315,7 @@ def _takers(option: str) -> str:
     )
 
 
-def count(problems: Problems, name: str, value: Any) -> int:
+def checked_count(problems: Problems, name: str, value: Any) -> int:
     """Return an option as a positive whole number.
 
     If it is none, note a problem and return 0.
@@ -348,7 +348,7 @@ def _snapshots(
     If it is neither, note the problem, and return 0.
     """
     # If it is no number it may be times: the problem goes to a list that is dropped.
-    number = count([], "snapshots", value)
+    number = checked_count([], "snapshots", value)
     if number > 0:
         return number
     interval = "non-negative"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..hints import explain_arguments, explain_missing
-from ..methods.registry import count
+from ..methods.registry import checked_count
 from ..methods.signals import Floats
 from ..model import Rod, Soil, System
 from ..model.arguments import array, demand, integer, scalar
@@ -263,7 +263,7 @@ def bearing_graph(
         until = scalar("until", until, "s", "positive")
     problems: Problems = []
     if workers is not None:
-        workers = count(problems, "workers", workers)
+        workers = checked_count(problems, "workers", workers)
     check_progress(problems, progress)
     raise_if_problems(problems)
     settings = Settings(row, share, cells, until)

@@ -274,7 +274,7 @@ class Bars:
         blocks: list[patches.Rectangle] = []
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, RigidMass):
-                left = self.end(i, False)
+                left = self.end(i, is_right=False)
                 blocks += self.ax.barh(
                     self.row_heights, width, THICKNESS, left, zorder=3, **mass_style()
                 )
@@ -297,7 +297,7 @@ class Bars:
                 # A film has times before 0, at which no contact presses.
                 force = contact.force(np.maximum(self.times, 0.0))
                 presses = (force > 0) & (self.times >= 0)
-                faces = self.end(contact.index, True)
+                faces = self.end(contact.index, is_right=True)
                 self._draw_upright(
                     np.where(presses, faces, np.nan), linewidth=2.6, zorder=4
                 )

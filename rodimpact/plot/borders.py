@@ -105,8 +105,8 @@ class Borders:
             # In the laboratory the gap itself is seen.
             is_apart = ~presses & ~touches & (self.layout.magnification == 0)
 
-            left = self.layout.end(contact.index, True, times)
-            right = self.layout.end(contact.index + 1, False, times)
+            left = self.layout.end(contact.index, is_right=True, t=times)
+            right = self.layout.end(contact.index + 1, is_right=False, t=times)
             path = self.plane.points((left + right) / 2, times)
             pressing += _stretches(path, presses)
             touching += _stretches(path, touches)
@@ -187,10 +187,10 @@ class Borders:
         strips = []
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, RigidMass):
-                times = self.cut.bends(i, 0.0)
+                times = self.cut.bends(i, x=0.0)
                 strip = self._fill(
-                    self._end_path(i, False, times),
-                    self._end_path(i, True, times),
+                    self._end_path(i, is_right=False, times=times),
+                    self._end_path(i, is_right=True, times=times),
                     zorder=2.5,
                     label="rigid mass",
                     **mass_style(),
@@ -204,8 +204,8 @@ class Borders:
         for i, law in enumerate(self.system.contacts):
             if isinstance(law, Joint):
                 strip = self._fill(
-                    self._end_path(i, True, self.times),
-                    self._end_path(i + 1, False, self.times),
+                    self._end_path(i, is_right=True, times=self.times),
+                    self._end_path(i + 1, is_right=False, times=self.times),
                     facecolor=colours().paper,
                     edgecolor=colours().ink,
                     hatch="xxxxx",
@@ -219,7 +219,7 @@ class Borders:
 
     def centres(self) -> list[Line2D]:
         """Draw dashed paths of the centres of mass of rods that move in the picture."""
-        if not self.layout.magnification:
+        if self.layout.magnification == 0:  # bodies do not move in the picture
             return []
         times = np.linspace(*self.plane.span, POINTS_OF_CENTRE)
         casing = patheffects.withStroke(

@@ -115,7 +115,8 @@ def have_room(centres: Sequence[float], widths: Sequence[float], gap: float) -> 
 def spread_apart(centres: Sequence[float], widths: Sequence[float]) -> list[float]:
     """Centres of texts in a row, moved as little as possible so that none overlap.
 
-    Texts that overlap form a group that touches; a group keeps the mean of its centres.
+    The centres are in order. Texts that overlap form a group that touches; a group
+    keeps the mean of its centres.
     """
     groups: list[list[int]] = []
     starts: list[float] = []  # left end of each group

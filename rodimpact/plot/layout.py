@@ -153,7 +153,9 @@ class PictureLayout:
 
     def middle(self, body: int, t: ArrayLike) -> Floats:
         """Position X half-way between the ends of a body at t."""
-        return (self.end(body, False, t) + self.end(body, True, t)) / 2
+        left = self.end(body, is_right=False, t=t)
+        right = self.end(body, is_right=True, t=t)
+        return (left + right) / 2
 
     def centre(self, body: int, t: Floats) -> Floats:
         """Position X of the centre of mass of a rod at t [n], from its pieces."""
@@ -170,8 +172,8 @@ class PictureLayout:
         for i, contact in enumerate(self.solution.contacts):
             if not self.free[i]:
                 continue
-            left = self.end(i, True, times)
-            right = self.end(i + 1, False, times)
+            left = self.end(i, is_right=True, t=times)
+            right = self.end(i + 1, is_right=False, t=times)
             if contact.law.opens:
                 right = np.minimum(right, left + self.free[i])
             paths.append(SpringPath(contact, left, right))
@@ -333,7 +335,10 @@ def _largest_strain(solution: Solution, times: Floats) -> float:
 def _spring_lengths(
     solution: Solution, times: Floats, magnification: float, shortest: float
 ) -> Floats:
-    """Length of the spring at each contact before it is pressed, m; 0 without a spring.
+    """Length of the spring at each contact before it is pressed, m.
+
+    It is 0 where no spring is drawn: at rigid contacts and bonds, and at all contacts
+    of a picture true to scale.
 
     It is long enough that the largest overlap, magnified, leaves the length `shortest`.
     """

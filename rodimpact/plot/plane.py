@@ -176,16 +176,19 @@ class Plane:
         """The rods at the start, from left to right."""
         layout = self.layout
         factor = self.scales.x.factor
+        start = self.span.start
         rods = []
         for i in rods_of(layout.solution.system):
-            left, right = layout.material_ends(i)
+            left = layout.end(i, is_right=False, t=start)
+            right = layout.end(i, is_right=True, t=start)
+            left_number, right_number = layout.material_ends(i)
             rods.append(
                 RodOnAxis(
                     body=i,
-                    left=float(layout.end(i, False, self.span.start)) * factor,
-                    right=float(layout.end(i, True, self.span.start)) * factor,
-                    left_number=left * factor,
-                    right_number=right * factor,
+                    left=float(left) * factor,
+                    right=float(right) * factor,
+                    left_number=left_number * factor,
+                    right_number=right_number * factor,
                 )
             )
         return rods

@@ -187,9 +187,9 @@ class Polygons:
         The triangles of a region are a fan about its first corner: one for each side
         that does not touch this corner.
         """
-        corner = np.arange(self._first.size)
-        is_inner = (self._next != self._first) & (corner != self._first)
-        inner = np.flatnonzero(is_inner)
+        corner = np.arange(self._first.size)  # with the side to the corner `_next`
+        touches_first = (corner == self._first) | (self._next == self._first)
+        inner = np.flatnonzero(~touches_first)
         fan = (self._first[inner], inner, self._next[inner])
         return self._plane.ax.tripcolor(
             self._corners[:, 0],

@@ -201,7 +201,7 @@ def _draw_first_ends(bars: Bars) -> None:
     """Draw dashed lines down the picture where bodies meet in the first row."""
     for i in range(len(bars.system.bodies) - 1):
         bars.ax.axvline(
-            float(bars.end(i, True)[0]),
+            float(bars.end(i, is_right=True)[0]),
             color=colours().faint,
             linewidth=0.6,
             linestyle=(0, (4, 4)),

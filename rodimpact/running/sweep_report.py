@@ -9,7 +9,7 @@ import numpy as np
 
 from ..model import Wall
 from ..results.labels import quantity_of_column
-from ..storage.tables import JSON_SCHEMA, align, clean, finite, joules
+from ..storage.tables import JSON_SCHEMA, align, finite, joules, without_round_off
 from ..units import format_si
 from .columns import columns_of
 from .sweep_result import SweepResult
@@ -107,8 +107,8 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
             index = _first(result.restitution == e)
             where = _where(index, varied)
             label = f"{name} coefficient of restitution e"
-            without_round_off = clean(e, scale=1.0)
-            rows.append([label, f"{without_round_off:.9g}", where])
+            e_shown = without_round_off(e, scale=1.0)
+            rows.append([label, f"{e_shown:.9g}", where])
     return align(rows, left=(0, 2))
 
 
@@ -250,7 +250,7 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
     """Six digits of a value, without round-off relative to a scale; "-" for nan."""
     if math.isnan(value):
         return "-"
-    return f"{clean(value, scale):.6g}{unit}"
+    return f"{without_round_off(value, scale):.6g}{unit}"
 
 
 def _why_no_restitution(result: SweepResult, varied: Varied) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..hints import NamedItems, explain_arguments
-from ..methods.registry import Options, count
+from ..methods.registry import Options, checked_count
 from ..methods.run import MAX_EVENTS
 from ..model import System
 from ..model.frozen import InvalidModel, Problems, raise_if_problems
@@ -153,7 +153,7 @@ def sweep(
     """
     problems: Problems = []
     if workers is not None:
-        workers = count(problems, "workers", workers)
+        workers = checked_count(problems, "workers", workers)
     check_progress(problems, progress)
     try:
         options = Options(

@@ -11,7 +11,7 @@ from ..model import Rod, Soil
 from ..model.laws import SmithToe
 from ..model.numbering import body_names, contact_names
 from ..units import format_si
-from .tables import align, clean, joules, versioned_json
+from .tables import align, joules, versioned_json, without_round_off
 
 MAX_LISTED_EPISODES = 12
 """Episodes that a table lists, at most."""
@@ -148,7 +148,9 @@ def ring_down_table(ring_down: Any) -> str:
     last = float(ring_down.vibration[-1])
     lasted = float(ring_down.times[-1] - ring_down.times[0])
     frequency = format_si(ring_down.frequency, "Hz", digits=4)
-    last_shown = format_si(clean(last, scale=first + ring_down.rigid), "J", digits=4)
+    last_shown = format_si(
+        without_round_off(last, scale=first + ring_down.rigid), "J", digits=4
+    )
     rows = [
         ["vibration when the collision is over", format_si(first, "J", digits=4)],
         ["vibration at the end", last_shown],
@@ -229,7 +231,7 @@ def _bodies_table(outcome: Any) -> str:
     after = outcome.velocities_after
     velocities = [*before, *after]
     largest = max(map(abs, velocities))
-    spread = clean(max(velocities) - min(velocities), scale=largest)
+    spread = without_round_off(max(velocities) - min(velocities), scale=largest)
     digits = 6
     if spread > 0:
         # Velocities agree in their first digits; their differences keep six.
@@ -247,7 +249,7 @@ def _bodies_table(outcome: Any) -> str:
             vibration = joules(outcome.vibration_after[i], vibration_scale)
         row = [name, mass]
         for velocity in (before[i], after[i]):
-            row.append(f"{clean(velocity, scale=largest):.{digits}g} m/s")
+            row.append(f"{without_round_off(velocity, scale=largest):.{digits}g} m/s")
         rows.append([*row, vibration])
     return align(rows)
 
@@ -258,7 +260,7 @@ def _contacts_table(outcome: Any) -> str:
     scale = max(abs(tally.impulse) for tally in outcome.contacts)
     names = contact_names(outcome.bodies)
     for k, tally in enumerate(outcome.contacts):
-        impulse = format_si(clean(tally.impulse, scale), "N s")
+        impulse = format_si(without_round_off(tally.impulse, scale), "N s")
         if k in outcome.unilateral:
             force = format_si(tally.peak_force, "N")
             duration = format_si(tally.duration, "s")
@@ -304,7 +306,7 @@ def _energy_table(outcome: Any) -> str:
         exchanged[ENERGY_LABELS[name]] = getattr(outcome, name)
     scale = max(total_scale, *map(abs, exchanged.values()))
     for name, energy in exchanged.items():
-        if clean(energy, scale):
+        if without_round_off(energy, scale):
             rows.append([name, "", joules(energy, scale)])
     return align(rows)
 
@@ -313,7 +315,7 @@ def _balances_table(outcome: Any) -> str:
     """Restitution, "-" if undefined, and the relative errors of the balances."""
     restitution = "-"
     if not outcome.why_no_restitution():
-        restitution = f"{clean(outcome.restitution, scale=1.0):.9g}"
+        restitution = f"{without_round_off(outcome.restitution, scale=1.0):.9g}"
     rows = [
         ["coefficient of restitution e", restitution],
         ["momentum balance, relative error", _error_text(outcome.momentum_residual)],

@@ -67,7 +67,7 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
     return "\n".join(lines)
 
 
-def clean(value: float, scale: float) -> float:
+def without_round_off(value: float, scale: float) -> float:
     """A value for a table: 0 if it is only round-off beside `scale`, else itself.
 
     Beside an infinite scale nothing is round-off.
@@ -157,7 +157,7 @@ def _lines_of_table(
 
 def joules(value: float, scale: float) -> str:
     """An energy for a table, with its unit; 0 J if it is round-off beside `scale`."""
-    return format_si(clean(value, scale), "J")
+    return format_si(without_round_off(value, scale), "J")
 
 
 def versioned_json(**entries: Any) -> str:
