@@ -17,6 +17,7 @@ MAX_LEVELS = 8
 NEAR_LEVEL = 0.002  # of a quantity's range: values that count as those of a level
 PLATEAU_ROWS = 3  # of points with equal values: no line follows such a plateau
 LABEL_GAP = 2.0  # points between a label and other labels, lines, and the frame
+STUB = 8.0  # points of a line between its label and the frame, rather than a dot
 LETTERS = SMALL + 1  # height, points
 POINTS_OF_LINE = 400  # at which the distance of a label from a line is looked at
 
@@ -91,17 +92,18 @@ def label_contours(
     chosen = []
     for text in trial:
         half = text_width(text.get_text(), LETTERS) / 2 + LABEL_GAP
+        candidates = []
         for point in _candidates(ax, contours, text):
-            if not _is_inside(ax, point, half):
-                continue
             distances = np.hypot(*(obstacles - point).T)
-            if (distances < half + clear).any():
-                continue
+            if not (distances < half + clear).any():
+                candidates.append(point)
+        inside = [point for point in candidates if _is_inside(ax, point, half + STUB)]
+        inside += [point for point in candidates if _is_inside(ax, point, half)]
+        if inside:
             to_map = ax.transData.inverted()
-            chosen.append(to_map.transform(point * _pixels(ax)))
-            obstacles = np.vstack([obstacles, point])
+            chosen.append(to_map.transform(inside[0] * _pixels(ax)))
+            obstacles = np.vstack([obstacles, inside[0]])
             clear = np.append(clear, half)
-            break
         text.remove()
     labels = ax.clabel(
         contours, fmt=value, inline_spacing=3, fontsize=LETTERS, manual=chosen

@@ -274,13 +274,14 @@ def _draw_curve(
         )
         _set_count_ticks(ax.yaxis, shown)
     else:
+        broken = broken_at_jumps(axis.numbers, shown.values)
         style = COMPUTED | {"label": name}
         linestyle = "-"
         if axis.values.size > MAX_MARKED_POINTS:
-            style.update(marker=".", markersize=0.8)
+            # Marks lie on whole pixels: each beside the line would give it teeth.
+            style.update(marker=".", markersize=0.8, markevery=_alone(broken.y))
         elif law is not None:
             linestyle = ""
-        broken = broken_at_jumps(axis.numbers, shown.values)
         (drawn,) = ax.plot(
             broken.x,
             broken.y,
@@ -300,6 +301,13 @@ def _draw_curve(
         ax, named, ylabel=shown.scale.label, ylim=(min(0.0, low), max(0.0, high))
     )
     return Picture(ax=ax, values=drawn, theory=law)
+
+
+def _alone(values: Floats) -> list[int]:
+    """Indices of values without a neighbour, through which no line goes."""
+    is_value = np.isfinite(np.pad(values, 1, constant_values=math.nan))
+    has_neighbour = is_value[:-2] | is_value[2:]
+    return np.flatnonzero(is_value[1:-1] & ~has_neighbour).tolist()
 
 
 def _named(ax: Axes) -> list[artist.Artist]:

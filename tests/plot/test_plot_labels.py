@@ -269,6 +269,23 @@ def test_labels_of_contours_keep_clear_of_each_other_of_lines_and_of_the_frame(w
         assert x + half < ax.bbox.x1
 
 
+def test_no_dot_of_a_contour_is_left_between_its_label_and_the_frame():
+    lengths = np.linspace(0.05, 1.5, 60)[:, None]
+    areas = np.geomspace(1e-5, 1e-3, 60)
+    family = ri.System([rod(lengths, 1.0), rod(area=areas)])
+
+    picture = plot.sweep(ri.sweep(family))
+
+    box = picture.ax.bbox
+    point = picture.ax.figure.dpi / POINTS_PER_INCH  # pixels
+    assert len(picture.labels) >= 4
+    for label in picture.labels:
+        x, y = picture.ax.transData.transform(label.get_position())
+        half = 0.57 * 8 * len(label.get_text()) / 2 * point
+        to_frame = min(x - box.x0, box.x1 - x, y - box.y0, box.y1 - y)
+        assert to_frame - half > 6 * point
+
+
 # Members in no order
 
 

@@ -127,6 +127,17 @@ def test_a_curve_goes_through_the_results(swept):
     assert picture.ax.get_xscale() == "linear"
 
 
+def test_a_curve_of_many_points_has_marks_where_no_line_goes():
+    """Marks elsewhere would lie beside the line by up to half a pixel."""
+    values = np.linspace(0.1, 1.0, 60)
+    values[[1, 3]] = np.nan
+
+    curve = plot.sweep(result_of(values), axes()).values
+
+    marked = curve.get_ydata()[curve.get_markevery()]
+    assert marked.tolist() == [values[0], values[2]]
+
+
 def test_the_closed_form_lies_under_it_and_is_smooth_between_few_points(swept):
     picture = plot.sweep(swept["few"], axes())
 
