@@ -270,8 +270,8 @@ def test_labels_of_contours_keep_clear_of_each_other_of_lines_and_of_the_frame(w
 
 
 def test_no_dot_of_a_contour_is_left_between_its_label_and_the_frame():
-    lengths = np.linspace(0.05, 1.5, 60)[:, None]
-    areas = np.geomspace(1e-5, 1e-3, 60)
+    lengths = np.linspace(0.05, 1.5, 200)[:, None]
+    areas = np.geomspace(1e-5, 1e-3, 200)
     family = ri.System([rod(lengths, 1.0), rod(area=areas)])
 
     picture = plot.sweep(ri.sweep(family))
