@@ -19,21 +19,22 @@ from rodimpact.methods.tick_rule import recognise
 FOLDER = Path(compiling.__file__).parent
 
 
-def test_garbage_is_looked_for_again_after_what_fails_to_compile():
-    watched = []
+def test_garbage_is_not_collected_while_compiling_and_again_after_a_failure():
+    was_enabled = []
     with pytest.raises(RuntimeError, match="not compiled"):
-        fail_while_compiling(watched)
-    assert watched == [False]
+        fail_while_uncollected(was_enabled)
+    assert was_enabled == [False]
     assert gc.isenabled()
 
 
-def fail_while_compiling(watched):
+def fail_while_uncollected(was_enabled):
+    """Append whether garbage is collected meanwhile, and raise RuntimeError."""
     with compiling.uncollected():
-        watched.append(gc.isenabled())
+        was_enabled.append(gc.isenabled())
         raise RuntimeError("not compiled")
 
 
-def test_who_looks_for_no_garbage_goes_on_without():
+def test_garbage_that_was_not_collected_before_compiling_is_not_afterwards():
     gc.disable()
     try:
         with compiling.uncollected():
@@ -52,7 +53,7 @@ def test_kernels_are_optimised_at_their_level_which_is_then_restored():
 
 
 def fail_while_optimising():
-    """The level inside of a compilation that fails."""
+    """Level of optimisation in a compilation that then fails."""
     levels = []
     with (
         contextlib.suppress(RuntimeError),
@@ -72,7 +73,7 @@ def test_a_lower_level_that_the_user_asks_for_is_kept(monkeypatch):
     assert config.OPT is lower
 
 
-def test_a_call_on_a_deep_stack_is_a_call():
+def test_a_call_on_a_deep_stack_takes_its_argument_and_raises_its_error():
     calls = []
     compiling.call_on_deep_stack(calls.append, 1)
     assert calls == [1]
@@ -80,7 +81,7 @@ def test_a_call_on_a_deep_stack_is_a_call():
         compiling.call_on_deep_stack(lambda x: 1 / x, 0)
 
 
-def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_not():
+def test_names_used_once_are_those_that_one_function_calls_and_not_several():
     once = compiling._names_used_once(fronts)
     assert {"find_mean_motion", "receive"} <= once
     assert once.isdisjoint({"no_front_in_flight", "accumulate_contact_totals"})
@@ -119,16 +120,26 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
     module, files, monkeypatch
 ):
     """Those from which it imports constants alone, too."""
-    read = Path.read_bytes
+    read_bytes = Path.read_bytes
+
+    def digest_with_longer(file):
+        """Digest as if this file, without its ending, had another character."""
+        path = FOLDER / f"{file}.py"
+
+        def read_longer(each):
+            content = read_bytes(each)
+            if each == path:
+                content += b"#"
+            return content
+
+        with monkeypatch.context() as patch:
+            patch.setattr(Path, "read_bytes", read_longer)
+            return compiling.digest_of(module)
+
     digests = {compiling.digest_of(module)}
     for file in files:
-        with monkeypatch.context() as patch:
-            path = FOLDER / f"{file}.py"
-            patch.setattr(
-                Path, "read_bytes", lambda p, path=path: read(p) + b"#" * (p == path)
-            )
-            digests.add(compiling.digest_of(module))
-    assert len(digests) == 1 + len(files)
+        digests.add(digest_with_longer(file))
+    assert len(digests) == 1 + len(files)  # all differ
 
 
 # Records
@@ -137,17 +148,17 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
 
 @pytest.mark.parametrize("record", [NODE, PIECE], ids=["plain", "with arrays"])
 def test_records_become_objects_and_objects_records(record):
-    filled = (
-        np.frombuffer(np.random.default_rng(1).bytes(3 * record.itemsize), np.uint8)
-        % 64
-    )
+    # Bytes below 64 make no float that is nan, which would not equal itself.
+    size = 3 * record.itemsize
+    filled = np.random.default_rng(1).integers(0, 64, size, np.uint8)
     records = filled.view(record)
     read_back = record_lists.as_records(record_lists.as_objects(records), record)
-    assert all((read_back[name] == records[name]).all() for name in record.names)
+    for name in record.names:
+        assert np.array_equal(read_back[name], records[name])
     assert len(record_lists.as_records([], record)) == 0
 
 
-def test_longer_records_begin_with_what_there_was():
+def test_lengthened_lists_of_records_or_objects_begin_with_what_there_was():
     pieces = np.ones(5, PIECE)
     pieces["start"] = np.arange(5)
     longer = record_lists.lengthened(pieces, PIECE)
@@ -158,7 +169,7 @@ def test_longer_records_begin_with_what_there_was():
     assert len(objects) > 5
 
 
-def test_blank_objects_are_records_of_zeros():
+def test_blank_objects_are_records_of_zeros_and_can_be_set_each_alone():
     nodes = record_lists.blank(3, NODE)
     assert record_lists.as_records(nodes, NODE).tobytes() == np.zeros(3, NODE).tobytes()
     nodes[1].gap = 0.1
@@ -178,26 +189,31 @@ def cache(tmp_path, monkeypatch):
     return tmp_path
 
 
-def answers(kernel):
-    """What a kernel says, made or read as if another process began; and how often it
-    was read.
+def new_kernel():
+    """A kernel that has been neither compiled nor read, as in a process that begins."""
+    return compiling.Compiled(recognise)
+
+
+def cache_hits(kernel):
+    """Call a kernel, and return how often its machine code has been read from disk: 0
+    if it was compiled, or 1.
     """
     assert kernel(0.5) == recognise(0.5) == (1, 2)
     return sum(kernel._fast.stats.cache_hits.values())
 
 
 def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch):
-    assert compiling.Compiled(recognise).files() == []
-    assert answers(compiling.Compiled(recognise)) == 0
-    (file,) = compiling.Compiled(recognise).files()
+    assert new_kernel().files() == []
+    assert cache_hits(new_kernel()) == 0
+    (file,) = new_kernel().files()
     assert file.is_relative_to(cache)
-    assert answers(compiling.Compiled(recognise)) == 1
+    assert cache_hits(new_kernel()) == 1
     monkeypatch.setattr(
         compiling, "digest_of", lambda module: "a constant of another file changed"
     )
-    assert answers(compiling.Compiled(recognise)) == 0
-    assert answers(compiling.Compiled(recognise)) == 1
-    assert answers(compiling.Compiled(recognise)) == 1
+    assert cache_hits(new_kernel()) == 0
+    assert cache_hits(new_kernel()) == 1
+    assert cache_hits(new_kernel()) == 1
 
 
 def test_without_a_place_for_machine_code_it_is_made_in_each_process(
@@ -211,43 +227,46 @@ def test_without_a_place_for_machine_code_it_is_made_in_each_process(
         return njit(*arguments, **more)
 
     monkeypatch.setattr("numba.njit", nowhere)
-    kernel = compiling.Compiled(recognise)
-    assert answers(kernel) == 0
-    assert kernel.place == ""
-    assert kernel.files() == []
+    for _ in range(2):
+        kernel = new_kernel()
+        assert cache_hits(kernel) == 0
+        assert kernel.place == ""
+        assert kernel.files() == []
 
 
 def test_a_full_disk_is_no_failure(cache, monkeypatch):
     def full(*arguments, **more):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "replace", full)
-    kernel = compiling.Compiled(recognise)
+    monkeypatch.setattr(os, "replace", full)  # by this a file of the cache is placed
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert answers(kernel) == 0
+        assert cache_hits(new_kernel()) == 0
     assert not list(cache.rglob("*.nbi"))
 
 
+# The index of a kernel (nbi) names the files of its machine code (nbc).
 @pytest.mark.parametrize(("kind", "share"), [("nbi", 0.5), ("nbc", 0.99)])
 def test_files_half_written_are_told_of_and_made_anew(cache, kind, share):
-    assert answers(compiling.Compiled(recognise)) == 0
+    assert cache_hits(new_kernel()) == 0
     (path,) = cache.rglob(f"*.{kind}")
-    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    content = path.read_bytes()
+    path.write_bytes(content[: int(share * len(content))])
     with pytest.warns(compiling.DamagedCache, match="is damaged; it is made anew"):
-        assert answers(compiling.Compiled(recognise)) == 0
+        assert cache_hits(new_kernel()) == 0
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert (
-            answers(compiling.Compiled(recognise)) == 0
-        )  # as if nothing had been kept
-        assert answers(compiling.Compiled(recognise)) == 1
+        assert cache_hits(new_kernel()) == 0  # as if nothing had been kept
+        assert cache_hits(new_kernel()) == 1
 
 
 def test_what_calls_functions_of_the_user_is_kept_nowhere(cache):
     from numba import njit
 
-    made = compiling.Compiled(recognise, ((1, njit(lambda d, rate: d)),))
-    assert answers(made) == 0
-    assert (made.place, made.files()) == ("", [])
+    force = njit(lambda overlap, rate: overlap)
+    number = 1  # by which a link names the function
+    kernel = compiling.Compiled(recognise, ((number, force),))
+    assert cache_hits(kernel) == 0
+    assert kernel.place == ""
+    assert kernel.files() == []
     assert not list(cache.rglob("*.nb?"))

@@ -11,13 +11,12 @@ from systems import horizon, random_end, random_system, with_ends
 
 import rodimpact as ri
 
-STEP = 1 / 16
-CAP = 20_000
+CAP = 20_000  # events
 SEEDS = st.integers(0, 10**6)
 
 
 def commensurate(seed):
-    """Bonded rods of whole numbers of steps, with any ends."""
+    """Bonded rods with transit times of whole quarters of a second, with any ends."""
     rng = np.random.default_rng(seed)
     rods = []
     for _ in range(rng.integers(1, 4)):
@@ -33,7 +32,7 @@ def commensurate(seed):
 
 
 # Against the other method
-# ------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module", params=few_of(range(30), range(8)))
@@ -47,13 +46,15 @@ def by_both_methods(request):
 
 def test_fields_are_those_of_the_other_method(by_both_methods):
     fronts, pieces = by_both_methods
-    t = STEP * (np.arange(8.0 / STEP) + 0.55)  # on no front
+    # Fronts pass the places below at multiples of 1/32 s, and drives jump at those of
+    # 1/16 s: no front passes at these times.
+    t = (np.arange(128) + 0.55) / 16
     for body, rod in enumerate(fronts.system.bodies):
         x = np.linspace(0, float(rod.length), 9)[:, None]
-        velocities = fronts.velocity(body, x, t) - pieces.velocity(body, x, t)
-        assert np.abs(velocities).max() < 1e-9
-        strains = fronts.strain(body, x, t) - pieces.strain(body, x, t)
-        assert np.abs(strains).max() < 1e-9
+        velocity_errors = fronts.velocity(body, x, t) - pieces.velocity(body, x, t)
+        assert np.abs(velocity_errors).max() < 1e-9
+        strain_errors = fronts.strain(body, x, t) - pieces.strain(body, x, t)
+        assert np.abs(strain_errors).max() < 1e-9
 
 
 OUTCOMES = [
@@ -75,17 +76,9 @@ def test_the_outcome_is_that_of_the_other_method(by_both_methods):
 
 
 FAST = ri.Material("fast", youngs_modulus=4.0, density=1.0)  # wave speed 2
-
-
-STRAINS = [-0.1, -0.3, 0.05, 0.0]
-
-
-JUMPS = [0.25, 1.0, 1.5]  # times at which the strains change
-
-
+STRAINS = [-0.1, -0.3, 0.05, 0.0]  # of the wave that comes in
+JUMPS = [0.25, 1.0, 1.5]  # times at which they change, s
 BAR = ri.Rod(1.5, area=1.0, material=FAST, velocity=0.2)
-
-
 STRUCK = ri.Rod(2.0, area=0.7, material=FAST)
 
 
@@ -93,8 +86,10 @@ def with_long_rod():
     """A rod with a wave in it, bonded to a bar that strikes another."""
     c = 2.0
     length = 6.0
+    # What enters the bar first lies nearest to the right end of the rod.
     places = [length - c * t for t in reversed(JUMPS)]
     strain = ri.Steps(STRAINS[::-1], places)
+    # A wave to the right has the velocity -c strain, beside that of the bar.
     velocity = ri.Steps([0.2 - c * value for value in strain.values], places)
     rod = ri.Rod(length, area=1.0, material=FAST, strain=strain, velocity=velocity)
     return ri.System([rod, BAR, STRUCK], [0.0, 0.1], [ri.Bonded(), ri.Rigid()])
@@ -114,7 +109,7 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
     """
     whole = with_long_rod()
     cut = with_incoming_wave()
-    bodies = [(1, 0), (2, 1)]  # of the whole, and of the cut one
+    bodies = [(1, 0), (2, 1)]  # indices of the bar and of the other: in whole, in cut
     if mirrored:
         whole = whole.mirrored()
         cut = cut.mirrored()
@@ -144,37 +139,42 @@ def test_an_incoming_wave_brings_its_energy(method, mirrored):
         system = system.mirrored()
     at_rest = [body.replace(velocity=0.0) for body in system.bodies]
     durations = np.diff([0.0, *JUMPS])
-    energy = 4.0 * 1.0 * 2.0 * np.sum(durations * np.square(STRAINS[:-1]))
+    E = 4.0
+    A = 1.0
+    c = 2.0
+    energy = E * A * c * np.sum(durations * np.square(STRAINS[:-1]))
 
     solution = ri.solve(system.replace(bodies=at_rest), 1.5, method)
 
     assert solution.energy(1.5).radiated == pytest.approx(-energy, rel=1e-13)
 
 
-# Closed forms
-# --------------------------------------------------------------------------------------
-
-
-# Balances
+# Forces
 # --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(6)))
-def test_the_peak_force_of_a_bond_is_the_largest_of_its_force(seed):
+def test_the_peak_force_of_any_contact_is_the_largest_of_its_forces(seed):
     system = with_ends(seed)
     solution = ri.solve(system, horizon(system, 4.0), "fronts", max_events=CAP)
-    shortest = solution.fields.clock.longest_rod >> 40  # shorter forces are round-off
+    shortest = (
+        solution.fields.clock.longest_rod >> 40
+    )  # ticks; shorter forces are errors
     for contact, total in zip(
         solution.contacts, solution.outcome.contacts, strict=True
     ):
         durations = np.diff(contact.push.ticks, append=solution.fields.end)
         forces = contact.push.values[durations > shortest]
-        largest = forces.max(initial=0.0)
+        largest = forces.max(initial=0.0)  # tension has no peak
         assert total.peak_force == pytest.approx(largest, rel=1e-9, abs=1e-9)
 
 
+# Finality
+# --------------------------------------------------------------------------------------
+
+
 def random_vibrating_rod(seed):
-    """A stepped rod with a jump of velocity and one of strain."""
+    """A rod of the segments of a random row, with jumps of velocity and of strain."""
     system = random_system(seed, bodies=3, walls=False)
     segments = [segment for body in system.bodies for segment in body.segments]
     length = sum(float(segment.length) for segment in segments)
@@ -186,18 +186,20 @@ def random_vibrating_rod(seed):
     return ri.Rod(segments=segments, velocity=velocity, strain=strain)
 
 
-# Finality
-# --------------------------------------------------------------------------------------
-
-
 @given(SEEDS, st.booleans(), st.booleans())
-def test_an_end_stays_within_its_bound(seed, right, endless):
-    """A vibrating rod far from anything; one that goes on for ever comes to rest."""
+def test_an_end_stays_as_near_to_its_mean_motion_as_the_proof_bounds(
+    seed, right, endless
+):
+    """The end of a vibrating rod at a gap of 10 m, on whose `right` side the rod lies.
+
+    One that goes on for ever comes to rest in its mean motion.
+    """
     rod = random_vibrating_rod(seed)
-    bar = rod.segments[0].material
-    leaving = ri.Rod(0.1, area=1e-4, material=bar, velocity=-9.0 if right else 9.0)
+    material = rod.segments[0].material
     end = ri.Absorbing() if endless else ri.Free()
+    leaving = ri.Rod(0.1, area=1e-4, material=material, velocity=9.0)
     if right:
+        leaving = leaving.replace(velocity=-9.0)
         system = ri.System([leaving, rod], [10.0], ends=(ri.Free(), end))
         x = 0.0
     else:
@@ -214,7 +216,8 @@ def test_an_end_stays_within_its_bound(seed, right, endless):
 
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 2000)
-    displacement = solution.displacement(int(right), x, t)
+    body = int(right)  # the rod is body 1 if it lies on the right of the gap, else 0
+    displacement = solution.displacement(body, x, t)
     change = displacement - displacement[0]
     deviation = change - velocity * t + motion.end_deviation * clock.tick
     round_off = 1e-12 * np.abs(displacement).max()
@@ -246,7 +249,11 @@ def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
 
 @pytest.mark.parametrize("trips", [1, 3, 40])
 def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
-    """Aluminium and steel are no whole ratio; the drive is timed by the aluminium."""
+    """The drive ends at the very tick of the wave, not a few ticks beside it.
+
+    Transit times in aluminium and steel are in no whole ratio. The drive is timed by
+    the aluminium.
+    """
     slow = ri.Rod(0.3, area=1e-4, material=ri.materials.aluminium)
     fast = ri.Rod(0.7, area=2e-4, material=ri.materials.steel)
     T = float(slow.transit_time)
@@ -261,7 +268,8 @@ def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
     assert end_of_push in lines[2].ticks.tolist()
     for wave in lines:
         if wave:
-            assert np.diff(wave.ticks).min(initial=2**63 - 1) > 2**20
+            intervals = np.diff(wave.ticks)  # between jumps of the wave
+            assert intervals.min(initial=2**63 - 1) > 2**20
 
 
 def test_times_beyond_the_longest_transit_change_no_transit():
@@ -276,7 +284,7 @@ def test_times_beyond_the_longest_transit_change_no_transit():
     assert run.clock.transit_error < 1e-15
     log = run.log[: run.run.initial_rows]
     drive = log[log["line"] == 0]
-    _, t1, t2 = drive["tick"].tolist()  # the last jump is never reached
     assert drive["value"].tolist()[0] == 0.0
+    _, t1, t2 = drive["tick"].tolist()  # the last jump, at 1000 s, is never reached
     assert t1 * run.clock.tick == pytest.approx(0.1 * np.pi, rel=1e-14)
-    assert 3 * t2 == 70 * first
+    assert 3 * t2 == 70 * first  # 7 s, and 0.3 s

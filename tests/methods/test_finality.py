@@ -34,7 +34,9 @@ class Part(NamedTuple):
 
 
 def parts_of(solution, bodies):
-    """The parts of a group of bodies at the end of a run."""
+    """The parts of a group of bodies at the end of a run, from left to right; walls have
+    none.
+    """
     fields = solution.fields
     parts = []
     for body in bodies:
@@ -43,6 +45,7 @@ def parts_of(solution, bodies):
             continue
         state = fields.profile(body, fields.end)
         middles = (state.edges[1:] + state.edges[:-1]) / 2
+        # Segments are numbered along the whole row.
         numbers, *_ = fields.locate(body, middles)
         first = fields.clock.spans[body][0]
         for i, number in enumerate(numbers):
@@ -61,16 +64,20 @@ def parts_of(solution, bodies):
 class Sway(NamedTuple):
     """Mean motion of a group, and the place of one of its ends beside it."""
 
-    mean_velocity: float
-    deviation: float  # of the end, away from the group
-    squared_bound: float  # square of the bound of this deviation
+    mean_velocity: float  # m/s
+    deviation: float  # of the end, away from the group, m
+    squared_bound: float  # square of the bound of this deviation, m^2
 
 
 def expected_sway(parts, wall_velocity):
     """Sway of a group at the end of the last part; `wall_velocity` is None without a
     wall.
+
+    The deviation is integral(g strain dx), at most sqrt(2 U integral(g^2 dx/(E A))), U
+    the energy of vibration. g is the share of the mass up to x, or 1 beside a wall: it
+    goes linearly from g0 to g1 in each part.
     """
-    length, density, stiffness, velocity, strain = np.array(parts).T
+    length, density, stiffness, velocity, strain = np.array(parts).T  # [part] each
     mass = length * density
     share = np.cumsum(mass) / mass.sum()  # of the mass, up to the end of each part
     if wall_velocity is None:
@@ -107,7 +114,7 @@ def sides_of(group, system):
 
 
 @given(st.integers(0, 10**6), st.floats(0.5, 6.0))
-def test_mean_motion_and_bounds(seed, transits):
+def test_mean_motions_and_bounds_of_groups_are_those_of_sums_over_parts(seed, transits):
     system = random_system(seed, bodies=4)
     until = horizon(system, transits)
     run = tracked(system, until, 20_000)
@@ -115,10 +122,11 @@ def test_mean_motion_and_bounds(seed, transits):
     for group in groups(system):
         walls = wall_velocities(system, group)
         parts = parts_of(solution, group)
-        if not parts or len(walls) > 1:
+        if not parts or len(walls) > 1:  # a wall alone, or nothing that can move
             continue
         wall_velocity = walls[0] if walls else None
         for contact, on_right in sides_of(group, system):
+            # Groups end at contacts that can open, and not at bonds.
             assert run.nodes[run.layout.contacts[contact]].status >= Status.OPEN
             motion = group_of(run, contact, on_right)
             if on_right:
@@ -132,6 +140,7 @@ def test_mean_motion_and_bounds(seed, transits):
 
 
 def assert_motion_is_that_of_sums(motion, sway, run, on_right):
+    """`motion` counts in ticks and in the frame of the clock, `sway` in m and m/s."""
     tick = run.clock.tick
     velocity = motion.mean_velocity + run.clock.frame
     assert velocity == pytest.approx(sway.mean_velocity, abs=1e-11)
@@ -144,8 +153,9 @@ def assert_motion_is_that_of_sums(motion, sway, run, on_right):
 
 
 def has_waves(parts, system, group):
-    """Whether waves run in a group that has a step or a wall: only one at rest is
-    bounded.
+    """Whether waves run in a group that has a step or a wall.
+
+    The velocity of its end is then bounded only if the waves in it have come to rest.
     """
     velocities = {part.velocity for part in parts}
     strains = {part.strain for part in parts}
@@ -163,11 +173,8 @@ def stretched(velocity, strain):
 
 
 def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
-    """Two stretched stepped rods drift apart: proved when their mean gap is out of
-    reach.
-
-    The mean gap is that of the mean motions. It grows by the drift, up to the reach of
-    both ends.
+    """Two stretched stepped rods drift apart: it is proved when their mean gap, which
+    grows by the drift, is as large as the reach of both ends.
     """
     gap = 0.001
     drift = 1e-3
@@ -189,13 +196,13 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
 
 
 @given(st.integers(0, 10**6))
-def test_every_free_row_settles(seed):
+def test_the_collision_of_every_free_row_is_proved_to_be_over(seed):
     system = random_system(seed, bodies=3, walls=False)
     solution = ri.solve(system, max_events=200_000)
     assert solution.stopped_by == "final", solution.status
 
 
-def test_a_clamped_rod_swings_back():
+def test_a_clamped_rod_that_is_struck_is_final_only_when_it_strikes_no_more():
     """Velocities in a rod with a fixed end change sign, so its waves bound nothing."""
     striker = ri.Rod(0.2, area=0.1, material=M, velocity=0.2)
     clamped = ri.Rod(1.0, area=1.0, material=M)
@@ -213,8 +220,8 @@ def test_a_clamped_rod_swings_back():
 
 def test_a_grazing_contact_that_presses_again_is_one_episode():
     """Two compressive pulses, one after the other, pass from rod to rod; between them
-    the ends
-    only touch."""
+    the ends only touch.
+    """
     jumps = [1.0, 1.5, 2.0, 2.5]
     velocity = ri.Steps([0, 1, 0, 1, 0], jumps)
     strain = ri.Steps([0, -1, 0, -1, 0], jumps)
@@ -248,12 +255,17 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
         pytest.param(200.0, -1.0, 1.0, (Status.OPEN, 100.0, -1.0), id="far"),
     ],
 )
-def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
+def test_a_gap_closes_now_if_it_would_within_the_window_and_parts_if_it_opens(
+    gap, rate, closing, after
+):
+    """`after` has the status, the gap and its rate; 100 ticks have passed."""
     (node,) = blank(1, NODE)
     node.status = Status.OPEN.value
     node.gap = gap
     node.gap_rate = rate
-    status = contacts.resolve_contact(node, closing, 100, 1e-9, 10)
+    status = contacts.resolve_contact(
+        node, closing=closing, dt=100, tolerance=1e-9, window=10
+    )
     assert (status, node.gap, node.gap_rate) == after
 
 
@@ -266,7 +278,7 @@ def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
         (Status.PRESS, 9),
     ],
 )
-def test_only_a_contact_that_has_pressed_opens(before, last_opening):
+def test_only_a_contact_that_has_pressed_counts_as_opening(before, last_opening):
     """What touched without force since it closed leaves the last opening as it is."""
     (run,) = blank(1, RUN)
     (node,) = blank(1, NODE)
@@ -274,7 +286,9 @@ def test_only_a_contact_that_has_pressed_opens(before, last_opening):
     node.status = before.value
     node.last_opening_tick = 7
 
-    contacts.log_contact_change(run, node, row, 1, 9, Status.OPEN.value, 1.0)
+    contacts.log_contact_change(
+        run, node, row, k=1, tick=9, status=Status.OPEN.value, mobility=1.0
+    )
 
     assert node.last_opening_tick == last_opening
     assert row.tick == 9
@@ -284,12 +298,14 @@ def test_only_a_contact_that_has_pressed_opens(before, last_opening):
 
 @pytest.mark.parametrize("delay", [0, 3, 900])
 def test_a_closing_joins_an_arrival_within_the_window(delay):
-    """The gap closes `delay` ticks before a front comes back from the far end."""
+    """The gap closes `delay` ticks before a front from the middle of the striker
+    arrives there.
+    """
     striker = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, 0.5], [0.5]))
     system = ri.System([striker, ri.Rod(1.0, area=1.0, material=M)], [1e-3])
     clock = tracked(system, 1.0).clock
     arrival = clock.ticks[1] // 2
-    gap = (arrival - delay) * 0.5 * clock.tick
+    gap = (arrival - delay) * 0.5 * clock.tick  # it closes at 0.5 m/s
     run = tracked(system.replace(gaps=[gap]), 1.0)
     assert run.clock.ticks == clock.ticks
     assert run.run.closing_window > 900
@@ -323,33 +339,29 @@ def test_a_vibrating_rod_alone_is_final_at_once():
     solution = ri.solve(ri.System([VIBRATING]))
     assert solution.stopped_by == "final"
     assert solution.t_final == 0.0
-    assert solution.t_end == 2.0
+    assert solution.t_end == 2.0  # a round trip is shown
 
 
-@pytest.mark.parametrize(("drift", "end"), [(1e-4, "final"), (1e-8, "clock")])
-def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, end):
+@pytest.mark.parametrize(("drift", "stop"), [(1e-4, "final"), (1e-8, "clock")])
+def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, stop):
     drifting = ri.Rod(1.0, area=1.0, material=M, velocity=drift)
     system = ri.System([VIBRATING, drifting], [0.7])
     solution = ri.solve(system, max_events=50_000)
-    assert solution.stopped_by == end
-    assert solution.outcome.contacts[0].episodes == 0
+    assert solution.stopped_by == stop
+    assert solution.outcome.contacts[0].episodes == 0  # the rods never touch
     assert 1000 < solution.events < 20_000
 
 
-"""The force of rigid rods ends at 0.8, and they touch to 2: a wave opens the gap."""
-
-
 # When the last contact ended
-# ----------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 PAIR = [
     ri.Rod(0.4, area=1.0, material=M, velocity=1.0),
     ri.Rod(1.0, area=1.0, material=M),
 ]
 SPRING = ri.Spring(0.5)
-
-
 RIGID_OPENING = 2.0
+"""The force of rigid rods ends at 0.8 s, and they touch to 2 s: a wave opens the gap."""
 
 
 @pytest.mark.parametrize("until", [None, 3.0, 12.0, 40.0])
@@ -374,8 +386,8 @@ def test_the_last_contact_ended_whatever_the_end_and_the_method(
     assert solution.t_final == pytest.approx(opening, rel=error)
     assert solution.t_final == solution.contacts[0].episodes[-1].opening
     assert "The collision is final: the last contact ended at " in solution.status
-    before_run, *_ = str(solution).split("run to")
-    assert "last contact ended at" in before_run
+    before_end_of_run, *_ = str(solution).split("run to")
+    assert "last contact ended at" in before_end_of_run
 
 
 def test_where_bodies_still_touch_no_end_of_contact_is_stated():

@@ -8,37 +8,65 @@ import pytest
 from rodimpact.methods.finality_kernel import separation_time, undecided
 
 TOL = 1e-12
+REACH = 5.0  # distance that vibration can bridge, m
+
+
+def wait_of_vibrating(opening, mean_gap):
+    """Separation time of two sides whose ends may approach at any velocity."""
+    return separation_time(opening, -math.inf, mean_gap, REACH**2, TOL)
 
 
 def test_ends_that_cannot_approach_are_apart_at_once():
-    assert separation_time(0.5, 0.0, 0.0, 324.0, TOL) == 0
-    assert separation_time(-0.5, -1.5, 99.0, 0.0, TOL) == math.inf
+    wait = separation_time(
+        opening=0.5,
+        least_opening=0.0,
+        mean_gap=0.0,
+        bound_squared=324.0,
+        tolerance=TOL,
+    )
+    assert wait == 0
+
+
+def test_a_mean_gap_that_closes_is_never_enough():
+    wait = separation_time(
+        opening=-0.5,
+        least_opening=-1.5,
+        mean_gap=99.0,
+        bound_squared=0.0,
+        tolerance=TOL,
+    )
+    assert wait == math.inf
+    assert wait_of_vibrating(opening=-0.1, mean_gap=REACH + 0.1) == math.inf
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.25, 1.0])
 def test_the_wait_is_until_the_mean_gap_is_beyond_the_reach_of_both(gap):
-    wait = separation_time(1.5, -math.inf, gap, 25.0, TOL)
-    assert gap + 1.5 * wait == pytest.approx(5.0)
-    assert separation_time(1.5, -math.inf, gap + 1.5 * wait + 1e-9, 25.0, TOL) == 0
+    wait = wait_of_vibrating(opening=1.5, mean_gap=gap)
+    gap_then = gap + 1.5 * wait
+    assert gap_then == pytest.approx(REACH)
+    assert wait_of_vibrating(opening=1.5, mean_gap=gap_then + 1e-9) == 0
 
 
-def test_a_gap_beyond_reach_is_enough_if_it_does_not_close():
-    assert separation_time(0.0, -math.inf, 5.1, 25.0, TOL) == 0
-    assert separation_time(0.0, -math.inf, 4.9, 25.0, TOL) == math.inf
-    assert separation_time(0.0, -math.inf, -5.1, 25.0, TOL) == math.inf
-    assert separation_time(-0.1, -math.inf, 5.1, 25.0, TOL) == math.inf
+def test_a_mean_gap_that_stays_is_enough_if_it_is_beyond_reach():
+    assert wait_of_vibrating(opening=0.0, mean_gap=REACH + 0.1) == 0
+    assert wait_of_vibrating(opening=0.0, mean_gap=REACH - 0.1) == math.inf
+    assert wait_of_vibrating(opening=0.0, mean_gap=-REACH - 0.1) == math.inf
 
 
-def test_on_fractions_it_is_decided_without_a_root():
-    apart = Fraction(10**20 + 1, 10**20)
+def test_fractions_are_decided_without_a_root():
+    """A float would not tell this gap from the reach, which is 1."""
+    just_beyond = Fraction(10**20 + 1, 10**20)
+    stays = Fraction(0)
     square = Fraction(1)
-    assert separation_time(Fraction(0), -math.inf, apart, square, 0) == 0
-    assert separation_time(Fraction(0), -math.inf, Fraction(1), square, 0) == math.inf
+    assert separation_time(stays, -math.inf, just_beyond, square, 0) == 0
+    assert separation_time(stays, -math.inf, Fraction(1), square, 0) == math.inf
 
 
 @pytest.mark.parametrize(
-    ("opening", "least", "open_still"),
+    ("opening", "least_opening", "is_undecided"),
     [(0.0, -1.0, True), (1.0, -1.0, True), (-1.0, -2.0, False), (1.0, 0.0, False)],
 )
-def test_velocities_alone_may_tell(opening, least, open_still):
-    assert undecided(opening, least, TOL) == open_still
+def test_velocities_decide_if_means_close_or_ends_cannot_approach(
+    opening, least_opening, is_undecided
+):
+    assert undecided(opening, least_opening, TOL) == is_undecided

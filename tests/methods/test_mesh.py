@@ -12,84 +12,81 @@ from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import mesh_size
 from rodimpact.methods.row_builder import build_row
 
-
-def mesh_of(row, counts, contacts=None, gaps=None, **options):
-    return Mesh(build_row(ri.System(row, gaps, contacts, **options)), counts)
+STEEL = ri.materials.steel
+VISCOUS = ri.Material("viscous", youngs_modulus=1.0, density=1.0, viscosity=1e9)
+CONTRACTING = ri.Material("m", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3)
+WIDE = {"polar_moment": 1e9, "lateral_inertia": "rayleigh-love"}
 
 
 @pytest.mark.parametrize(
-    ("options", "polar", "field"),
-    [({"viscosity": 1e9}, None, "material.viscosity"), ({}, 1e9, "lateral_inertia")],
+    ("segment", "field"),
+    [
+        (ri.Segment(1.0, 1.0, VISCOUS), "material.viscosity"),
+        (ri.Segment(1.0, 1.0, CONTRACTING, **WIDE), "lateral_inertia"),
+    ],
+    ids=["viscosity", "lateral inertia"],
 )
-def test_cells_that_hardly_move_are_refused(options, polar, field):
-    stuff = ri.Material(
-        "m", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3, **options
+def test_cells_that_hardly_move_are_refused_unless_they_are_few(segment, field):
+    def mesh_of(bodies, counts):
+        return Mesh(build_row(ri.System(bodies)), counts)
+
+    rod = ri.Rod(segments=[ri.Segment(1.0, 1.0, UNIT), segment])
+    paths = refused(
+        "round-off hides the motion", mesh_of, [unit_rod(), rod], [3, 3, 30]
     )
-    pieces = [
-        ri.Segment(1.0, 1.0, UNIT),
-        ri.Segment(
-            1.0,
-            1.0,
-            stuff,
-            polar_moment=polar,
-            lateral_inertia=polar and "rayleigh-love",
-        ),
-    ]
-    row = [unit_rod(), ri.Rod(segments=pieces)]
-    assert refused("round-off hides the motion", mesh_of, row, [3, 3, 30]) == [
-        f"bodies.1.segments.1.{field}"
-    ]
-    mesh_of([ri.Rod(segments=pieces)], [3, 1])
+    assert paths == [f"bodies.1.segments.1.{field}"]
+    mesh_of([rod], [3, 1])
 
 
 def test_the_mesh_that_wastes_least():
     """Courant numbers are as near to 1 as the first hundred numbers of cells allow."""
-    row = [unit_rod(1.0), unit_rod(0.75), unit_rod(math.sqrt(0.5))]
-    counts, step = mesh_size(build_row(ri.System(row)), None, None, None)
-    courant = step * np.array(counts) / [1.0, 0.75, math.sqrt(0.5)]
+    lengths = [1.0, 0.75, math.sqrt(0.5)]  # and transit times
+    row = build_row(ri.System([unit_rod(length) for length in lengths]))
+    counts, step = mesh_size(row, cells=None, dt=None, until=None)
+    courant = step * np.array(counts) / lengths  # [segment]
     assert 100 <= counts[0] < 200
     assert courant.max() == pytest.approx(0.999, rel=1e-12)
     assert courant.min() >= 0.997
-    counts, _ = mesh_size(
-        build_row(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None
-    )
+
+
+def test_the_shortest_rod_has_8_cells_at_least():
+    row = build_row(ri.System([unit_rod(), unit_rod(0.02)]))
+    counts, _ = mesh_size(row, cells=None, dt=None, until=None)
     assert min(counts) >= 8
 
 
 def test_the_scale_of_velocities_is_that_of_the_mirror_image():
-    """Each end's force counts once, over the least impedance."""
-    ends = ri.Pushed(3.0), ri.Pushed(ri.Steps([1.0, -2.0], [1.0]))
-    row = ri.System([unit_rod(area=0.5, velocity=0.25), unit_rod()], ends=ends)
-    assert (
-        build_row(row).scale
-        == build_row(row.mirrored()).scale
-        == pytest.approx(0.25 + 3.0 / 0.5)
-    )
+    """The largest force at either end counts once, over the least impedance."""
+    ends = (ri.Pushed(3.0), ri.Pushed(ri.Steps([1.0, -2.0], [1.0])))
+    system = ri.System([unit_rod(area=0.5, velocity=0.25), unit_rod()], ends=ends)
+    scale = build_row(system).scale
+    assert scale == pytest.approx(0.25 + 3.0 / 0.5)
+    assert build_row(system.mirrored()).scale == scale
 
 
 @pytest.mark.parametrize("theory", ["rayleigh-love", "mindlin-herrmann"])
 @pytest.mark.parametrize("diameter", [1e-38, 1e-36, 1e37, 1e38])
 def test_sections_beyond_floats_are_refused(theory, diameter):
     """Squares of their radial inertia or stiffness would overflow or vanish."""
-    stuff = ri.materials.steel
-    rod = ri.Rod(0.5, diameter=diameter, material=stuff, lateral_inertia=theory)
-    row = ri.System([rod.replace(velocity=1.0), ri.Wall()])
-    run = {"method": "finite-difference", "cells": 20, "until": 1e-5}
-    assert refused("overflow or vanish", ri.solve, row, **run) == ["bodies.0.area"]
+    rod = ri.Rod(
+        0.5, diameter=diameter, material=STEEL, velocity=1.0, lateral_inertia=theory
+    )
+    row = ri.System([rod, ri.Wall()])
+    options = {"method": "finite-difference", "cells": 20, "until": 1e-5}
+    paths = refused("overflow or vanish", ri.solve, row, **options)
+    assert paths == ["bodies.0.area"]
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.02])
-def test_a_taper_with_one_huge_section(damping):
-    """It reflects as a wall does, whatever its size."""
-    steel = ri.materials.steel
-    if damping:
-        steel = steel.damped(loss_factor=damping, frequency=1e3)
-    areas = [4e-4, 3.5e-4, 3e-4, 2.6e-4, 2.2e-4, 1.9e-4, 1.0, 1.26e-4, 1e-4]
-    striker = ri.Rod(0.4, area=4e-4, material=steel, velocity=1.0)
-    velocities = []
+@pytest.mark.parametrize(
+    "material", [STEEL, STEEL.damped(loss_factor=0.02, frequency=1e3)]
+)
+def test_a_huge_section_in_a_taper_reflects_as_a_wall_whatever_its_size(material):
+    areas = [4e-4, 3.5e-4, 3e-4, 2.6e-4, 2.2e-4, 1.9e-4, 1.0, 1.26e-4, 1e-4]  # m^2
+    striker = ri.Rod(0.4, area=4e-4, material=material, velocity=1.0)
+    velocities = []  # of the striker, by size
     for huge in (1e4, 8.4e11, 1e100):
         areas[6] = huge
-        horn = ri.Rod(0.5, area=ri.Samples(areas), material=steel)
+        horn = ri.Rod(0.5, area=ri.Samples(areas), material=material)
         row = ri.System([striker, horn])
         run = ri.solve(row, method="finite-difference", cells=100, until=4e-4)
         velocities.append(run.mean_velocity(0, 4e-4))
