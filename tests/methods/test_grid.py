@@ -27,14 +27,14 @@ def material(E=1.0, rho=1.0, **options):
 
 
 def bar(Z, c, T, velocity=0.0, **options):
-    """A rod of unit area by impedance, wave speed and transit time."""
+    """A rod of unit area with this impedance, wave speed and transit time."""
     return ri.Rod(
         T * c, area=1.0, material=material(Z * c, Z / c), velocity=velocity, **options
     )
 
 
 def segment(Z, c, T):
-    """A segment of unit area by impedance, wave speed and transit time."""
+    """A segment of unit area with this impedance, wave speed and transit time."""
     return ri.Segment(T * c, 1.0, material(Z * c, Z / c))
 
 
@@ -57,18 +57,20 @@ def time_step(solution):
 
 
 def kept_times(solution):
-    """Times of the states that are kept, s."""
+    """Times of the states that are kept, but for the last one, s."""
     return solution.fields.motion.when[:-1] * time_step(solution)
 
 
-def order(errors, factor=2):
-    """Mean order of convergence."""
+def order(errors):
+    """Mean order of convergence of the errors of meshes, each twice as fine as the one
+    before.
+    """
     refinements = len(errors) - 1
-    return math.log(errors[0] / errors[-1]) / math.log(factor) / refinements
+    return math.log2(errors[0] / errors[-1]) / refinements
 
 
 # Against exact fronts
-# -----------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 FIRST = bar(1, 1, 0.7, 1.0)
 SECOND = bar(0.5, 1.3, 1.1 / 1.3)
@@ -110,16 +112,17 @@ def assert_shut_gaps_are_zero(solution, k):
 
     It may have shut in the middle of the first.
     """
-    force = solution.contacts[k].push.values
-    gap = gaps_of(solution, k)
+    force = solution.contacts[k].push.values  # N [step]
+    gap = gaps_of(solution, k)  # m, before and after each step [step + 1]
     assert gap.min() >= 0
-    shut = (force[:-1] > 0) & (force[1:] > 0)
-    assert np.all(gap[2:][shut] == 0)
+    presses_twice = (force[:-1] > 0) & (force[1:] > 0)
+    assert np.all(gap[2:][presses_twice] == 0)
 
 
 @pytest.mark.parametrize("cells", [70, 110])
 @pytest.mark.parametrize("system", ROWS.values(), ids=ROWS)
-def test_contacts_of_rods_do_not_chatter(system, cells):
+def test_contacts_of_rods_have_the_exact_number_of_episodes(system, cells):
+    """They do not chatter; and where rigid ones press, their gaps are exactly 0."""
     exact = ri.solve(system, method="fronts")
     solution = ri.solve(system, exact.t_end, METHOD, cells=cells, snapshots=5)
     assert episodes_of(solution) == episodes_of(exact)
@@ -133,7 +136,7 @@ def impulses_of(outcome):
 
 
 @pytest.mark.parametrize("system", ROWS.values(), ids=ROWS)
-def test_rows_of_rods_meet_the_exact_method(system):
+def test_velocities_and_impulses_of_rows_of_rods_are_near_the_exact_ones(system):
     exact = ri.solve(system, method="fronts")
     solution = ri.solve(system, exact.t_end, METHOD, cells=110, snapshots=5)
     velocities = np.array(solution.outcome.velocities_after)
@@ -151,19 +154,20 @@ def viscous_pair(first_length, second_length, viscosity):
 
 
 def test_viscous_ends_that_touch_at_the_start_are_no_part_of_a_step_late():
-    """The first rod has given half of its momentum once its wave has come to its far
-    end.
+    """The first rod, of 0.4 m, has given half of its momentum once its wave has come to
+    its far end.
     """
     solution = solve_row(viscous_pair(0.4, 1.0, 1e-3), 2.0, 100)
 
-    edges = solution.run.signals.edges * solution.run.clock.tick
-    force = solution.contacts[0].push.values
+    edges = solution.run.signals.edges * solution.run.clock.tick  # of steps, s
+    step = edges[1]
+    force = solution.contacts[0].push.values  # N [step]
     impulse = np.concatenate(([0.0], np.cumsum(force * np.diff(edges))))
     time_of_half = np.interp(impulse[-1] / 2, impulse, edges)
-    assert time_of_half == pytest.approx(0.4, abs=0.1 * edges[1])
+    assert time_of_half == pytest.approx(0.4, abs=0.1 * step)
 
 
-def test_fields_at_jumps_are_of_order_one_half():
+def test_mean_errors_of_fields_with_jumps_are_of_order_one_half():
     system = ROWS["unequal impedances"]
     exact = ri.solve(system, method="fronts")
     times = np.array([0.4, 1.3, 2.0])
@@ -174,12 +178,10 @@ def test_fields_at_jumps_are_of_order_one_half():
         error = 0.0
         for i, rod in enumerate(system.bodies):
             x = (np.arange(500)[:, None] + 0.5) / 500 * rod.length
-            velocity_error = solution.velocity(i, x, times) - exact.velocity(
-                i, x, times
-            )
-            strain_error = solution.strain(i, x, times) - exact.strain(i, x, times)
-            error += np.abs(velocity_error).mean()
-            error += np.abs(strain_error).mean()
+            for name in ("velocity", "strain"):
+                values = getattr(solution, name)(i, x, times)
+                exact_values = getattr(exact, name)(i, x, times)
+                error += np.abs(values - exact_values).mean()
         errors.append(error)
 
     assert order(errors) >= 0.4
@@ -188,7 +190,9 @@ def test_fields_at_jumps_are_of_order_one_half():
 
 @pytest.mark.parametrize(("left", "right"), [(0.7, 1.1), (0.5, 1.0), (0.9, 0.4)])
 def test_an_opening_is_where_the_gap_begins(left, right):
-    """Damped rods part slowly: the gap is 0 there, and open from then on."""
+    """Damped rods, `left` and `right` m long, part slowly: the gap is 0 there, and open
+    from then on.
+    """
     solution = solve_row(viscous_pair(left, right, 0.01), None, 200)
 
     contact = solution.contacts[0]
@@ -201,7 +205,7 @@ def test_an_opening_is_where_the_gap_begins(left, right):
 
 
 # Against characteristics
-# --------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 RAMP = ri.Samples([0.0, 0.5, -0.3, 0.2, 0.0], step=0.5)
 WAVE = ri.Samples((0.3 * np.cos(np.linspace(0, 3, 65))).tolist())
@@ -294,7 +298,7 @@ def largest_difference(solution, exact, times):
 
 
 @pytest.mark.parametrize("name", COMPLIANT)
-def test_rows_meet_characteristics(name):
+def test_rows_converge_to_characteristics_and_keep_the_balances(name):
     """Second order where all is smooth, between one and two where forces have kinks."""
     system = COMPLIANT[name]
     largest_error, least_order = BOUNDS.get(name, SMOOTH_BOUNDS)
@@ -317,7 +321,7 @@ def test_rows_meet_characteristics(name):
 
 
 @pytest.mark.parametrize("wave", [1, 3])
-def test_a_mode_with_lateral_inertia_swings_slower(wave):
+def test_a_mode_with_lateral_inertia_swings_at_its_slower_frequency(wave):
     """w^2 = E k^2/(rho (1 + nu^2 k^2 I_p/A)), with sigma = 0 at free ends: v = cos(k
     x).
     """
@@ -355,13 +359,15 @@ UNEQUAL = [unit_rod(velocity=1.0), unit_rod(0.37)]
 def test_cells_are_those_of_the_longest_rod():
     solution = solve_row(UNEQUAL, 2.0, 50)
     assert solution.fields.motion.counts == [50, 18]
-    assert time_step(solution) == pytest.approx(2.0 / 101)  # at most COURANT / 50
+    # The run of 2 s has whole steps, of at most COURANT/50.
+    assert time_step(solution) == pytest.approx(2.0 / 101)
     assert "68 cells." in solution.status
 
 
 def test_a_time_step_gives_the_cells():
     solution = solve_row(UNEQUAL, 2.0, dt=0.03)
     assert solution.fields.motion.counts == [33, 12]
+    # The run of 2 s has whole steps, of at most 0.03 s.
     assert time_step(solution) == pytest.approx(2.0 / 67, rel=1e-14)
     assert "Time step 29.8507 ms" in solution.status
     assert solution.t_end == 2.0
@@ -410,10 +416,10 @@ def test_a_mesh_that_cannot_be_used_is_refused(options, path, message):
     assert refused(message, solve_row, UNEQUAL, 2.0, **options) == [path]
 
 
-def test_an_overlong_run_is_refused():
+def test_an_overlong_run_is_refused_before_a_warning_of_how_long_it_takes():
     message = r"a run of \S+ steps .* needs .* GB .*, more than .* GB; stop earlier, keep fewer"
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # before any word on how long it takes
+        warnings.simplefilter("error")
         assert refused(message, solve_row, UNEQUAL, 1e8, 100) == ["until"]
 
 
@@ -428,7 +434,7 @@ def test_a_segment_that_is_too_short_is_refused():
     assert refused(message, solve_row, [rod], 1.0) == ["bodies.0.segments.1"]
 
 
-SIZES = [{"cells": 20}, {"dt": 0.04995}]
+SIZES = [{"cells": 20}, {"dt": 0.04995}]  # the same: 0.04995 = COURANT/20
 STRIKER_AND_MASS = [unit_rod(velocity=1.0), ri.RigidMass(1.0)]
 
 
@@ -447,7 +453,9 @@ def test_a_run_ends_where_it_was_asked_to_end(until, size):
     assert end // STEP_TICKS == math.ceil(until / 0.04995)
     assert end * solution.fields.clock.tick == pytest.approx(until, rel=1e-14)
     assert "none was taken" not in solution.status
-    velocity = 1.0 if until < 0.5 else 0.36
+    velocity = 1.0  # in the middle of the rod, m/s
+    if until > 0.5:  # the wave from the mass has passed
+        velocity = 0.36
     middle = float(solution.velocity(0, 0.5, until))
     assert middle == pytest.approx(velocity, abs=0.1)
     assert_balanced(solution, until)
@@ -455,7 +463,7 @@ def test_a_run_ends_where_it_was_asked_to_end(until, size):
 
 @pytest.mark.parametrize("until", [0.0, 1e-300, 1e-12, 0.013])
 @pytest.mark.parametrize("size", SIZES)
-def test_no_step_is_taken_before_half_a_step(until, size):
+def test_a_run_of_less_than_half_a_step_takes_none_and_says_so(until, size):
     solution = solve_row(STRIKER_AND_MASS, until, **size)
 
     assert solution.t_end == until
@@ -510,7 +518,7 @@ def test_every_known_error_is_stated_and_rough_ones_are_not_waited_for(
     assert _accuracy_sentence(run) == stated + warning
 
 
-def test_meshes_are_refined_until_the_outcome_changes_by_less_than_rtol(monkeypatch):
+def test_a_refined_mesh_meets_the_exact_restitution_to_rtol(monkeypatch):
     pair = [unit_rod(0.7, velocity=1.0), unit_rod(1.1, 0.5)]
     restitution = ri.collide(*pair).restitution
     monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 20)
@@ -540,11 +548,12 @@ STATED_ERRORS = {
     "peak_force": "peak force",
     "duration": "duration",
 }
+"""Names of stated errors by the fields of the outcome of a contact."""
 
 
 def relative_error(values, exact_values, scale):
-    pairs = zip(values, exact_values, strict=True)
-    return max(abs(value - exact) for value, exact in pairs) / scale
+    """Largest difference, over a scale."""
+    return np.abs(np.array(values) - np.array(exact_values)).max() / scale
 
 
 @pytest.mark.parametrize(
@@ -579,14 +588,15 @@ def test_stated_errors_bound_those_of_the_outcome(rods, until):
         assert error <= solution.accuracy[name], name
 
 
-def test_bodies_at_rest_need_no_refinement(monkeypatch):
-    """A rod squeezed by both sides keeps its place; its round-off is no change."""
+def test_velocities_that_are_round_off_need_no_refinement(monkeypatch):
+    """Of a rod squeezed by both sides, and of one that vibrates about its place."""
     monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 10)
 
     squeezed = solve_row([ri.Wall(0.5), unit_rod(), ri.Wall(-0.5)], 0.4, rtol=1e-2)
     vibrating = solve_row([unit_rod(velocity=ri.Steps([1.0, -1.0], [0.5]))])
 
     assert "Not converged" not in squeezed.status
+    # Errors are estimated from the fourth level on, whose step is a fourth.
     assert sum(vibrating.fields.motion.counts) == 4 * 10
 
 
@@ -601,20 +611,21 @@ def with_all_states():
     return solve_with_snapshots(None)
 
 
-def test_snapshots_by_number(with_all_states):
+def test_a_number_of_snapshots_is_kept_and_changes_no_outcome(with_all_states):
     solution = solve_with_snapshots(10)
-    assert 4 <= len(solution.fields.motion.when) <= 12
+    assert 4 <= len(solution.fields.motion.when) <= 10 + 2  # with start and end
     assert solution.outcome.impulse == with_all_states.outcome.impulse
     velocities = with_all_states.outcome.velocities_after
     assert solution.outcome.velocities_after == pytest.approx(velocities, abs=1e-14)
 
 
-def test_snapshots_by_time(with_all_states):
+def test_fields_at_times_of_snapshots_are_those_with_all_states(with_all_states):
     times = np.array([0.31, 1.234567, 2.9])
     x = np.linspace(0, 1, 23)[:, None]
 
     solution = solve_with_snapshots(times)
 
+    # Two states about each time, and those at the start and at the end
     assert len(solution.fields.motion.when) <= 2 * 3 + 2
     velocity = solution.velocity(0, x, times)
     assert np.array_equal(velocity, with_all_states.velocity(0, x, times))
@@ -630,7 +641,7 @@ def test_snapshots_beyond_the_end_are_taken_at_the_end():
 
 
 @pytest.mark.parametrize("steps_later", [0.0, 0.5], ids=["kept", "between"])
-def test_fields_at_chosen_times_are_of_order_two(steps_later):
+def test_errors_of_fields_at_chosen_times_are_of_order_two(steps_later):
     """v = cos(pi x) cos(pi t), at the states and between two of them."""
     x = np.linspace(0.06, 0.94, 21)[:, None]
     rod = unit_rod(velocity=lambda x: np.cos(math.pi * x))
@@ -671,11 +682,10 @@ def rows_with_proofs(seeds):
             yield seed, solution
 
 
-def test_what_is_proved_final_never_meets_again():
-    """Runs to 20 times the proof have the same contacts."""
-    proved = 0
+def test_what_is_proved_final_has_no_further_contact_for_20_times_as_long():
+    n_proved = 0
     for seed, solution in rows_with_proofs(range(36)):
-        proved += 1
+        n_proved += 1
         end = 20 * solution.t_end
         longer = ri.solve(solution.system, end, METHOD, dt=1 / 32, snapshots=2)
         assert longer.final
@@ -685,14 +695,14 @@ def test_what_is_proved_final_never_meets_again():
             assert long_total.episodes == short_total.episodes, seed
             if not math.isnan(short_total.last):
                 assert long_total.last <= solution.t_proved + 1e-9, seed
-    assert proved >= 6
+    assert n_proved >= 6
 
 
 # Odd input
 # --------------------------------------------------------------------------------------
 
 
-def test_one_cell():
+def test_rods_of_one_cell_collide_and_have_fields():
     solution = solve_row([unit_rod(velocity=1.0), unit_rod()], None, 1)
     assert solution.fields.motion.counts == [1, 1]
     assert solution.final
@@ -730,13 +740,13 @@ def test_extreme_viscosity_and_lateral_inertia_keep_the_balances(viscosity, theo
 
 
 # The start of a contact
-# ---------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("velocity", [-0.05, 0.05])
-def test_touching_ends_that_part_or_meet_as_a_wave_arrives(velocity):
-    """Compressed rods whose ends move apart at t = 0, and are pressed together by their
-    strain.
+def test_compressed_ends_that_touch_while_they_part_or_meet_gain_no_energy(velocity):
+    """The strain presses the ends together, whose bodies move apart or towards each
+    other; the impulse is near that of fronts.
     """
     bodies = [unit_rod(velocity=velocity, strain=-0.2), unit_rod(0.8, strain=-0.2)]
     exact = ri.solve(ri.System(bodies), 1.5, "fronts").outcome
@@ -750,14 +760,15 @@ def test_touching_ends_that_part_or_meet_as_a_wave_arrives(velocity):
 
 
 @pytest.mark.parametrize("strain", [0.0, 0.3])
-def test_ends_that_approach_at_the_start_and_part_at_once_have_no_negative_gap(strain):
+def test_ends_that_approach_at_the_start_have_no_negative_gap(strain):
+    """Those of stretched rods, which contract, part at once and without a force."""
     bodies = [unit_rod(velocity=0.1, strain=strain), unit_rod(strain=strain)]
     solution = solve_row(bodies, 1.0, 50)
     gap = gaps_of(solution, 0)
     assert gap.min() == 0.0
     if strain > 0:
         assert solution.outcome.contacts[0].episodes == 0
-        assert np.all(gap[1:40] > 0)
+        assert np.all(gap[1:40] > 0)  # after each of the first steps
 
 
 def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
@@ -783,15 +794,15 @@ def peak_force_of(solution):
 
 
 @pytest.mark.parametrize("cells", [100, 200])
-def test_a_peak_that_overshoots_is_named(cells):
+def test_a_peak_that_overshoots_by_a_percent_is_named(cells):
     """The status says by how much the largest force is beyond that of the fronts, or
-    more.
+    more: three quarters of it at least.
     """
     sentence = "The peak force is that of this mesh: waves overshoot beside jumps"
     first_segment = segment(1, 1, 0.15 * math.sqrt(2))
     stepped = ri.Rod(segments=[first_segment, segment(2.5, 1, 0.3)], velocity=1.0)
 
-    overshoots = []
+    overshoots = []  # over the exact force, relative
     for area in (0.5, 1.0, 2.0):
         system = ri.System([stepped, unit_rod(0.7, area), ri.Wall()])
         exact = ri.solve(system, 3.0, "fronts")
@@ -802,16 +813,16 @@ def test_a_peak_that_overshoots_is_named(cells):
         if overshoot > 0.02:
             _, after = solution.status.split("lower by ")
             percent = float(after.split()[0])
-            assert 75 * overshoot <= percent
+            assert 0.75 * overshoot <= percent / 100
     assert max(overshoots) > 0.02
 
 
 @pytest.mark.parametrize(
     ("closing", "episodes"), [(2.0**-39, 0), (2.0**-39 + 2.0**-52, 1)]
 )
-def test_grazing_is_up_to_the_tolerance(closing, episodes):
-    """Half of what touching ends close by is the velocity that the contact takes
-    away.
+def test_ends_that_close_by_no_more_than_the_tolerance_only_graze(closing, episodes):
+    """A contact takes away half of the closing velocity of touching ends. The tolerance
+    is 2^-40 of the velocity scale, 1 m/s.
     """
     bodies = [unit_rod(velocity=closing), unit_rod(), unit_rod(velocity=1.0)]
     solution = solve_row(bodies, 0.25, dt=1 / 32, gaps=[0.0, 1.0])
@@ -824,10 +835,12 @@ def test_a_rod_that_hangs_stays_as_it_is_from_the_first_step_on(end):
     others.
     """
     cells = 20
-    edges = np.arange(cells + 1) / cells
+    edges = np.arange(cells + 1) / cells  # m, also of the cells
     material = ri.Material("soft", youngs_modulus=1.0, density=1.0)
     strain = 0.1 * (1 - (edges[1:] + edges[:-1]) / 2)  # of a rod under its weight
-    velocity = 0.5 * isinstance(end, ri.Moved)
+    velocity = 0.0
+    if isinstance(end, ri.Moved):
+        velocity = 0.5
     rod = ri.Rod(
         1.0,
         area=1.0,

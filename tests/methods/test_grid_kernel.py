@@ -23,9 +23,9 @@ SEEDS = st.integers(0, 10**6)
 
 
 def bits(run):
-    """Every number of the state and of the history, by its name."""
+    """Bytes of each array of the state and of the history, by its name."""
     arrays = run.grid._asdict() | run.history._asdict()
-    del arrays["run"]
+    del arrays["run"]  # it says where the run was stopped and continued
     return {name: array.tobytes() for name, array in arrays.items()}
 
 
@@ -38,11 +38,11 @@ def run_and_prove(system, compiling):
 
 
 # One source, the same bits
-# ------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
-def test_compiled_and_plain_runs_are_bit_identical():
+def test_compiled_and_plain_runs_and_proofs_are_bit_identical():
     for seed in range(25):
         system = random_row(seed, driven=seed % 2 == 1)
         plain_bits, plain_time = run_and_prove(system, compiling=False)
@@ -59,9 +59,10 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
         whole.advance(100)
 
         in_pieces = grid_run(system, 100)
-        pauses = np.random.default_rng(seed).choice(np.arange(1, 100), 5).cumsum()
+        steps = np.random.default_rng(seed).choice(np.arange(1, 100), 5)
+        pauses = steps.cumsum()
         for pause in pauses[pauses < 100]:
-            in_pieces.advance(int(pause))
+            in_pieces.advance(int(pause))  # up to this step
         in_pieces.advance(100)
 
         assert bits(whole) == bits(in_pieces), seed
@@ -72,8 +73,8 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
 
 
 def tridiagonal(diagonal, coupling, is_held):
-    """The matrix of nodes a to b: identity in prescribed rows, -beside[i] between i - 1
-    and i.
+    """The matrix of all nodes: -coupling[i] between i - 1 and i; rows of held nodes are
+    those of the identity.
     """
     n = len(diagonal)
     matrix = np.diag(diagonal)
@@ -84,14 +85,10 @@ def tridiagonal(diagonal, coupling, is_held):
     return matrix
 
 
-# The elimination
-# --------------------------------------------------------------------------------------
-
-
 @given(SEEDS, st.integers(2, 12), st.booleans(), st.booleans())
-def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
+def test_elimination_solves_as_dense_matrices_do(seed, nodes, held_left, held_right):
     rng = np.random.default_rng(seed)
-    before, after = rng.integers(0, 3, 2)
+    before, after = rng.integers(0, 3, 2)  # nodes on either side of the piece
     n = before + nodes + after
     first = before
     last = before + nodes - 1
@@ -135,24 +132,26 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
     records = np.zeros(12, LINK)
     for name, value in CHAIN.items():
         records[name] = value
-    records["coupling_mobility"][0] = 0.0
+    records["coupling_mobility"][0] = 0.0  # there is no link before the first
     links = record_lists.as_objects(records)
-    sweeps = []
     sweep = contacts.gauss_seidel_sweep
+    n_sweeps = 0
 
     def count_and_sweep(*arguments):
-        sweeps.append(1)
+        nonlocal n_sweeps
+        n_sweeps += 1
         return sweep(*arguments)
 
     monkeypatch.setattr(contacts, "gauss_seidel_sweep", count_and_sweep)
 
     assert contacts.solve_chain(links, 0, 11, 1.0)
 
+    # The closing without forces, 0.1, less what the forces take, leaves F = k w/2.
     mobility = np.eye(12) - 0.49 * (np.eye(12, k=1) + np.eye(12, k=-1))
-    compliance = 2e-4 * np.eye(12)  # F = k w/2
+    compliance = 2 / 1e4 * np.eye(12)
     force = np.linalg.solve(mobility + compliance, np.full(12, 0.1))
     assert [link.force for link in links] == pytest.approx(force, rel=1e-12)
-    assert len(sweeps) <= 6
+    assert n_sweeps <= 6
 
 
 def test_no_newton_step_follows_the_last_sweep_of_a_chain(monkeypatch):
@@ -160,8 +159,8 @@ def test_no_newton_step_follows_the_last_sweep_of_a_chain(monkeypatch):
     for name, value in CHAIN.items():
         records[name] = value
     links = record_lists.as_objects(records)
-    forces_of_sweeps = []
     sweep = contacts.gauss_seidel_sweep
+    forces_of_sweeps = []  # of all links, after each sweep
 
     def sweep_and_keep(*arguments):
         changes = sweep(*arguments)
@@ -173,22 +172,36 @@ def test_no_newton_step_follows_the_last_sweep_of_a_chain(monkeypatch):
 
     assert not contacts.solve_chain(links, 0, 11, 1.0)
 
-    assert [[link.force for link in links]] == forces_of_sweeps
+    (forces_of_last_sweep,) = forces_of_sweeps
+    assert [link.force for link in links] == forces_of_last_sweep
 
 
 # A step against dense matrices
-# --------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 def dense_run(mesh, step, v, force, radial, steps, push):
-    """Leapfrog of one piece with matrices: velocity, force and radial strain after the
-    steps.
+    """Leapfrog of one piece with matrices, from the state at the start.
+
+    Parameters
+    ----------
+    v, force, radial : array
+        Velocity of the nodes, m/s [n]; force and radial strain of the cells [n - 1].
+    steps : int
+    push : (float, float)
+        Forces that push the ends to the right and to the left, N.
+
+    Returns
+    -------
+    v, force, radial
+        The state after the steps.
     """
     n = len(v)
     M, damping, K = matrices(mesh)
     k = mesh.stiffness[1:n]
     b = mesh.cells.coupling[1:n]
     J = mesh.cells.radial_inertia[1:n]
+    # The unknowns are displacements of n nodes, then radial strains of n - 1 cells.
     free = np.append(mesh.is_prescribed == 0, J > 0)
     outer = np.zeros(2 * n - 1)
     outer[0] = push[0]
@@ -210,10 +223,11 @@ def unit_density(E):
     return ri.Material("m", youngs_modulus=E, density=1.0)
 
 
-def random_stepped_rod(rng, seed):
-    """A rod of three segments, some damped, tapered or with lateral inertia; seed 0:
-    uniform.
+def random_stepped_rod(seed):
+    """A rod of three segments, some damped, tapered or with lateral inertia; with seed
+    0 a uniform one.
     """
+    rng = np.random.default_rng(seed)
     segments = [
         thicken(rng, ri.Segment(0.5, 1.0, unit_density(1.0))),
         thicken(rng, ri.Segment(0.4, 3.0, unit_density(2.0))),
@@ -226,7 +240,7 @@ def random_stepped_rod(rng, seed):
     return ri.Rod(segments=segments, velocity=velocity, strain=strain)
 
 
-ENDS = {  # the ends, and the forces that push them
+ENDS = {  # the ends, and the forces that push them to the right and to the left, N
     "free": ((ri.Free(), ri.Free()), (0.0, 0.0)),
     "fixed": ((ri.Fixed(), ri.Free()), (0.0, 0.0)),
     "pushed": ((ri.Pushed(0.3), ri.Pushed(-0.2)), (0.3, -0.2)),
@@ -235,9 +249,9 @@ ENDS = {  # the ends, and the forces that push them
 
 @pytest.mark.parametrize("kind", ENDS)
 @pytest.mark.parametrize("seed", range(8))
-def test_steps_against_dense_matrices(seed, kind):
+def test_40_steps_are_those_of_a_leapfrog_with_dense_matrices(seed, kind):
     ends, push = ENDS[kind]
-    bodies = [random_stepped_rod(np.random.default_rng(seed), seed)]
+    bodies = [random_stepped_rod(seed)]
     laws = []
     if kind == "pushed" and seed % 2 == 1:
         bodies.append(ri.RigidMass(0.8, velocity=0.4))
@@ -247,8 +261,8 @@ def test_steps_against_dense_matrices(seed, kind):
     run.advance(40)
 
     n = len(run.mesh.mass)
-    velocity = run.history.velocity
-    force = run.history.force[:, 1:n]
+    velocity = run.history.velocity  # [state, node]
+    force = run.history.force[:, 1:n]  # [state, cell]
     radial = np.zeros_like(force)
     if run.mesh.has_radial_strain:
         radial = run.step * run.history.radial[:, 1:n]
@@ -258,35 +272,34 @@ def test_steps_against_dense_matrices(seed, kind):
     assert radial[-1] == pytest.approx(q, abs=1e-12)
 
 
-# Passivity
+# Energies
 # --------------------------------------------------------------------------------------
 
 
 def moving_mass(mesh):
-    """[node] mass that moves with a node, kg; half cells on a driven end move with
-    it.
-    """
+    """Mass that moves with a node, kg [node]; half cells on a driven end move with it."""
     mass = mesh.mass * (mesh.is_prescribed == 0)
     for node in np.flatnonzero(mesh.is_prescribed):
         mass[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
     return mass
 
 
-# Passivity
-# --------------------------------------------------------------------------------------
-
-
 def energy_of_bodies(run):
-    """[state] kinetic and strain energy, J: what leapfrog keeps."""
+    """Kinetic and strain energy, J [state]: what leapfrog keeps.
+
+    Of nodes that move half of a step h before a kick and half after it, that is
+    v^2 m/2 + F^2/(2 k) - (h/2)^2 k w^2/2, k the stiffness of a cell and w the
+    difference of its velocities.
+    """
     mesh = run.mesh
     states = run.history
     h = run.step
     fall = run.row.system.gravity * h * states.when[:, None]
-    v = states.velocity + run.row.frame + fall
-    inside = mesh.stiffness[1:-1] > 0
+    v = states.velocity + run.row.frame + fall  # [state, node]
+    inside = mesh.stiffness[1:-1] > 0  # cells of bodies, not those between pieces
     k = mesh.stiffness[1:-1][inside]
     lateral = mesh.lateral_inertia[1:-1][inside]
-    rate = np.diff(v, axis=1)[:, inside]
+    rate = np.diff(v, axis=1)[:, inside]  # [state, cell]
     force = states.force[:, 1:-1][:, inside]
     kinetic = v * v @ moving_mass(mesh) / 2 + rate**2 @ (lateral - k * h * h / 4) / 2
     total = kinetic + force**2 @ (1 / k) / 2
@@ -296,13 +309,16 @@ def energy_of_bodies(run):
 
 
 def energy_of_radial_strain(run, inside, k, rate):
-    """[state] energy of swelling and of shear between the cells, J."""
+    """Energy of swelling and of shear between the cells, J [state].
+
+    `inside`, `k` and `rate` are those of `energy_of_bodies`.
+    """
     mesh = run.mesh
     h = run.step
     J = mesh.cells.radial_inertia[1:-1][inside]
     b = mesh.cells.coupling[1:-1][inside]
     G = mesh.cells.radial_stiffness[1:-1][inside]
-    q = h * run.history.radial[:, 1:-1]
+    q = h * run.history.radial[:, 1:-1]  # radial strain, and its rate [state, cell]
     p = run.history.radial_rate[:, 1:-1]
     shear = mesh.shear_stiffness[1:-1]
     total = np.diff(q, axis=1) ** 2 @ shear / 2
@@ -314,13 +330,15 @@ def energy_of_radial_strain(run, inside, k, rate):
 
 
 def energy_of_contacts(run):
-    """[state] energy stored in compliant contacts, J."""
+    """Energy stored in compliant contacts, J [state]."""
     total = np.zeros(run.steps + 1)
     for i, law in enumerate(run.row.system.contacts):
         if isinstance(law, ri.Rigid | ri.Bonded):
             continue
         _, gap = run.contact(i)
-        overlap = -gap if isinstance(law, ri.Joint) else np.maximum(-gap, 0.0)
+        overlap = -gap
+        if not isinstance(law, ri.Joint):  # which is stretched as well
+            overlap = np.maximum(overlap, 0.0)
         total += law.stored(overlap)
     return total[run.history.when]
 
@@ -336,9 +354,10 @@ def test_energies_at_every_state_are_those_that_leapfrog_keeps(seed, driven):
     np.testing.assert_allclose(energy.contact, energy_of_contacts(run), **round_off)
 
 
+# Contacts
+# --------------------------------------------------------------------------------------
+
 RODS = (unit_rod(velocity=0.5), unit_rod(velocity=-0.5))
-
-
 MASSES = (ri.RigidMass(1.0, velocity=0.5), ri.RigidMass(1.0, velocity=-0.5))
 
 
@@ -357,7 +376,7 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(
     system = ri.System([*pair, unit_rod()], [STEP / 2, 10.0], [law, ri.Rigid()])
     run = grid_run(system, 1)
     mobility = float(run.grid.links["self_mobility"][0])
-    taken_away = 0.5 / mobility * mobility
+    taken_away = 0.5 / mobility * mobility  # as the kernel rounds it
     run.grid.run["velocity_tolerance"] = taken_away * factor
 
     run.advance(1)
@@ -368,8 +387,8 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(
 
 @pytest.mark.parametrize("share", [0.4, 0.9, 1.5])
 def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
-    """The kicks are in the middle of steps; from then on the force of equal bars is Z
-    v/2.
+    """The first kick is in the middle of the first step; the gap would close after a
+    `share` of this step. From then on the force of equal bars is Z v/2.
     """
     bars = [unit_rod(velocity=1.0), unit_rod(1.3)]
     run = grid_run(ri.System(bars, [share * STEP]), 20)
@@ -377,9 +396,23 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
     run.advance(20)
 
     signals = run.history.signals
-    pressed_steps = signals["force"].sum() / 0.5
+    force = 0.5  # Z v/2, N
+    pressed_steps = signals["force"].sum() / force
     assert pressed_steps == pytest.approx(20 - max(share, 0.5), abs=0.01)
     assert signals["gap"].min() == 0
+
+
+def test_a_mass_squeezed_between_walls_stops_the_run():
+    """A rod whose end is nailed down from within is the second wall."""
+    laws = [ri.Rigid(restitution=0.5), ri.Rigid()]
+    system = ri.System([ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], [0.1, 0.1], laws)
+    run = grid_run(system, 50)
+    # No force changes the velocity of the rod's first node, behind that of the mass.
+    rod_node = int(run.grid.links["left_node"][0]) + 2
+    run.grid.links["self_mobility"][1] -= run.grid.velocity_by_first[rod_node] / 2
+    run.grid.velocity_by_first[rod_node] = 0.0
+    paths = refused(r"two walls squeeze .* at 0\.\d+ s; give", run.advance, 50)
+    assert paths == ["contacts"]
 
 
 # The proof
@@ -389,7 +422,7 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
 def random_far_end(seed):
     """A row whose first touching end is far from all else, and the rod of this end.
 
-    Its other end is free, fixed or absorbs, or a mass is bonded to it.
+    The other end of the rod is free, fixed or absorbs, or a mass is bonded to it.
     """
     rng = np.random.default_rng(seed)
     segments = [
@@ -416,34 +449,16 @@ def random_far_end(seed):
     return ri.System(bodies, gaps, laws, ends=(end, ri.Free())), rod
 
 
-@pytest.mark.parametrize("law", [ri.Rigid(), ri.Rigid(restitution=0.5)])
-def test_a_mass_squeezed_between_walls_stops_the_run(law):
-    """A rod whose end is nailed down from within is the second wall."""
-    laws = [ri.Rigid(restitution=0.5), law if law.restitution is None else ri.Rigid()]
-    system = ri.System([ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], [0.1, 0.1], laws)
-    run = grid_run(system, 50)
-    node = int(run.grid.links["left_node"][0]) + 1
-    run.grid.links["self_mobility"][1] -= run.grid.velocity_by_first[node + 1] / 2
-    run.grid.velocity_by_first[node + 1] = 0.0
-    assert refused(r"two walls squeeze .* at 0\.\d+ s; give", run.advance, 50) == [
-        "contacts"
-    ]
-
-
-# The proof
-# --------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("seed", range(12))
 def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed, mirrored):
-    """Far from all else: its centre of mass, or its wall, and the sum of strains
-    beyond.
+    """It moves with the centre of mass of its group, or with the end that holds it, and
+    deviates by the sum of the strains between.
     """
     system, rod = random_far_end(seed)
     body = system.bodies.index(rod)
     right_end = not mirrored
-    x = 1.5
+    x = 1.5  # length of the rod
     if mirrored:
         system = system.mirrored()
         body = len(system.bodies) - 1 - body
@@ -464,7 +479,7 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed, mirrore
             run, node, right_end, present(run)
         )
         t = steps * STEP
-        moved = float(solution.displacement(body, x, t) - at_start)
+        moved = float(solution.displacement(body, x, t) - at_start)  # m
         expected = (V + run.row.frame) * t + later_deviation - deviation
         assert moved == pytest.approx(expected, abs=1e-9 * STEP)
         assert velocity == pytest.approx(V, abs=1e-12)

@@ -12,25 +12,29 @@ from rodimpact.methods.grid.measures import (
     share_of_jump,
 )
 
-EVEN = np.arange(41.0)
+STEP_ENDS = np.arange(41.0)  # of 40 steps
 
 
 def intervals(force, gap):
-    """Begin and end of each interval of contact, in steps."""
+    """Begin and end of each interval of contact, in steps [interval, 2].
+
+    The forces are means over steps [step], the gaps those at their ends [step + 1].
+    """
     forces = np.array(force, float)
     gaps = np.array(gap, float)
     return contact_intervals(forces, gaps, np.inf)[:, :2]
 
 
 def means(force, times):
-    """Means of a polynomial over steps of 1, as an integral."""
+    """Integrals of a polynomial from time to time: its means over steps of 1."""
     return np.diff(force.integ()(times))
 
 
-def test_the_peak_of_a_hump_is_behind_its_averages():
+def test_the_peak_of_a_hump_is_found_behind_its_means():
+    """The hump is 1 - ((t - peak)/40)^2."""
     peak = 20.3
     hump = Polynomial([1 - peak**2 / 1600, 2 * peak / 1600, -1 / 1600])
-    assert largest_force(means(hump, EVEN)) == pytest.approx(1.0, abs=1e-12)
+    assert largest_force(means(hump, STEP_ENDS)) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_no_force_has_no_peak():
@@ -38,13 +42,14 @@ def test_no_force_has_no_peak():
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-def test_the_peak_of_a_jump_is_at_the_jump(direction):
-    falling = means(Polynomial([1.0, -0.02, 1e-4]), EVEN)
+def test_the_peak_of_a_jump_is_that_at_the_jump(direction):
+    """Before the force falls evenly, or after it has risen (-1)."""
+    falling = means(Polynomial([1.0, -0.02, 1e-4]), STEP_ENDS)
     force = np.concatenate(([0.0, 0.0], falling[::direction], [0.0, 0.0]))
     assert largest_force(force) == pytest.approx(1.0, abs=1e-12)
 
 
-PARABOLAS = {  # it ends at 2.7
+PARABOLAS = {  # gaps over time, of an indentation that ends at 2.7
     "shuts again": -Polynomial.fromroots((2.7, 9.0)),
     "shut at the start": Polynomial.fromroots((-2.3, 2.7)),
     "open at the start": Polynomial.fromroots((0.5, 2.7)),
@@ -53,35 +58,39 @@ PARABOLAS = {  # it ends at 2.7
 
 @pytest.mark.parametrize("parabola", PARABOLAS.values(), ids=PARABOLAS)
 def test_an_indentation_ends_where_its_parabola_does(parabola):
-    """It may have to turn first."""
-    ((_, end),) = intervals([1, 1, 1, 0, 0], parabola(np.arange(6.0)))
+    (interval,) = intervals([1, 1, 1, 0, 0], parabola(np.arange(6.0)))
+    _, end = interval
     assert end == pytest.approx(2.7)
 
 
 @pytest.mark.parametrize("parabola", PARABOLAS.values(), ids=PARABOLAS)
-def test_an_indentation_ends_on_a_line_where_there_are_too_few_ends(parabola):
+def test_an_indentation_of_a_single_step_ends_on_a_line(parabola):
+    """There are too few gaps for a parabola."""
     gap = parabola(np.arange(6.0))
-    ((_, end),) = intervals([0, 0, 1, 0, 0], gap)
+    (interval,) = intervals([0, 0, 1, 0, 0], gap)
+    _, end = interval
     on_line = 2 - gap[2] / (gap[3] - gap[2])
     assert end == pytest.approx(on_line)
 
 
 def test_an_indentation_that_does_not_end_ends_with_its_force():
-    ((_, end),) = intervals([1, 1, 1, 0, 0], [-1.0] * 6)
+    (interval,) = intervals([1, 1, 1, 0, 0], [-1.0] * 6)
+    _, end = interval
     assert end == 3.0
 
 
 @pytest.mark.parametrize("end", [20.04, 20.28, 20.8])
 def test_a_dashpot_lets_go_inside_a_step_while_there_is_an_indentation(end):
-    force = means(Polynomial([end, -1.0]), np.minimum(EVEN, end))
+    force = means(Polynomial([end, -1.0]), np.minimum(STEP_ENDS, end))
     expected = np.array([[0.0, end]])
     assert intervals(force, np.full(41, -0.1)) == pytest.approx(expected, rel=1e-9)
 
 
-def test_a_force_begins_where_the_gap_would_close():
+def test_a_force_begins_and_ends_where_lines_of_the_gap_are_0():
     force = [0, 0, 5, 8, 0]
     gap = [0.9, 0.7, 0.1, -0.1, 0.3, 0.5]
-    expected = np.array([[2 + 1 / 6, 3.25]])
+    # Before the force the gap falls by 0.6 a step, after it rises by 0.4.
+    expected = np.array([[2 + 0.1 / 0.6, 3 + 0.1 / 0.4]])
     assert intervals(force, gap) == pytest.approx(expected)
 
 
@@ -93,16 +102,13 @@ def test_a_force_begins_where_the_gap_would_close():
     ],
 )
 def test_a_force_begins_with_its_first_step(force, gap):
-    ((begin, _),) = intervals(force, gap)
+    (interval,) = intervals(force, gap)
+    begin, _ = interval
     assert begin == 1.0
 
 
 LINE_TO_ZERO = np.maximum(3.3 - np.arange(8) - 0.5, 0)
-
-
 """Means of a line that falls to 0 at 3.3, but for that of its last step."""
-
-
 EVEN_CHANGE = np.exp(-np.arange(8) / 20)
 
 
@@ -114,15 +120,18 @@ EVEN_CHANGE = np.exp(-np.arange(8) / 20)
         pytest.param([*LINE_TO_ZERO, 0], 3.3, id="line"),
     ],
 )
-def test_a_rigid_contact_lets_go(force, end):
+def test_a_rigid_contact_lets_go_where_its_means_tell(force, end):
+    """After a jump the share of the mean of the last step tells how long it lasted."""
     shut = np.zeros(len(force) + 1)
-    assert intervals(force, shut)[0, 1] == pytest.approx(end)
+    (interval,) = intervals(force, shut)
+    _, end_of_force = interval
+    assert end_of_force == pytest.approx(end)
 
 
 def test_a_force_that_goes_on_has_no_end():
     expected = np.array([[1.0, 2.0], [3.0, np.nan]])
-    two = intervals([0, 1, 0, 2, 2], [0.0] * 6)
-    assert two == pytest.approx(expected, nan_ok=True)
+    found = intervals([0, 1, 0, 2, 2], [0.0] * 6)
+    assert found == pytest.approx(expected, nan_ok=True)
 
 
 def test_without_force_there_is_no_interval():
@@ -145,4 +154,5 @@ def test_without_force_there_is_no_interval():
     ],
 )
 def test_the_share_of_the_last_step_that_a_jump_leaves(force, share):
+    """1 where the last mean is as large as the ones before let expect."""
     assert share_of_jump(np.array(force, float)) == pytest.approx(share)

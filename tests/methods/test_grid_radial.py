@@ -20,45 +20,39 @@ UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3)
 
 
 def segment(length, radius=0.05, material=UNIT, theory=THEORY):
+    """A round segment; without a `theory` it has no lateral inertia."""
     return ri.Segment(
         length, None, material, diameter=2 * radius, lateral_inertia=theory
     )
 
 
-def rod(*pieces, **options):
-    return ri.Rod(segments=list(pieces), **options)
+def rod(*segments, **options):
+    return ri.Rod(segments=list(segments), **options)
 
 
-def solved(bodies, until=1.0, contacts=None, **mesh):
-    return ri.solve(
-        ri.System(bodies, contacts=contacts), until, METHOD, **mesh or {"dt": 0.008}
-    )
+def exact_stable_step(segments, counts):
+    """Largest stable step, s, of a rod of these segments with so many cells in each.
 
-
-def fastest(mesh):
-    """Largest angular frequency of a mesh, from its whole matrices."""
+    It is 2 over the largest angular frequency, from the whole matrices of the mesh.
+    """
+    row = build_row(ri.System([rod(*segments)]))
+    mesh = Mesh(row, counts)
     M, _, K = matrices(mesh)
     every_node = np.ones(len(mesh.mass), bool)
-    has_radial_motion = mesh.cells.radial_inertia[1:-1] > 0
+    has_radial_motion = mesh.cells.radial_inertia[1:-1] > 0  # [cell]
     is_in_motion = np.append(every_node, has_radial_motion)
     chosen = np.ix_(is_in_motion, is_in_motion)
     eigenvalues = eigh(K[chosen], M[chosen], eigvals_only=True)
-    return math.sqrt(eigenvalues[-1])
-
-
-def mesh_of(pieces, counts):
-    """Mesh of a rod of these segments, with so many cells in each."""
-    row = build_row(ri.System([rod(*pieces)]))
-    return Mesh(row, counts)
+    return 2 / math.sqrt(eigenvalues[-1])
 
 
 @pytest.mark.parametrize("count", [3, 10, 40, 100])
-def test_the_stable_step_is_that_of_the_fastest_motion(count):
+def test_the_stable_step_is_that_of_the_fastest_motion_and_gives_the_cells(count):
     """Coarse cells are bound by the cut-off of the second branch, fine ones by its
     waves.
     """
     piece = segment(1.0)
-    exact = 2 / fastest(mesh_of([piece], [count]))
+    exact = exact_stable_step([piece], [count])
 
     step = stable_step(piece, count)
 
@@ -67,21 +61,22 @@ def test_the_stable_step_is_that_of_the_fastest_motion(count):
     assert most_cells(piece, 10 * count, step * (1 - 1e-9)) == count
 
 
-def test_the_stable_step_holds_where_sections_and_theories_differ():
+def test_the_stable_step_is_none_too_long_where_sections_and_theories_differ():
     section = {"polar_moment": "circular", "lateral_inertia": THEORY}
     cone = ri.Segment(0.5, ri.Samples([0.02, 0.004]), UNIT, **section)
-    pieces = [segment(0.5), cone, segment(0.3, 0.1), segment(0.2, theory=None)]
+    segments = [segment(0.5), cone, segment(0.3, 0.1), segment(0.2, theory=None)]
     counts = [20, 9, 5, 4]
 
-    step = min(map(stable_step, pieces, counts))
+    step = min(map(stable_step, segments, counts))
 
-    largest_step = 2 / fastest(mesh_of(pieces, counts))
-    assert 0.9 < step / largest_step <= 1 + 1e-12
+    exact = exact_stable_step(segments, counts)
+    assert 0.9 < step / exact <= 1 + 1e-12
 
 
-def test_a_step_beyond_the_radial_motion_is_refused():
+def test_a_step_too_long_for_the_radial_motion_is_refused():
+    system = ri.System([rod(segment(1.0))])
     with pytest.raises(ri.InvalidModel, match=r"would be unstable in bodies\.0, where"):
-        solved([rod(segment(1.0))], dt=0.06)
+        ri.solve(system, 1.0, METHOD, dt=0.06)
 
 
 def test_a_held_rod_strained_evenly_stays_at_rest():
@@ -94,7 +89,7 @@ def test_a_held_rod_strained_evenly_stays_at_rest():
 
     x = np.linspace(0, 1, 21)[:, None]
     t = np.linspace(0, 1, 11)
-    strain_energy = math.pi * 0.05**2 * 1e-6 / 2
+    strain_energy = math.pi * 0.05**2 * 1e-3**2 / 2  # E A strain^2/2 over 1 m
     assert np.abs(solution.velocity(0, x, t)).max() <= 1e-15
     assert solution.strain(0, x, t) == pytest.approx(1e-3, abs=1e-15)
     assert solution.energy(t).strain == pytest.approx(strain_energy, rel=1e-12)
@@ -115,24 +110,36 @@ def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ide
 
 
 LOSSY = UNIT.replace(viscosity=1e-3)
+SPEED_OF_LOWEST_MODE = float(ri.waves.mindlin_herrmann(0.05, 0.3)[0])
+"""Of waves of a rod of 1 m with a radius of 0.1 m: the radius over their length, 2 m, is
+0.05.
+"""
 
 
 @pytest.mark.parametrize(
-    ("pieces", "omega", "share"),
+    ("segments", "omega", "share"),
     [
-        (
+        pytest.param(
             [segment(1.0, 0.1, LOSSY)],
-            math.pi * float(ri.waves.mindlin_herrmann(0.05, 0.3)[0]),
+            math.pi * SPEED_OF_LOWEST_MODE,
             1.0,
+            id="with lateral inertia",
         ),
-        ([segment(0.2, 0.1, LOSSY, None)], math.pi / 0.2, 1.0),
-        # half of the material damps: the strain energy of the lowest mode is even
-        ([segment(0.5, 0.1, stuff, None) for stuff in (UNIT, LOSSY)], math.pi, 0.5),
+        pytest.param(
+            [segment(0.2, 0.1, LOSSY, None)], math.pi / 0.2, 1.0, id="without"
+        ),
+        # The strain energy of the lowest mode is the same in either half.
+        pytest.param(
+            [segment(0.5, 0.1, UNIT, None), segment(0.5, 0.1, LOSSY, None)],
+            math.pi,
+            0.5,
+            id="half of the material damps",
+        ),
     ],
 )
-def test_the_lasting_mode(pieces, omega, share):
-    frequency, rate = lasting_mode(pieces)
+def test_the_mode_that_lasts_longest_is_the_lowest_of_the_rod(segments, omega, share):
+    """By its angular frequency and by the rate at which it decays."""
+    frequency, rate = lasting_mode(segments)
     assert frequency == pytest.approx(omega, rel=3e-4)
-    assert rate == pytest.approx(
-        share * ri.theory.kelvin_voigt_decay(1.0, 1e-3, omega), rel=1e-2
-    )
+    decay = share * ri.theory.kelvin_voigt_decay(1.0, 1e-3, omega)
+    assert rate == pytest.approx(decay, rel=1e-2)
