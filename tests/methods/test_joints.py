@@ -21,13 +21,17 @@ def solve_by(method, system, until=None, **options):
     return ri.solve(system, until, method, **METHODS[method], **options)
 
 
-DAMPING = 0.3
+def quick_rod(length=1.0, **state):
+    return ri.Rod(length, area=0.7, material=QUICK, **state)
 
 
+# A chain of masses
+# --------------------------------------------------------------------------------------
+
+STIFFNESS = (3.0, 5.0)  # of the spring at the wall, and of the one between the masses
+DAMPING = 0.3  # of the dashpot between the masses
 MASSES = (0.4, 0.7)
-
-
-STRETCH = 0.2
+STRETCH = 0.2  # of the spring at the wall in the beginning
 
 
 def chain_of_masses():
@@ -47,8 +51,8 @@ def chain_of_masses():
 
 
 def exact_chain(times):
-    """Displacements and velocities of both masses [time, 4], by the matrix
-    exponential.
+    """Stretches from the wall to each mass, then the velocities of both [time, 4], by
+    the matrix exponential.
     """
     k0, k1 = STIFFNESS
     K = np.array([[k0 + k1, -k1], [-k1, k1]])
@@ -57,13 +61,6 @@ def exact_chain(times):
     A = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ K, -inverse @ C]])
     start = np.array([STRETCH, STRETCH, 0.0, 1.0])
     return np.array([expm(A * time) @ start for time in times])
-
-
-def quick_rod(length=1.0, **state):
-    return ri.Rod(length, area=0.7, material=QUICK, **state)
-
-
-STIFFNESS = (3.0, 5.0)
 
 
 @pytest.mark.parametrize(
@@ -85,11 +82,16 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
     stored = STIFFNESS[0] * STRETCH**2 / 2
     assert energy.contact[0] == pytest.approx(stored, rel=1e-14)
     assert np.diff(energy.dissipated).min() >= 0
+    assert energy.dissipated[-1] > 0.1
+
+
+# The proof that a collision is over
+# --------------------------------------------------------------------------------------
 
 
 @both_methods
-def test_what_hangs_together_meets_as_one(method):
-    """A rod strikes a mass that is joined to a rod; both go on with one velocity."""
+def test_a_joined_mass_and_rod_are_struck_as_one_body(method):
+    """They go on with one velocity, and the contact with the striker is proved over."""
     bodies = [unit_rod(velocity=1.0), ri.RigidMass(0.5), quick_rod()]
     system = ri.System(bodies, contacts=[ri.Rigid(), ri.Joint(2.0, 0.1)])
 
@@ -113,7 +115,7 @@ def test_what_hangs_together_meets_as_one(method):
 
 
 def assert_last_contact_is_the_same(longer, solution):
-    """The clock of a longer run is another one."""
+    """No later, but for round-off: the clock of a longer run is another one."""
     last = longer.outcome.contacts[0].last
     assert last <= solution.t_final * (1 + 1e-12)
 
@@ -138,10 +140,11 @@ def test_the_proof_counts_on_how_far_a_joint_gives_way(method, joint):
 
 
 def sides_of(system, steps):
-    """Mean velocity, deviation and bound, as the proof takes them, left of the last
-    contact.
+    """Mean velocity, deviation and bound of it, as the proof takes them, of the end on
+    the left of the last contact.
 
-    At the ends of some steps 1/64, in the laboratory and in SI units.
+    One triple at the end of each of these steps of 1/64 s, in the laboratory and in SI
+    units.
     """
     run = grid_run(system, steps[-1], step=1 / 64)
     node = int(run.grid.links["left_node"][-1])
@@ -158,14 +161,8 @@ RODS_ON_A_MASS = [
     quick_rod(velocity=0.2),
     unit_rod(velocity=0.4),
 ]
-
-
 RODS_ON_A_WALL = [ri.Wall(), quick_rod(velocity=0.2), unit_rod(velocity=0.4)]
-
-
 SOFT = [ri.Joint(0.02, stretch=0.3), ri.Joint(0.05, 0.01)]
-
-
 DASHPOTS = [ri.Joint(0.0, 0.05), ri.Joint(0.0, 0.3)]
 
 
@@ -176,8 +173,8 @@ DASHPOTS = [ri.Joint(0.0, 0.05), ri.Joint(0.0, 0.3)]
 def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound(
     bodies, joints
 ):
-    """Far from all else: the centre of mass, strains and stretches; what a dashpot gave
-    way.
+    """Far from all else it moves with the centre of mass, and deviates by strains and
+    stretches. By how much a dashpot gives way is bounded, but not stated.
     """
     laws = [*joints, ri.Rigid()]
     system = ri.System([*bodies, unit_rod()], [0.0, 0.0, 90.0], laws)
@@ -190,7 +187,7 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
 
     deviations = displacements - V * times + deviation
     assert np.abs(deviations).max() <= bound
-    assert np.abs(deviations).max() > bound / 10
+    assert np.abs(deviations).max() > bound / 10  # a bound that says something
     for later_deviation, side in zip(deviations, later_sides, strict=True):
         velocity, stated_deviation, later_bound = side
         assert velocity == pytest.approx(V, abs=1e-10)
@@ -199,9 +196,13 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
             assert later_deviation == pytest.approx(stated_deviation, abs=1e-9)
 
 
+# States
+# --------------------------------------------------------------------------------------
+
+
 @both_methods
-def test_a_compressed_joint_lets_go(method):
-    """All is at rest, and yet something will meet."""
+def test_a_compressed_joint_sets_a_row_at_rest_in_motion(method):
+    """So far that a rod strikes the next one."""
     system = ri.System(
         [unit_rod(), unit_rod(), unit_rod()],
         [0.0, 0.02],
@@ -214,10 +215,11 @@ def test_a_compressed_joint_lets_go(method):
 
 
 @both_methods
-def test_prestress_rests(method):
-    """Rods under tension between fixed ends, held together by a stretched joint."""
+def test_a_stretched_joint_holds_prestressed_rods_at_rest(method):
+    """Rods under tension between fixed ends."""
     tension = 0.02
-    rods = [unit_rod(strain=tension), quick_rod(strain=tension / (6.0 * 0.7))]
+    E = QUICK.youngs_modulus
+    rods = [unit_rod(strain=tension), quick_rod(strain=tension / (E * 0.7))]
     joint = ri.Joint(5.0, 0.4, stretch=tension / 5.0)
     system = ri.System(rods, contacts=[joint], ends=(ri.Fixed(), ri.Fixed()))
 
@@ -231,8 +233,8 @@ def test_prestress_rests(method):
     assert solution.outcome.contact_energy_before == pytest.approx(stored)
 
 
-def distance(solution):
-    """Distance of the ends at the joint at the end of the run."""
+def distance_at_joint(solution):
+    """Distance of the two ends at the joint at the end of the run, m."""
     left = solution.position(0, 1.0, solution.t_end)
     right = solution.position(1, 0.0, solution.t_end)
     return right - left
@@ -250,16 +252,17 @@ def test_a_state_goes_on_with_its_stretch():
     stretch = second_part.system.contacts[0].stretch
     assert stretch == float(joint.gap(1.5))
     assert stretch != 0
-    rounding = 2e-6  # jumps of the state are straight lines over two samples
+    # Jumps of the state became straight lines over two samples, so gaps change a little.
+    rounding = 2e-6  # m
     times = np.linspace(0, 2.5, 40)
     gap = second_part.contacts[0].gap(times)
     assert gap == pytest.approx(joint.gap(1.5 + times), abs=rounding)
     at_end = joint.gap(4.0)
-    assert distance(whole) == pytest.approx(at_end, abs=rounding)
-    assert distance(second_part) == pytest.approx(at_end, abs=rounding)
+    assert distance_at_joint(whole) == pytest.approx(at_end, abs=rounding)
+    assert distance_at_joint(second_part) == pytest.approx(at_end, abs=rounding)
 
 
-def test_a_stiff_joint_is_a_bond():
+def test_ever_stiffer_joints_come_to_a_bond():
     def restitution_with(law):
         bodies = [unit_rod(velocity=1.0), unit_rod(0.5), quick_rod()]
         system = ri.System(bodies, contacts=[ri.Rigid(), law])
@@ -272,6 +275,7 @@ def test_a_stiff_joint_is_a_bond():
     assert abs(stiffer - bonded) < abs(stiff - bonded) / 10
 
 
+PAIR = [unit_rod(), unit_rod()]
 MISTAKES = {
     "no stiffness and no damping": (
         lambda: ri.Joint(0.0),
@@ -300,9 +304,6 @@ MISTAKES = {
 }
 
 
-PAIR = [unit_rod(), unit_rod()]
-
-
 @pytest.mark.parametrize(("make", "messages"), MISTAKES.values(), ids=MISTAKES)
-def test_mistakes_of_joints(make, messages):
+def test_mistakes_of_joints_are_named(make, messages):
     assert_told(make, messages)

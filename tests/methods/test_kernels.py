@@ -25,47 +25,56 @@ from rodimpact.methods.tick_rule import DURATION, assign_ticks, recognise
 from rodimpact.running import warming
 
 
-def ticks_of(durations, bits=49):
+def ticks_of(durations):
+    """Ticks of some durations, and how many of them the longest would take unrounded."""
     spans = blank(len(durations), DURATION)
     for span, duration in zip(spans, durations, strict=True):
         span.time = duration
-    whole = assign_ticks(spans, bits)
+    whole = assign_ticks(spans, 49)  # the longest has up to 49 bits
     return [span.ticks for span in spans], whole
 
 
 @pytest.mark.parametrize(
     "ratio", ["1/1", "1/3", "2/7", "1048575/1048576", "1/1048576", "355/1130"]
 )
-def test_ratios_are_recognised(ratio):
+def test_ratios_of_small_numbers_are_recognised_also_beside_round_off(ratio):
     x = Fraction(ratio)
-    assert Fraction(*recognise(float(x))) == x
-    assert Fraction(*recognise(math.nextafter(float(x), 0))) == x
+    p, q = recognise(float(x))
+    assert Fraction(p, q) == x
+    p, q = recognise(math.nextafter(float(x), 0))
+    assert Fraction(p, q) == x
 
 
 @pytest.mark.parametrize("x", [math.sqrt(0.5), math.pi / 4, 1 / 3 + 1e-13, 1e-9])
-def test_other_numbers_are_not(x):
+def test_numbers_that_are_no_such_ratio_are_not_recognised(x):
     assert recognise(x) == (0, 0)
 
 
-def test_ticks_do_not_depend_on_order():
+def test_ticks_do_not_depend_on_the_order_of_durations():
     rng = np.random.default_rng(3)
     durations = [*rng.uniform(0.1, 1, 5), *(rng.integers(1, 9, 6) / 7)]
-    reference = dict(zip(durations, ticks_of(durations)[0], strict=True))
+
+    def ticks_by_duration(ordered):
+        ticks, _ = ticks_of(ordered)
+        return dict(zip(ordered, ticks, strict=True))
+
+    expected = ticks_by_duration(durations)
     for _ in range(5):
         shuffled = list(rng.permutation(durations))
-        assert dict(zip(shuffled, ticks_of(shuffled)[0], strict=True)) == reference
+        assert ticks_by_duration(shuffled) == expected
 
 
-def test_rounding_is_at_most_half_a_tick_where_ratios_are_unknown():
+def test_rounding_is_about_half_a_tick_at_most_where_ratios_are_unknown():
     rng = np.random.default_rng(5)
     durations = [*rng.uniform(0.01, 1, 20), *rng.uniform(1e-5, 1e-3, 20)]
     ticks, whole = ticks_of(durations)
-    scale = Fraction(whole) / Fraction(max(durations))
+    ticks_per_second = Fraction(whole) / Fraction(max(durations))
+    most = Fraction(1, 2) + Fraction(1, 8)  # as ticks are computed in floats
     for duration, tick in zip(durations, ticks, strict=True):
-        assert abs(tick - Fraction(duration) * scale) <= Fraction(1, 2) + Fraction(1, 8)
+        assert abs(tick - Fraction(duration) * ticks_per_second) <= most
 
 
-def test_three_rods_whose_waves_meet_exactly():
+def test_transit_times_of_one_material_are_in_the_ratio_of_their_lengths():
     steel = ri.materials.steel
     aluminium = ri.materials.aluminium
     row = [
@@ -75,8 +84,9 @@ def test_three_rods_whose_waves_meet_exactly():
         (0.3, aluminium),
         (0.1, aluminium),
     ]
-    clock = tracked(ri.System([ri.Rod(L, area=1e-4, material=m) for L, m in row])).clock
-    ticks = clock.ticks[1:-1]
+    rods = [ri.Rod(length, area=1e-4, material=stuff) for length, stuff in row]
+    clock = tracked(ri.System(rods)).clock
+    ticks = clock.ticks[1:-1]  # of each rod; nothing lies beyond the ends
     assert ticks[1] * 4 == ticks[2] * 3
     assert ticks[0] * 5 == ticks[1] * 2
     assert ticks[3] == 3 * ticks[4]
@@ -104,7 +114,7 @@ def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_a_variable_with_which_numba_does_not_start_is_named():
-    """A long job goes on in plain Python."""
+    """Nothing is compiled, and no error is raised."""
     code = "import rodimpact as ri; print(ri.warm())"
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -119,12 +129,12 @@ def test_a_variable_with_which_numba_does_not_start_is_named():
 
 
 # What is worth compiling
-# --------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.fixture
 def fresh(monkeypatch):
-    """As if the process began, with a numba that is there and a cache that is empty."""
+    """A `monkeypatch`, as if the process began with a numba and with an empty cache."""
     monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
     monkeypatch.setattr(kernels, "_spent", {})
     monkeypatch.setattr(kernels, "_ready", set())
@@ -136,36 +146,39 @@ def fresh(monkeypatch):
 
 def kept_on_disk(monkeypatch, kernels_on_disk):
     """Let machine code of these kernels be on disk, and of no others."""
-    monkeypatch.setattr(
-        kernels,
-        "compiled",
-        lambda kernel: SimpleNamespace(files=lambda: kernel in kernels_on_disk),
-    )
+
+    def compiled(kernel):
+        return SimpleNamespace(files=lambda: kernel in kernels_on_disk)
+
+    monkeypatch.setattr(kernels, "compiled", compiled)
 
 
-def spent_before_compiling(kernel, job=0.125):
-    """Seconds of plain Python until jobs of one length run compiled."""
+JOB = 0.125  # s, that a job would take in plain Python
+
+
+def spent_before_compiling(kernel):
+    """Seconds of plain Python until jobs run compiled."""
     count = 0
-    while not kernels.worth_compiling(job, kernel):
+    while not kernels.worth_compiling(JOB, kernel):
         count += 1
         assert count < 10_000
-    return count * job
+    return count * JOB
 
 
-FOLLOW = members.run_members
+FRONTS = members.run_members
 PIECES = pieces.run_nodes
 
 
 def test_plain_python_goes_on_until_it_has_taken_as_long_as_machine_code(fresh):
-    assert spent_before_compiling(FOLLOW) == kernels.COMPILING
-    assert spent_before_compiling(FOLLOW) == 0  # its machine code is there
+    assert spent_before_compiling(FRONTS) == kernels.COMPILING
+    assert spent_before_compiling(FRONTS) == 0  # its machine code is there
     assert spent_before_compiling(PIECES) == kernels.COMPILING  # that of another is not
 
 
 def test_machine_code_on_disk_costs_the_start_of_numba_and_its_loading(fresh):
-    kept_on_disk(fresh, {FOLLOW, PIECES})
+    kept_on_disk(fresh, {FRONTS, PIECES})
     price = kernels.STARTING + kernels.LOADING
-    assert price - 0.125 < spent_before_compiling(FOLLOW) <= price
+    assert price - JOB < spent_before_compiling(FRONTS) <= price
     assert spent_before_compiling(PIECES) == 0  # numba has started
 
 
@@ -187,7 +200,7 @@ def test_after_warming_every_run_of_the_process_is_compiled(fresh):
 
 def test_short_jobs_never_look_for_numba(fresh):
     for name in ("_fault", "compiled"):
-        fresh.setattr(kernels, name, None)
+        fresh.setattr(kernels, name, None)  # a call would fail
     for _ in range(100):
         assert not kernels.worth_compiling(kernels.STARTING / 100, recognise)
 
@@ -195,7 +208,7 @@ def test_short_jobs_never_look_for_numba(fresh):
 @pytest.mark.parametrize("watched", [False, True])
 def test_one_line_tells_who_watches_that_compiling_takes_long(fresh, capsys, watched):
     fresh.setattr(sys.stderr, "isatty", lambda: watched, raising=False)
-    assert kernels.worth_compiling(60.0, FOLLOW)
+    assert kernels.worth_compiling(60.0, FRONTS)
     assert kernels.worth_compiling(60.0, PIECES)  # a second kernel tells nothing more
     output = capsys.readouterr().err
     assert output.count("compiling once, ") == int(watched)
@@ -204,23 +217,23 @@ def test_one_line_tells_who_watches_that_compiling_takes_long(fresh, capsys, wat
 
 def test_where_compiling_is_disabled_nothing_is(fresh):
     fresh.setenv("NUMBA_DISABLE_JIT", "1")
-    assert not kernels.worth_compiling(60.0, FOLLOW)
+    assert not kernels.worth_compiling(60.0, FRONTS)
     with kernels.forced(True):
-        assert not kernels.worth_compiling(60.0, FOLLOW)
+        assert not kernels.worth_compiling(60.0, FRONTS)
     with pytest.warns(ri.NoCompiler, match="disabled by NUMBA_DISABLE_JIT"):
         assert ri.warm() == 0.0
 
 
 def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
     fresh.setattr(kernels, "_fault", lambda: "numba is not installed")
-    assert not kernels.worth_compiling(0.5, FOLLOW)
+    assert not kernels.worth_compiling(0.5, FRONTS)
     with pytest.warns(
         ri.NoCompiler, match="numba is not installed; long runs go in plain Python"
     ):
-        assert not kernels.worth_compiling(60.0, FOLLOW)
-    assert not kernels.worth_compiling(60.0, FOLLOW)
+        assert not kernels.worth_compiling(60.0, FRONTS)
+    assert not kernels.worth_compiling(60.0, FRONTS)
     with kernels.forced(True):
-        assert not kernels.worth_compiling(60.0, FOLLOW)
+        assert not kernels.worth_compiling(60.0, FRONTS)
     with pytest.warns(
         ri.NoCompiler, match="nothing can be compiled: numba is not installed"
     ):
@@ -261,14 +274,15 @@ def asked_about():
 def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
     """`warm` meets every kernel that `worth_compiling` is asked about anywhere."""
     met = set()
-    monkeypatch.setattr(
-        kernels,
-        "worth_compiling",
-        lambda seconds, kernel, ahead=0.0: bool(met.add(kernel)),
-    )
+
+    def never_worth_compiling(seconds, kernel, ahead=0.0):
+        met.add(kernel)
+        return False
+
+    monkeypatch.setattr(kernels, "worth_compiling", never_worth_compiling)
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     ri.warm()
-    assert {FOLLOW, PIECES} <= asked_about() <= met
+    assert {FRONTS, PIECES} <= asked_about() <= met
 
 
 FORKS = """

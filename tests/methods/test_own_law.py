@@ -13,7 +13,7 @@ from rodimpact.methods.pieces.records import LINK
 
 STEEL = ri.materials.steel
 BAR = ri.Rod(1.0, area=1e-4, material=STEEL)
-LAWS = {
+LAWS = {  # functions of overlap and closing velocity, and the laws that they repeat
     "spring": (lambda d, _: 1e8 * d, ri.Spring(1e8)),
     "hertz": (lambda d, _: 1e10 * d**1.5, ri.Hertz(1e10)),
     "dashpot": (lambda d, rate: 1e8 * d + 500.0 * rate, ri.SpringDashpot(1e8, 500.0)),
@@ -25,6 +25,7 @@ LAWS = {
 
 
 def power(d, _):
+    """The force of `ri.Hertz(1e10)`."""
     return 1e10 * d**1.5
 
 
@@ -82,7 +83,7 @@ def test_members_of_a_family_are_single_runs():
 
 
 @pytest.mark.parametrize("method", ["fronts", "finite-difference"])
-def test_only_characteristics_have_it(method):
+def test_methods_other_than_characteristics_refuse_it(method):
     message = r"contacts\.0\.law: .* Python function"
     with pytest.raises(ri.InvalidModel, match=message):
         ri.solve(pair(ri.Law(power)), method=method)
@@ -90,37 +91,43 @@ def test_only_characteristics_have_it(method):
 
 @pytest.fixture
 def own_laws():
-    """Two functions that numba has compiled, by their numbers."""
+    """Two functions that numba has compiled, each behind the number by which links name
+    it.
+    """
     if kernels.why_not():
         pytest.skip("there is no compiler")
     numba = pytest.importorskip("numba")
-    return (3, numba.njit(power)), (
-        5,
-        numba.njit(lambda d, rate: 2e8 * d + 100.0 * rate),
-    )
+
+    def dashpot(d, rate):
+        return 2e8 * d + 100.0 * rate
+
+    return (3, numba.njit(power)), (5, numba.njit(dashpot))
 
 
 def test_compiled_and_plain_kernels_call_the_function_of_a_link(own_laws):
-    links = np.zeros(2, LINK)
-    links["law"], links["function"] = Law.OWN, [3, 5]
-    links["mobility"] = 1e-3
-    links["overlap_step"] = 1e-9
-    links["rate_step"] = 1e-6
-    fast, plain = (
-        make(contact_laws.force, own_laws)
-        for make in (compiling.compiled, compiling.interpreted)
-    )
-    for link, object_, (_, function) in zip(
-        links, record_lists.as_objects(links), own_laws, strict=True
-    ):
+    """F = function(d, closing - mobility F), with the same bits."""
+    mobility = 1e-3
+    records = np.zeros(2, LINK)
+    records["law"] = Law.OWN
+    records["mobility"] = mobility
+    records["overlap_step"] = 1e-9
+    records["rate_step"] = 1e-6
+    compiled_force = compiling.compiled(contact_laws.force, own_laws)
+    plain_force = compiling.interpreted(contact_laws.force, own_laws)
+
+    for record, (number, function) in zip(records, own_laws, strict=True):
+        record["function"] = number
+        (link,) = record_lists.as_objects(np.array([record]))
         for d, closing in ((1e-5, 1.0), (2e-4, -0.3)):
-            F, *slopes = fast(link, d, closing)
-            assert (F, *slopes) == plain(object_, d, closing)
-            assert pytest.approx(function(d, closing - 1e-3 * F), rel=1e-12) == F
+            by_compiled = compiled_force(record, d, closing)
+            assert by_compiled == plain_force(link, d, closing)
+            F, *_ = by_compiled
+            expected = function(d, closing - mobility * F)
+            assert pytest.approx(expected, rel=1e-12) == F
 
 
 @pytest.mark.exhaustive
-def test_what_numba_has_compiled_runs_compiled(own_laws):
+def test_functions_that_numba_has_compiled_run_the_same_compiled(own_laws):
     mass = ri.RigidMass(0.1, velocity=1.0)
     laws = [ri.Law(function) for _, function in own_laws]
     row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=laws)
@@ -140,20 +147,20 @@ def test_what_numba_has_compiled_runs_compiled(own_laws):
         (lambda d, rate: 1e9 * d - 1e3 * rate, "must not fall with d or d'"),
     ],
 )
-def test_what_is_no_law(force, said):
+def test_functions_that_are_no_law_are_refused(force, said):
     with pytest.raises(ri.InvalidModel, match=said):
         ri.Law(force)
 
 
-def test_no_file_keeps_it(tmp_path):
+def test_a_solution_with_it_is_refused_by_a_file_and_leaves_none(tmp_path):
     solution = ri.solve(pair(ri.Law(power)))
     with pytest.raises(ri.InvalidModel, match="cannot be kept in a file"):
         solution.save(tmp_path / "run.toml")
     assert not list(tmp_path.iterdir())
 
 
-def test_laws_are_equal_if_their_functions_are():
+def test_laws_are_equal_if_their_functions_are_also_after_pickling():
     system = pair(ri.Law(power))
-    function, _ = LAWS["spring"]
+    other_function, _ = LAWS["spring"]
     assert pickle.loads(pickle.dumps(system)) == system
-    assert system != pair(ri.Law(function))
+    assert system != pair(ri.Law(other_function))

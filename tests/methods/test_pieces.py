@@ -26,10 +26,11 @@ from rodimpact.methods.pieces.series import POINTS, N
 from rodimpact.methods.signals import Pieces
 from rodimpact.methods.states import Status
 
-X = np.array(series.X)
+X = np.array(series.X)  # points of a piece, from -1 to 1
 
 
 def random_series(seed, n=POINTS):
+    """Random Chebyshev coefficients [n]."""
     return np.random.default_rng(seed).normal(size=n)
 
 
@@ -42,7 +43,7 @@ def record_with(record, **fields):
 
 
 def work():
-    """Memory that a kernel writes over."""
+    """Memory for a value at each point, which a kernel writes over."""
     return [0.0] * POINTS
 
 
@@ -56,7 +57,7 @@ def test_integrals_are_exact_to_the_degree_of_radau(degree):
     assert series.integral((X**degree).tolist()) == pytest.approx(exact, abs=1e-14)
 
 
-def test_the_tail_is_that_of_the_last_two_coefficients():
+def test_the_truncation_estimate_is_the_size_of_the_last_two_coefficients():
     c = random_series(5)
     values = chebyshev.chebval(X, c).tolist()
     tail = abs(c[-2]) + abs(c[-1])
@@ -72,7 +73,7 @@ def test_the_smallest_value_of_a_series_is_found(seed):
 
 
 @pytest.mark.parametrize("end", [-1.0, 1.0])
-def test_slopes_at_the_ends_of_a_piece(end):
+def test_slopes_at_the_ends_of_a_piece_are_those_of_numpy(end):
     c = random_series(7)
     slope = chebyshev.chebval(end, chebyshev.chebder(c))
     assert series.slope_at_end(c.tolist(), end) == pytest.approx(slope, rel=1e-12)
@@ -85,7 +86,7 @@ def test_a_part_of_a_piece_is_the_same_polynomial(y):
 
     series.restrict(values, y, work())
 
-    x = (y + 1) * (X + 1) / 2 - 1
+    x = (y + 1) * (X + 1) / 2 - 1  # points of the part from -1 to y
     assert values == pytest.approx(chebyshev.chebval(x, c), abs=1e-13)
 
 
@@ -120,8 +121,8 @@ def test_the_maximum_is_missed_by_no_more_than_it_says(seed):
 @pytest.mark.parametrize("fall", [0.05, 0.2, 0.5])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
-    """The estimate is never too small, and no more than 100 times the error between the
-    points.
+    """The estimate is two thirds of the error at least, and half of the estimates are
+    100 times the error at most; it is less at the points, where the polynomial is right.
     """
     signs = np.sign(random_series(seed, 30))
     c = signs * fall ** np.arange(30)
@@ -134,13 +135,13 @@ def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
         assert error <= 1.5 * estimate + 1e-15
         ratios.append(estimate / (error + 1e-15))
     assert np.median(ratios) <= 100
-    at_points = max([series.error_at(values, y) for y in X])
-    between = max([series.error_at(values, y) for y in (X[1:] + X[:-1]) / 2])
-    assert at_points < between
+    at_points = max(series.error_at(values, y) for y in X)
+    between_points = max(series.error_at(values, y) for y in (X[1:] + X[:-1]) / 2)
+    assert at_points < between_points
 
 
 @pytest.mark.parametrize(("n", "band"), [(8, 24), (24, 8), (40, 3), (5, 1)])
-def test_elimination_with_bands(n, band):
+def test_elimination_solves_banded_equations_as_numpy_does(n, band):
     rng = np.random.default_rng(n)
     distance = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
     A = rng.normal(size=(n, n)) * (distance < band)
@@ -159,22 +160,25 @@ def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
 
     series.flatten(values)
 
-    nodes, weights = legendre.leggauss(20)
+    # The nearest parabola has the first three coefficients of Legendre's series.
+    x, weights = legendre.leggauss(20)
     parabola = []
     for k in range(3):
-        projection = weights @ (np.exp(nodes) * legendre.Legendre.basis(k)(nodes))
+        projection = weights @ (np.exp(x) * legendre.Legendre.basis(k)(x))
         parabola.append((2 * k + 1) / 2 * projection)
     assert values == pytest.approx(legendre.legval(X, parabola), abs=1e-9)
-    assert max(abs(np.exp(X) - values)) > 1e-3  # of degree 2 alone
+    assert max(abs(np.exp(X) - values)) > 1e-3  # a parabola is not the exponential
 
 
 # Lines
 # --------------------------------------------------------------------------------------
 
 
-def line_of(*pieces, delay=0, room=4, **run):
-    """Run, lines and log with one line that holds these pieces: (start, end, order,
-    series).
+def line_of(*pieces, delay=0):
+    """A run, a list of one line that holds these pieces, and the log of pieces.
+
+    A piece is given by its start and end, the order of the break before it and its
+    coefficients. In the log there is room for four more.
     """
     hard_breaks = sum(order <= HARD for _, _, order, _ in pieces[1:])
     last = len(pieces) - 1
@@ -186,7 +190,7 @@ def line_of(*pieces, delay=0, room=4, **run):
         last_piece=last,
         unread_breaks=hard_breaks,
     )
-    log = record_lists.as_objects(np.zeros(len(pieces) + room, PIECE))
+    log = record_lists.as_objects(np.zeros(len(pieces) + 4, PIECE))
     for i, (start, end, order, c) in enumerate(pieces):
         piece = log[i]
         piece.start = start
@@ -194,24 +198,32 @@ def line_of(*pieces, delay=0, room=4, **run):
         piece.break_order = order
         piece.degree = N if len(c) > 1 else 0
         piece.coefficients = [*c, *[0.0] * (POINTS - len(c))]
-        piece.next = i + 1 if i < last else NONE
-    run = record_with(RUN, tolerance=1e-8, shortest_transit=1000, **run)
+        piece.next = i + 1
+    log[last].next = NONE
+    run = record_with(RUN, tolerance=1e-8, shortest_transit=1000)
     run.piece_count = len(pieces)
     return run, [line], log
 
 
-PIECES = [
+DELAY = 1000  # ticks, by which the pieces below arrive later than they left
+PIECES = [  # start and end, order of the break before, coefficients
     (-1000, -400, SMOOTH, [1.0, 0.5, 0.25]),
     (-400, 100, 0, [3.0]),
     (100, 1000, 1, [0.2, -1.0, 0.3, 0.1]),
 ]
+BREAKS = (600, 1100)  # ticks at which the second and the third piece arrive
 
 
-def arriving(t, delay, before=False):
-    """What the pieces above bring at a tick."""
-    side = "left" if before else "right"
-    start, stop, _, c = PIECES[np.searchsorted([-400, 100], t - delay, side)]
-    y = 2 * (t - delay - start) / (stop - start) - 1
+def line_of_pieces():
+    """The line of `PIECES`, which arrive from tick 0 to 2000, in a list; and the log."""
+    _, line, log = line_of(*PIECES, delay=DELAY)
+    return line, log
+
+
+def arriving(t, side="right"):
+    """What `PIECES` bring at tick t, from its right or its left side."""
+    start, stop, _, c = PIECES[np.searchsorted(BREAKS, t, side)]
+    y = 2 * (t - DELAY - start) / (stop - start) - 1
     return chebyshev.chebval(y, c)
 
 
@@ -219,52 +231,52 @@ def arriving(t, delay, before=False):
     ("tick", "ticks"), [(0, 300), (0, 600), (350, 700), (1100, 900)]
 )
 def test_what_left_arrives_a_delay_later(tick, ticks):
-    _, line, log = line_of(*PIECES, delay=1000)
+    """Sampled over `ticks` from `tick` on."""
+    line, log = line_of_pieces()
     lines.advance_to(line, log, 0, tick)
     values = work()
 
     lines.sample(line, log, 0, tick, ticks, values)
 
     times = tick + ticks * (X + 1) / 2
-    expected = [float(arriving(t, 1000)) for t in times[:-1]]
-    expected.append(float(arriving(times[-1], 1000, before=True)))
+    expected = [float(arriving(t)) for t in times[:-1]]
+    expected.append(float(arriving(times[-1], "left")))
     assert values == pytest.approx(expected, abs=1e-13)
 
 
-def test_breaks_of_a_line_in_their_order():
-    _, line, log = line_of(*PIECES, delay=1000)
+def test_breaks_of_a_line_come_in_their_order():
+    line, log = line_of_pieces()
     assert lines.known_until(line, log, 0) == 2000
     assert lines.next_break(line, log, 0, 0, 2000) == 600
-    assert lines.next_break(line, log, 0, 0, 500) == 500
+    assert lines.next_break(line, log, 0, 0, 500) == 500  # none before this end
     assert lines.next_break(line, log, 0, 600, 2000) == 1100
     assert lines.order_at(line, log, 0, 0) == 0  # at the beginning anything may jump
 
 
 def test_breaks_that_have_passed_are_left_behind():
-    _, line, log = line_of(*PIECES, delay=1000)
+    line, log = line_of_pieces()
 
-    def after(tick):
+    def read_and_unread(tick):
+        """Piece that is read at a tick, and number of breaks behind it."""
         lines.advance_to(line, log, 0, tick)
         return line[0].read_piece, line[0].unread_breaks
 
-    assert after(599) == (0, 2)
-    assert after(600) == (1, 1)
+    assert read_and_unread(599) == (0, 2)
+    assert read_and_unread(600) == (1, 1)
     assert lines.order_at(line, log, 0, 600) == 0
     assert lines.order_at(line, log, 0, 601) == SMOOTH
-    assert after(5000) == (2, 0)
+    assert read_and_unread(5000) == (2, 0)
 
 
-def between_breaks(tick, ticks):
-    """Times and weights of a quadrature that is exact for the pieces above, 1000 ticks
-    late.
-    """
-    breaks = [t for t in (600, 1100) if tick < t < tick + ticks]
+def quadrature(tick, ticks):
+    """Times and weights with which sums are the integrals of what `PIECES` bring."""
+    breaks = [t for t in BREAKS if tick < t < tick + ticks]
     edges = [tick, *breaks, tick + ticks]
-    nodes, weights = legendre.leggauss(12)
+    x, weights = legendre.leggauss(12)
     times = []
     all_weights = []
     for start, stop in pairwise(edges):
-        times.append(start + (stop - start) * (nodes + 1) / 2)
+        times.append(start + (stop - start) * (x + 1) / 2)
         all_weights.append((stop - start) / 2 * weights)
     return np.concatenate(times), np.concatenate(all_weights)
 
@@ -272,8 +284,10 @@ def between_breaks(tick, ticks):
 @pytest.mark.parametrize(
     ("tick", "ticks"), [(0, 2000), (500, 300), (550, 700), (1400, 64)]
 )
-def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
-    _, line, log = line_of(*PIECES, delay=1000)
+def test_dense_breaks_keep_momentum_and_its_first_moment_and_gain_no_energy(
+    tick, ticks
+):
+    line, log = line_of_pieces()
     lines.advance_to(line, log, 0, tick)
     smoothed = work()
 
@@ -282,8 +296,8 @@ def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
     def integral(values):
         return ticks / 2 * series.integral(values)
 
-    times, weights = between_breaks(tick, ticks)
-    arrived = np.array([arriving(t, 1000) for t in times])
+    times, weights = quadrature(tick, ticks)
+    arrived = np.array([arriving(t) for t in times])
     y = 2 * (times - tick) / ticks - 1
     assert integral(smoothed) == pytest.approx(weights @ arrived, rel=1e-12)
     energy = integral([value**2 for value in smoothed])
@@ -300,9 +314,10 @@ def constant(value):
 def test_what_is_constant_stays_one_piece():
     run, line, log = line_of((0, 100, SMOOTH, [2.0]))
 
-    new = lines.append_values(run, line, log, 0, 100, 50, constant(2.0), work())
+    # From tick 100 on, for 50 ticks
+    new_piece = lines.append_values(run, line, log, 0, 100, 50, constant(2.0), work())
 
-    assert new == NONE
+    assert new_piece == NONE
     assert run.piece_count == 1
     assert log[0].end == 150
 
@@ -310,9 +325,9 @@ def test_what_is_constant_stays_one_piece():
 def test_another_constant_is_another_piece():
     run, line, log = line_of((0, 150, SMOOTH, [2.0]))
 
-    new = lines.append_values(run, line, log, 0, 150, 50, constant(3.0), work())
+    new_piece = lines.append_values(run, line, log, 0, 150, 50, constant(3.0), work())
 
-    assert new == 1
+    assert new_piece == 1
     assert run.piece_count == 2
     assert log[1].degree == 0
     assert log[0].next == 1
@@ -348,8 +363,10 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
 
 
 @pytest.mark.parametrize(("sent", "order"), [(2.0, 0), (0.5, 1)])
-def test_what_a_free_end_sends_back_first_may_jump(sent, order):
-    """What arrives at t = 0 begins with 0.5, and is sent after what is under way."""
+def test_the_first_reflection_of_a_free_end_has_a_break_of_its_order(sent, order):
+    """What arrives at t = 0 begins with 0.5, and is sent after what is under way, the
+    constant `sent`: it jumps (order 0), or only its slope does (1).
+    """
     run, line, log = line_of((-1000, 0, SMOOTH, [1.0, 0.5]), delay=1000)
     line.append(record_with(LINE, last_piece=NONE))
     lines.append_values(run, line, log, 1, -1000, 1000, constant(sent), work())
@@ -370,6 +387,9 @@ def test_what_a_free_end_sends_back_first_may_jump(sent, order):
 
 @pytest.fixture
 def wave_with_a_jump_and_a_kink():
+    """Pieces of a signal of straight lines from tick 0 to 1000: constant, from 300 on
+    falling, from 700 on rising.
+    """
     begins = np.array([1.0, 3.0, 2.0])
     ends = np.array([1.0, 2.0, 4.0])
     signal = Pieces.lines([0, 300, 700], begins, ends, 1000)
@@ -429,6 +449,7 @@ LAWS = {
 
 
 def pressed_link(fields):
+    """A link that presses or is bonded, with these fields."""
     defaults = {"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS}
     return record_with(LINK, **{**defaults, **fields})
 
@@ -452,7 +473,7 @@ def test_a_force_satisfies_its_law(fields):
 
 
 @pytest.mark.parametrize("fields", LAWS.values(), ids=LAWS)
-def test_a_force_has_these_derivatives(fields):
+def test_derivatives_of_a_force_are_its_difference_quotients(fields):
     link = pressed_link(fields)
     step = 1e-6
 
@@ -481,7 +502,9 @@ def test_a_force_has_these_derivatives(fields):
         (Law.POWER, Status.GRAZE, -0.5, -9.0, Status.OPEN),
     ],
 )
-def test_what_ends_a_status(law, status, overlap, closing, next_status):
+def test_one_guard_ends_a_status_and_names_the_next(
+    law, status, overlap, closing, next_status
+):
     link = record_with(
         LINK,
         law=law,
@@ -520,12 +543,8 @@ def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, si
     assert pushed == pytest.approx(2 * mobility * series.truncation_estimate(forces))
 
     link.law = Law.RIGID
-    assert nodes.truncation_error([link], [], node) == series.truncation_estimate(
-        forces
-    )
-
-
-# A force that is almost 0
+    by_velocity = nodes.truncation_error([link], [], node)
+    assert by_velocity == series.truncation_estimate(forces)
 
 
 def test_a_force_that_is_the_difference_of_large_terms_is_found():
@@ -548,10 +567,11 @@ def test_a_force_that_is_the_difference_of_large_terms_is_found():
         overlap_rate=closing,
     )
     node = record_with(NODE, link_count=1, mobility=[5.60433405e-09, 3.75933741e-03])
-    node.incoming[0] = constant(-0.11930282)
+    velocity = -0.11930282
+    node.incoming[0] = constant(velocity)
     for j in range(POINTS):
         round_off = (j % 2) * 1.4e-17
-        node.incoming[1][j] = -0.11930282 - closing + round_off
+        node.incoming[1][j] = velocity - closing + round_off
     run = record_with(RUN, velocity_scale=1.1193)
     matrix = np.zeros((N, N + 1)).tolist()
 

@@ -12,24 +12,24 @@ from networks import unit_rod
 
 import rodimpact as ri
 
-UNTIL = 3.4
+UNTIL = 3.4  # s, in which waves pass a rod three times
 STEPS = ri.Steps([0.0, 1.0, -0.5, 0.2], [0.3, 0.71, 1.9])
 SAMPLES = ri.Samples([0.0, 1.0, -0.5, 0.2, 0.3], step=0.7)
 
 
-def value(profile, t):
-    """What a profile is at times; 0 before the start."""
+def value_of(profile, t):
+    """Values of a profile, of any kind, at times t; 0 before the start."""
     if isinstance(profile, ri.Steps):
         step = np.searchsorted(profile.at, t, "right")
-        f = np.array(profile.values)[step]
+        values = np.array(profile.values)[step]
     elif isinstance(profile, ri.Samples):
         times = profile.step * np.arange(len(profile.values))
-        f = np.interp(t, times, profile.values)
+        values = np.interp(t, times, profile.values)
     elif callable(profile):
-        f = profile(t)
+        values = profile(t)
     else:
-        f = profile
-    return np.where(t >= 0, f, 0.0)
+        values = profile
+    return np.where(t >= 0, values, 0.0)
 
 
 def driven_by(kind, profile):
@@ -40,33 +40,41 @@ def driven_by(kind, profile):
 
 
 ECHO = {ri.Free: 1, ri.Fixed: -1, ri.Absorbing: 0}
+"""Velocity that the far end sends back, over that which arrives."""
 
 
 def gravity_of(far):
-    """A rod falls where that brings no echo."""
-    return 0.3 * (far is ri.Absorbing)
+    """Gravity, m/s^2: rods fall if their far end sends back no echo."""
+    if far is ri.Absorbing:
+        return 0.3
+    return 0.0
 
 
-def leaving(kind, far, profile, t, Z):
-    """The wave that leaves the driven left end: a = 2 f - b, b + 2 F/Z or 2 c e, b the
-    echo.
+def wave_sent(kind, far, profile, t, Z):
+    """The wave a that leaves the driven left end at t, as seen in free fall.
 
-    As seen in free fall, where an end that is moved stays behind.
+    With the drive f and the wave b that arrives it is 2 f - b at a moved end, b + 2 f/Z
+    at a pushed one, and -2 c f, c = 1, of an incoming wave. An end that is moved stays
+    behind in free fall.
     """
-    behind = gravity_of(far) * (kind is ri.Moved)
     sent = {ri.Moved: 2.0, ri.Pushed: 2 / Z, ri.Incoming: -2.0}[kind]
-    at_driven_end = {ri.Moved: -1, ri.Pushed: 1, ri.Incoming: 0}[kind]
-    echo = ECHO[far] * at_driven_end
+    echo_of_driven_end = {ri.Moved: -1, ri.Pushed: 1, ri.Incoming: 0}[kind]
+    echo = ECHO[far] * echo_of_driven_end
+    acceleration_behind = 0.0
+    if kind is ri.Moved:
+        acceleration_behind = gravity_of(far)
     wave = 0.0
-    for n in range(3):  # times that it has run to and fro
+    for n in range(3):  # round trips, of 2 s each
         earlier = t - 2 * n
-        drive = value(profile, earlier) - behind * np.maximum(earlier, 0)
+        behind = acceleration_behind * np.maximum(earlier, 0)
+        drive = value_of(profile, earlier) - behind
         wave = wave + sent * echo**n * drive
     return wave
 
 
-def sine(periods):
-    return lambda t: 0.3 + np.sin(2 * math.pi * periods * t + 0.4)
+def sine(frequency):
+    """A function of time that is no sum of even steps; `frequency` in Hz."""
+    return lambda t: 0.3 + np.sin(2 * math.pi * frequency * t + 0.4)
 
 
 PROFILES = {
@@ -77,8 +85,6 @@ PROFILES = {
     "even": sine(1.0),
     "quick": sine(10.0),
 }
-
-
 CASES = list(product(PROFILES, [ri.Moved, ri.Pushed, ri.Incoming], [ri.Free, ri.Fixed]))
 CASES += product(PROFILES, [ri.Moved, ri.Pushed], [ri.Absorbing])
 USUAL = [case for case in CASES if case[0] != "quick"]
@@ -98,10 +104,10 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
     rng = np.random.default_rng(1)
     x = rng.uniform(0, 1, 200)
     t = rng.uniform(0, UNTIL, 200)
-    away = leaving(kind, far, profile, t - x, Z)
-    back = leaving(kind, far, profile, t + x - 2, Z) * ECHO[far]
+    away = wave_sent(kind, far, profile, t - x, Z)
+    back = wave_sent(kind, far, profile, t + x - 2, Z) * ECHO[far]
     times = np.linspace(0, UNTIL, 999)
-    size = np.abs(leaving(kind, far, profile, times, Z)).max()
+    size = np.abs(wave_sent(kind, far, profile, times, Z)).max()  # largest wave, m/s
     stated = solution.accuracy["velocity"]
     near = (stated + 1e-12) * size
     velocity = (away + back) / 2 + gravity_of(far) * t
@@ -114,9 +120,9 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
 
 
 @pytest.mark.parametrize("name", few_of(list(PROFILES), ["steps", "even"]))
-def test_a_driven_rod_presses_a_spring(name):
-    """What arrives, u = 2 f, drives d' = u - F/Z - F/Z of two endless bars: F is u
-    low-passed.
+def test_an_incoming_wave_presses_a_spring_as_a_low_pass_says(name):
+    """Between two endless bars the compression d obeys d' = u - 2 F/Z, F = k d, with
+    the velocity u = -2 c f of a free end on which the wave f, a strain, arrives.
     """
     profile = PROFILES[name]
     k = 5.0
@@ -127,14 +133,14 @@ def test_a_driven_rod_presses_a_spring(name):
 
     (joint,) = ri.solve(system, UNTIL).contacts
 
-    n = 400_000
-    t = np.linspace(0, UNTIL - 1, n + 1)
+    # Sums over many short steps of time, from the arrival of the wave, after 1 s, on
+    t = np.linspace(0, UNTIL - 1, 400_001)
     dt = t[1] - t[0]
     middle = (t[1:] + t[:-1]) / 2
-    arriving = -2 * value(profile, middle)
-    remaining = np.exp(2 * k / Z * (middle - t[-1]))  # at the end, of what arrives
-    compression = np.sum(arriving * remaining) * dt
-    path = np.sum(arriving) * dt
+    velocity = -2 * value_of(profile, middle)
+    remaining = np.exp(2 * k / Z * (middle - t[-1]))  # share of its path at the end
+    compression = np.sum(velocity * remaining) * dt
+    path = np.sum(velocity) * dt
     impulse = (path - compression) * Z / 2
     assert float(joint.force(UNTIL)) == pytest.approx(k * compression, abs=2e-5)
     assert joint.impulse == pytest.approx(impulse, abs=2e-5)
