@@ -17,7 +17,7 @@ METHOD = "characteristics"
 
 
 def numbers_of(solution):
-    """Numbers that a run comes to, and its waves at some places."""
+    """Velocities of rods, forces and totals of contacts, one behind the other."""
     times = np.linspace(0, solution.t_end, 9)
     numbers = []
     for i, body in enumerate(solution.system.bodies):
@@ -30,21 +30,24 @@ def numbers_of(solution):
 
 
 # The same however it is run
-# -----------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", few_of(range(2), range(1)))
-def test_a_run_that_finds_too_little_room_goes_on_with_more(monkeypatch, seed):
+def test_a_run_that_starts_with_little_room_comes_to_the_same_numbers(
+    monkeypatch, seed
+):
     system = random_network(seed)
     with kernels.forced(False):
-        whole = numbers_of(ri.solve(system, 2.0, METHOD))
+        expected = numbers_of(ri.solve(system, 2.0, METHOD))
         monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 4)
         monkeypatch.setattr(driver, "INITIAL_CONTACT_ROWS", 1100)
-        with_more = numbers_of(ri.solve(system, 2.0, METHOD))
-    assert with_more.tolist() == whole.tolist()
+        numbers = numbers_of(ri.solve(system, 2.0, METHOD))
+    assert numbers.tolist() == expected.tolist()
 
 
 def family():
+    """A family of 2 x 4 members, by stiffness and length."""
     lengths = np.array([0.4, 0.7, 1.0, 0.9])
     stiffnesses = np.array([[10.0], [1e5]])
     bodies = [unit_rod(lengths, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.3)]
@@ -53,6 +56,7 @@ def family():
 
 
 def totals(result):
+    """Velocities after and totals of contacts of all members, each a list."""
     columns = [velocities.tolist() for velocities in result.velocities_after]
     for contact in result.contacts:
         for name in ("impulse", "peak_force", "duration", "episodes"):
@@ -71,7 +75,7 @@ def swept():
 
 
 @needs_compiler
-def test_members_are_the_same_in_any_chunks(monkeypatch, swept):
+def test_members_are_the_same_in_threads_and_in_any_chunks(monkeypatch, swept):
     with ThreadPoolExecutor(2) as executor:
         in_threads = ri.sweep(family(), executor=executor)
     assert totals(in_threads) == totals(swept)
@@ -103,15 +107,16 @@ def test_plain_python_runs_the_same_bits():
             plain = numbers_of(ri.solve(system, 2.0, METHOD))
         with kernels.forced(True):
             compiled = numbers_of(ri.solve(system, 2.0, METHOD))
+        # Texts tell 0.0 from -0.0, and nan is as nan.
         assert repr(plain.tolist()) == repr(compiled.tolist()), seed
 
 
 # Beside another method
-# ----------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(6)))
-def test_random_rows_are_those_of_finite_differences(seed):
+def test_random_rows_are_near_those_of_finite_differences_and_keep_their_energy(seed):
     """Two methods that share the row and nothing else, on all bodies, laws and ends."""
     system = random_network(seed, bodies=4, driven=seed % 2 == 1)
     grid = ri.solve(system, 1.0, "finite-difference", cells=400, snapshots=2)
@@ -133,11 +138,11 @@ def test_random_rows_are_those_of_finite_differences(seed):
 
 
 # Waves too dense to be followed
-# -------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
-def test_waves_that_are_smoothed_keep_their_momentum():
-    """What the two contacts of a rod give it is its change of momentum."""
+def test_waves_that_are_smoothed_keep_the_momentum_of_each_rod():
+    """It changes by what the two contacts of the rod give it."""
     rng = np.random.default_rng(22)
     lengths = rng.uniform(0.11, 1.3, 4)
     areas = rng.uniform(0.3, 2.0, 4)

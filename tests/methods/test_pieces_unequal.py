@@ -16,7 +16,7 @@ from rodimpact.methods.pieces import finality, march
 from rodimpact.methods.row_builder import build_row
 
 HERTZ = ri.Hertz(3.0)
-KINDS = {
+KINDS = {  # contact laws on both sides of the short rod
     "bonded hertz": (ri.Bonded(), HERTZ),
     "hertz bonded": (HERTZ, ri.Bonded()),
     "hertz": (HERTZ, HERTZ),
@@ -31,15 +31,18 @@ def row(length, kind):
 
 
 @pytest.mark.parametrize("kind", few_of(KINDS, {"rigid"}))
-def test_the_looks_for_a_proof_do_not_grow_with_the_ratio(monkeypatch, kind):
+def test_proofs_are_tried_8_times_a_second_and_not_once_each_short_transit(
+    monkeypatch, kind
+):
     """Each of them reads all waves under way: one in each short transit made 10 s of
     0.4 s.
     """
-    looks = []
+    n_proofs = 0
     update_groups = finality.update_groups
 
     def counted(*arguments):
-        looks.append(arguments)
+        nonlocal n_proofs
+        n_proofs += 1
         update_groups(*arguments)
 
     monkeypatch.setattr(finality, "update_groups", counted)
@@ -47,50 +50,53 @@ def test_the_looks_for_a_proof_do_not_grow_with_the_ratio(monkeypatch, kind):
         solution = ri.solve(row(0.01, kind), method="characteristics")
     assert solution.final
     runs = 2  # one at rtol, and one for the stated error
-    assert len(looks) <= runs * (8 * solution.t_end + 6)
+    assert n_proofs <= runs * (8 * solution.t_end + 6)
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="a hundred thousand steps")
-def test_a_row_with_a_ratio_of_1e4_is_right():
+def test_velocities_of_a_row_with_a_ratio_of_1e4_are_right_to_the_stated_error():
     pytest.importorskip("numba")
     system = row(1e-4, "rigid")
     with kernels.forced(True):
         solution = ri.solve(system, method="characteristics")
     exact = ri.solve(system, method="fronts")
     stated = solution.accuracy["velocity"] * solution.fields.clock.scale
-    off = np.subtract(solution.outcome.velocities_after, exact.outcome.velocities_after)
-    assert np.abs(off).max() <= stated + 1e-13
+    velocities = np.array(solution.outcome.velocities_after)
+    errors = np.abs(velocities - exact.outcome.velocities_after)
+    assert errors.max() <= stated + 1e-13
 
 
-def test_a_run_with_too_many_pieces_names_the_short_rod(monkeypatch):
+def test_a_run_with_too_many_pieces_names_the_short_rod_if_there_is_one(monkeypatch):
     monkeypatch.setattr(memory, "MAX_BYTES", 3e5)
     with pytest.raises(memory.TooLong) as refusal:
         ri.solve(row(1e-5, "bonded hertz"), method="characteristics")
-    ((field, sentence),) = refusal.value.problems
-    assert field == "until"
+    problems = dict(refusal.value.problems)
+    assert list(problems) == ["until"]
+    sentence = problems["until"]
     assert "the transit time of bodies.1, which is 1e-05 of the longest" in sentence
     assert "replace it by a rigid mass" in sentence
     with pytest.raises(memory.TooLong, match="take a larger rtol"):
         ri.solve(row(0.1, "hertz"), method="characteristics", until=1e3)
 
 
-def run_of_page(system, until):
-    """What the page makes of a system."""
-    options = {} if until is None else {"until": until}
-    tables = {"solve": {}, **tables_of(ri.Case(system, options))["case"]}
-    return page.run_of(
-        build_row(system_of(tables, LIBRARY)), request_of(tables), 1e-8, True, None
-    )
+def run_of_page(system, options):
+    """The run that the page makes of a case, as a dict."""
+    case = ri.Case(system, options)
+    tables = {"solve": {}} | tables_of(case)["case"]
+    system_of_page = system_of(tables, LIBRARY)
+    return page.run_of(build_row(system_of_page), request_of(tables), 1e-8, True, None)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("until", [None, 5.0])
-def test_the_page_says_at_once_that_a_row_takes_too_long(monkeypatch, kind, until):
-    def run(*_):
+@pytest.mark.parametrize("options", [{}, {"until": 5.0}], ids=["to the proof", "to 5 s"])
+def test_the_page_says_that_a_row_takes_too_long_before_it_begins(
+    monkeypatch, kind, options
+):
+    def begin(*_):
         raise AssertionError("the page has begun")
 
-    monkeypatch.setattr(march, "run_nodes", run)
-    problem = run_of_page(row(1e-6, kind), until)["problem"]
+    monkeypatch.setattr(march, "run_nodes", begin)
+    problem = run_of_page(row(1e-6, kind), options)["problem"]
     assert problem == ("", page.TOO_MUCH_WORK)
     with pytest.raises(AssertionError, match="the page has begun"):
-        run_of_page(row(0.01, kind), until)
+        run_of_page(row(0.01, kind), options)
