@@ -88,7 +88,9 @@ def run_of_page(system, options):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("options", [{}, {"until": 5.0}], ids=["to the proof", "to 5 s"])
+@pytest.mark.parametrize(
+    "options", [{}, {"until": 5.0}], ids=["to the proof", "to 5 s"]
+)
 def test_the_page_says_that_a_row_takes_too_long_before_it_begins(
     monkeypatch, kind, options
 ):

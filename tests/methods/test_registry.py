@@ -35,7 +35,7 @@ MISTAKES = [
 
 @pytest.mark.parametrize(("name", "value"), MISTAKES)
 @pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
-def test_mistakes_are_the_same_whoever_asks(name, value, ask):
+def test_mistakes_of_options_are_the_same_in_solve_and_sweep(name, value, ask):
     messages = problems(lambda: Options(**{name: value}))
     assert list(messages) == [name]
     assert problems(lambda: ask(ROW, **{name: value})) == messages
@@ -75,8 +75,9 @@ ALL_WRONG = {
     ],
 )
 def test_all_mistakes_are_told_once_each(wrong):
+    """All of these are told but rtol, which is right, or only beside the others wrong."""
     paths = refused("must|give", Options, **wrong)
-    assert sorted(paths) == sorted({*wrong} - {"rtol"})
+    assert sorted(paths) == sorted(set(wrong) - {"rtol"})
 
 
 @pytest.mark.parametrize(
@@ -107,6 +108,7 @@ def test_options_of_another_method_are_refused(options, path, message, ask):
 
 
 def driven_pair(end):
+    """A moving rod with this left end, and one at rest 1 mm before it."""
     return ri.System([ROD, STILL], gaps=[1e-3], ends=(end, ri.Free()))
 
 
@@ -156,7 +158,9 @@ def test_bodies_that_fall_alike_come_to_an_end():
     ],
 )
 @pytest.mark.parametrize("cap", [7, 100])
-def test_the_cap_ends_a_run_that_does_not_end(method, counted, remedy, cap):
+def test_the_cap_on_events_ends_a_run_and_says_what_it_counts(
+    method, counted, remedy, cap
+):
     system = ri.System([ri.Wall(), ROD, ri.Wall()], [1e-3, 1e-3])
     solution = ri.solve(system, method=method, max_events=cap)
     assert solution.stopped_by == "max_events"
@@ -167,46 +171,40 @@ def test_the_cap_ends_a_run_that_does_not_end(method, counted, remedy, cap):
     assert re.search(sentence, solution.status)
 
 
-def test_an_accuracy_that_is_asked_for_chooses_a_method_that_takes_one():
+def test_rtol_chooses_a_method_that_takes_one():
     assert Options().method_for(ROW) == "fronts"
     assert Options(rtol=1e-3).method_for(ROW) == "characteristics"
 
 
-GRID = [{"dt": 1e-6}, {"cells": 9}, {"snapshots": [0.0, 1e-5]}]
-
-
+OPTIONS_OF_GRID = [{"dt": 1e-6}, {"cells": 9}, {"snapshots": [0.0, 1e-5]}]
 SPRING = [ri.Spring(1e8)]
-
-
 MASS_ON_SPRING = ri.System(
     [ri.RigidMass(1.0, velocity=1.0), ri.Wall()], contacts=SPRING
 )
 
 
-@pytest.mark.parametrize("options", GRID)
+@pytest.mark.parametrize("options", OPTIONS_OF_GRID)
 @pytest.mark.parametrize(
     "system",
     [ROW, ri.System([ROD, ri.Wall()], contacts=SPRING), MASS_ON_SPRING],
     ids=["fronts", "characteristics", "without a rod"],
 )
-def test_options_of_a_grid_do_not_choose_it(system, options):
+def test_options_of_a_grid_are_refused_where_another_method_is_chosen(system, options):
     messages = problems(lambda: Options(**options).method_for(system))
-    path = next(iter(options))
+    (path,) = options
     assert list(messages) == [path]
     assert messages[path].startswith('is for method "finite-difference", not "')
-
-
-ON_GRID = {"method": "finite-difference", "cells": 20}
-
-
-@pytest.mark.parametrize("options", GRID)
-def test_options_of_a_grid_are_taken_where_the_row_needs_one(options):
-    assert Options(**options).method_for(ri.System([LOSSY])) == "finite-difference"
 
 
 STEEL = ri.materials.steel
 THICK = ri.Rod(0.4, diameter=0.01, material=STEEL, lateral_inertia="rayleigh-love")
 LOSSY = ri.Rod(0.4, area=1e-4, material=STEEL.damped(0.01, 1e4))
+ON_GRID = {"method": "finite-difference", "cells": 20}
+
+
+@pytest.mark.parametrize("options", OPTIONS_OF_GRID)
+def test_options_of_a_grid_are_taken_where_the_row_needs_one(options):
+    assert Options(**options).method_for(ri.System([LOSSY])) == "finite-difference"
 
 
 @pytest.mark.parametrize(
@@ -255,10 +253,11 @@ def test_the_status_names_no_entry_where_nothing_slower_was_chosen(system, optio
     assert "slower" not in ri.solve(system, until=1e-5, **options).status
 
 
+# What methods lack
+# --------------------------------------------------------------------------------------
+
 CONE = ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4]), material=STEEL)
 RAMP = ri.Samples([0.0, 1.0], step=1e-5)
-
-
 LOSSY_AND_THICK = ri.Segment(
     0.5,
     1e-4,
@@ -267,15 +266,9 @@ LOSSY_AND_THICK = ri.Segment(
     lateral_inertia="rayleigh-love",
 )
 MIXED = ri.Rod(segments=[ri.Segment(0.5, 1e-4, STEEL), LOSSY_AND_THICK])
-
-
 SMOOTH = ROD.replace(velocity=ri.Samples([0.0, 1.0]))
-
-
-VERY_THICK = THICK.replace(lateral_inertia="mindlin-herrmann")
-
-
-FOR_CHARACTERISTICS = {  # a row, and by path what other methods lack
+BY_MINDLIN_AND_HERRMANN = THICK.replace(lateral_inertia="mindlin-herrmann")
+FOR_CHARACTERISTICS = {  # a row, and by path what fronts lack
     "mass": (ri.System([ri.RigidMass(2.0), ROD]), {"bodies.0": "rigid masses"}),
     "law": (
         ri.System([ROD, ROD], contacts=SPRING),
@@ -295,9 +288,7 @@ FOR_CHARACTERISTICS = {  # a row, and by path what other methods lack
         {"ends.left.value": "drives other than steps"},
     ),
 }
-
-
-FOR_A_GRID = {
+FOR_A_GRID = {  # a row, and by path what the other methods lack
     "three rods": (
         ri.System([THICK, MIXED, CONE]),
         {
@@ -308,7 +299,7 @@ FOR_A_GRID = {
         },
     ),
     "Mindlin and Herrmann": (
-        ri.System([ROD, VERY_THICK]),
+        ri.System([ROD, BY_MINDLIN_AND_HERRMANN]),
         {"bodies.1.lateral_inertia": "lateral inertia"},
     ),
 }
@@ -353,7 +344,7 @@ def test_steps_are_a_remedy_where_all_that_is_lacked_is_a_taper():
     assert message.endswith('"finite-difference" has, or give rod.in_steps(n)')
 
 
-def test_options_are_values():
+def test_options_are_converted_pickled_and_hashed_as_values():
     options = Options(until=1, max_events=np.int64(5), snapshots=[0.0])
     assert type(options.until) is float
     assert type(options.max_events) is int
