@@ -27,7 +27,7 @@ def test_ends_are_free_unless_something_is_said():
 
 
 @pytest.mark.parametrize("end", ENDS, ids=repr)
-def test_a_rod_takes_any_end(end):
+def test_a_rod_takes_any_end_which_is_kept_in_its_description(end):
     with_free_ends = ri.System([ROD, ri.Wall()])
     system = ri.System([ROD, ri.Wall()], ends=(end, ri.Free()))
     assert ri.System.from_dict(system.to_dict()) == system
@@ -38,7 +38,7 @@ def test_a_rod_takes_any_end(end):
 @pytest.mark.parametrize(
     "end", [ri.Free(), ri.Pushed(1.0), ri.Pushed(ri.Steps([1.0, 2.0], [1.0]))]
 )
-def test_a_mass_may_be_pushed(end):
+def test_a_mass_may_be_free_or_pushed(end):
     system = ri.System([MASS, ROD], ends=(end, ri.Fixed()))
     assert system.ends == (end, ri.Fixed())
 
@@ -69,7 +69,7 @@ def test_ends_are_two(ends):
     assert_told(lambda: ri.System([ROD, ROD], ends=ends), {"ends": ""})
 
 
-def test_drives_make_families():
+def test_numbers_of_drives_make_families():
     forces = np.array([1.0, 2.0])
     times = np.array([[1e-3], [2e-3]])
     push = ri.Pushed(ri.Steps([forces, 0.0], [times]))

@@ -12,8 +12,18 @@ def test_no_control_character_of_a_name_reaches_a_terminal():
     system = ri.System([rod, ri.Wall()])
     family = ri.System([rod.replace(length=[0.1, 0.2]), ri.Wall()])
     solution = ri.solve(system)
-    shown = [red, rod, rod.segments[0], system, solution, solution.outcome, family]
-    for value in [*shown, ri.sweep(family), ri.Case(system)]:
+    shown = [
+        red,
+        rod,
+        rod.segments[0],
+        system,
+        solution,
+        solution.outcome,
+        family,
+        ri.sweep(family),
+        ri.Case(system),
+    ]
+    for value in shown:
         for text in (repr(value), str(value)):
             assert text.replace("\n", "").isprintable()
 
@@ -23,14 +33,14 @@ def test_messages_show_a_long_path_in_short():
     with pytest.raises(OSError, match=r"long\.\.\.") as refused:
         ri.load(path)
     assert len(str(refused.value)) < 400
+    system = ri.System([ri.RigidMass(1.0), ri.Wall()], contacts=[ri.Hertz(1e9)])
+    solution = ri.solve(system, 1e-6)
     with pytest.raises(OSError, match="cannot write") as refused:
-        ri.solve(
-            ri.System([ri.RigidMass(1.0), ri.Wall()], contacts=[ri.Hertz(1e9)]), 1e-6
-        ).save(path)
+        solution.save(path)
     assert len(str(refused.value)) < 400
 
 
 @pytest.mark.parametrize("problems", [None, [1], [("length",)], "ab", [("a", 1)]])
-def test_problems_are_pairs_of_texts(problems):
+def test_problems_that_are_no_pairs_of_texts_are_refused(problems):
     with pytest.raises(ri.InvalidModel, match=r"problems: must be a list of \(path, "):
         ri.InvalidModel(problems)

@@ -10,8 +10,8 @@ import rodimpact as ri
 
 SOFT = ri.Material("soft", youngs_modulus=1.0, density=1.0)
 ROD = ri.Rod(1.0, area=1.0, material=SOFT)
-CORNERS = [0.0, 0.0, 0.1, 0.2, 0.1]
-STEP = 0.125
+CORNERS = [0.0, 0.0, 0.1, 0.2, 0.1]  # positions, m, between which lines run
+STEP = 0.125  # s from corner to corner
 
 
 def swing(t):
@@ -20,10 +20,12 @@ def swing(t):
 
 
 def swing_velocity(t):
+    """Its derivative, m/s."""
     return 0.5 * np.sin(t) ** 4 * np.cos(t)
 
 
 def run_of(end, **options):
+    """A rod whose left end is this one, its right end free, until 3 s."""
     system = ri.System([ROD], ends=(end, ri.Free()))
     return ri.solve(system, until=3.0, **options)
 
@@ -35,7 +37,7 @@ def test_straight_lines_make_a_velocity_in_steps():
 
 
 @pytest.mark.parametrize("origin", [0.0, -3.0])
-def test_only_changes_of_the_position_count(origin):
+def test_the_velocity_does_not_depend_on_the_origin_of_positions(origin):
     samples = [origin, origin + 1.0, origin]
 
     end = ri.Moved(position=ri.Samples(samples, step=0.5))
@@ -57,7 +59,7 @@ def test_an_end_is_where_it_should_be_to_round_off(method):
     assert abs(solution.outcome.energy_residual) < 1e-13
 
 
-def test_a_function_is_followed_to_its_stated_error():
+def test_a_function_is_followed_to_round_off_and_its_velocity_to_its_stated_error():
     end = ri.Moved(position=swing, duration=3.0)
     t = np.linspace(0.0, 3.0, 41)
 
@@ -67,6 +69,7 @@ def test_a_function_is_followed_to_its_stated_error():
     assert solution.displacement(0, 0.0, t) == pytest.approx(swing(t), abs=1e-11)
     velocity = swing_velocity(t)
     stated = solution.accuracy["velocity"] * solution.fields.clock.scale
+    # At the last time, where the drive ends, the end stops.
     error = np.abs(solution.velocity(0, 0.0, t[:-1]) - velocity[:-1]).max()
     assert error <= stated + 1e-14
 
@@ -77,8 +80,8 @@ def test_a_wave_runs_ahead_of_a_moved_end():
 
     solution = run_of(ri.Moved(position=swing, duration=3.0))
 
-    ahead = swing_velocity(1.0 - x)
-    assert solution.velocity(0, x, 1.0) == pytest.approx(ahead, abs=1e-9)
+    velocity = swing_velocity(1.0 - x)
+    assert solution.velocity(0, x, 1.0) == pytest.approx(velocity, abs=1e-9)
 
 
 def test_an_end_stops_after_its_last_sample():
@@ -92,7 +95,7 @@ def test_an_end_stops_after_its_last_sample():
     assert solution.velocity(0, 0.0, 2.0) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_grid_follows_with_the_square_of_the_cells():
+def test_errors_of_a_grid_at_a_moved_end_fall_with_the_square_of_the_step():
     t = np.linspace(0.0, 2.5, 26)
     exact = run_of(ri.Moved(position=swing, duration=3.0))
     errors = []
@@ -105,7 +108,8 @@ def test_a_grid_follows_with_the_square_of_the_cells():
         )
         difference = solution.velocity(0, 1.0, t) - exact.velocity(0, 1.0, t)
         errors.append(float(np.abs(difference).max()))
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.3)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders == pytest.approx(2.0, abs=0.3)
 
 
 def test_mirrored_ends_move_to_the_other_side():
@@ -119,7 +123,7 @@ def test_mirrored_ends_move_to_the_other_side():
     assert ri.System.from_dict(system.to_dict()) == system
 
 
-def test_a_family_of_speeds():
+def test_members_of_a_family_of_speeds_are_those_alone():
     end = ri.Moved(position=ri.Samples([0.0, 0.1], step=[0.5, 1.0]))
     system = ri.System([ROD], ends=(end, ri.Free()))
 
@@ -130,7 +134,7 @@ def test_a_family_of_speeds():
         assert family.columns["velocity_after.0"][i] == alone.velocities_after[0]
 
 
-def test_a_position_is_replaced_by_a_velocity():
+def test_a_position_is_replaced_by_a_velocity_and_the_reverse():
     end = ri.Moved(position=ri.Samples(CORNERS, step=STEP))
 
     assert end.replace(value=1.0) == ri.Moved(1.0)

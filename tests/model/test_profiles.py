@@ -28,6 +28,7 @@ def rod(**changes):
 
 
 # Samples
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -47,22 +48,14 @@ def test_a_number_is_a_profile():
     assert profile_from(3.0) == 3.0
 
 
-def test_samples_are_one_thing_and_no_family():
+def test_values_of_samples_make_no_family_and_are_shared_by_members():
     velocity = ri.Samples([0.0, 1.0, 2.0])
     system = ri.System([rod(velocity=velocity, strain=np.zeros(5)), ri.Wall()])
     assert system.shape == (5,)
     assert list(system.parameters) == ["bodies.0.strain"]
-    family_values = system.bodies[0].velocity.values
-    assert system[2].bodies[0].velocity.values is family_values
+    values = system.bodies[0].velocity.values
+    assert system[2].bodies[0].velocity.values is values
     assert ri.System.from_dict(system.to_dict()) == system
-
-
-def sine_of_list(x):
-    return [math.sin(value) for value in x] if np.ndim(x) else math.sin(x)
-
-
-def sine_of_arrays_only(x):
-    return np.array([math.sin(value) for value in x])
 
 
 def test_the_step_between_samples_may_be_a_family():
@@ -73,10 +66,22 @@ def test_the_step_between_samples_may_be_a_family():
 
 
 # Along a rod
+# --------------------------------------------------------------------------------------
+
+
+def sine_as_list(x):
+    """A list of numbers for an array or list, a number for a number."""
+    if np.ndim(x) == 0:
+        return math.sin(x)
+    return [math.sin(value) for value in x]
+
+
+def sine_of_arrays_only(x):
+    return np.array([math.sin(value) for value in x])
 
 
 @pytest.mark.parametrize(
-    "function", [np.sin, math.sin, sine_of_list, sine_of_arrays_only]
+    "function", [np.sin, math.sin, sine_as_list, sine_of_arrays_only]
 )
 def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
     samples = rod(velocity=function).velocity
@@ -86,12 +91,13 @@ def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
     assert samples.values == pytest.approx(np.sin(places), rel=1e-15)
 
 
-def test_a_constant_function():
+def test_a_constant_function_makes_equal_samples():
     strain = rod(strain=lambda x: 1e-3).strain
     assert strain == ri.Samples(np.full(SAMPLES_ALONG_ROD, 1e-3))
 
 
-def test_a_function_with_a_branch():
+def test_a_function_with_a_branch_is_sampled_place_by_place():
+    """A comparison of a whole array would have no truth."""
     strain = rod(strain=lambda x: 1 if x < 1.0 else 0).strain
     first_half = [1.0] * (SAMPLES_ALONG_ROD // 2)
     second_half = [0.0] * (SAMPLES_ALONG_ROD // 2 + 1)
@@ -99,6 +105,7 @@ def test_a_function_with_a_branch():
 
 
 # In time
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
@@ -139,6 +146,7 @@ def test_numbers_of_samples_are_finite_and_their_step_positive():
 
 
 # Mistakes
+# --------------------------------------------------------------------------------------
 
 
 def infinite_at_the_end(x):
@@ -214,9 +222,13 @@ def test_mistakes_of_drives_are_refused(drive, arguments, path, message):
     assert_told(lambda: drive(**arguments), {path: message})
 
 
-def test_a_function_bears_other_sizes_than_the_length_in_a_family():
+def test_a_function_is_taken_in_families_whose_rods_do_not_differ_in_length():
     family = rod(area=[1.0, 2.0], velocity=np.sin)
     assert family.velocity == rod(velocity=np.sin).velocity
+
+
+# Turned round
+# --------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -225,9 +237,6 @@ def sampled():
     velocity = ri.Samples([1.0, 2.0, 4.0])
     strain = ri.Samples([0.0, 1e-3])
     return ri.System([rod(velocity=velocity, strain=strain), ri.Wall()])
-
-
-# Turned round
 
 
 def test_mirrors_turn_samples(sampled):
@@ -250,10 +259,11 @@ def test_mirrors_turn_tapers():
 
 
 # Between places
+# --------------------------------------------------------------------------------------
 
 
 def integral_of_steps(steps, start, end):
-    """Sum of values times widths."""
+    """Integral of steps from start to end: the sum of values times widths."""
     jumps = [x for x in steps.at if start < x < end]
     total = 0.0
     for a, b in pairwise([start, *jumps, end]):
@@ -263,7 +273,10 @@ def integral_of_steps(steps, start, end):
 
 
 def integral_of_samples(samples, start, end, length):
-    """Trapezoidal rule on a grid that has every knot on it."""
+    """Integral of samples from start to end: the trapezoidal rule between all knots.
+
+    Without a step they are spread over the `length`.
+    """
     n = len(samples.values) - 1
     width = samples.step
     if width is None:
@@ -274,43 +287,33 @@ def integral_of_samples(samples, start, end, length):
     return np.trapezoid(np.interp(x, knots, samples.values), x)
 
 
-def integral(profile, start, end, length):
-    if isinstance(profile, ri.Steps):
-        return integral_of_steps(profile, start, end)
-    return integral_of_samples(profile, start, end, length)
-
-
-NUMBERS = st.floats(-10, 10)
-
-
-TICKS = st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True)
-PLACES = TICKS.map(lambda ticks: np.array(sorted(ticks)) / 500)
-
-
+LENGTH = 2.0  # m
+THOUSANDTHS = st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True)
+PLACES = THOUSANDTHS.map(lambda parts: np.array(sorted(parts)) / 1000 * LENGTH)
 """Some lie beyond the last of the samples in time."""
-
-
+NUMBERS = st.floats(-10, 10)
 VALUES = st.lists(NUMBERS, min_size=2, max_size=9)
-
-
 THREE_VALUES = st.lists(NUMBERS, min_size=3, max_size=3)
-
-
 TWO_PLACES = st.tuples(st.floats(0.1, 0.9), st.floats(1.0, 1.9))
-PROFILED = st.one_of(
+PROFILES = st.one_of(
     st.builds(ri.Samples, VALUES),
     st.builds(ri.Samples, VALUES, step=st.just(0.17)),
     st.builds(ri.Steps, THREE_VALUES, TWO_PLACES),
 )
 
 
-@given(PROFILED, PLACES)
-def test_averages_are_integrals_over_widths(profile, edges):
+@given(PROFILES, PLACES)
+def test_averages_are_integrals_over_widths_and_lie_between_the_extremes(
+    profile, edges
+):
     expected = []
     for start, end in pairwise(edges):
-        mean = integral(profile, start, end, 2.0) / (end - start)
-        expected.append(mean)
-    means = averages(profile, edges, 2.0)
+        if isinstance(profile, ri.Steps):
+            integral = integral_of_steps(profile, start, end)
+        else:
+            integral = integral_of_samples(profile, start, end, LENGTH)
+        expected.append(integral / (end - start))
+    means = averages(profile, edges, LENGTH)
     assert means == pytest.approx(expected, rel=1e-9, abs=1e-9)
     low, high = extremes(profile)
     assert low == min(profile.values)
@@ -323,7 +326,7 @@ def test_a_number_is_its_own_average():
     assert extremes(3.0) == [3.0, 3.0]
 
 
-def test_averages_of_steps_between_edges_at_their_jumps():
+def test_averages_of_steps_with_edges_at_their_jumps_and_across_them():
     steps = ri.Steps([1.0, 2.0, 4.0], at=[0.25, 0.5])
     at_jumps = averages(steps, np.array([0.0, 0.25, 0.5, 1.0]), 1.0)
     assert at_jumps.tolist() == [1.0, 2.0, 4.0]

@@ -316,6 +316,7 @@ QUANTITIES = [Quantity, OtherQuantity, pint_quantity, astropy_quantity]
 
 
 # Units
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
@@ -327,7 +328,7 @@ def test_every_field_converts_by_the_unit_of_the_quantity(quantity):
         converted[name] = make(quantity(3.0, unit))
         expected[name] = make(3.0 * factor)
     assert converted == pytest.approx(expected, rel=1e-14)
-    assert set(map(np.ndim, converted.values())) == {0}
+    assert {np.ndim(value) for value in converted.values()} == {0}
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
@@ -365,7 +366,10 @@ def test_a_stiffness_of_any_power_must_be_bare():
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_field_refuses_a_quantity_of_something_else(quantity):
     def wrong_quantity(unit):
-        return quantity(4.0, "mm" if unit == "g" else "g")
+        wrong_unit = "g"
+        if unit == "g":
+            wrong_unit = "mm"
+        return quantity(4.0, wrong_unit)
 
     assert taken_by(ALL, wrong_quantity, r"got .*\b4\b") == []
 
@@ -424,8 +428,6 @@ def test_steps_of_a_quantity_are_refused_as_a_whole():
 
 
 ON_A_WALL = ri.System([ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
-
-
 ON_GRID = {"method": "finite-difference", "until": 1e-4}
 
 
@@ -470,13 +472,16 @@ def test_solve_takes_snapshots_with_a_unit():
     ],
 )
 def test_numbers_of_any_type_become_new_floats(value):
-    found = floats(value, "m")
-    assert (found.dtype, type(found)) == (np.float64, np.ndarray)
-    assert found.tolist() == np.array(value, dtype=float).tolist()
-    assert not np.shares_memory(found, np.asarray(value))
+    converted = floats(value, "m")
+    assert type(converted) is np.ndarray
+    assert converted.dtype == np.float64
+    assert converted.tolist() == np.array(value, dtype=float).tolist()
+    assert not np.shares_memory(converted, np.asarray(value))
 
 
 class Broken:
+    """An array that cannot be read."""
+
     def __array__(self, dtype=None, copy=None):
         raise TypeError
 
@@ -543,6 +548,7 @@ def test_no_library_of_units_or_labels_is_imported():
 
 
 # Labels
+# --------------------------------------------------------------------------------------
 
 
 def labelled():
@@ -572,7 +578,7 @@ LABELLED = [
 
 
 @pytest.mark.parametrize(("make_labels", "remedy"), LABELLED)
-def test_every_field_refuses_what_is_found_by_name(make_labels, remedy):
+def test_every_field_refuses_labelled_and_masked_arrays(make_labels, remedy):
     labels = make_labels()
     assert taken_by(ALL, lambda unit: labels, re.escape(remedy)) == []
 
@@ -587,6 +593,7 @@ def test_labels_are_refused_in_lists_and_lists_of_steps_too():
 
 
 # Shapes
+# --------------------------------------------------------------------------------------
 
 THREE = np.ones(3)
 FOUR = np.ones(4)
