@@ -25,17 +25,17 @@ def test_an_undefined_restitution_is_nan():
     assert np.isnan(frame["restitution"][0])
 
 
-def test_episodes_are_rows():
-    row = ri.System([LEFT, RIGHT, LEFT.replace(velocity=0.0), ri.Wall()])
-    for contact in ri.solve(row).contacts:
+def test_each_episode_of_a_contact_is_a_row():
+    system = ri.System([LEFT, RIGHT, LEFT.replace(velocity=0.0), ri.Wall()])
+    for contact in ri.solve(system).contacts:
         frame = contact.to_dataframe()
         assert list(frame) == ["start", "force_end", "opening"]
         assert len(frame) == len(contact.episodes)
         for i, episode in enumerate(contact.episodes):
             np.testing.assert_array_equal(frame.iloc[i], episode)
-    apart = ri.solve(ri.System([RIGHT, RIGHT])).contacts[0].to_dataframe()
-    assert list(apart) == ["start", "force_end", "opening"]
-    assert len(apart) == 0
+    without_episode = ri.solve(ri.System([RIGHT, RIGHT])).contacts[0].to_dataframe()
+    assert list(without_episode) == ["start", "force_end", "opening"]
+    assert len(without_episode) == 0
 
 
 def test_a_signal_is_two_columns_with_units():
@@ -47,21 +47,21 @@ def test_a_signal_is_two_columns_with_units():
 
 
 def test_datasets_say_which_version_made_them_of_which_case():
-    data = ri.solve(PAIR).to_xarray(0.0, 0.0)
-    assert data.attrs["version"] == ri.__version__
-    assert ri.parse_case(data.attrs["case"]).system == PAIR
+    of_solution = ri.solve(PAIR).to_xarray(0.0, 0.0).attrs
+    assert of_solution["version"] == ri.__version__
+    assert ri.parse_case(of_solution["case"]).system == PAIR
     family = ri.System([LEFT.replace(length=[[0.2], [0.4]]), RIGHT])
-    data = ri.sweep(family).to_xarray()
-    assert data.attrs["version"] == ri.__version__
-    assert ri.parse_case(data.attrs["case_of_first_member"]).system == family[0, 0]
+    of_sweep = ri.sweep(family).to_xarray().attrs
+    assert of_sweep["version"] == ri.__version__
+    assert ri.parse_case(of_sweep["case_of_first_member"]).system == family[0, 0]
     signal = ri.Signal([0.0, 1.0], [0.0, 1e-3], unit="N")
-    data = ri.signals_to_xarray({"force": signal})
-    assert data.attrs == {"version": ri.__version__}
+    of_signals = ri.signals_to_xarray({"force": signal}).attrs
+    assert of_signals == {"version": ri.__version__}
 
 
 def test_a_law_that_is_a_function_leaves_the_case_out():
     law = ri.Law(lambda d, rate: 1e9 * d)
     system = ri.System([LEFT, RIGHT], contacts=[law])
-    data = ri.solve(system, until=1e-5).to_xarray(0.0, 0.0)
-    assert "case" not in data.attrs
-    assert data.attrs["method"] == "characteristics"
+    dataset = ri.solve(system, until=1e-5).to_xarray(0.0, 0.0)
+    assert "case" not in dataset.attrs
+    assert dataset.attrs["method"] == "characteristics"

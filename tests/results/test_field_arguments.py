@@ -15,13 +15,17 @@ import rodimpact as ri
 STEEL = ri.materials.steel
 DAMPED = STEEL.damped(loss_factor=0.02, frequency=1e3)
 END = 4e-4  # s
-PLACE, TIME = 0.1, 1.5e-4  # m, s
+PLACE = 0.1  # m
+TIME = 1.5e-4  # s
 METHODS = ("fronts", "characteristics", "finite-difference")
 
 
 @cache
-def solution(method):
-    material = DAMPED if method == "finite-difference" else STEEL
+def solved(method):
+    """Two rods and a wall, with all that the method carries: damping, a mass, laws."""
+    material = STEEL
+    if method == "finite-difference":
+        material = DAMPED
     bodies = [
         ri.Rod(0.4, area=1e-4, material=material, velocity=1.0),
         ri.Rod(0.7, area=2e-4, material=STEEL),
@@ -37,7 +41,7 @@ def solution(method):
 
 
 def fields_of(solution):
-    """All fields, as functions of body, place and time, with their names."""
+    """All fields: pairs of a name and a function of body, place and time."""
     for owner in (solution, solution.fields):
         for name in ("velocity", "strain", "displacement"):
             yield name, getattr(owner, name)
@@ -47,11 +51,13 @@ def fields_of(solution):
 
 
 def calls_with_a_place(solution):
+    """Pairs of a name and a function of places alone."""
     for name, field in fields_of(solution):
         yield name, lambda x, field=field: field(0, x, TIME)
 
 
 def calls_with_a_time(solution):
+    """Pairs of a name and a function of times alone."""
     for name, field in fields_of(solution):
         yield name, partial(field, 0, PLACE)
     yield "wall", lambda t: solution.velocity(len(solution.system.bodies) - 1, 0, t)
@@ -67,6 +73,7 @@ def calls_with_a_time(solution):
 
 
 def calls_with_one_time(solution):
+    """Pairs of a name and a function of a single time, or of an interval of time."""
     yield "law_at", solution.contacts[0].law_at
     yield "system_at", solution.system_at
     yield "signal", solution.gauge(0, PLACE).signal
@@ -83,8 +90,8 @@ def of_astropy(number, unit):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("quantity", [of_pint, of_astropy])
-def test_quantities_are_converted(method, quantity):
-    run = solution(method)
+def test_places_and_times_with_units_are_converted(method, quantity):
+    solution = solved(method)
     millimetres = np.array([100.0, 250.0])
     given_places = (
         (quantity(100.0, "mm"), 0.1),
@@ -92,25 +99,25 @@ def test_quantities_are_converted(method, quantity):
         (quantity(millimetres[:, None], "mm"), [[0.1], [0.25]]),
         ([quantity(100.0, "mm"), quantity(0.25, "m")], [0.1, 0.25]),
     )
-    for name, call in calls_with_a_place(run):
+    for name, call in calls_with_a_place(solution):
         for value, metres in given_places:
             np.testing.assert_array_equal(call(value), call(metres), name)
     given_times = (
         (quantity(150.0, "us"), 150 * 1e-6),
         (quantity(np.array([50.0, 150.0]), "us"), [50 * 1e-6, 150 * 1e-6]),
     )
-    for name, call in calls_with_a_time(run):
+    for name, call in calls_with_a_time(solution):
         for value, seconds in given_times:
             converted = call(value)
             np.testing.assert_allclose(
                 converted, call(seconds), rtol=1e-12, err_msg=name
             )
-    gauge = run.gauge(0, quantity(100.0, "mm"))
-    np.testing.assert_array_equal(gauge.strain, run.gauge(0, 0.1).strain)
-    law = run.contacts[0].law_at(quantity(150.0, "us"))
-    assert law == run.contacts[0].law_at(TIME)
-    continued = run.system_at(quantity(150.0, "us"))
-    assert continued.gaps == run.system_at(150 * 1e-6).gaps
+    gauge = solution.gauge(0, quantity(100.0, "mm"))
+    np.testing.assert_array_equal(gauge.strain, solution.gauge(0, 0.1).strain)
+    contact = solution.contacts[0]
+    assert contact.law_at(quantity(150.0, "us")) == contact.law_at(TIME)
+    continued = solution.system_at(quantity(150.0, "us"))
+    assert continued.gaps == solution.system_at(150 * 1e-6).gaps
 
 
 NO_NUMBERS = [
@@ -141,29 +148,30 @@ NO_NUMBERS = [
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_nonsense_is_refused_by_name(method):
-    run = solution(method)
+def test_what_is_no_place_or_time_is_refused_by_the_name_of_the_argument(method):
+    solution = solved(method)
     for value in NO_NUMBERS:
-        for _, call in calls_with_a_place(run):
+        for _, call in calls_with_a_place(solution):
             assert refused("must|shape", call, value) == ["x"]
-        for _, call in calls_with_a_time(run):
+        for _, call in calls_with_a_time(solution):
             assert refused("must|shape", call, value) == ["t"]
-        for name, call in calls_with_one_time(run):
+        for name, call in calls_with_one_time(solution):
+            argument = "t"
             if name == "signal":
-                if value is not None:  # the interval that is usual
-                    assert refused("must|shape", call, value) == ["interval"]
-            else:
-                assert refused("must|shape", call, value) == ["t"]
+                argument = "interval"
+            if argument == "interval" and value is None:
+                continue  # which stands for the usual one
+            assert refused("must|shape", call, value) == [argument]
 
 
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
-def test_rigid_bodies_are_at_their_place_only(method):
-    """A place in a rigid mass or a wall is 0, as it has no length."""
-    run = solution(method)
+def test_the_only_place_in_a_rigid_mass_or_a_wall_is_0(method):
+    """They have no length; places and times broadcast as in rods."""
+    solution = solved(method)
     mass = 2
     wall = 3
     for body in (mass, wall):
-        for field in (run.velocity, run.displacement, run.position):
+        for field in (solution.velocity, solution.displacement, solution.position):
             for value in NO_NUMBERS:
                 assert refused("must|shape", field, body, value, TIME) == ["x"]
             at_places = field(body, [[0.0], [0.0]], [0.0, TIME, END])

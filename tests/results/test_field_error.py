@@ -32,13 +32,13 @@ def test_stated_errors_of_damped_rows_are_not_too_small(seed):
         values = getattr(solution, name)(0, x[:, None], t + gap)
         if name == "displacement":
             values = values - gap
-        error = np.abs(values - getattr(exact, name)).max(axis=0)
+        error = np.abs(values - getattr(exact, name)).max(axis=0)  # [time]
         bound = getattr(stated, name)
         assert np.all(error <= bound + 2e-7)  # as exact as the modal sums are
         assert np.median(bound / error) <= 60
 
 
-def test_errors_have_the_shape_of_the_times():
+def test_errors_have_the_shape_of_the_times_and_bound_those_of_velocities():
     row = ri.System([unit_rod(velocity=0.5), unit_rod()], contacts=[ri.Hertz(2.0)])
     solution = ri.solve(row, 2.0, METHOD)
     assert solution.field_error(1.0).velocity.shape == ()
@@ -48,13 +48,14 @@ def test_errors_have_the_shape_of_the_times():
     exact = ri.solve(row, 2.0, rtol=1e-10)
     x = np.linspace(0, 1, 41)[:, None]
     for t, bound in ((1.0, error.velocity[0, 1]), (2.0, error.velocity[1, 1])):
-        apart = solution.velocity(0, x, t) - exact.velocity(0, x, t)
-        assert np.abs(apart).max() <= bound <= 0.01
+        difference = solution.velocity(0, x, t) - exact.velocity(0, x, t)
+        assert np.abs(difference).max() <= bound <= 0.01
     with pytest.raises(ValueError, match="t: must lie in the solution"):
         solution.field_error(2.1)
 
 
-def test_no_mesh_has_the_value_at_a_jump():
+def test_where_waves_jump_errors_are_infinite_but_for_displacements():
+    """No mesh has the value at a jump."""
     row = ri.System([unit_rod(velocity=1.0), unit_rod(0.7)])
     error = ri.solve(row, 1.5, METHOD, rtol=0.02).field_error([0.5, 1.5])
     assert np.all(np.isinf(error.velocity))
@@ -62,7 +63,7 @@ def test_no_mesh_has_the_value_at_a_jump():
     assert np.all(error.displacement < 0.2)
 
 
-def test_errors_are_stated_where_meshes_were_compared():
+def test_errors_are_refused_where_no_meshes_were_compared():
     row = ri.System([unit_rod(velocity=1.0), unit_rod()], contacts=[ri.Spring(1.0)])
     for solution in (ri.solve(row, 1.0, METHOD, cells=50), ri.solve(row, 1.0)):
         with pytest.raises(ValueError, match="field_error: is stated where a grid"):

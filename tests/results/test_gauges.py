@@ -17,7 +17,7 @@ bodies = [
 
 
 def striker_and_bar(speed=10.0, bar=1.0, striker=0.2):
-    """A striker of steel before a bar."""
+    """A striker of steel, of this speed, before a bar: lengths in m."""
     moving = ri.Rod(striker, area=1e-4, material=STEEL, velocity=speed)
     return ri.System([moving, ri.Rod(bar, area=1e-4, material=STEEL)])
 
@@ -30,7 +30,7 @@ def bars():
 
 
 def read(path):
-    """Columns by name; `read_signals` reads more than one row."""
+    """Columns of a table by name, that of times as well; it has two rows at least."""
     signals = ri.read_signals(path)
     columns = {"time": next(iter(signals.values())).times}
     for name, signal in signals.items():
@@ -38,7 +38,7 @@ def read(path):
     return columns
 
 
-def test_bars_in_three_columns(tmp_path, bars):
+def test_a_table_of_two_gauges_has_their_pulse_at_its_time(tmp_path, bars):
     """The striker of 0.2 m sends a pulse of twice its transit time and of strain
     v/(2c).
     """
@@ -55,7 +55,7 @@ def test_bars_in_three_columns(tmp_path, bars):
     assert incident.min() == pytest.approx(-10 / (2 * c), rel=1e-12)
     arrival = times[incident < -1e-9][0]
     assert arrival == pytest.approx(0.5 / c, abs=1e-7)
-    passing = incident[(times > 0.5 / c) & (times < 1.2 / c)]
+    passing = incident[(times > 0.5 / c) & (times < 1.2 / c)]  # before it is reflected
     duration = (passing < 0).sum() * 1e-7
     assert duration == pytest.approx(0.4 / c, abs=2e-7)
 
@@ -74,7 +74,7 @@ NO_INTERVALS = [
 
 
 @pytest.mark.parametrize("interval", NO_INTERVALS, ids=repr)
-def test_an_interval_must_be_positive(tmp_path, bars, interval):
+def test_an_interval_that_is_no_positive_number_is_refused(tmp_path, bars, interval):
     path = tmp_path / "x.csv"
     gauges = {"a": bars.gauge(0, 0.1)}
     with pytest.raises(ri.InvalidModel, match="interval"):
@@ -82,7 +82,7 @@ def test_an_interval_must_be_positive(tmp_path, bars, interval):
     assert not path.exists()
 
 
-def test_a_table_has_a_gauge(tmp_path):
+def test_a_table_without_a_gauge_is_refused(tmp_path):
     path = tmp_path / "x.csv"
     with pytest.raises(ri.InvalidModel, match="gauges"):
         ri.gauges_to_csv(path, {})
@@ -146,6 +146,7 @@ def test_a_gauge_answers_at_both_ends_of_its_record(bars):
 
 @pytest.mark.parametrize("beyond", ["-1e-9", "nan", "1.01", "inf", "-inf"])
 def test_a_gauge_answers_inside_its_record_only(bars, beyond):
+    """1.01 is a share of the length of the record."""
     record = bars.gauge(1, 0.5)
     t = float(beyond)
     if t == 1.01:
@@ -156,13 +157,13 @@ def test_a_gauge_answers_inside_its_record_only(bars, beyond):
 
 
 @pytest.mark.parametrize("x", [-5.0, np.nan, 1.01])
-def test_a_gauge_is_inside_its_body(bars, x):
+def test_a_gauge_outside_its_body_is_refused(bars, x):
     message = f"x: must lie in body 1, 0 to 1 m, got {x}"
     with pytest.raises(ValueError, match=message):
         bars.gauge(1, x)
 
 
-def test_on_the_command_line(tmp_path, capsys):
+def test_the_command_line_writes_a_table_of_gauges_once(tmp_path, capsys):
     case = tmp_path / "case.toml"
     case.write_text(CASE)
     table = tmp_path / "bars.csv"
@@ -192,7 +193,9 @@ def test_on_the_command_line(tmp_path, capsys):
         ),
     ],
 )
-def test_mistakes_on_the_command_line(tmp_path, capsys, monkeypatch, options, message):
+def test_mistakes_on_the_command_line_are_named_and_write_nothing(
+    tmp_path, capsys, monkeypatch, options, message
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(CASE)
     assert main(["run", "case.toml", *options]) == 2
@@ -200,19 +203,23 @@ def test_mistakes_on_the_command_line(tmp_path, capsys, monkeypatch, options, me
     assert not (tmp_path / "x.csv").exists()
 
 
-RIGID = ri.Rigid()
-
-
-def record_of_struck_rod(law=RIGID, **options):
-    """The record in the middle of a rod that is struck by its like."""
+def record_of_struck_rod(law=None, **options):
+    """The record in the middle of a rod that is struck by its like, through a law or
+    without one.
+    """
     striker = ri.Rod(0.2, area=1e-4, material=STEEL, velocity=1.0)
     struck = ri.Rod(0.2, area=1e-4, material=STEEL)
-    system = ri.System([striker, struck], contacts=[law])
+    contacts = None
+    if law is not None:
+        contacts = [law]
+    system = ri.System([striker, struck], contacts=contacts)
     return ri.solve(system, **options).gauge(1, 0.1)
 
 
 def quadratic_spline(steps):
-    """The quadratic B-spline over three steps, whose integral is 1."""
+    """The quadratic B-spline over three steps, whose integral is 1, at places from -1.5
+    to 1.5.
+    """
     distance = np.abs(steps)
     return np.where(distance < 0.5, 0.75 - distance**2, (1.5 - distance) ** 2 / 2)
 
@@ -227,11 +234,11 @@ def quadratic_spline(steps):
     ids=["fronts", "grid", "characteristics"],
 )
 def test_a_signal_is_the_mean_under_a_spline(options):
-    """Against the mean over very short parts of the record."""
+    """Against a sum over very short parts of the record."""
     record = record_of_struck_rod(**options)
-    step = 2.7e-6
-    width = 1e-4
-    parts = np.arange(-1.5, 1.5, width) + width / 2  # in steps
+    step = 2.7e-6  # s
+    width = 1e-4  # of a part, in steps
+    parts = np.arange(-1.5, 1.5, width) + width / 2  # their middles
     weights = quadratic_spline(parts) * width
 
     signal = record.signal(step)
@@ -242,15 +249,15 @@ def test_a_signal_is_the_mean_under_a_spline(options):
         assert mean == pytest.approx(value, abs=2e-8)
 
 
-def test_a_signal_has_an_interval_shorter_than_the_record():
+def test_an_interval_longer_than_the_record_is_refused():
     record = record_of_struck_rod(until=2e-4)
-    assert len(record.signal()) == 10_001
+    assert len(record.signal()) == 10_001  # by default 10,000 intervals
     message = "interval: must not be longer than the record"
     with pytest.raises(ri.InvalidModel, match=message):
         record.signal(1.0)
 
 
-def test_a_grid_runs_straight_between_its_states():
+def test_strains_of_a_grid_run_straight_between_its_states():
     record = record_of_struck_rod(
         until=4e-5, method="finite-difference", cells=16, snapshots=9
     )
@@ -269,8 +276,8 @@ def test_a_grid_runs_straight_between_its_states():
         ("finite-difference", 5e-7),
     ],
 )
-def test_signals_vary_smoothly_with_the_length_of_a_striker(method, dt):
-    """So that the misfit of a fit is a parabola."""
+def test_the_misfit_of_signals_is_a_parabola_of_the_length_of_a_striker(method, dt):
+    """As fits need it: signals vary smoothly, and with every change."""
 
     def signal(length):
         system = striker_and_bar(striker=length, bar=0.5)
@@ -280,8 +287,8 @@ def test_signals_vary_smoothly_with_the_length_of_a_striker(method, dt):
     measured = signal(0.128)
     lengths = np.linspace(0.127, 0.1272, 25)
     signals = np.array([signal(length) for length in lengths])
-    misfits = np.sqrt(np.mean((signals - measured) ** 2, axis=1))
-    assert len({values.tobytes() for values in signals}) == 25
-    changes = lengths - 0.1271
+    misfits = np.sqrt(np.mean((signals - measured) ** 2, axis=1))  # [length]
+    assert len({values.tobytes() for values in signals}) == 25  # all differ
+    changes = lengths - 0.1271  # from the middle one
     parabola = np.polyval(np.polyfit(changes, misfits, 2), changes)
     assert np.abs(misfits - parabola).max() < 0.01 * np.ptp(misfits)
