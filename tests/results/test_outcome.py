@@ -14,17 +14,17 @@ from rodimpact.methods.fronts.method import make_run, totals_of
 from rodimpact.methods.restitution import effective_restitution
 from rodimpact.results.outcome import outcome_of
 
-UNIT = ri.Material(
-    "unit", youngs_modulus=1.0, density=1.0
-)  # impedance = area, transit = length
+# Its impedance is the area of a rod, its transit time the length.
+UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
 
 def rod(Z, T, velocity=0.0):
-    """A rod by impedance and transit time."""
+    """A rod with this impedance and transit time."""
     return ri.Rod(T, area=Z, material=UNIT, velocity=velocity)
 
 
 def segment(T, Z):
+    """A segment with this transit time and impedance."""
     return ri.Segment(T, Z, UNIT)
 
 
@@ -33,68 +33,75 @@ def stepped(impedances, velocity=0.0):
     return ri.Rod(segments=[segment(1.0, Z) for Z in impedances], velocity=velocity)
 
 
-def assert_stands_for(body, outcome):
+def assert_stands_for(rigid, outcome):
     """The rigid bodies move as the rods do, and lose what the rods keep as
     vibration.
     """
     k = outcome.unilateral[0]
     v1 = outcome.velocities_after[k]
     v2 = outcome.velocities_after[k + 1]
-    assert body.velocity_1 == pytest.approx(v1, abs=1e-13)
-    assert body.velocity_2 == pytest.approx(v2, abs=1e-13)
-    assert body.impulse == pytest.approx(outcome.impulse, rel=1e-13)
+    assert rigid.velocity_1 == pytest.approx(v1, abs=1e-13)
+    assert rigid.velocity_2 == pytest.approx(v2, abs=1e-13)
+    assert rigid.impulse == pytest.approx(outcome.impulse, rel=1e-13)
     gained = sum(outcome.vibration_after) - sum(outcome.vibration_before)
-    assert body.energy_lost == pytest.approx(gained, abs=1e-13)
+    assert rigid.energy_lost == pytest.approx(gained, abs=1e-13)
 
 
 # Walls
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("wall", [0.0, -0.25, 0.5])
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_a_rod_on_a_wall(wall, mirrored):
-    """The thick end of a rod stepped 3 : 1 leaves a wall with e = 1/2."""
-    mass = 4.0
+def test_a_stepped_rod_on_a_wall_as_a_rigid_body_of_its_restitution(wall, mirrored):
+    """The thick end of a rod stepped 3 : 1 leaves a wall with e = 1/2.
+
+    `wall` is the velocity of the wall. The energy of its infinite mass is infinite if
+    it moves.
+    """
+    mass = 4.0  # of the rod, kg
     closing = 1.0 - wall
     system = ri.System([stepped([1.0, 3.0], velocity=1.0), ri.Wall(wall)])
 
     if mirrored:
         outcome = ri.solve(system.mirrored()).outcome
-        body = outcome.as_rigid()
-        rod_velocity = -body.velocity_2
-        wall_velocity = -body.velocity_1
+        rigid = outcome.as_rigid()
+        rod_velocity = -rigid.velocity_2
+        wall_velocity = -rigid.velocity_1
     else:
         outcome = ri.solve(system).outcome
-        body = outcome.as_rigid()
-        rod_velocity = body.velocity_1
-        wall_velocity = body.velocity_2
+        rigid = outcome.as_rigid()
+        rod_velocity = rigid.velocity_1
+        wall_velocity = rigid.velocity_2
 
+    e = 0.5
     assert wall_velocity == wall
-    assert rod_velocity == pytest.approx(wall - closing / 2)
-    assert body.impulse == pytest.approx(mass * 1.5 * closing)
-    assert body.energy_lost == pytest.approx(0.75 * mass * closing**2 / 2)
-    assert math.isinf(body.energy_before) == (wall != 0)
-    assert_stands_for(body, outcome)
+    assert rod_velocity == pytest.approx(wall - e * closing)
+    assert rigid.impulse == pytest.approx(mass * (1 + e) * closing)
+    assert rigid.energy_lost == pytest.approx((1 - e**2) * mass * closing**2 / 2)
+    assert math.isinf(rigid.energy_before) == (wall != 0)
+    assert_stands_for(rigid, outcome)
 
 
 # Stepped and bonded rods
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("impedances", "e"),
     [([1, 3], 1.0), ([3, 1], 1 / 2), ([1, 2], 23 / 27), ([2, 1], 7 / 9)],
 )
-def test_mirror_images_of_stepped_rods(impedances, e):
+def test_mirror_images_of_stepped_rods_part_with_their_restitution(impedances, e):
     left = stepped(impedances[::-1], 1.0)
     right = stepped(impedances, -1.0)
     outcome = ri.collide(left, right)
-    body = outcome.as_rigid()
-    assert body.relative_velocity_after == pytest.approx(2 * e)
-    assert body.centre_of_mass_velocity == pytest.approx(0.0, abs=1e-15)
-    assert_stands_for(body, outcome)
+    rigid = outcome.as_rigid()
+    assert rigid.relative_velocity_after == pytest.approx(2 * e)
+    assert rigid.centre_of_mass_velocity == pytest.approx(0.0, abs=1e-15)
+    assert_stands_for(rigid, outcome)
 
 
-def test_masses_of_bonded_rods_are_summed():
+def test_bonded_rods_are_as_rigid_as_rods_in_one_piece():
     bond = ri.Bonded()
     rods = [
         rod(1.0, 1.0, 1.0),
@@ -109,13 +116,15 @@ def test_masses_of_bonded_rods_are_summed():
 
     outcome = ri.solve(bonded).outcome
 
-    body = outcome.as_rigid()
-    assert body == pytest.approx(in_one_piece.as_rigid(), rel=1e-13)
-    assert body.centre_of_mass_velocity == pytest.approx(3 / (3 + 8))
-    assert_stands_for(body, outcome)
+    rigid = outcome.as_rigid()
+    assert rigid == pytest.approx(in_one_piece.as_rigid(), rel=1e-13)
+    # 3 kg move at 1 m/s, and 8 kg are at rest.
+    assert rigid.centre_of_mass_velocity == pytest.approx(3 / (3 + 8))
+    assert_stands_for(rigid, outcome)
 
 
 # Held at both ends
+# --------------------------------------------------------------------------------------
 
 OPTIONS = {
     "fronts": {},
@@ -149,7 +158,7 @@ def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
     method, error, left, right, direction, mirrored
 ):
     """The wave of the one that moves has been at the other and come back a quarter of
-    the way.
+    the way: one quarter of the rod moves at 0, the rest at 1 m/s.
     """
     system = held(rod(1.0, 1.0), left, right)
     if mirrored:
@@ -177,13 +186,16 @@ def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
     [(0.5, 0.5, 0.5), (0.0, None, 0.0), (None, 0.0, 0.0), (None, None, 0.0)],
 )
 @pytest.mark.parametrize("method", OPTIONS)
-def test_a_rod_between_walls_of_one_velocity_has_theirs(method, left, right, velocity):
+def test_a_rod_between_walls_of_one_velocity_has_it_after(
+    method, left, right, velocity
+):
     system = held(rod(1.0, 1.0, 1.0), left, right)
     outcome = ri.solve(system, 1.25, method, **OPTIONS[method]).outcome
     assert set(outcome.velocities_after) == {velocity}
 
 
 # Where nothing parts
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -199,7 +211,7 @@ def test_a_bar_without_end_that_a_wall_pushes_stays_at_the_wall(impedances, mirr
     assert ri.sweep(system).restitution == 0.0
 
 
-def test_round_off_is_no_restitution_and_a_small_one_is():
+def test_a_restitution_of_round_off_is_0_and_a_small_one_stays():
     parting = np.array([-1e-3, -6e-14, 0.0, 6e-14, 5e-12, 0.4])
     before = (np.ones(6), np.zeros(6))
     after = (np.zeros(6), parting)
@@ -207,7 +219,7 @@ def test_round_off_is_no_restitution_and_a_small_one_is():
     assert e.tolist() == [0.0, 0.0, 0.0, 0.0, 5e-12, 0.4]
 
 
-def test_round_off_of_a_common_velocity_is_no_restitution():
+def test_a_restitution_of_the_round_off_of_a_common_velocity_is_0():
     before = (1e4 + 0.125, 1e4)
     after = (1e4, math.nextafter(1e4, 2e4))
     assert float(effective_restitution(True, 1, before, after)) == 0.0
@@ -220,31 +232,30 @@ def test_bodies_that_have_not_parted_have_no_restitution():
 
 
 # Vibration before
+# --------------------------------------------------------------------------------------
 
 
-def test_the_film_backwards_releases_vibration():
+def test_the_film_backwards_has_the_inverse_restitution_and_releases_vibration():
     forwards = ri.solve(ri.System([rod(1.0, 1.0, 1.0), rod(1.0, 2.0)]))
     at_end = forwards.system_at(forwards.t_end)
 
     backwards = ri.solve(at_end.reversed()).outcome
 
-    body = backwards.as_rigid()
+    rigid = backwards.as_rigid()
     assert forwards.outcome.restitution == pytest.approx(0.5)
     assert backwards.restitution == pytest.approx(2.0)
-    assert body.velocity_1 == pytest.approx(-1.0)
-    assert body.velocity_2 == pytest.approx(0.0, abs=1e-13)
+    assert rigid.velocity_1 == pytest.approx(-1.0)
+    assert rigid.velocity_2 == pytest.approx(0.0, abs=1e-13)
     lost_forwards = forwards.outcome.as_rigid().energy_lost
-    assert body.energy_lost == pytest.approx(-lost_forwards)
-    assert_stands_for(body, backwards)
-
-
-PULSE = ri.Steps([2.0, 0.0], [0.5])
-
-
-TWO_WAVES = ri.Steps([3.0, -1.0], [0.5])
+    assert rigid.energy_lost == pytest.approx(-lost_forwards)
+    assert_stands_for(rigid, backwards)
 
 
 # Balances
+# --------------------------------------------------------------------------------------
+
+PULSE = ri.Steps([2.0, 0.0], [0.5])
+TWO_WAVES = ri.Steps([3.0, -1.0], [0.5])
 
 
 @pytest.mark.parametrize(
@@ -279,23 +290,25 @@ TWO_WAVES = ri.Steps([3.0, -1.0], [0.5])
 def test_what_is_missing_is_told_relative_to_what_took_part(
     system, until, momentum, energy
 ):
+    """`momentum` and `energy` are all that took part, in N s and J."""
     run = tracked(system, until)
-    right = totals_of(run)
-    missing = 1e-3
+    closed_totals = totals_of(run)
+    # As much is missing in the first segment, whose numbers count in ticks.
+    missing = 1e-3  # N s, and J
     first_segment = run.segments[1]
     first_segment.momentum += missing / run.clock.tick
     first_segment.vibration_energy += missing / run.clock.tick
 
     outcome = outcome_of(make_run(run, until), totals_of(run))
 
-    assert right.momentum_residual == pytest.approx(0.0, abs=1e-14)
-    assert right.energy_residual == pytest.approx(0.0, abs=1e-14)
+    assert closed_totals.momentum_residual == pytest.approx(0.0, abs=1e-14)
+    assert closed_totals.energy_residual == pytest.approx(0.0, abs=1e-14)
     assert outcome.momentum_residual == pytest.approx(missing / momentum, rel=1e-9)
     assert outcome.energy_residual == pytest.approx(missing / energy, rel=1e-9)
     sentence = "does not close: .* of the momentum and .* of the energy"
     assert re.search(sentence, outcome.status)
-    right_status = outcome_of(make_run(run, until), right).status
-    assert outcome.status.startswith(right_status)
+    closed_status = outcome_of(make_run(run, until), closed_totals).status
+    assert outcome.status.startswith(closed_status)
 
 
 def test_a_light_rod_that_hits_a_heavy_one_closes_its_balances():

@@ -8,10 +8,7 @@ import rodimpact as ri
 from rodimpact.results.pair_theory import COLUMNS, pair_theory
 
 DAMPED = ri.Material("damped", youngs_modulus=1e9, density=1000.0, viscosity=[1.0, 2.0])
-
 STRIKER = rod(0.4, 1.0)
-
-
 STRUCK = rod()
 MASS = ri.RigidMass(0.7, velocity=1.0)
 STEPPED = ri.Rod(segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.1, 2e-4, STEEL)])
@@ -27,7 +24,7 @@ STEPPED = ri.Rod(segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.1, 2e-4, S
         (ri.System([STRIKER, ri.RigidMass(0.7)]), "Boussinesq"),
     ],
 )
-def test_a_closed_form_is_that_of_the_collision(system, source):
+def test_the_closed_form_of_a_pair_has_the_numbers_of_its_solution(system, source):
     outcome = ri.solve(system).outcome
 
     theory = pair_theory(system)
@@ -43,17 +40,9 @@ def test_a_closed_form_is_that_of_the_collision(system, source):
 
 
 VIBRATING = rod(velocity=ri.Steps([1.0, 2.0], [0.5]))
-
-
 STRAINED = rod(strain=ri.Steps([0.0, 1e-5], [0.5]))
-
-
 TAPERED = rod(area=ri.Samples([1e-4, 2e-4]))
-
-
 FAMILY = rod(area=[1e-4, 2e-4])
-
-
 ENDLESS = (ri.Free(), ri.Absorbing())
 
 
@@ -73,14 +62,16 @@ ENDLESS = (ri.Free(), ri.Absorbing())
         ri.System([STRIKER, STEPPED]),
     ],
 )
-def test_there_is_none_where_none_holds(system):
+def test_there_is_no_closed_form_where_none_holds(system):
     assert pair_theory(system) is None
 
 
 def value_of(system, name):
-    """The value of a column by the closed form; not a number where there is none."""
+    """The value of a column by the closed form; nan where there is none."""
     theory = pair_theory(system)
-    return np.nan if theory is None else theory.column(name).item()
+    if theory is None:
+        return np.nan
+    return theory.column(name).item()
 
 
 @pytest.mark.parametrize("left", [STRUCK, ri.Wall(), MASS])
