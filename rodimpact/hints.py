@@ -128,7 +128,8 @@ ELSEWHERE = {
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
     """Hint at the choice that may be meant by a word, else at the choices there are.
 
-    `head` is put before the choices that are named, `MOST_CHOICES` at most.
+    `head` is put before the choices that are named. They are `MOST_CHOICES` at most,
+    those related to the word first.
     """
     meant = similar(word, choices)
     if meant is not None:
@@ -172,7 +173,11 @@ def related_first(word: Any, choices: Collection[str]) -> list[str]:
 
 
 def _kinship(word: str, choice: str) -> int:
-    """How close a choice is to a wrong word, from 3 down to 0 for strangers."""
+    """How close a choice is to a wrong word, from 3 down to 0 for strangers.
+
+    All words of the choice stand in the wrong one (3), one of them does (2), or one
+    begins alike (1).
+    """
     words = _words(word)
     words_of_choice = _words(choice)
     if words_of_choice and words_of_choice <= words:
@@ -251,7 +256,10 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
 
 
 def explain_methods(kind: type) -> None:
-    """Let the public methods of a class answer wrong arguments, each once."""
+    """Let the public methods of a class answer wrong arguments, each once.
+
+    The class is changed. Class methods are among them, inherited methods are not.
+    """
     for name, method in list(vars(kind).items()):
         of_class = isinstance(method, classmethod)
         function = method
@@ -374,8 +382,9 @@ def missing_name(
 ) -> AttributeError:
     """The error of a name that a module does not have, to be raised by the caller.
 
-    It hints at a name of the modules below, or at the nearest of `names`. There is no
-    such hint for names with an underscore.
+    It hints at a name of the modules below, at one that is spelt alike, at a sentence
+    of `ELSEWHERE`, or at related names. There is no such hint for names with an
+    underscore.
 
     Parameters
     ----------
@@ -448,7 +457,7 @@ def _refusal(
     """What is wrong with the arguments of a call; `otherwise` if nothing is found.
 
     The first of these is told: a keyword that is unknown, too many arguments by
-    position, or missing ones. `self` is not counted.
+    position, or missing ones. `self` and `cls` are not counted.
     """
     called, instead = _called(function, args)
     parameters = dict(signature.parameters)
@@ -476,7 +485,7 @@ def _refusal(
 
 
 def _excess(parameters: dict[str, inspect.Parameter], n_given: int) -> str:
-    """What is taken by position, if less than is given; else ""."""
+    """Text on what is taken by position, if that is less than is given; else ""."""
     by_position = []  # names of parameters that may be given so
     by_name = []  # those that must be named
     for name, parameter in parameters.items():
@@ -505,7 +514,8 @@ class _Called(NamedTuple):
 def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
     """What the call of a function with these arguments is called.
 
-    A method is named with the class of its object, a constructor by its class alone.
+    A method is named with the class of its object, a constructor by its class alone,
+    any other function by its own name.
     """
     qualified = function.__qualname__
     if not args or "." not in qualified or "<locals>" in qualified:

@@ -459,7 +459,8 @@ def _spelt(unit: str) -> str:
 def _hint(word: str, units: Collection[str]) -> str:
     """End of a sentence that names the units that may be meant; "" if none is near.
 
-    These are all units that differ by capitals alone, or else the nearest one.
+    It is the unit of a name in `_OTHER_NAMES`. Else these are all units that differ by
+    capitals alone, or else the nearest one.
     """
     near = []
     for unit in units:

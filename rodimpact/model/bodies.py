@@ -859,11 +859,11 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
 
 
 def _distance(start: Number, end: Number) -> Number:
-    """From one place to a later one as they are written: 0.4 - 0.1 is 0.3.
+    """From one place to a later one as they are written, m: 0.4 - 0.1 is 0.3.
 
     The difference of the floats is 0.30000000000000004, which a case file and a formula
     would take for the length that was meant. This is the float nearest to the
-    difference of the decimals.
+    difference of the decimals; an array, member by member, if one of them is an array.
     """
     if not isinstance(start, np.ndarray) and not isinstance(end, np.ndarray):
         return float(Decimal(repr(float(end))) - Decimal(repr(float(start))))

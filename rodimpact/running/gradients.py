@@ -810,8 +810,8 @@ def _per(unit: str, other: str) -> str:
 def _multiply(powers: dict[str, float], unit: str, sign: int) -> None:
     """Multiply by a unit such as N s/m^2, or divide by it if the sign is -1.
 
-    `powers` are those of the symbols of the product so far. ValueError if a power of
-    the unit is no number.
+    `powers` are those of the symbols of the product so far; they are changed.
+    ValueError if a power of the unit is no number.
     """
     above, _, below = unit.partition("/")
     for product, direction in ((above, sign), (below, -sign)):
