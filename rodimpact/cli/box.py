@@ -17,7 +17,7 @@ from .. import Material, Rod, Solution, System, Wall, collide, solve
 from ..materials import TABLE
 from ..model.frozen import raise_if_problems
 from ..results.pair_theory import pair_theory
-from ..storage.tables import align, as_html, without_round_off
+from ..storage.tables import align, as_html, with_micro_sign, without_round_off
 from ..storage.writing import write_text
 from ..units import format_si
 from .arguments import Arguments, add_number
@@ -51,7 +51,8 @@ HEAD = """\
 <style>
 body { max-width: 64rem; margin: 2rem auto; font-family: sans-serif; \
 background: %s; color: %s; }
-img { max-width: 100%%; }
+img { max-width: min(100%%, 44rem); }
+pre { font-size: 0.95rem; line-height: 1.4; }
 a { color: inherit; }
 </style>"""
 
@@ -219,7 +220,7 @@ def describe(replay: Replay) -> str:
     """The stages of a collision, and its result beside the closed form."""
     stages = stage_lines(replay.solution, replay.names)
     table = align(list(_result_rows(replay)))
-    return f"{replay.title}\n\n{stages}\n\n{table}\n{_remark(replay)}"
+    return f"{replay.title}\n\n{stages}\n\n{table}\n\n{_remark(replay)}"
 
 
 def _result_rows(replay: Replay) -> Iterator[list[str]]:
@@ -382,9 +383,17 @@ def box_page(texts: list[str], groups: list[list[str]]) -> str:
         if text is texts[0]:
             level = "h1"
         lines.append(f"<{level}>{escape(heading)}</{level}>")
-        lines.append(as_html(paragraphs.strip("\n")))
+        for block in paragraphs.strip("\n").split("\n\n"):
+            lines.append(_block_as_html(block))
         for name in figures:
             alternative = f"{escape(heading)}: {Path(name).stem}"
             picture = f'<img src="{name}" alt="{alternative}">'
             lines.append(f'<p><a href="{name}">{picture}</a></p>')
     return "\n".join([*lines, "</html>", ""])
+
+
+def _block_as_html(block: str) -> str:
+    """A paragraph, or a table, which has columns: two spaces side by side."""
+    if "  " in block:
+        return as_html(block)
+    return f"<p>{escape(with_micro_sign(block))}</p>"

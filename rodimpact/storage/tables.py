@@ -78,15 +78,16 @@ def without_round_off(value: float, scale: float) -> float:
 
 
 def as_html(text: str) -> str:
-    """A table as HTML, for notebooks and pages made of them; its columns stay aligned.
-
-    A page can show the sign of micro: 385 µs, where a terminal shows 385 us.
-    """
+    """A table as HTML, for notebooks and pages; its columns stay aligned."""
     style = (
         "white-space: pre; overflow-x: auto; font-family: monospace; text-align: left"
     )
-    with_micro = _MICRO.sub("µ", text)
-    return f'<pre style="{style}">{html.escape(with_micro)}</pre>'
+    return f'<pre style="{style}">{html.escape(with_micro_sign(text))}</pre>'
+
+
+def with_micro_sign(text: str) -> str:
+    """A text for a page, which can show 385 µs, where a terminal shows 385 us."""
+    return _MICRO.sub("µ", text)
 
 
 def misnamed(column: object) -> str:

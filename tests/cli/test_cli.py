@@ -884,6 +884,12 @@ def test_the_page_of_the_box_shows_signs_of_html_as_they_are():
     assert "l2 &gt; l1" in page
 
 
+def test_the_page_of_the_box_has_paragraphs_and_tables():
+    page = box_page(["Title\n\nWords of 385 us.\n\na  1\nb  2"], [[]])
+    assert "<p>Words of 385 µs.</p>" in page
+    assert ">a  1\nb  2</pre>" in page
+
+
 def test_box_needs_a_directory(no_figures, case, refuses, capsys):
     refuses(["box", "-o", "case.toml"], "is not a directory")
     assert main(["box", "-o", "case.toml/in"]) == 1
