@@ -43,7 +43,7 @@ from .panels import (
     finish,
     format_axes,
 )
-from .scales import MINUS, NEGLIGIBLE_RTOL, Scale, scale_of
+from .scales import MINUS, NEGLIGIBLE_RTOL, Scale, engineering, scale_of
 from .style import COMPUTED, RISING, SMALL, centred, colours, styled
 
 MAX_MARKED_POINTS = 40  # of a curve
@@ -179,7 +179,10 @@ def sweep(
 
     values = arranged(column).astype(float)
     largest = float(np.nanmax(np.abs(values)))
-    scale = scale_of(quantity_of_column(result.system, quantity), largest)
+    measured = quantity_of_column(result.system, quantity)
+    scale = scale_of(measured, largest)
+    if measured.unit == "m":  # a set or a displacement, in mm as in tables
+        scale = engineering(measured.name, largest, "m")
     is_count = column.dtype.kind in "iub"
     shown = Quantity(quantity, values * scale.factor, scale, is_count)
     theory = None

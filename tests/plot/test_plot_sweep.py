@@ -167,6 +167,17 @@ def test_curves_of_two_families_are_told_apart(swept):
         assert np.nanmax(curve.get_ydata()) <= third.ax.get_ylim()[1]
 
 
+def test_displacements_are_in_millimetres_as_in_tables():
+    lengths = np.linspace(0.5, 2.0, 4)
+    family = ri.System([rod(lengths, 1.0), rod()])
+    moved = ri.sweep(family, until=0.2, also=["displacement"])
+
+    ax = plot.sweep(moved, axes(), "displacement.1").ax
+
+    assert ax.get_ylabel().endswith("(mm)")
+    assert ax.get_ylim()[1] == pytest.approx(1e3 * max(moved.displacements[1]), rel=0.1)
+
+
 QUANTITIES = (
     "restitution",
     "impulse.0",
