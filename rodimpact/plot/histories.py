@@ -1,6 +1,6 @@
 """Force and gap of contacts over time: exact steps, not samples.
 
-Of very many steps the least and the largest in each of five hundred intervals are
+Of very many steps the least and the largest in each of a thousand intervals are
 drawn.
 """
 

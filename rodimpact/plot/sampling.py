@@ -18,7 +18,7 @@ from ..results.solution import Solution
 
 PIECES_OF_ROW = 300
 EDGES_OF_SMOOTH_STEPS = 2001  # of steps that stand for a smooth curve
-INTERVALS = 500  # of a long record
+INTERVALS = 1000  # of a long record: each is narrower than a pixel
 
 
 def is_smooth(solution: Solution) -> bool:

@@ -931,3 +931,13 @@ def test_rows_of_masses_have_contacts_and_energy_to_draw(solved_masses):
 def test_rows_of_masses_have_no_rods_to_draw(solved_masses, draw):
     with pytest.raises(ValueError, match="solution: has no rod"):
         draw(solved_masses)
+
+
+def test_an_impact_is_a_mean_over_a_thousandth_of_the_run():
+    ball = ri.RigidMass(1.0, velocity=1.0)
+    solution = ri.solve(ri.System([ball, ri.RigidMass(2.0)]), until=1.0)
+
+    picture = plot.contact(solution)
+
+    label = " ".join(picture.force_ax.get_ylabel().split())
+    assert "mean over 1 ms" in label
