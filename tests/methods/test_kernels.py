@@ -189,12 +189,12 @@ def test_after_warming_every_run_of_the_process_is_compiled(fresh):
 
     def warm_one(name):
         with kernels.forced(True):
-            kernels.worth_compiling(0.0, FOLLOW)
+            kernels.worth_compiling(0.0, FRONTS)
 
     fresh.setattr(warming, "warm_method", warm_one)
     ri.warm()
 
-    assert kernels.worth_compiling(0.0, FOLLOW)
+    assert kernels.worth_compiling(0.0, FRONTS)
     assert not kernels.worth_compiling(0.0, PIECES)
 
 
