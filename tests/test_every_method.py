@@ -34,19 +34,16 @@ ROWS = {
     "characteristics": row_for_characteristics,
     "finite-difference": row_for_a_grid,
 }
-ROUND_OFF = {"fronts": 1e-10, "characteristics": 1e-6, "finite-difference": 1e-10}
-
-
+BALANCE_RTOL = {"fronts": 1e-10, "characteristics": 1e-6, "finite-difference": 1e-10}
 """Relative errors that each method may make of energies and momenta."""
 by_method = pytest.mark.parametrize("method", ROWS)
 LOSSES = ("dissipated", "damped", "numerical")
 WORKS = ("wall_work", "drive_work", "gravity_work", "radiated")
-
-
 STORED = ("kinetic", "vibrational_kinetic", "strain", "contact")
 
 
 def solve_by(method, system):
+    """A run that takes each method about as long."""
     if method == "fronts":
         return ri.solve(system, horizon(system, 12.0), method, max_events=20_000)
     if method == "finite-difference":
@@ -60,29 +57,33 @@ def energy_scale(energy):
     return energy.total.max() + max(works) + 1e-300
 
 
-def assert_energies_balance(solution, driven, round_off):
-    """Energies add up at every time and are no less than 0; what is lost stays lost."""
+def assert_energies_balance(solution, driven, rtol):
+    """Energies add up at every time and are no less than 0; what is lost stays lost.
+
+    Nothing works on a row that is not driven.
+    """
     energy = solution.energy(np.linspace(0, solution.t_end, 33))
     scale = energy_scale(energy)
-    assert np.abs(energy.residual).max() <= round_off * scale
+    assert np.abs(energy.residual).max() <= rtol * scale
     for name in STORED:
         assert getattr(energy, name).min() >= -1e-12 * scale
     for name in LOSSES:
         loss = getattr(energy, name)
         assert loss[0] == 0
         if not driven:
-            assert np.diff(loss).min() >= -round_off * scale
+            assert np.diff(loss).min() >= -rtol * scale
     if not driven:
         for name in ("wall_work", "drive_work", "gravity_work"):
             assert np.abs(getattr(energy, name)).max() <= 1e-12 * scale
 
 
-def assert_outcome_is_that_at_the_end(solution, round_off):
+def assert_outcome_is_that_at_the_end(solution, rtol):
+    """Energies of the outcome are those at the end, and its balances close."""
     energy = solution.energy(np.linspace(0, solution.t_end, 33))
-    near = round_off * energy_scale(energy)
+    near = rtol * energy_scale(energy)
     outcome = solution.outcome
-    assert abs(outcome.momentum_residual) <= round_off / 10
-    assert abs(outcome.energy_residual) <= round_off
+    assert abs(outcome.momentum_residual) <= rtol / 10
+    assert abs(outcome.energy_residual) <= rtol
     assert outcome.kinetic_after == pytest.approx(energy.kinetic[-1], abs=near)
     vibration = sum(outcome.vibration_after)
     assert vibration == pytest.approx(energy.vibration[-1], abs=near)
@@ -93,9 +94,10 @@ def assert_outcome_is_that_at_the_end(solution, round_off):
 
 
 def impulses_on_ends(solution, times):
-    """Impulse on the left and on the right end of the row.
+    """Impulses on the left and on the right end of the row up to some times, N s
+    [end][time].
 
-    The force on a fixed end is not kept by all methods: it is not a number here.
+    The force on a fixed end is not kept by all methods: its impulse is nan here.
     """
     ticks = solution.fields.to_ticks(times)
     impulses = []
@@ -111,29 +113,31 @@ def impulses_on_ends(solution, times):
     return impulses
 
 
-def assert_forces_move_bodies(solution, round_off):
+def assert_forces_move_bodies(solution, rtol):
     """Contacts, ends and gravity between them change the momentum of each body."""
     system = solution.system
     bodies = system.bodies
     times = np.linspace(0, solution.t_end, 9)
     left, right = impulses_on_ends(solution, times)
-    impulses = [contact.impulse_until(times) for contact in solution.contacts]
-    impulses = [left, *impulses, right]  # impulses[i] acts on the left of body i
+    of_contacts = [contact.impulse_until(times) for contact in solution.contacts]
+    impulses = [left, *of_contacts, right]  # impulses[i] acts on the left of body i
     free = [i for i, body in enumerate(bodies) if not isinstance(body, ri.Wall)]
     masses = solution.outcome.masses
     momentum = sum(masses[i] for i in free) * solution.fields.clock.scale
     scale = momentum + np.nansum(np.abs(impulses))
     for i in free:
         velocity = solution.mean_velocity(i, times)
-        change = velocity - velocity[0] - system.gravity * times
+        change = velocity - velocity[0] - system.gravity * times  # without the fall
         impulse = impulses[i] - impulses[i + 1]
-        if not np.isnan(impulse[-1]):
-            near = round_off * scale + 1e-15
+        if not np.isnan(impulse[-1]):  # not at a fixed end
+            near = rtol * scale + 1e-15
             assert masses[i] * change == pytest.approx(impulse, abs=near)
 
 
 def assert_gaps_are_between_ends(solution, near):
-    """The gap of what yields grows by what is crushed."""
+    """Gaps are the distances of ends, but for those of what yields, which grow by what
+    is crushed.
+    """
     times = np.linspace(0, solution.t_end, 23)
     for i, contact in enumerate(solution.contacts):
         if isinstance(contact.law, ri.Yielding):
@@ -145,7 +149,10 @@ def assert_gaps_are_between_ends(solution, near):
 
 
 def assert_strains_stretch_rods(solution):
-    """At two times, but for the jumps between 400 places."""
+    """Rods are longer by the integral of their strain, at two times.
+
+    It is a sum over 400 places, which misses where between two of them it jumps.
+    """
     times = np.array([0.0, 0.7 * solution.t_end])
     for i, body in enumerate(solution.system.bodies):
         if isinstance(body, ri.Rod):
@@ -160,18 +167,19 @@ def assert_strains_stretch_rods(solution):
 
 @by_method
 @given(SEEDS, st.booleans())
-def test_energy_momentum_and_gaps(method, seed, driven):
+def test_energies_momenta_gaps_and_strains_fit_together(method, seed, driven):
     solution = solve_by(method, ROWS[method](seed, driven))
-    round_off = ROUND_OFF[method]
-    assert_energies_balance(solution, driven, round_off)
-    assert_outcome_is_that_at_the_end(solution, round_off)
-    assert_forces_move_bodies(solution, round_off)
+    rtol = BALANCE_RTOL[method]
+    assert_energies_balance(solution, driven, rtol)
+    assert_outcome_is_that_at_the_end(solution, rtol)
+    assert_forces_move_bodies(solution, rtol)
     if method != "finite-difference":  # where strains at the start are means over cells
-        assert_gaps_are_between_ends(solution, 20 * round_off)
+        assert_gaps_are_between_ends(solution, 20 * rtol)
         assert_strains_stretch_rods(solution)
 
 
 def assert_contacts_are_alike(contacts, others, times, near):
+    """Gaps at these times and impulses in the end."""
     for contact, other in zip(contacts, others, strict=True):
         assert other.gap(times) == pytest.approx(contact.gap(times), abs=near)
         assert other.impulse == pytest.approx(contact.impulse, abs=near)
@@ -179,9 +187,9 @@ def assert_contacts_are_alike(contacts, others, times, near):
 
 @by_method
 @given(SEEDS)
-def test_mirror(method, seed):
+def test_velocities_gaps_and_impulses_of_a_mirror_image_are_mirrored(method, seed):
     system = ROWS[method](seed, driven=True)
-    near = ROUND_OFF[method]
+    near = BALANCE_RTOL[method]
     solution = solve_by(method, system)
     image = solve_by(method, system.mirrored())
 
@@ -196,9 +204,9 @@ def test_mirror(method, seed):
 
 @by_method
 @given(SEEDS, st.sampled_from([1.0, -30.0]))
-def test_galilean_shift_changes_nothing(method, seed, v):
+def test_velocities_gaps_and_impulses_are_the_same_in_a_moving_frame(method, seed, v):
     system = ROWS[method](seed, driven=True)
-    near = ROUND_OFF[method] * (1 + abs(v))
+    near = BALANCE_RTOL[method] * (1 + abs(v))
     if method == "finite-difference":
         near *= 11
     solution = solve_by(method, system)

@@ -34,9 +34,11 @@ LAYERS = [
 METHODS = ("fronts", "pieces", "grid")
 """Packages of the methods; what they share lies beside them."""
 LEVEL = {name: level for level, name in enumerate(LAYERS)}
+"""Height of each of them above the ground."""
 
 
 def modules():
+    """Pairs of the name of a module, below the package, and its path."""
     for path in sorted(ROOT.rglob("*.py")):
         parts = path.relative_to(ROOT).with_suffix("").parts
         if parts != ("__init__",):
@@ -44,6 +46,7 @@ def modules():
 
 
 def imports_of(name, path):
+    """Names of the modules of the package that a module imports by relative imports."""
     package = ("rodimpact." + name).split(".")
     if path.name != "__init__.py":
         package = package[:-1]
@@ -52,35 +55,40 @@ def imports_of(name, path):
             base = package[: len(package) - node.level + 1][1:]
             target = base + (node.module.split(".") if node.module else [])
             for alias in node.names:
-                full = [*target, alias.name]
-                inside = ROOT.joinpath(*full)
+                parts = [*target, alias.name]
+                inside = ROOT.joinpath(*parts)
                 is_module = inside.is_dir() or inside.with_suffix(".py").exists()
-                # a public name of the package lies in some module
-                home = target or rodimpact._HOME.get(alias.name, "").split(".")[1:]
-                if any(full if is_module else home):
-                    yield ".".join(full if is_module else home)
+                if not is_module and target:  # a name of the module `target`
+                    parts = target
+                elif not is_module:  # a public name, which lies in some module
+                    parts = rodimpact._HOME.get(alias.name, "").split(".")[1:]
+                if any(parts):
+                    yield ".".join(parts)
 
 
-def test_modules_import_only_what_lies_below_and_not_each_other_in_a_loop():
+def test_modules_import_no_higher_layer_and_no_method_but_their_own():
+    for name, path in modules():
+        package, *inside = name.split(".")
+        for target in imports_of(name, path):
+            target_package, *inside_target = target.split(".")
+            message = f"{name} imports {target}"
+            assert LEVEL[target_package] <= LEVEL[package], message
+            is_between_methods = package == "methods" and target_package == "methods"
+            if is_between_methods and inside_target[0] in METHODS:
+                assert inside[0] in (inside_target[0], "registry"), message
+
+
+def test_no_modules_import_each_other_in_a_loop():
     imports = {name: set(imports_of(name, path)) for name, path in modules()}
-    for name, targets in imports.items():
-        here = name.split(".")
-        for target in targets:
-            there = target.split(".")
-            assert LEVEL[there[0]] <= LEVEL[here[0]], f"{name} imports {target}"
-            if here[0] == there[0] == "methods" and there[1] in METHODS:
-                assert here[1] in (there[1], "registry"), (
-                    f"{name} imports {target}, of one method"
-                )
     while imports:
-        free = {name for name, targets in imports.items() if not targets & set(imports)}
+        # Modules that import none of those that are left are taken away.
+        free = [name for name in imports if not imports[name] & set(imports)]
         assert free, f"a loop among {sorted(imports)}"
-        imports = {
-            name: targets for name, targets in imports.items() if name not in free
-        }
+        for name in free:
+            del imports[name]
 
 
-def test_kernels_of_fronts_know_numbers_and_each_other():
+def test_kernels_of_fronts_import_records_statuses_and_each_other_only():
     """So the page can take them."""
     kernels = {
         f"methods.fronts.{name}"
@@ -108,32 +116,39 @@ def test_kernels_of_fronts_know_numbers_and_each_other():
 
 
 def test_modules_are_imported_by_name_only_for_the_public_names_and_commands():
-    by_string = {
-        n for n, path in modules() if 'import_module(f".' in path.read_text("utf-8")
-    }
-    assert by_string == {"cli"}
+    importing_by_name = []
+    for name, path in modules():
+        if 'import_module(f".' in path.read_text("utf-8"):
+            importing_by_name.append(name)
+    assert importing_by_name == ["cli"]  # beside the root of the package
 
 
 def test_no_module_bears_the_name_of_a_public_function():
-    functions = {
-        n for n, home in rodimpact._HOME.items() if n.islower() and home != "."
-    }
+    functions = set()
+    for name, home in rodimpact._HOME.items():
+        if name.islower() and home != ".":
+            functions.add(name)
     assert "solve" in functions
     assert not functions & {name for name, _ in modules()}
+
+
+def imported_libraries(text):
+    """Names of the modules that a source imports, without those by relative imports."""
+    names = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            names.append(node.module)
+    return names
 
 
 def test_only_plot_imports_matplotlib_and_one_file_imports_numba():
     for name, path in modules():
         text = path.read_text(encoding="utf-8")
         if "matplotlib" in text and not name.startswith("plot"):
-            imported = [
-                node.names[0].name
-                if isinstance(node, ast.Import)
-                else node.module or ""
-                for node in ast.walk(ast.parse(text))
-                if isinstance(node, ast.Import | ast.ImportFrom)
-            ]
-            assert not any(m.startswith("matplotlib") for m in imported), name
+            for library in imported_libraries(text):
+                assert not library.startswith("matplotlib"), name
         if name != "methods.compiling":
             assert "import numba" not in text, name
         assert "from numba" not in text, name

@@ -12,7 +12,8 @@ from rodimpact.running import chunks
 PAIR = ri.System([rod(0.4, 1.0), rod(1.0, area=2e-4)])
 
 
-def fitted(progress):
+def fit(progress):
+    """Fit the velocity of a striker to a record of it."""
     record = ri.solve(PAIR, until=2e-4).gauge(1, 0.4).signal(1e-6)
     measured = ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0)
     ri.fit(
@@ -25,7 +26,7 @@ def fitted(progress):
     )
 
 
-WORK = {
+WORK = {  # functions that do long work and take an argument `progress`
     "fronts": lambda progress: ri.solve(PAIR, until=0.05, progress=progress),
     "grid": lambda progress: ri.solve(
         PAIR, until=1e-4, method="finite-difference", cells=10, progress=progress
@@ -54,7 +55,7 @@ WORK = {
     "first_mode": lambda progress: ri.waves.first_mode(
         np.linspace(0, 0.3, 300), 0.29, progress=progress
     ),
-    "fit": fitted,
+    "fit": fit,
     "striker": lambda progress: ri.design.striker(
         ri.Signal([0.0, 1e3], [0.0, 1e-4], unit="N"),
         rod(2.0),
@@ -69,12 +70,18 @@ WORK = {
 @pytest.mark.parametrize("work", WORK.values(), ids=WORK)
 def test_long_work_reports_its_progress_and_can_be_stopped(work):
     heard = []
-    work(lambda done, total: heard.append((done, total)))
-    assert heard
-    assert all(total is None or 0 <= done <= total for done, total in heard)
+
+    def listen(done, total):
+        heard.append((done, total))
 
     def stop(done, total):
         raise StopIteration
+
+    work(listen)
+    assert heard
+    for done, total in heard:
+        assert done >= 0
+        assert total is None or done <= total
 
     with pytest.raises(StopIteration):
         work(stop)
@@ -88,11 +95,13 @@ def test_progress_must_be_true_false_or_a_function(work, wrong):
 
 
 def test_an_interrupted_sweep_does_not_wait_for_the_members_that_run(monkeypatch):
-    begun, going_on, ended = (threading.Event() for _ in range(3))
+    begun = threading.Event()
+    may_end = threading.Event()
+    ended = threading.Event()
 
-    def member(*_):
+    def run_until_told(*_):
         begun.set()
-        going_on.wait(30)
+        may_end.wait(30)
         ended.set()
         raise chunks.Stopped
 
@@ -100,9 +109,9 @@ def test_an_interrupted_sweep_does_not_wait_for_the_members_that_run(monkeypatch
         if begun.is_set():
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(chunks, "run_chunk", member)
+    monkeypatch.setattr(chunks, "run_chunk", run_until_told)
     family = ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)])
     with pytest.raises(KeyboardInterrupt):
         ri.sweep(family, workers=1, progress=interrupt)
     assert not ended.is_set()
-    going_on.set()
+    may_end.set()

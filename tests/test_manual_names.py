@@ -47,7 +47,8 @@ def spans(text):
     """Pieces of code between single backquotes, without blocks and roles."""
     without_blocks = re.sub(r"```.*?```", "", text, flags=re.S)
     without_roles = re.sub(r"\{\w+\}`[^`]+`", "", without_blocks)
-    return [" ".join(span.split()) for span in re.findall(r"`([^`]+)`", without_roles)]
+    pieces = re.findall(r"`([^`]+)`", without_roles)
+    return [" ".join(piece.split()) for piece in pieces]  # on one line
 
 
 def attribute_exists(path):
@@ -66,13 +67,12 @@ def attribute_exists(path):
 def is_set_by_constructor(public, name):
     """Whether the docstring of a class lists an attribute of this name."""
     docstring = getattr(public, "__doc__", None) or ""
-    return (
-        re.search(rf"^    [\w, ]*\b{name}\b[\w, ]*( :|$)", docstring, re.M) is not None
-    )
+    entry = rf"^    [\w, ]*\b{name}\b[\w, ]*( :|$)"
+    return re.search(entry, docstring, re.M) is not None
 
 
 def each_page(find):
-    """Pairs of page and what is found in it."""
+    """Cases for `parametrize`: what a function finds in the text of each page."""
     cases = []
     for page in PAGES:
         for found in sorted(set(find(page.read_text("utf-8")))):
@@ -81,6 +81,7 @@ def each_page(find):
 
 
 def names_of_package(text):
+    """Dotted names below the package, in roles and in code."""
     roles = re.findall(r"\{(?:func|class|meth|mod|attr)\}`[^`<]*?<?~?([\w.]+)>?`", text)
     names = [role.removeprefix("rodimpact.") for role in roles]
     for span in spans(text):
@@ -98,11 +99,13 @@ def test_names_of_the_package_exist(path):
 
 
 def attributes_of_objects(text):
+    """Texts like `solution.outcome`, of the variables in `OBJECTS`."""
     found = []
+    variables = "|".join(OBJECTS)
     for span in spans(text):
         if span.startswith("["):  # a table of a case file
             continue
-        found += re.findall(rf"\b((?:{'|'.join(OBJECTS)})\.[a-z_]+)", span)
+        found += re.findall(rf"\b((?:{variables})\.[a-z_]+)", span)
     return found
 
 
@@ -115,6 +118,7 @@ def test_attributes_of_objects_exist(path):
 
 
 def files(text):
+    """Names of files and folders, in code and in links."""
     found = []
     for span in spans(text):
         if re.fullmatch(rf"[\w./-]+\.({SUFFIXES})|[\w.-]+(/[\w.-]+)*/", span):
@@ -132,24 +136,27 @@ def test_files_exist(name):
 
 
 def commands(text):
+    """Pieces of code that call the program."""
     return [span for span in spans(text) if re.match(r"rodimpact( |$)", span)]
 
 
 @pytest.mark.parametrize("span", each_page(commands))
 def test_commands_and_their_options_exist(span, capsys):
-    words = shlex.split(span)[1:]
-    if not words or words[0].startswith("-") or not words[0].isalpha():
+    _, *words = shlex.split(span)
+    if not words or not words[0].isalpha():  # no command, but options or a file
         return
-    if words[0].isupper():  # `rodimpact COMMAND`
+    name, *arguments = words
+    if name.isupper():  # `rodimpact COMMAND`
         return
-    assert words[0] in COMMANDS
-    command = importlib.import_module(f"rodimpact.cli.{words[0]}")
+    assert name in COMMANDS
+    command = importlib.import_module(f"rodimpact.cli.{name}")
     with pytest.raises(SystemExit):
         parser_of(command).parse_args(["--help"])
-    text = capsys.readouterr().out
-    for word in words[1:]:
-        if word.startswith("-"):
-            assert word.partition("=")[0] in text
+    help_text = capsys.readouterr().out
+    for argument in arguments:
+        if argument.startswith("-"):
+            option, *_ = argument.split("=")
+            assert option in help_text
 
 
 def parser_of(command):
@@ -188,10 +195,9 @@ def test_identifiers_on_the_page_for_contributors_stand_in_the_sources():
     assert unknown == []
 
 
-def test_the_table_of_files_names_modules_of_the_methods():
-    table = CONTRIBUTING.partition("Within `methods/`:")[2].partition("\n\n`ri.solve`")[
-        0
-    ]
+def test_the_table_of_files_on_the_page_for_contributors_names_modules():
+    _, _, after_heading = CONTRIBUTING.partition("Within `methods/`:")
+    table, _, _ = after_heading.partition("\n\n`ri.solve`")
     rows = re.findall(r"^\| (`.*?) \|", table, re.M)
     assert len(rows) > 5
     for row in rows:

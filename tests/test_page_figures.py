@@ -20,6 +20,7 @@ page_figures = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(page_figures)
 NUMBER = re.compile(r"-?\d+\.?\d*")
 MAX_BYTES = 60_000
+"""Largest size of a figure that is committed."""
 LAYOUT_TOLERANCE = 4.0
 """Points by which versions of Matplotlib may lay out differently."""
 
@@ -30,8 +31,8 @@ class Parts(NamedTuple):
     title: str
     words: list[str]
     numbers: list[float]
-    places: np.ndarray  # of words and numbers
-    extents: np.ndarray  # of every path
+    places: np.ndarray  # of words and numbers, points [text, 2]
+    extents: np.ndarray  # least and largest corner of every path, points [path, 2, 2]
 
 
 def numbers_in(text):
@@ -39,7 +40,7 @@ def numbers_in(text):
 
 
 def parts_of(file):
-    """Title, words, numbers and their places, and the extent of every path."""
+    """Parts of a figure in an SVG file."""
     root = ElementTree.parse(file).getroot()
     words = []
     numbers = []
@@ -77,6 +78,7 @@ def test_committed_figures_are_those_of_their_cells(page, tmp_path, monkeypatch)
 
 
 def assert_show_the_same(drawn, committed):
+    """Up to what versions of libraries draw differently."""
     name = committed.title
     assert drawn.title
     assert drawn.title == committed.title
