@@ -7,17 +7,21 @@ from mistakes import problems
 import rodimpact as ri
 
 STEEL = ri.materials.steel
-FRACTIONAL = STEEL.replace(
-    youngs_modulus=7850 * 5000.0**2
-)  # a wave speed that exact() knows
+# Its wave speed is a fraction, as exact() needs it.
+FRACTIONAL = STEEL.replace(youngs_modulus=7850 * 5000.0**2)
 PULSE = ri.Signal([0.0, 1.0, 1.0, 0.0], dt=1e-6)
 
 
 def chain(n=2, material=STEEL, last=None, gap=0.0):
-    """Rods of 0.1 m, of which the first moves, and a last one of 0.2 m."""
+    """n rods of 0.1 m, of which the first moves, and one of 0.2 m behind them.
+
+    `last` is the material of that one, if it is another.
+    """
+    if last is None:
+        last = material
     first = ri.Rod(0.1, area=1e-4, material=material, velocity=1.0)
     others = [ri.Rod(0.1, area=1e-4, material=material)] * (n - 1)
-    last_rod = ri.Rod(0.2, area=1e-4, material=last or material)
+    last_rod = ri.Rod(0.2, area=1e-4, material=last)
     return ri.System([first, *others, last_rod], gaps=[gap] * n)
 
 
@@ -47,8 +51,6 @@ def read_case(system, path):
 
 
 FUNCTIONS = [gradient, closed_form, exact, atlas, fit, read_case]
-
-
 """Functions that take a path of a number."""
 
 
@@ -66,7 +68,7 @@ def test_a_wrong_path_is_told_with_the_nearest_of_its_object(function, path, adv
     system = chain(20, FRACTIONAL, gap=1e-4)
     (message,) = problems(lambda: function(system, path)).values()
     assert advice in message
-    assert "..." not in message
+    assert "..." not in message  # the message is not too long to be shown
 
 
 @pytest.fixture(scope="module")
@@ -116,9 +118,10 @@ def steel_on_brass(density):
 @pytest.mark.parametrize(
     "path", ["materials.steel.density", "bodies.0.material.density"]
 )
-def test_an_atlas_over_a_density_says_what_a_run_there_does(path):
-    """Wave speeds follow the density: if they stayed behind, e were that of no
-    system.
+def test_an_atlas_over_a_density_has_the_restitution_of_a_run_there(path):
+    """Wave speeds follow the density: if they did not, e would be that of no system.
+
+    The atlas says which path its symbol stands for.
     """
     plane = ri.atlas(
         steel_on_brass(7850), (path, 7000, 9000), ("bodies.1.length", 0.9, 1.1)
@@ -130,10 +133,12 @@ def test_an_atlas_over_a_density_says_what_a_run_there_does(path):
     assert str(plane).endswith(f"where rho1 = {path}, l2 = bodies.1.length")
 
 
-def test_a_round_rod_goes_by_its_diameter_and_by_its_area():
-    striker = ri.Rod(0.4, diameter=0.01, material=STEEL, velocity=1.0)
+def test_gradients_of_a_round_rod_take_its_diameter_and_its_area():
+    diameter = 0.01
+    striker = ri.Rod(0.4, diameter=diameter, material=STEEL, velocity=1.0)
     system = ri.System([striker, ri.Rod(1.0, area=1e-4, material=STEEL)])
     paths = ["bodies.0.diameter", "bodies.0.area"]
-    g = ri.gradient(system, of="velocity_after.1", wrt=paths)
-    expected = g["bodies.0.area"] * np.pi * 0.01 / 2
-    assert g["bodies.0.diameter"] == pytest.approx(expected, rel=1e-12)
+    slopes = ri.gradient(system, of="velocity_after.1", wrt=paths)
+    area_by_diameter = np.pi * diameter / 2
+    expected = slopes["bodies.0.area"] * area_by_diameter
+    assert slopes["bodies.0.diameter"] == pytest.approx(expected, rel=1e-12)

@@ -37,13 +37,15 @@ class Terminal(io.StringIO):
             elif mark == "\r":
                 column = 0
             elif mark == "\n":
-                row, column = row + 1, 0
-                lines += [[]] * (row == len(lines))
+                row += 1
+                column = 0
+                if row == len(lines):
+                    lines.append([])
             else:
-                blanks = [" "] * (column - len(lines[row]))
-                lines[row] = (
-                    lines[row][:column] + blanks + [mark, *lines[row][column + 1 :]]
-                )
+                line = lines[row]
+                while len(line) <= column:
+                    line.append(" ")
+                line[column] = mark
                 column += 1
         return ["".join(line).rstrip() for line in lines]
 
@@ -87,7 +89,7 @@ def test_two_seconds_count_from_the_start_of_the_call(monkeypatch):
     terminal = watched(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
     with Progress(True, "sweep", "collisions") as report:
-        progress._outermost._began -= 1.0
+        progress._outermost._began -= 1.0  # as if a second had passed
         report(1, 50)
         assert terminal.getvalue() == ""
         progress._outermost._began -= 1.1
@@ -95,16 +97,18 @@ def test_two_seconds_count_from_the_start_of_the_call(monkeypatch):
         assert "2/50 [00:02<" in terminal.getvalue()
 
 
-def test_members_from_a_checkpoint_say_nothing_about_the_rate(monkeypatch):
+def test_members_from_a_checkpoint_do_not_count_for_the_time_that_remains(monkeypatch):
+    """After 900 that were read, 10 members took 10 s: 90 take 90 s."""
     terminal = watched(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
     with Progress(True, "sweep", "collisions") as report:
         report(900, 1000)
-        progress._outermost._began -= 10.0
+        progress._outermost._began -= 10.0  # as if 10 s had passed
         report(910, 1000)
         (line,) = terminal.lines()
         remaining = re.search(r"910/1000 \[00:10<01:(\d\d)", line)
-        assert 25 <= int(remaining[1]) <= 31
+        seconds_beyond_a_minute = int(remaining[1])
+        assert 25 <= seconds_beyond_a_minute <= 31
 
 
 def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
@@ -116,7 +120,7 @@ def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
         assert terminal.lines()[0].startswith("formula: 123k steps [00:00, ")
 
 
-def test_an_estimate_that_was_too_low_ends_full(monkeypatch):
+def test_a_total_that_was_too_low_is_raised_to_what_is_done(monkeypatch):
     terminal = watched(monkeypatch)
     with Progress(True, "solve", "events") as report:
         report(90, 100)
@@ -131,10 +135,10 @@ def test_a_finer_mesh_begins_anew(monkeypatch):
         report(10, 200)
         (line,) = terminal.lines()
         assert line.startswith("solve:   5%|")
-        assert "-" not in line
+        assert "-" not in line  # no negative rate
 
 
-def test_nothing_appears_where_nobody_looks(monkeypatch):
+def test_nothing_appears_where_standard_error_is_no_terminal(monkeypatch):
     silent = io.StringIO()
     monkeypatch.setattr(progress, "APPEARS_AFTER", 0.0)
     for stderr in (silent, None):

@@ -22,22 +22,27 @@ any_row = pytest.mark.parametrize(
 
 
 def run(system, transits=15.0):
+    """A solution until some transits of the longest rod, or until the cap."""
     return ri.solve(system, until=horizon(system, transits), max_events=CAP)
 
 
-def waves(solution, sign=1.0):
-    """Ticks and values of every wave; nothing for a line that has none."""
+def waves(solution, factor=1.0):
+    """Ticks and values, times a factor, of the wave on each line; None on a line that
+    has none.
+
+    Two lines lie outside each end, and two in each segment.
+    """
     lines = []
     for wave in solution.fields.motion.lines:
         if wave:
-            lines.append((wave.ticks.tolist(), (sign * wave.values).tolist()))
+            lines.append((wave.ticks.tolist(), (factor * wave.values).tolist()))
         else:
-            lines.append(wave)
+            lines.append(None)
     return lines
 
 
 @given(SEEDS)
-def test_signorini_holds_at_every_event(seed):
+def test_forces_and_gaps_are_never_negative_and_one_of_them_is_0_at_every_event(seed):
     for contact in run(random_system(seed, bonded=False)).contacts:
         _, force, gap = contact.breakpoints()
         assert (force >= 0).all()
@@ -46,14 +51,14 @@ def test_signorini_holds_at_every_event(seed):
 
 
 @given(SEEDS)
-def test_tallies_agree_with_the_signals(seed):
+def test_totals_of_contacts_agree_with_their_signals(seed):
     solution = run(random_system(seed))
     t = solution.t_end
     for contact, total in zip(
         solution.contacts, solution.outcome.contacts, strict=True
     ):
         times, force, _ = contact.breakpoints()
-        spans = np.diff(np.append(times, t))
+        spans = np.diff(np.append(times, t))  # durations of the forces, s
         scale = np.sum(np.abs(force) * spans)
         impulse = pytest.approx(total.impulse, rel=1e-12, abs=1e-12 * scale)
         assert contact.impulse_until(t) == impulse
@@ -94,7 +99,7 @@ def test_nothing_touches_after_the_proof_of_finality(row, seed):
 
 @any_row
 @given(SEEDS)
-def test_mirror_is_exact(row, seed):
+def test_waves_of_a_mirror_image_are_exactly_mirrored(row, seed):
     """Lengths in sixteenths, so that positions measured from the other end are exact
     too.
     """
@@ -103,15 +108,17 @@ def test_mirror_is_exact(row, seed):
     assume(solution.stopped_by == "until")
     mirrored = ri.solve(system.mirrored(), solution.t_end, max_events=CAP)
     assert mirrored.stopped_by == "until"
-    lines = waves(solution)
-    images = waves(mirrored, -1.0)
-    assert lines[2:] == images[:1:-1]
+    # The lines from the left end on are those of the image from its right end on.
+    lines = waves(solution)[2:]
+    images = waves(mirrored, factor=-1.0)[2:]
+    assert lines == images[::-1]
     impulses = [total.impulse for total in solution.outcome.contacts]
     image_impulses = [total.impulse for total in mirrored.outcome.contacts]
     assert impulses == pytest.approx(image_impulses[::-1], rel=1e-14)
 
 
 def rescaled_profile(profile, length, velocity):
+    """A number or steps with places times `length`, and values times `velocity`."""
     if isinstance(profile, ri.Steps):
         values = [velocity * value for value in profile.values]
         places = [length * place for place in profile.at]
@@ -120,7 +127,10 @@ def rescaled_profile(profile, length, velocity):
 
 
 def rescaled(system, length=1.0, area=1.0, velocity=1.0, modulus=1.0, density=1.0):
-    """The system with all numbers of these kinds multiplied."""
+    """The system with all numbers of these kinds multiplied.
+
+    Strains are multiplied as velocities are, and gaps as lengths and velocities.
+    """
     bodies = []
     for body in system.bodies:
         if isinstance(body, ri.Wall):
@@ -149,13 +159,16 @@ def rescaled(system, length=1.0, area=1.0, velocity=1.0, modulus=1.0, density=1.
 
 
 @given(SEEDS)
-def test_scaling_by_powers_of_two_is_exact(seed):
+def test_numbers_scaled_by_powers_of_two_scale_waves_and_times_exactly(seed):
     system = random_system(seed, bodies=4)
     until = horizon(system, 10)
     reference = ri.solve(system, until, max_events=CAP)
     assume(reference.stopped_by == "until")
 
     def assert_scales(scaled, time=1.0, factor=1.0):
+        """In as many times the time, velocities are as many times as large: all waves
+        are the same on clocks whose ticks are longer.
+        """
         solution = ri.solve(scaled, until * time)
         assert waves(solution) == waves(reference, factor)
 
@@ -163,6 +176,7 @@ def test_scaling_by_powers_of_two_is_exact(seed):
     assert_scales(rescaled(system, area=0.5))
     assert_scales(rescaled(system, velocity=2.0), factor=2.0)
     assert_scales(rescaled(system, modulus=4.0, density=4.0))
+    # Another wave speed leaves velocities and gaps, but not those that strains make.
     rods = [body for body in system.bodies if isinstance(body, ri.Rod)]
     is_strained = any(rod.strain != 0.0 for rod in rods)
     has_gaps = any(gap != 0 for gap in system.gaps)
@@ -187,10 +201,10 @@ def split(system, i):
 
 
 @given(SEEDS)
-def test_bonded_split_changes_nothing(seed):
+def test_a_rod_that_is_cut_and_bonded_again_moves_as_before(seed):
     system = random_system(seed, bodies=4)
     is_rod = [isinstance(body, ri.Rod) for body in system.bodies]
-    i = is_rod.index(True)
+    i = is_rod.index(True)  # the first one
     rod = system.bodies[i]
     assume(not isinstance(rod.velocity, ri.Steps))
     assume(not isinstance(rod.strain, ri.Steps))
@@ -199,7 +213,7 @@ def test_bonded_split_changes_nothing(seed):
     in_halves = ri.solve(split(system, i), whole.t_end, max_events=2 * CAP)
 
     velocities = list(in_halves.outcome.velocities_after)
-    del velocities[i]
+    del velocities[i]  # that of one half; the other has the same
     assert velocities == pytest.approx(whole.outcome.velocities_after, abs=1e-11)
 
 
@@ -221,7 +235,7 @@ def test_a_state_can_be_continued(row, seed, part):
 
 
 @given(SEEDS)
-def test_the_film_runs_backwards(seed):
+def test_the_film_backwards_comes_to_the_reversed_velocities_without_vibration(seed):
     system = random_system(
         seed, bodies=4, moving_walls=False, vibrating=False, bonded=False
     )
@@ -234,6 +248,7 @@ def test_the_film_runs_backwards(seed):
     for body, velocity in enumerate(forward.outcome.velocities_before):
         reached = float(back.mean_velocity(body, back.t_end))
         assert reached == pytest.approx(-velocity, abs=1e-9)
+    # Gaps that closed at times that were rounded close a little earlier or later.
     round_off = 1e-13
     for gap, contact in zip(system.gaps, forward.contacts, strict=True):
         met_after_a_gap = gap > 0 and contact.episodes
