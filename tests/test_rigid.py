@@ -18,10 +18,13 @@ RESTITUTION = st.floats(0, 1)
 
 
 # The balances
+# --------------------------------------------------------------------------------------
 
 
 def size_and_momentum(m1, v1, m2, v2):
-    """Sum of the sizes of both momenta, and of both momenta."""
+    """Sum of the magnitudes of both momenta, for the scale of round-off, and the momentum
+    of both.
+    """
     return m1 * abs(v1) + m2 * abs(v2), m1 * v1 + m2 * v2
 
 
@@ -49,7 +52,7 @@ def test_momentum_is_kept_and_energy_never_gained_in_ten_thousand_collisions():
 
 
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION)
-def test_restitution_is_that_of_the_velocities(m1, v1, m2, v2, e):
+def test_velocities_after_have_the_restitution_that_was_given(m1, v1, m2, v2, e):
     assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
     w1 = after.velocity_1
@@ -59,7 +62,9 @@ def test_restitution_is_that_of_the_velocities(m1, v1, m2, v2, e):
 
 
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION, VELOCITY)
-def test_seen_from_a_moving_frame_and_in_a_mirror(m1, v1, m2, v2, e, u):
+def test_a_collision_is_the_same_in_a_moving_frame_and_in_a_mirror(
+    m1, v1, m2, v2, e, u
+):
     assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
     moving = rigid.collide(m1, v1 + u, m2, v2 + u, e)
@@ -92,7 +97,8 @@ def test_a_restitution_of_minus_one_changes_nothing(m1, v1, m2, v2):
     assert after.energy_lost == 0.0
 
 
-def test_moving_wall_keeps_its_velocity_and_has_infinite_energy():
+def test_a_moving_wall_keeps_its_velocity_and_has_infinite_energy():
+    """A wall of infinite mass: the body comes at 12 m/s and leaves it at 12 m/s."""
     after = rigid.collide(0.5, 10.0, math.inf, -2.0, 1.0)
     assert after.velocity_2 == -2.0
     assert after.velocity_1 == -14.0
@@ -102,16 +108,20 @@ def test_moving_wall_keeps_its_velocity_and_has_infinite_energy():
 
 
 # Stacks
+# --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("n", [1, 5])
 def test_a_stack_of_light_balls_tends_to_the_square_of_two_to_the_n_less_one(n):
-    masses = 1e-9 ** np.arange(n)
+    masses = 1e-9 ** np.arange(n)  # from below, each much lighter than the last
     drop = rigid.stack_drop(masses, np.ones(n), 1.0)
     assert drop.top_height == pytest.approx((2**n - 1) ** 2, rel=1e-6)
 
 
 def test_a_stack_is_a_row_of_collisions():
+    """The lowest ball, thrown back by the ground, meets the second, and that one the
+    third; these still fall at v.
+    """
     v = math.sqrt(2 * 9.81 * 1.5)
     first = rigid.collide(3.0, 0.9 * v, 2.0, -v, 0.8)
     second = rigid.collide(2.0, first.velocity_2, 1.0, -v, 0.7)
@@ -122,25 +132,28 @@ def test_a_stack_is_a_row_of_collisions():
 
 
 # Shapes
+# --------------------------------------------------------------------------------------
 
 
-def test_arrays_broadcast():
+def test_shapes_of_results_are_those_of_the_broadcast_arguments():
     column = np.array([[1.0], [2.0]])
     row = np.array([0.0, 0.5, 1.0])
     after = rigid.collide(column, 1.0, 1.0, 0.0, row)
     assert {entry.shape for entry in after} == {(2, 3)}
-    drop = rigid.stack_drop(np.ones((3, 2)), [0.9, 0.9], column)
-    assert [entry.shape for entry in drop] == [(2, 3, 2), (2, 3)]
+    drop = rigid.stack_drop(np.ones((3, 2)), [0.9, 0.9], column)  # [stack, ball]
+    assert drop.velocities.shape == (2, 3, 2)
+    assert drop.top_height.shape == (2, 3)
     assert rigid.reduced_mass(column, row + 1).shape == (2, 3)
 
 
 # Refusals
+# --------------------------------------------------------------------------------------
 
 COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
 
 
 @pytest.mark.parametrize("e", [1.1, -1.1])
-def test_energy_release_needs_permission(e):
+def test_a_restitution_beyond_1_needs_permission_and_releases_energy(e):
     message = rf"restitution\[1\]: .*, got {e}, .*set allow_energy_release=True"
     with pytest.raises(ValueError, match=message):
         rigid.collide(1.0, 1.0, 1.0, 0.0, [0.5, e])
@@ -162,7 +175,7 @@ def test_energy_release_needs_permission(e):
         ),
     ],
 )
-def test_impossible_collisions(changes, message):
+def test_impossible_collisions_are_refused(changes, message):
     with pytest.raises(ValueError, match=message):
         rigid.collide(**{**COLLISION, **changes})
 
@@ -214,6 +227,8 @@ def test_impossible_collisions(changes, message):
         (rigid.stack_drop, ([1], [1], 1, -1), r"gravity: must be .*, got -1\.0"),
     ],
 )
-def test_impossible_arguments(function, arguments, message):
+def test_impossible_velocities_heights_and_stacks_are_refused(
+    function, arguments, message
+):
     with pytest.raises(ValueError, match=message):
         function(*arguments)

@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +16,14 @@ EPS = np.finfo(float).eps
 ROUND_OFF = 8 * EPS
 POSITIVE = st.floats(1e-3, 1e3)
 PAIR = st.tuples(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
+"""Impedance and transit time of one rod, then of the other."""
 
 
 class Waves(NamedTuple):
-    force: list[Fraction]
-    opening: int
+    """What waves make of a collision of two rods."""
+
+    force: list[Fraction]  # by tick
+    opening: int  # tick
     restitution: Fraction
     vibration_energy: Fraction
 
@@ -31,13 +35,15 @@ def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
     end.
     """
     mobility = Fraction(1, Z1) + Fraction(1, Z2)
+    # Waves that have left the contact into each rod, by tick: at first one round trip
+    # of the state at the start.
     leaving_1 = [Fraction(1)] * (2 * T1)
     leaving_2 = [Fraction(0)] * (2 * T2)
     gap = Fraction(0)
     forces = []
     opening = None
     for tick in range(12 * max(T1, T2)):
-        a = leaving_1[-2 * T1]
+        a = leaving_1[-2 * T1]  # what returns from rod 1
         b = leaving_2[-2 * T2]
         F = Fraction(0)
         if gap == 0:
@@ -57,30 +63,24 @@ def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
 
 def mean_and_vibration(signal: list[Fraction], Z: int) -> tuple[Fraction, Fraction]:
     """Velocity of the centre of mass and energy about it, from one round trip of an end
-    signal.
+    signal: a tick of it has the mass Z/2.
     """
     mean = sum(signal) / len(signal)
-    return mean, Fraction(Z, 4) * sum((s - mean) ** 2 for s in signal)
+    deviations = sum((value - mean) ** 2 for value in signal)
+    return mean, Fraction(Z, 4) * deviations
 
 
-def of_whole_numbers(test):
-    """Impedances and transit times whose waves can be followed tick by tick."""
-    for name, values in (
-        ("T1", [1, 2, 5]),
-        ("Z1", [1, 2, 7]),
-        ("T2", [1, 3, 5]),
-        ("Z2", [1, 2, 3]),
-    ):
-        test = pytest.mark.parametrize(name, values)(test)
-    return test
+WHOLE_NUMBERS = list(product([1, 2, 7], [1, 2, 5], [1, 2, 3], [1, 3, 5]))
+by_whole_numbers = pytest.mark.parametrize(("Z1", "T1", "Z2", "T2"), WHOLE_NUMBERS)
+"""Impedances and transit times whose waves can be followed tick by tick."""
 
 
-@of_whole_numbers
-def test_agrees_with_waves(Z1, T1, Z2, T2):
+@by_whole_numbers
+def test_the_closed_form_of_two_rods_agrees_with_waves(Z1, T1, Z2, T2):
     waves = follow_waves(Z1, T1, Z2, T2)
     impulse = float(sum(waves.force))
     peak_force = float(max(waves.force))
-    pressed = [tick for tick, F in enumerate(waves.force) if F > 0]
+    pressed_ticks = [tick for tick, F in enumerate(waves.force) if F > 0]
     reduced_mass = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
     energy_round_off = ROUND_OFF * reduced_mass / 2
     vibration_energy = float(waves.vibration_energy)
@@ -90,14 +90,16 @@ def test_agrees_with_waves(Z1, T1, Z2, T2):
     assert pair.restitution == pytest.approx(float(waves.restitution), abs=ROUND_OFF)
     assert pair.impulse == pytest.approx(impulse, rel=ROUND_OFF, abs=0)
     assert pair.peak_force == pytest.approx(peak_force, rel=ROUND_OFF, abs=0)
-    assert pair.duration == pressed[-1] + 1
+    assert pair.duration == pressed_ticks[-1] + 1
     assert pair.opening == waves.opening
     vibration = pytest.approx(vibration_energy, abs=energy_round_off)
     assert pair.vibration_energy == vibration
 
 
-@of_whole_numbers
-def test_the_force_agrees_with_waves(Z1, T1, Z2, T2):
+@by_whole_numbers
+def test_the_force_of_two_rods_agrees_with_waves_also_just_before_a_jump(
+    Z1, T1, Z2, T2
+):
     waves = follow_waves(Z1, T1, Z2, T2)
     expected = [float(F) for F in waves.force]
     ticks = np.arange(len(expected), dtype=float)
@@ -112,8 +114,11 @@ def test_the_force_agrees_with_waves(Z1, T1, Z2, T2):
 
 
 def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
-    """e = J (1/m1 + 1/m2) - 1 with the impulse summed trip by trip, in exact
-    arithmetic.
+    """e = J (1/m1 + 1/m2) - 1 with the impulse J summed over round trips of the short
+    rod, in exact arithmetic.
+
+    Over each, of 2 Ts, the force is q times that of the one before; the last may be cut
+    short by the wave in the long rod, after 2 Tl.
     """
     rods = [(Fraction(T1), Fraction(Z1)), (Fraction(T2), Fraction(Z2))]
     short, long = sorted(rods)
@@ -121,14 +126,14 @@ def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
     Tl, Zl = long
     F0 = Zs * Zl / (Zs + Zl)
     q = max(Fraction(0), (Zs - Zl) / (Zs + Zl))
-    K = math.floor(Tl / Ts)
+    K = math.floor(Tl / Ts)  # whole round trips
     J = F0 * (2 * Ts * (1 - q**K) / (1 - q) + 2 * q**K * (Tl - K * Ts))
     return J * (1 / (Zs * Ts) + 1 / (Zl * Tl)) - 1
 
 
 @pytest.mark.parametrize("ratio", [1 + 2**-40, 1.5, 1e3, 1e8, 1e15])
 @pytest.mark.parametrize("long_time", [1.0, 1.75, 3.0, math.nextafter(3.0, 0), 257.3])
-def test_keeps_its_digits_at_any_ratio_of_impedances(ratio, long_time):
+def test_restitution_keeps_its_digits_at_any_ratio_of_impedances(ratio, long_time):
     for Z_short, Z_long in [(ratio, 1.0), (1.0, ratio)]:
         exact = float(exact_restitution(Z_short, 1.0, Z_long, long_time))
         pair = theory.saint_venant(Z_short, 1.0, Z_long, long_time)
@@ -136,9 +141,9 @@ def test_keeps_its_digits_at_any_ratio_of_impedances(ratio, long_time):
 
 
 @pytest.mark.parametrize("Z_long", [1.0, 1 + 1e-12, 1 - 1e-12])
-def test_keeps_its_digits_when_restitution_is_small(Z_long):
-    """e = x + |q|, the latter if the long rod is stiffer; x is the ratio of the
-    lengths.
+def test_a_small_restitution_keeps_its_digits(Z_long):
+    """The ratio of the lengths, and half of the relative excess of the impedance of the
+    long rod.
     """
     expected = 1e-12 + max(Z_long - 1, 0) / 2
     pair = theory.saint_venant(1.0, 1.0, Z_long, 1e12)
@@ -146,7 +151,7 @@ def test_keeps_its_digits_when_restitution_is_small(Z_long):
 
 
 @given(PAIR, POSITIVE)
-def test_integral_energy_and_bounds(rods, V):
+def test_force_impulse_energy_and_durations_of_a_pair_fit_together(rods, V):
     Z1, T1, Z2, T2 = rods
     m = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
     round_trip = 2 * min(T1, T2)  # of the short rod; over each the force is constant
@@ -177,7 +182,7 @@ def test_it_does_not_matter_which_rod_is_on_the_left(rods, V):
 
 
 @pytest.mark.parametrize("Z", [0.1 + 0.2, math.nextafter(0.3, 0)])
-def test_equal_up_to_round_off_is_equal(Z):
+def test_impedances_that_are_equal_but_for_round_off_count_as_equal(Z):
     exact = theory.saint_venant(0.3, 1.0, 0.3, 2.0)
     rounded = theory.saint_venant(Z, 1.0, 0.3, 2.0)
     assert exact.duration == 2.0
@@ -191,8 +196,10 @@ def test_equal_up_to_round_off_is_equal(Z):
 @pytest.mark.parametrize(
     ("ratio", "e"), [(0.25, 0.249581), (1.0, 0.729329), (4.0, 0.967347)]
 )
-def test_a_mass_on_a_free_rod(ratio, e):
-    """Values derived independently; momentum and energy balance."""
+def test_the_closed_form_of_a_mass_on_a_free_rod_keeps_its_balances(ratio, e):
+    """`ratio` is the mass over that of the rod; the values of e are derived
+    independently.
+    """
     Z = 3.0
     T = 0.2
     V = 1.7
@@ -212,20 +219,20 @@ def test_a_mass_on_a_free_rod(ratio, e):
     assert np.trapezoid(force, times) == pytest.approx(collision.impulse, rel=1e-7)
 
 
-def test_a_rod_is_hit_by_a_mass_of_some_size():
+def test_a_mass_of_0_is_refused():
     with pytest.raises(ValueError, match="mass"):
         theory.mass_on_rod(0.0, 3.0, 0.2, 1.7)
 
 
 # Tapers, damping, lateral inertia
-# ----------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("wide", "narrow"), [(4.0, 1.0), (1.0, 9.0)])
-def test_a_jump_keeps_its_energy_in_a_horn(wide, narrow):
-    """Power of a wave is rho c A v^2."""
-    gain = theory.horn_amplification(wide, narrow)
-    assert narrow * gain**2 == pytest.approx(wide, rel=1e-15)
+@pytest.mark.parametrize(("first", "last"), [(4.0, 1.0), (1.0, 9.0)])
+def test_a_jump_keeps_its_power_from_the_first_to_the_last_area_of_a_horn(first, last):
+    """The power of a wave is rho c A v^2."""
+    gain = theory.horn_amplification(first, last)
+    assert last * gain**2 == pytest.approx(first, rel=1e-15)
 
 
 def test_horns_make_families():
@@ -233,13 +240,13 @@ def test_horns_make_families():
 
 
 def slope(function, x, step=1e-3):
-    """Derivative, to fourth order."""
+    """Derivative at x, to fourth order in the step."""
     near = function(x + step) - function(x - step)
     far = function(x + 2 * step) - function(x - 2 * step)
     return (8 * near - far) / (12 * step)
 
 
-def test_an_exponential_horn():
+def test_a_wave_of_the_horn_frequency_obeys_the_equation_of_the_horn():
     """u = exp(-beta x) cos(k x - omega t) obeys (A u_x)_x = A u_tt/c^2."""
     c = 1.5
     k = 2.0
@@ -266,8 +273,8 @@ def test_an_exponential_horn():
 
 
 @pytest.mark.parametrize("ratio", [0.01, 0.3, 0.9])
-def test_decay_of_a_damped_mode(ratio):
-    """The roots of p^2 + (eta/E) omega^2 p + omega^2."""
+def test_the_decay_of_a_damped_mode_is_that_of_the_roots(ratio):
+    """Those of p^2 + (eta/E) omega^2 p + omega^2; `ratio` is decay over omega."""
     E = 3.0
     omega = 7.0
     eta = 2 * E * ratio / omega
@@ -277,7 +284,7 @@ def test_decay_of_a_damped_mode(ratio):
     assert decay == pytest.approx(ratio * omega, rel=1e-12)
 
 
-def test_phase_velocity_with_lateral_inertia():
+def test_a_wave_of_the_rayleigh_love_speed_obeys_its_equation():
     """u = cos(k x - omega t) obeys u_tt - nu^2 kappa^2 u_xxtt = c^2 u_xx."""
     c = 5000.0
     nu = 0.29
@@ -292,14 +299,14 @@ def test_phase_velocity_with_lateral_inertia():
 
 
 # Arrays and refusals
-# ------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------
 
 
 class Form(NamedTuple):
     """A closed form: its arguments that must be positive, and values of the others."""
 
     function: object
-    positive: str
+    positive: str  # names, separated by blanks
     others: dict = {}  # noqa: RUF012 - it is not changed
 
 
@@ -327,10 +334,14 @@ FORMS = [
 
 
 def values_of(result):
-    return result if isinstance(result, tuple) else (result,)
+    """A tuple of the values that a form returns, also of a single one."""
+    if isinstance(result, tuple):
+        return result
+    return (result,)
 
 
 def good_arguments(form):
+    """Arguments by name, the positive ones 1."""
     return dict.fromkeys(form.positive.split(), 1.0) | form.others
 
 
@@ -343,10 +354,12 @@ by_form = pytest.mark.parametrize(
 def test_forms_take_arrays(form):
     good = good_arguments(form)
     first, second, *_ = good
-    arrays = {first: np.full((2, 1), good[first]), second: [good[second]] * 3}
+    with_arrays = dict(good)
+    with_arrays[first] = np.full((2, 1), good[first])
+    with_arrays[second] = [good[second]] * 3
 
     numbers = values_of(form.function(**good))
-    families = values_of(form.function(**{**good, **arrays}))
+    families = values_of(form.function(**with_arrays))
 
     for number, family in zip(numbers, families, strict=True):
         assert type(number) is float

@@ -52,14 +52,14 @@ PREFIXED = ["s", "N", "m", "Pa", "m/s", "N/m", "Pa s"]
         ("4 N*s/m", "damping", 4.0),
     ],
 )
-def test_reads_exactly(text, dimension, value):
+def test_texts_are_read_exactly_as_floats(text, dimension, value):
     result = units.parse(text, dimension)
     assert result == value
     assert type(result) is float
 
 
 @given(st.decimals(allow_nan=False, allow_infinity=False, places=9), st.data())
-def test_rounds_once(number, data):
+def test_the_product_of_number_and_unit_is_rounded_once(number, data):
     dimension = data.draw(st.sampled_from(sorted(units.UNITS)))
     unit = data.draw(st.sampled_from(sorted(units.UNITS[dimension])))
     exact = Fraction(number) * Fraction(units.UNITS[dimension][unit])
@@ -82,9 +82,6 @@ def test_no_unit_belongs_to_two_dimensions():
     for units_of_dimension in units.UNITS.values():
         names += units_of_dimension
     assert len(names) == len(set(names))
-
-
-PREFIXES = {"n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9}
 
 
 @pytest.mark.parametrize(
@@ -154,8 +151,12 @@ def test_refusals_name_the_value_and_the_remedy(text, dimension, wanted):
         (2e15, "Pa", 6, "2e+15 Pa"),
     ],
 )
-def test_formats_for_people(value, unit, digits, text):
+def test_numbers_are_written_with_the_prefix_that_people_use(value, unit, digits, text):
     assert units.format_si(value, unit, digits) == text
+
+
+PREFIXES = {"n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9}
+"""Powers of ten."""
 
 
 @given(st.floats(1e-8, 1e11), st.sampled_from([-1, 1]), st.sampled_from(PREFIXED))
@@ -164,6 +165,7 @@ def test_what_is_written_has_the_value_to_its_digits(size, sign, unit):
     number, prefixed_unit = text.split(" ", 1)
     power = PREFIXES[prefixed_unit.removesuffix(unit)]
     assert 1 <= abs(float(number)) < 1000
+    # Six digits are off by half of the sixth at most: 5e-6 of a number from 1 on.
     assert float(number) * 10.0**power == pytest.approx(sign * size, rel=5.1e-6)
 
 
@@ -206,19 +208,19 @@ def test_what_was_given_is_shown_in_one_short_line(value, text):
         pytest.param({"key" * 99: ["x" * 99] * 99}, "{'key.*", id="large dictionary"),
     ],
 )
-def test_what_is_long_is_cut(value, pattern):
+def test_what_is_long_or_has_no_repr_is_shown_in_one_short_line(value, pattern):
     line = units.shown(value)
     assert re.match(pattern, line)
     assert_is_one_short_line(line)
 
 
-def test_whatever_is_nested_can_be_shown():
+def test_what_is_nested_3000_levels_deep_is_shown_in_short():
     deep = {}
     for _ in range(3000):
         deep = {"a": [deep]}
     assert len(units.shown(deep)) <= units.MOST_SHOWN
 
 
-def test_needs_no_numpy():
+def test_units_are_imported_without_numpy():
     code = "import sys; sys.modules['numpy'] = None; import rodimpact.units"
     subprocess.run([sys.executable, "-B", "-c", code], check=True)
