@@ -31,33 +31,39 @@ LONG = {"design", "explorer", "fitting", "piles", "plot", "records", "results"}
 QUICK = [part for part in PARTS if part not in LONG]
 
 
-def examples_in(module):
+def assert_examples_hold(module):
+    """In a module and all below it."""
     assert doctest.testmod(module).failed == 0
     for part in pkgutil.iter_modules(getattr(module, "__path__", ())):
-        examples_in(importlib.import_module(f"{module.__name__}.{part.name}"))
+        below = importlib.import_module(f"{module.__name__}.{part.name}")
+        assert_examples_hold(below)
 
 
 @pytest.mark.parametrize("part", few_of(PARTS, QUICK))
 def test_examples_in_docstrings(part):
-    examples_in(importlib.import_module(f"rodimpact.{part}"))
+    assert_examples_hold(importlib.import_module(f"rodimpact.{part}"))
 
 
 def test_the_example_of_the_package():
     assert doctest.testmod(rodimpact).failed == 0
 
 
-def test_the_program_of_the_readme_prints_what_it_says(tmp_path, monkeypatch):
-    program = re.search(
+def test_the_programs_of_the_readme_print_what_it_says_and_write_pictures(
+    tmp_path, monkeypatch
+):
+    program_and_output = re.search(
         r"```python\n(import rodimpact.*?)```\n\n```text\n(.*?)```", README, re.S
     )
+    program, output = program_and_output.groups()
     printed = io.StringIO()
     names = {}
     with contextlib.redirect_stdout(printed):
-        exec(program[1], names)
-    assert printed.getvalue() == program[2]
+        exec(program, names)
+    assert printed.getvalue() == output
     monkeypatch.chdir(tmp_path)
-    for more in re.findall(r"```python\n(.*?)```", README, re.S)[1:]:
-        exec(more, names)
+    _, *further_programs = re.findall(r"```python\n(.*?)```", README, re.S)
+    for further_program in further_programs:
+        exec(further_program, names)
     for picture in ("row", "family"):
         assert (tmp_path / f"{picture}.png").stat().st_size > 10_000
 
@@ -66,6 +72,7 @@ def test_the_program_of_the_readme_prints_what_it_says(tmp_path, monkeypatch):
     "page", sorted((ROOT / "docs").glob("*.md")), ids=lambda page: page.stem
 )
 def test_whoever_follows_a_page_twice_may_write_its_files_again(page):
+    """Every call that writes a file says `force=True`."""
     calls = re.findall(
         r"(?:plot\.save|\.save|to_csv)\(.*\"[^\"]+\.\w+\"[^)]*\)",
         page.read_text(encoding="utf-8"),
@@ -79,7 +86,7 @@ def test_links_and_pictures_of_the_readme_exist():
             assert (ROOT / target).exists(), target
 
 
-def test_every_command_of_the_readme_exists():
+def test_the_readme_shows_every_command_and_no_other():
     from rodimpact.cli import COMMANDS
 
     shown = set(re.findall(r"^rodimpact (\w+)", README, re.M))
@@ -87,31 +94,19 @@ def test_every_command_of_the_readme_exists():
 
 
 def test_the_manual_lists_every_public_name():
-    listed = re.findall(
-        r"^   (\w+[.\w]*)$", (ROOT / "docs" / "api.md").read_text("utf-8"), re.M
-    )
-    names = {
-        name
-        for name in rodimpact.__all__
-        if not inspect.ismodule(getattr(rodimpact, name))
-    }
-    for module in (
-        rodimpact.plot,
-        rodimpact.design,
-        rodimpact.rigid,
-        rodimpact.theory,
-        rodimpact.units,
-        rodimpact.waves,
-    ):
-        names |= {
-            f"{module.__name__.removeprefix('rodimpact.')}.{name}"
-            for name in module.__all__
-        }
-    assert set(listed) >= names
+    names = set()
+    for name in rodimpact.__all__:
+        if not inspect.ismodule(getattr(rodimpact, name)):
+            names.add(name)
+    for module_name in ("plot", "design", "rigid", "theory", "units", "waves"):
+        module = getattr(rodimpact, module_name)
+        for name in module.__all__:
+            names.add(f"{module_name}.{name}")
+    assert {name for name, _ in public_names()} >= names
 
 
 def public_names():
-    """Names of the manual's list, with what they stand for."""
+    """Names of the manual's list, each with what it stands for."""
     listed = (ROOT / "docs" / "api.md").read_text("utf-8")
     for name in re.findall(r"^   (\w+[.\w]*)$", listed, re.M):
         public = rodimpact
@@ -121,22 +116,16 @@ def public_names():
 
 
 def test_every_public_name_has_an_example():
-    without = [
-        name
-        for name, public in public_names()
-        if ">>>" not in (inspect.getdoc(public) or "")
-    ]
-    assert without == []
+    without_example = []
+    for name, public in public_names():
+        docstring = inspect.getdoc(public) or ""
+        if ">>>" not in docstring:
+            without_example.append(name)
+    assert without_example == []
 
 
 def test_the_manual_is_no_longer_than_it_may_be():
     """Words of the README, of tutorials without their code, and of the verdicts."""
-
-    def prose(page):
-        return re.sub(
-            r"```.*?```", "", (ROOT / page).read_text("utf-8"), flags=re.S
-        ).split()
-
     assert len(README.split()) <= 900
     assert len(README.splitlines()) < 150
     for name in (
@@ -148,11 +137,15 @@ def test_the_manual_is_no_longer_than_it_may_be():
         "researcher",
         "teacher",
     ):
-        assert len(prose(f"docs/{name}.md")) <= 1500, name
-    assert len((ROOT / "validation" / "README.md").read_text("utf-8").split()) <= 1000
+        text = (ROOT / "docs" / f"{name}.md").read_text("utf-8")
+        prose = re.sub(r"```.*?```", "", text, flags=re.S)
+        assert len(prose.split()) <= 1500, name
+    verdicts = (ROOT / "validation" / "README.md").read_text("utf-8")
+    assert len(verdicts.split()) <= 1000
 
 
-def test_figures_of_the_theory_are_drawn_by_their_functions():
+def test_figures_of_the_theory_are_committed_with_the_words_of_their_functions():
+    """Those of the first seven functions, which are drawn quickly, are compared."""
     spec = importlib.util.spec_from_file_location(
         "figures", ROOT / "docs" / "theory_figures.py"
     )
@@ -162,29 +155,29 @@ def test_figures_of_the_theory_are_drawn_by_their_functions():
         r"\(figures/theory_(\w+)\.svg\)", (ROOT / "docs" / "theory.md").read_text()
     )
     assert shown == [draw.__name__ for draw in figures.FIGURES]
-    assert all(
-        (figures.FOLDER / f"theory_{name}.svg").stat().st_size < 60_000
-        for name in shown
-    )
-    texts = {
-        name: (figures.FOLDER / f"theory_{name}.svg").read_text("utf-8")
-        for name in shown
-    }
+    committed = {}
+    for name in shown:
+        file = figures.FOLDER / f"theory_{name}.svg"
+        assert file.stat().st_size < 60_000
+        committed[name] = file.read_text("utf-8")
     for draw in figures.FIGURES[:7]:
         labels = [text.get_text() for text in draw().figure.findobj(Text)]
         words = [label for label in labels if label.isalpha() and label.isascii()]
-        assert all(word in texts[draw.__name__] for word in words), draw.__name__
+        for word in words:
+            assert word in committed[draw.__name__], draw.__name__
 
 
 def blocks(kind):
-    """Blocks of the manual that are shown and not run when it is built."""
-    return [
-        pytest.param(text, id=f"{page.stem} {i}")
-        for page in sorted((ROOT / "docs").glob("*.md"))
-        for i, text in enumerate(
-            re.findall(rf"^```{kind}\n(.*?)^```", page.read_text("utf-8"), re.S | re.M)
-        )
-    ]
+    """Cases for `parametrize`: blocks of the manual in a language, which are shown and
+    not run when it is built.
+    """
+    cases = []
+    for page in sorted((ROOT / "docs").glob("*.md")):
+        text = page.read_text("utf-8")
+        found = re.findall(rf"^```{kind}\n(.*?)^```", text, re.S | re.M)
+        for i, block in enumerate(found):
+            cases.append(pytest.param(block, id=f"{page.stem} {i}"))
+    return cases
 
 
 @pytest.mark.parametrize("block", blocks("sh"))
@@ -192,11 +185,17 @@ def test_commands_of_the_manual_take_their_options(block, monkeypatch):
     from rodimpact.cli import main
     from rodimpact.cli.exit_status import CommandResult
 
-    for line in block.replace("\\\n", " ").splitlines():
-        program, *arguments = shlex.split(line.partition(">")[0], comments=True) or [""]
-        if program == "rodimpact":
+    def run_nothing(args):
+        return CommandResult("", 0)
+
+    lines = block.replace("\\\n", " ").splitlines()  # a backslash joins two lines
+    for line in lines:
+        before_redirection, *_ = line.split(">")
+        words = shlex.split(before_redirection, comments=True)
+        if words and words[0] == "rodimpact":
+            _, *arguments = words
             command = importlib.import_module(f"rodimpact.cli.{arguments[0]}")
-            monkeypatch.setattr(command, "run", lambda given: CommandResult("", 0))
+            monkeypatch.setattr(command, "run", run_nothing)
             assert main(arguments) == 0
 
 
@@ -214,7 +213,7 @@ def test_python_of_the_manual_runs(block, tmp_path, monkeypatch):
     ]
     family = rodimpact.System(rods)
     Path("case.toml").write_text(rodimpact.format_case(family[0]), "utf-8")
-    bar = SimpleNamespace(n=0, update=lambda n: None)
+    bar = SimpleNamespace(n=0, update=lambda n: None)  # stands for one of tqdm
     names = {
         "ri": rodimpact,
         "np": np,
@@ -245,8 +244,7 @@ def public_calls():
                     yield f"{name}.{method_name}", method
 
 
-def test_help_shows_signatures_that_can_be_read():
-    """No annotation is longer than a line of a terminal."""
+def test_no_annotation_in_help_is_longer_than_a_line_of_a_terminal():
     for name, call in public_calls():
         if inspect.isclass(call) and issubclass(call, Exception):
             continue  # Python knows no signature of its own errors

@@ -27,6 +27,8 @@ LISTS = (
 NEW_FILE = ""
 """Text in place of which a whole file is written."""
 
+# Edits of each recipe: by file, pairs of a text and of what takes its place. Files of
+# the package are named without its folder.
 UNIT = {
     "units.py": [
         (
@@ -478,6 +480,7 @@ family = ri.sweep(pair(np.array([0.0, 1e6])), progress=False)
 assert family.restitution[1] == outcome.restitution
 assert ri.parse_case(ri.format_case(pair(1e6))).system == pair(1e6)
 """
+# The new thing as the page calls it, the edits, a program that uses it, and tests
 RECIPES = [
     pytest.param(
         "a unit",
@@ -546,8 +549,9 @@ RECIPES = [
 def files_named_by(what):
     """Files that the table of the page names for a new thing of this kind."""
     row = re.search(rf"^\| {re.escape(what)} \| (\d+) \| (.*) \|$", PAGE, re.M)
-    files = re.findall(r"`([^`]+)`", row[2])
-    assert len(files) == int(row[1])
+    count, names = row.groups()
+    files = re.findall(r"`([^`]+)`", names)
+    assert len(files) == int(count)
     return set(files)
 
 
@@ -581,21 +585,30 @@ def run_in(folder, *arguments):
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
 
 
-@pytest.mark.parametrize(("what", "edits", "program", "tests"), RECIPES)
-def test_a_recipe_gives_what_it_says(what, edits, program, tests, copy):
-    of_package = {name for name in edits if not name.startswith("tests/")}
-    assert of_package == files_named_by(what)
-    for name in edits:
-        if name.startswith("tests/"):
-            assert f"`{name}`" in PAGE, "the page names the lists of tests"
+def carry_out(edits, copy):
+    """Edit files of a copy of the package."""
+    for name, replacements in edits.items():
         path = copy / place_of(name)
-        for before, after in edits[name]:
+        for before, after in replacements:
             if before == NEW_FILE:
                 path.write_text(after, "utf-8")
                 continue
             text = path.read_text("utf-8")
             assert before in text, name
             path.write_text(text.replace(before, after, 1), "utf-8")
+
+
+@pytest.mark.parametrize(("what", "edits", "program", "tests"), RECIPES)
+def test_a_recipe_touches_the_files_that_the_page_names_and_gives_a_thing_that_works(
+    what, edits, program, tests, copy
+):
+    of_tests = {name for name in edits if name.startswith("tests/")}
+    for name in of_tests:
+        assert f"`{name}`" in PAGE, "the page names the lists of tests"
+    assert set(edits) - of_tests == files_named_by(what)
+
+    carry_out(edits, copy)
+
     run_in(copy, "-c", f"import rodimpact as ri\n{program}")
     if tests:
         run_in(copy, "-m", "pytest", "-n0", "-q", "-p", "no:cacheprovider", *tests)

@@ -26,12 +26,11 @@ LONG = (
     "saint_venant",
     "specimen",
 )
-
-
 VERDICT = re.compile(
     r"^\| \[.+\]\(\S+/(?P<case>\w+)\.md\) \|.*\| (?P<numbers>\d+) \|.*\| pass \|$",
     re.MULTILINE,
 )
+"""A line of the table of verdicts: a case that passes, with how many numbers."""
 QUICK = [case for case in CASES if case not in LONG]
 
 
@@ -41,7 +40,7 @@ def lines_of_page(path):
     for line in path.read_text("utf-8").splitlines():
         if line.startswith("| "):
             cells = line.strip("|").split("|")
-            lines.append(tuple(map(str.strip, cells)))
+            lines.append(tuple(cell.strip() for cell in cells))
     return lines
 
 
@@ -62,7 +61,7 @@ def test_every_case_is_found_and_written(written):
     assert list(written) == CASES
 
 
-def test_the_verdicts_list_every_case(written):
+def test_the_verdicts_list_every_case_with_the_number_of_its_numbers(written):
     text = (FOLDER / "README.md").read_text(encoding="utf-8")
 
     numbers = {}
@@ -74,7 +73,7 @@ def test_the_verdicts_list_every_case(written):
     assert len(text.split()) <= 1000
 
 
-def test_a_page_tells_what_fails():
+def test_the_verdicts_tell_what_fails_and_a_page_has_its_title():
     row = table.Row("case", "quantity", "source", 1.0, 1.2, 1e-1)
     assert "| 200% | fail |" in table.verdicts({"rows": [row]})
     assert table.page("rows", [row]).startswith(f"# {table.title('rows')}\n")
@@ -88,15 +87,17 @@ def assert_written(row, line):
     rounding = 0
     if row.decimal_places is not None:
         rounding = Fraction(10) ** -row.decimal_places / 2
-    slack = Fraction(row.bound)  # both numbers lie within it of what is expected
+    # What was got when the page was written, and now, lies within the bound of what is
+    # expected: both differ by twice the bound at most.
+    exact_bound = Fraction(row.bound)
     expected_difference = abs(Fraction(expected) - Fraction(row.expected))
-    assert expected_difference <= slack + rounding
+    assert expected_difference <= exact_bound + rounding
     difference = abs(Fraction(got) - Fraction(row.got))
-    assert difference <= 2 * slack + rounding
+    assert difference <= 2 * exact_bound + rounding
 
 
 @pytest.mark.parametrize("case", few_of(CASES, QUICK))
-def test_case(case, written):
+def test_every_number_of_a_case_is_within_its_bound_and_as_written(case, written):
     rows = table.run(case)
 
     assert rows
@@ -105,14 +106,14 @@ def test_case(case, written):
         assert_written(row, line)
 
 
-def test_a_broken_bound_shows():
+def test_a_row_holds_within_its_bound_only():
     good = table.Row("case", "quantity", "source", 1.0, 1.0 + 1e-13, 1e-12)
     assert good.holds
     assert not good._replace(got=1.1).holds
     assert not good._replace(got=float("nan")).holds
 
 
-def test_a_case_names_sources_of_its_own_and_of_its_rows():
+def test_a_row_has_the_source_of_its_case_a_detail_of_it_or_its_own():
     case = table.Case("case", "book")
     assert case.row("quantity", 1.0, 1.0, 0.1).source == "book"
     assert case.row("quantity", 1.0, 1.0, 0.1, detail="2 L/c").source == "book: 2 L/c"

@@ -14,7 +14,7 @@ from rodimpact import waves
 
 STEEL = ri.materials.steel.replace(poisson_ratio=0.29)
 RATIOS = [0.0, 0.1, 0.25, 0.29, 0.345, 0.45, 0.5]
-TABLE = {  # c/c0 over a/wavelength; the second is Bancroft's bar of 1941
+TABLE = {  # c/c0 by nu and a/wavelength; that of 0.29 is Bancroft's bar of 1941
     0.25: {
         0.05: 0.998428,
         0.1: 0.993330,
@@ -52,8 +52,10 @@ TABLE = {  # c/c0 over a/wavelength; the second is Bancroft's bar of 1941
 
 
 def pochhammer_chree(x, G, nu):
-    """Left-hand side at c = x c0 as it stands in books, with a = c0 = 1, over its
-    largest term.
+    """Left-hand side of the equation of Pochhammer and Chree, over its largest term.
+
+    It is taken at the phase velocity x c0, as it stands in books; G = 2 pi a/wavelength
+    is the wave number for the radius a = 1. It is 0 where a wave can run.
     """
     dilatation = (1 + nu) * (1 - 2 * nu) / (1 - nu)  # (c0/c1)^2
     shear = 2 * (1 + nu)  # (c0/c2)^2
@@ -67,17 +69,17 @@ def pochhammer_chree(x, G, nu):
         ]
     )
     largest = np.abs(terms).max()
-    return abs(terms.sum()) / largest if largest > 0 else 0.0
+    if largest == 0:
+        return 0.0
+    return abs(terms.sum()) / largest
 
 
 RADII = np.array([0.03, 0.17, 0.3, 0.42, 0.58, 0.77, 1.0, 1.9])
-
-
 """Radii over the wavelength."""
 
 
 @pytest.mark.parametrize("nu", RATIOS)
-def test_solves_the_equation_and_nothing_slower_does(nu):
+def test_the_first_mode_solves_its_equation_and_nothing_slower_does(nu):
     slowest = 0.9 * waves.rayleigh_speed(nu)
     for radius, speed in zip(RADII, waves.first_mode(RADII, nu), strict=True):
         G = 2 * math.pi * radius
@@ -87,16 +89,19 @@ def test_solves_the_equation_and_nothing_slower_does(nu):
 
 
 @pytest.mark.parametrize(("nu", "table"), TABLE.items())
-def test_the_table(nu, table):
-    ratios = waves.first_mode(list(table), nu)
-    np.testing.assert_allclose(ratios, list(table.values()), rtol=0, atol=3.2e-5)
+def test_the_first_mode_has_the_phase_velocities_of_the_tables(nu, table):
+    speeds = waves.first_mode(list(table), nu)
+    np.testing.assert_allclose(speeds, list(table.values()), rtol=0, atol=3.2e-5)
 
 
 @pytest.mark.parametrize("nu", RATIOS[1:])
-def test_long_and_short_waves(nu):
+def test_long_waves_of_the_first_mode_are_as_rayleigh_says_short_ones_on_a_surface(nu):
+    """Long ones are slower than c0 by nu^2 G^2/4 of it, G the wave number times the
+    radius.
+    """
     G = 1e-3
-    slowness = 1 - waves.first_mode(G / (2 * math.pi), nu)
-    assert slowness == pytest.approx(nu**2 * G**2 / 4, rel=1e-5)
+    slower_by = 1 - waves.first_mode(G / (2 * math.pi), nu)
+    assert slower_by == pytest.approx(nu**2 * G**2 / 4, rel=1e-5)
     assert waves.first_mode(0.0, nu) == 1
     short = waves.first_mode(500.0, nu)
     assert short == pytest.approx(waves.rayleigh_speed(nu), rel=2e-4)
@@ -112,7 +117,9 @@ def frequencies(bar):
     return np.linspace(0.0, 2 * bar.cut_off, 301)
 
 
-def test_frequencies_and_wave_numbers_of_a_bar(bar, frequencies):
+def test_wave_numbers_and_phase_velocities_of_a_bar_are_those_of_the_first_mode(
+    bar, frequencies
+):
     k = bar.wavenumber(frequencies)
     c = bar.phase_velocity(frequencies)
     np.testing.assert_allclose(k * c, 2 * math.pi * frequencies, rtol=1e-13)
@@ -138,7 +145,7 @@ def test_delays_of_a_bar_are_those_of_its_phase_velocity(bar, frequencies):
     np.testing.assert_allclose(bar.delays(below), exact, rtol=0, atol=1e-8 / 5000.0)
 
 
-def test_a_bar_of_a_rod():
+def test_a_bar_takes_its_numbers_from_a_round_rod_or_segment_or_a_given_radius():
     rod = ri.Rod(1.0, diameter=0.02, material=STEEL)
     round_bar = waves.Bar.of(rod)
     assert round_bar.radius == pytest.approx(0.01, rel=1e-14)
@@ -150,7 +157,11 @@ def test_a_bar_of_a_rod():
 
 
 def mindlin_herrmann_matrices(k, nu):
-    """Stiffness and mass of u = exp(i k x), q = i exp(i k x); a = E = rho = 1."""
+    """Stiffness and mass of u = exp(i k x), q = i exp(i k x); a = E = rho = 1.
+
+    u is the axial displacement and q the radial one; the factors of the theory are
+    m = 2 * 0.81 of the radial inertia and s = 0.81 of the shear.
+    """
     lame = nu / ((1 + nu) * (1 - 2 * nu))
     mu = 1 / (2 + 2 * nu)
     coupling = 2 * lame * k
@@ -160,8 +171,8 @@ def mindlin_herrmann_matrices(k, nu):
 
 
 @pytest.mark.parametrize("nu", [-0.3, 0.0, 0.29, 0.45])
-def test_mindlin_herrmann_against_a_matrix(nu):
-    """Roots of det(K - omega^2 M)."""
+def test_both_speeds_of_mindlin_and_herrmann_are_roots_of_their_determinant(nu):
+    """That of K - omega^2 M, stiffness and mass."""
     radii = np.array([1e-3, 0.05, 0.3, 2.0])
     slow, fast = waves.mindlin_herrmann(radii, nu)
     for k, slow_speed, fast_speed in zip(2 * np.pi * radii, slow, fast, strict=True):
@@ -172,7 +183,7 @@ def test_mindlin_herrmann_against_a_matrix(nu):
 
 
 @pytest.mark.parametrize("nu", [-0.3, 0.0, 0.29, 0.45])
-def test_mindlin_herrmann_of_long_and_short_waves(nu):
+def test_speeds_of_mindlin_and_herrmann_have_their_limits_for_long_and_short_waves(nu):
     lame = nu / ((1 + nu) * (1 - 2 * nu))
     mu = 1 / (2 + 2 * nu)
     of_short_waves = sorted([np.sqrt(lame + 2 * mu), np.sqrt(mu / 2)])
@@ -185,17 +196,15 @@ def test_mindlin_herrmann_of_long_and_short_waves(nu):
     assert slow == pytest.approx(1 - dispersion * (nu * np.pi * 1e-3) ** 2, abs=1e-9)
 
 
-def test_mindlin_herrmann_is_near_the_first_mode():
+def test_slow_waves_of_mindlin_and_herrmann_are_within_a_percent_of_the_first_mode():
     radii = np.linspace(0.01, 0.6, 30)[:, None]
     nu = np.array([0.25, 0.29, 0.33, 0.345])
     slow, _ = waves.mindlin_herrmann(radii, nu)
     largest = np.abs(slow - waves.first_mode(radii, nu)).max()
-    assert 0.009 < largest <= 0.01
+    assert 0.009 < largest <= 0.01  # as `rodimpact.model.lateral_inertia` states it
 
 
 NOT_UNIFORM = "bar: must be a uniform Rod"
-
-
 UNKNOWN = ri.Material("x", youngs_modulus=1e9, density=1e3)
 
 
@@ -273,6 +282,6 @@ def test_what_is_no_bar_is_refused(bar, message):
         ),
     ],
 )
-def test_wrong_arguments(function, arguments, message):
+def test_wrong_arguments_of_waves_are_refused(function, arguments, message):
     with pytest.raises(ValueError, match=message):
         function(*arguments)

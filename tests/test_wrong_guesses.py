@@ -169,7 +169,7 @@ COMMANDS = [
     ("--verison", "perhaps '--version' is meant"),
 ]
 TABLE_OF_MATERIAL = "{density = 7850, youngs_modulus = 2e11}"
-CASES = [
+CASES = [  # a text of a case file, what stands in its place, and the answer
     ('"steel"', TABLE_OF_MATERIAL, "call the table [materials.NAME], and write NAME"),
     ("area =", "E = 2e11\narea =", "belongs to a table of the material"),
     ("area =", "density = 1\narea =", "belongs to a table of the material"),
@@ -257,15 +257,13 @@ def test_every_public_function_explains_a_wrong_argument():
         with pytest.raises(TypeError) as caught:
             call(no_such_argument=1)
         sentence = str(caught.value)
-        if (
-            "has no argument 'no_such" not in sentence
-            and "takes no arguments" not in sentence
-        ):
+        names_argument = "has no argument 'no_such" in sentence
+        if not names_argument and "takes no arguments" not in sentence:
             silent.append(name)
     assert silent == []
 
 
-def test_every_public_class_explains_a_missing_attribute():
+def test_every_public_class_has_a_hook_to_explain_a_missing_attribute():
     silent = []
     for name, kind in public_things():
         if inspect.isclass(kind) and not hasattr(kind, "__getattr__"):
@@ -282,21 +280,22 @@ def test_a_missing_record_names_a_file_that_is_there(tmp_path):
 
 def test_results_that_an_object_does_not_have_are_missing_attributes(known):
     """So `hasattr`, and tools that ask for all attributes, get an answer."""
-    row = ri.System([known["rod"], known["rod"].replace(velocity=0.0), ri.Wall()])
-    several = ri.solve(row)
+    rod = known["rod"]
+    row = ri.System([rod, rod.replace(velocity=0.0), ri.Wall()])
+    solution_of_two_contacts = ri.solve(row)
+    outcome = solution_of_two_contacts.outcome
     family = known["family"]
 
     assert not hasattr(family, "dissipated")
     assert getattr(family, "sets", None) is None
-    assert not hasattr(several.outcome, "impulse")
-    assert not hasattr(several.outcome, "restitution")
-    for result in (family, several, several.outcome):
-        names = [name for name, _ in inspect.getmembers(result)]
-        assert "contacts" in names
+    assert not hasattr(outcome, "impulse")
+    assert not hasattr(outcome, "restitution")
+    for result in (family, solution_of_two_contacts, outcome):
+        assert "contacts" in dict(inspect.getmembers(result))
         assert copy.copy(result) is not result
 
 
-def test_names_that_python_asks_for_need_no_hint(known):
+def test_private_names_and_those_that_python_asks_for_get_no_hint(known):
     solution = known["solution"]
     assert not hasattr(solution, "__array__")
     with pytest.raises(AttributeError) as caught:
@@ -315,7 +314,7 @@ def test_a_property_that_fails_raises_its_own_error():
         _ = Broken().value
 
 
-def test_errors_inside_a_function_are_its_own():
+def test_type_errors_inside_a_function_are_not_taken_for_wrong_arguments():
     @explain_arguments
     def half(x):
         return x / 2
@@ -329,12 +328,17 @@ def test_errors_inside_a_function_are_its_own():
 def test_a_hint_is_looked_for_only_when_an_error_is_shown(monkeypatch):
     """`hasattr`, and `getattr` with a default, take no time for hints."""
     rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
-    shown = []
-    monkeypatch.setattr(hints, "_attribute_hint", lambda *of: shown.append(of) or "why")
+    looked_for = []
+
+    def hint(instance, name):
+        looked_for.append((instance, name))
+        return "why"
+
+    monkeypatch.setattr(hints, "_attribute_hint", hint)
 
     assert not hasattr(rod, "lenght")
     assert getattr(rod, "lenght", None) is None
-    assert shown == []
+    assert looked_for == []
     with pytest.raises(AttributeError, match="why"):
         _ = rod.lenght
-    assert shown == [(rod, "lenght")]
+    assert looked_for == [(rod, "lenght")]
