@@ -14,7 +14,8 @@ AREA = "bodies.1.area"
 
 
 @pytest.fixture(scope="module")
-def pair():
+def uniform_atlas():
+    """Atlas of two uniform rods over length l2 and area A2; l1 = A1 = 1."""
     first = unit_rod(velocity=1.0)
     second = unit_rod(2.0, 0.7)
     system = ri.System([first, second])
@@ -22,7 +23,8 @@ def pair():
 
 
 @pytest.fixture(scope="module")
-def stepped():
+def stepped_atlas():
+    """Atlas of a striker with a step and a uniform rod."""
     thick = ri.Segment(0.3, 1.5, UNIT)
     thin = ri.Segment(0.2, 1.0, UNIT)
     striker = ri.Rod(segments=[thick, thin], velocity=1.0)
@@ -34,9 +36,10 @@ def stepped():
 # The formulas and their borders
 
 
-def test_borders_are_saint_venants(pair):
+def test_borders_are_saint_venants(uniform_atlas):
     """Formulas change at l2 = l1 and A2 = A1, and for A2 < A1 at all l2 = K l1."""
-    x, y = pair.borders.T
+    # x = l2/l1 and y = A2/A1, since l1 = A1 = 1.
+    x, y = uniform_atlas.borders.T
 
     to_nearest_multiple = np.abs(x - np.round(x))
     to_equal_length = np.abs(x - 1)
@@ -48,14 +51,19 @@ def test_borders_are_saint_venants(pair):
     assert {1, 2, 3} <= set(lengths_below)
 
 
-def test_regions_are_saint_venants(pair):
-    above = ["x < 1", "x > 1"]
-    below = ["x < 1", "K = 1", "K = 2", "K = 3"]
-    assert len(pair.contacts) == len(above) + len(below)
-    assert set(pair.contacts) == {(1,)}
+def test_there_are_as_many_regions_as_saint_venants_with_one_contact_in_each(
+    uniform_atlas,
+):
+    # K l1 <= l2 < (K + 1) l1, for lengths up to l2 = 3.6 l1.
+    regions_above_equal_areas = ["x < 1", "x > 1"]
+    regions_below_equal_areas = ["x < 1", "K = 1", "K = 2", "K = 3"]
+    expected = len(regions_above_equal_areas) + len(regions_below_equal_areas)
+    assert len(uniform_atlas.contacts) == expected
+    assert set(uniform_atlas.contacts) == {(1,)}
 
 
 def points_in(plane, count):
+    """Coordinates x and y, each [count], of random points in the plane of an atlas."""
     rng = np.random.default_rng(3)
     _, x_low, x_high = plane.x
     _, y_low, y_high = plane.y
@@ -67,14 +75,15 @@ def points_in(plane, count):
 @pytest.mark.parametrize(
     ("name", "count"),
     [
-        ("pair", 12),
-        pytest.param("pair", 100, marks=pytest.mark.exhaustive),
-        pytest.param("stepped", 100, marks=pytest.mark.exhaustive),
+        ("uniform_atlas", 12),
+        pytest.param("uniform_atlas", 100, marks=pytest.mark.exhaustive),
+        pytest.param("stepped_atlas", 100, marks=pytest.mark.exhaustive),
     ],
 )
 def test_points_lie_in_the_cell_whose_formula_is_right(name, count, request):
     plane = request.getfixturevalue(name)
     x, y = points_in(plane, 2000)
+    # All points are located; the solver runs for the first `count` of them.
     striker = plane.system.bodies[0]
     struck = ri.Rod(x[:count], area=y[:count], material=UNIT)
     family = ri.System([striker, struck])
@@ -97,7 +106,8 @@ def test_borders_are_found_where_floats_do_not_decide_the_sign():
     x, y = plane.borders.T
     has_equal_areas = np.abs(y - 1) <= 1e-9
     x_of_equal_areas = np.sort(x[has_equal_areas])
-    # At equal areas e = l1/l2, and the second rod holds many waves.
+    # At equal areas e = l1/l2, and the second rod holds many waves. That border begins
+    # at the lowest length, 0.3 m, and goes on without a hole.
     assert x_of_equal_areas[0] < 0.301
     assert np.diff(x_of_equal_areas).max() < 0.08
 
@@ -105,22 +115,24 @@ def test_borders_are_found_where_floats_do_not_decide_the_sign():
 # Caps
 
 
-def test_cells_beyond_the_cap_are_unresolved(pair):
+def test_cells_beyond_the_cap_are_unresolved(uniform_atlas):
     lengths = np.linspace(0.6, 3.5, 20)
     areas = np.linspace(0.5, 1.6, 20)
     x, y = np.meshgrid(lengths, areas)
 
-    plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=2)
+    plane = ri.atlas(
+        uniform_atlas.system, uniform_atlas.x, uniform_atlas.y, most_cells=2
+    )
 
     cells = plane.locate(x, y)
     is_unknown = np.isnan(plane.restitution(x, y))
     assert len(plane.cells) == 2
-    assert repr(plane) == f"<Atlas over {pair.x[0]}, {pair.y[0]}: 2 regions>"
-    assert set(np.unique(cells)) == {-1, 0, 1}
+    assert repr(plane) == f"<Atlas over {LENGTH}, {AREA}: 2 regions>"
+    assert set(np.unique(cells)) == {-1, 0, 1}  # -1: unresolved
     assert np.array_equal(is_unknown, cells < 0)
 
 
-def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
+def test_runs_that_do_not_end_count_as_cells(uniform_atlas, monkeypatch):
     runs = []
 
     def counted_start(*arguments):
@@ -129,19 +141,33 @@ def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
 
     monkeypatch.setattr(exact_run, "start_simulation", counted_start)
 
-    plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=40, max_events=5)
+    plane = ri.atlas(
+        uniform_atlas.system,
+        uniform_atlas.x,
+        uniform_atlas.y,
+        most_cells=40,
+        max_events=5,
+    )
 
     assert len(runs) == 40
     assert len(plane.cells) < 40
 
 
-def test_a_point_whose_cell_needs_endless_events_is_unresolved(pair):
-    x = (pair.x[0], 0.5, 1e30)
+def test_a_point_whose_cell_needs_endless_events_is_unresolved(uniform_atlas):
+    # Waves run 1e30 times through the first rod before they return in the second.
+    endless_lengths = (LENGTH, 0.5, 1e30)
 
-    plane = ri.atlas(pair.system, x, pair.y, most_cells=3, max_events=10)
+    plane = ri.atlas(
+        uniform_atlas.system,
+        endless_lengths,
+        uniform_atlas.y,
+        most_cells=3,
+        max_events=10,
+    )
 
+    x, y = np.meshgrid([1e29, 5e29, 9e29], [0.6, 1.1, 1.5])
     assert len(plane.cells) < 3
-    assert -1 in plane.locate(*np.meshgrid([1e29, 5e29, 9e29], [0.6, 1.1, 1.5]))
+    assert -1 in plane.locate(x, y)
 
 
 @pytest.mark.parametrize(
@@ -162,46 +188,48 @@ def test_a_point_whose_cell_needs_endless_events_is_unresolved(pair):
         ((AREA, 1.0, 2.0), "y: must be another number than x"),
     ],
 )
-def test_mistaken_axes_are_refused(pair, x, message):
+def test_mistaken_axes_are_refused(uniform_atlas, x, message):
     with pytest.raises(ri.InvalidModel, match=message):
-        ri.atlas(pair.system, x, pair.y)
+        ri.atlas(uniform_atlas.system, x, uniform_atlas.y)
 
 
 # Texts and figures
 
 
-def test_a_figure_shows_the_borders(pair):
-    picture = ri.plot.atlas(pair)
+def test_a_figure_shows_the_borders(uniform_atlas):
+    picture = ri.plot.atlas(uniform_atlas)
 
     borders = {lines.get_label(): lines for lines in picture.borders}
-    points = np.concatenate(borders["e = 1"].get_segments())
+    points = np.concatenate(borders["e = 1"].get_segments())  # [point, (x, y)]
     assert picture.ax.get_xlabel() == "length of rod 2 (m)"
     assert borders.keys() == {"another formula", "e = 1"}
     assert points[:, 0] == pytest.approx(1.0, rel=0, abs=1e-9)
 
 
-def test_the_largest_regions_print_their_formulas(pair):
+def test_the_largest_regions_come_first_and_print_the_formula_of_e(uniform_atlas):
     pytest.importorskip("sympy")
 
-    first, second = pair.largest(2)
+    first, second = uniform_atlas.largest(2)
 
     assert 1 > first.share > second.share > 0
     for region in (first, second):
         x, y = region.place
         name, formula = region.formula.split(" = ")
+        # Symbols count bodies from 1, paths from 0: bodies.1 has l2 and A2.
         value = eval(formula, {"l2": x, "A2": y})
-        e = float(pair.restitution(x, y))
+        e = float(uniform_atlas.restitution(x, y))
         assert name == "e"
         assert value == pytest.approx(e, rel=1e-12)
-        assert region.formula in str(pair)
+        assert region.formula in str(uniform_atlas)
 
 
-def test_a_figure_shows_the_formula_of_the_largest_region(pair):
+def test_a_figure_numbers_regions_and_shows_the_formula_of_the_largest(uniform_atlas):
     pytest.importorskip("sympy")
-    (first,) = pair.largest(1)
+    (first,) = uniform_atlas.largest(1)
 
-    picture = ri.plot.atlas(pair)
+    picture = ri.plot.atlas(uniform_atlas)
 
     texts = texts_of(picture.ax.texts)
+    beginning = first.formula[:20]  # the figure may break a long formula after it
     assert {"1", "2", "3"} <= set(texts)
-    assert first.formula[:20] in "\n".join(texts)
+    assert beginning in "\n".join(texts)

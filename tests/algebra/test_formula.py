@@ -53,7 +53,7 @@ def same(formula, expected):
 # Formulas of two rods
 
 
-def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
+def test_the_formula_of_the_box_is_l1_over_l2_where_l1_is_below_l2():
     form = ri.closed_form(BOX, ["length"])
 
     l1, l2 = names("l")
@@ -64,7 +64,7 @@ def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
     assert form.holds()
     assert form.holds(l1=0.99)
     assert not form.holds(l1=1)
-    assert form.sides == ()
+    assert form.sides == ()  # l1 = 0.4 m and l2 = 1 m lie on no border
 
 
 def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
@@ -78,7 +78,7 @@ def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
     assert duration == pytest.approx(0.8 * slowness, rel=1e-14)
 
 
-def test_a_longer_rod_of_higher_impedance():
+def test_the_formula_for_a_longer_rod_of_higher_impedance_is_saint_venants():
     form = ri.closed_form(row([2, 5], [1, 1.5]))
 
     T1, T2, Z1, Z2 = names("T", "Z")
@@ -91,11 +91,12 @@ def test_a_longer_rod_of_higher_impedance():
 
 
 @pytest.mark.parametrize("K", [1, 2, 4])
-def test_a_longer_rod_of_lower_impedance(K):
+def test_the_formula_for_a_longer_rod_of_lower_impedance_is_saint_venants(K):
+    # T1 = 2 s and T2 = 2 K + 1 s: K round trips of the first rod fit into the second.
     form = ri.closed_form(row([2, 2 * K + 1], [2, 1]))
 
     T1, T2, Z1, Z2 = names("T", "Z")
-    q = (Z1 - Z2) / (Z1 + Z2)
+    q = (Z1 - Z2) / (Z1 + Z2)  # force of a round trip over that of the one before
     powers = [q**k for k in range(K)]
     whole_round_trips = sum(powers) * T1
     last_round_trip = q**K * (T2 - K * T1)
@@ -176,21 +177,21 @@ def test_a_bond_has_an_average_impulse_which_has_a_formula():
     assert collision.impulses[0] == momentum_lost
 
 
-def test_gaps_and_velocities_in_symbols():
+def test_gaps_and_velocities_may_be_symbols():
     system = row([1, 2], [1, 3], gaps=[0.25])
 
     form = ri.closed_form(system, ["gap", "velocity", "length"])
 
+    start, _ = only_contact(form)
     l1, l2 = names("l")
     v1, v2 = sympy.symbols("v1 v2", real=True)
     g1 = sympy.Symbol("g1", positive=True)
     assert same(form.restitution, (l1 + l2) / (2 * l2))
     assert set(form.cell) == {l1 < l2, v2 < v1}
-    start, _ = only_contact(form)
     assert same(start, g1 / (v1 - v2))
 
 
-def test_materials_in_symbols():
+def test_moduli_and_densities_may_be_symbols():
     system = row([2, 5], [1, 1], STEEL)
 
     form = ri.closed_form(system, ["youngs_modulus", "density"])
@@ -200,10 +201,11 @@ def test_materials_in_symbols():
     assert form.restitution == Fraction(2, 5)
     assert same(end, 4 * sympy.sqrt(rho1 / E1))
     assert not form.holds(E1=-1)
+    # The time is 0/0 for a rod without mass: no number.
     assert form.at(rho1=0).contact_times == (((0, None),),)
 
 
-def test_a_stepped_striker():
+def test_formulas_of_a_stepped_striker_agree_with_runs_on_fractions():
     thin = ri.Segment(0.3, 1.0, UNIT)
     thick = ri.Segment(0.2, 3.0, UNIT)
     striker = ri.Rod(segments=[thin, thick], velocity=1.0)
@@ -220,7 +222,7 @@ def test_a_stepped_striker():
         "l2": "bodies.0.segments.1.length",
         "l3": "bodies.1.length",
     }
-    count_agreements(form, system, paths, random.Random(1), 4)
+    assert count_agreements(form, system, paths, random.Random(1), 4) > 0
 
 
 # Random rows
@@ -235,7 +237,10 @@ def exact_at(system, paths, point):
 
 
 def point_near(form, rng, low, high, step):
-    """Values of the symbols, each changed at random by `low` to `high` steps."""
+    """{name: value} of the symbols, each changed by a random number of relative steps.
+
+    The number lies in `low` to `high`.
+    """
     point = {}
     for name, value in form.values.items():
         change = rng.randint(low, high) * step
@@ -292,7 +297,7 @@ def random_row(rng, count):
             Z.append(Fraction(rng.randint(1, 6), 2))
         else:
             Z.append(Fraction(rng.randint(30, 300), 100))
-    return row(T, Z)
+    return row(T, Z)  # E = rho = 1: a length is a transit time, an area an impedance
 
 
 def check_formula_at_its_system(form, collision):
@@ -327,6 +332,7 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
         comparisons += count_agreements(form, system, form.symbols, rng, 3)
         borders += agrees_at_its_border(form, system, form.symbols, rng)
     assert comparisons >= rows
+    # Two random points seldom have a border between them.
     assert borders >= rows / 8
 
 
@@ -389,7 +395,7 @@ def test_without_sympy_the_extra_is_named(monkeypatch):
         ri.closed_form(TWO_TO_FIVE)
 
 
-def test_notebooks_show_latex():
+def test_notebooks_show_the_formula_and_its_condition_in_latex():
     form = ri.closed_form(TWO_TO_FIVE, ["length"])
 
     latex = form._repr_latex_()
@@ -403,37 +409,3 @@ def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
     monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 8)
 
     with pytest.raises(ri.InvalidModel, match=r"symbols: a formula .* name fewer"):
-        ri.closed_form(three)
-    shorter = ri.closed_form(three, ["bodies.0.length"])
-
-    assert "l1" in str(shorter)
-
-
-def test_a_formula_says_if_its_conditions_are_too_long(monkeypatch):
-    form = ri.closed_form(row([2, 5], [1, 2]), ["length", "area"])
-    monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 1)
-
-    first, last = str(form).splitlines()
-
-    assert first == f"e = {form.restitution}"
-    assert last.startswith("where conditions hold that are too long to print: ")
-    assert last in form._repr_latex_()
-    assert form.holds()
-    with pytest.raises(ri.InvalidModel, match="symbols: a formula"):
-        _ = form.cell
-
-
-def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
-    steps = []
-    totals = set()
-
-    def progress(step, total):
-        steps.append(step)
-        totals.add(total)
-
-    system = row([0.4, 1.0], [1e-4, 2e-4])
-    form = ri.closed_form(system, ["length"], progress=progress)
-
-    assert str(form)
-    assert steps == list(range(1, len(steps) + 1))
-    assert totals == {None}

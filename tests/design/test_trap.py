@@ -17,10 +17,11 @@ def second_pulse_trap(material):
 
 
 @pytest.mark.parametrize("material", [STEEL, ri.materials.aluminium])
-def test_a_trap_is_as_long_as_the_striker(material):
+def test_a_trap_has_transit_time_of_the_striker_and_impedance_of_the_bar(material):
     design = second_pulse_trap(material)
 
     trap = design.system.bodies[2]
+    # The end of the bar moves with V for the duration of the first pulse, 2 l/c.
     gap = SPEED * 2 * STRIKER_LENGTH / C
     bar_impedance = ROW.bodies[1].segments[0].impedance
     assert design.system.gaps[1] == pytest.approx(gap, rel=1e-12)
@@ -30,19 +31,19 @@ def test_a_trap_is_as_long_as_the_striker(material):
 
 
 def assert_at_rest(solution, body, t):
-    """Nothing moves in a rod, and nothing is strained."""
+    """Nothing moves in a rod at a time t, and nothing is strained."""
     length = solution.system.bodies[body].length
     x = np.linspace(0, length, 41)
-    velocity = solution.velocity(body, x, t) / SPEED
-    strain = solution.strain(body, x, t) * C / SPEED
-    assert velocity == pytest.approx(0, abs=1e-12)
-    assert strain == pytest.approx(0, abs=1e-12)
+    relative_velocity = solution.velocity(body, x, t) / SPEED
+    relative_strain = solution.strain(body, x, t) * C / SPEED
+    assert relative_velocity == pytest.approx(0, abs=1e-12)
+    assert relative_strain == pytest.approx(0, abs=1e-12)
 
 
 @pytest.mark.parametrize("material", [STEEL, ri.materials.aluminium])
 def test_the_second_pulse_of_a_striker_leaves_with_the_trap(material):
     design = second_pulse_trap(material)
-    end = 6 / C
+    end = 6 / C  # s, six transits of the bar of 1 m
 
     solution = ri.solve(design.system, until=end)
 
@@ -57,8 +58,8 @@ def test_the_second_pulse_of_a_striker_leaves_with_the_trap(material):
 @pytest.mark.parametrize(("power", "mean"), [(1, 2 / np.pi), (2, 1 / 2)])
 def test_a_smooth_pulse_is_trapped_too(power, mean):
     """The pulse is a power of a half sine, whose mean over the pulse is known."""
-    T = 40e-6
-    peak = 2e4
+    T = 40e-6  # s
+    peak = 2e4  # N
 
     def force(t):
         return peak * np.where(t < T, np.sin(np.pi * t / T) ** power, 0.0)
@@ -67,6 +68,8 @@ def test_a_smooth_pulse_is_trapped_too(power, mean):
     push = ri.Pushed(force, duration=2 * T)
     row = ri.System([bar], ends=(push, ri.Free()))
 
+    # The pulse is reflected at the right end from 1/c to 1/c + T, where c is the wave
+    # speed, and is back there after two more transits of the bar.
     design = ri.design.momentum_trap(row, after=1 / C + T, until=3 / C + T)
 
     displacement = 2 * mean * T * peak / bar.segments[0].impedance

@@ -5,15 +5,21 @@ import math
 import rodimpact as ri
 
 STEEL = ri.Material("pile steel", youngs_modulus=200e9, density=78.5e3 / 9.81)
-AREA = math.pi * 0.009525 * (0.3239 - 0.009525)  # m^2
-LENGTH = 15.0
-QUAKE = 2.5e-3
-CUSHION = 5e8
+WALL = 0.009525  # m
+DIAMETER = 0.3239  # m, outside
+AREA = math.pi * WALL * (DIAMETER - WALL)  # m^2
+LENGTH = 15.0  # m
+QUAKE = 2.5e-3  # m
+CUSHION = 5e8  # N/m
 RAM = ri.RigidMass(4536.19, velocity=3.466251)
 
 
 def pipe_pile(law, helmet=None, head=None):
-    """The pile with half of its resistance along the shaft."""
+    """The system of ram, helmet if there is one, pile and wall below the toe.
+
+    Half of the resistance of 600 kN acts along the shaft. `head` is the contact of
+    helmet and pile, rigid by default.
+    """
     soil = ri.Soil(300e3, QUAKE, damping=0.16, law=law)
     pile = ri.Rod(LENGTH, area=AREA, material=STEEL, shaft=soil)
     toe = ri.SmithToe(300e3, QUAKE, damping=0.5)

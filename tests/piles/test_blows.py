@@ -17,7 +17,7 @@ PILE = ri.Rod(15.0, area=9.4e-3, material=STEEL, shaft=SOIL)
 RAM = ri.RigidMass(4536.0, velocity=3.466)
 HELMET = ri.RigidMass(510.0)
 CUSHION = ri.Cushion(5e8, restitution=0.8)
-ROW = ri.System([RAM, PILE, ri.Wall()], contacts=[CUSHION, TOE])
+ONE_ROD_PILE = ri.System([RAM, PILE, ri.Wall()], contacts=[CUSHION, TOE])
 WITH_HELMET = ri.System(
     [RAM, HELMET, PILE, ri.Wall()], contacts=[CUSHION, ri.Spring(2e9), TOE]
 )
@@ -29,10 +29,13 @@ needs_compiler = pytest.mark.skipif(
 def random_pile(seed):
     """A pile in random soil, with or without a helmet, weight, damping and a second
     rod.
+
+    A pile with weight is at rest.
     """
     rng = np.random.default_rng(seed)
 
     def soil(length):
+        """Random soil along a rod of this length; half of it in two layers."""
         resistance = float(rng.uniform(50e3, 500e3))
         if rng.random() < 0.5:
             per_length = (rng.uniform(0.1, 1.0, 2) * resistance / length).tolist()
@@ -73,7 +76,11 @@ def is_held(body):
 
 
 def without_caught(run, hammer):
-    """The state when a run ends, without masses of the hammer that are off and rise."""
+    """The state when a run ends, a System, without masses that are off and rise.
+
+    These are masses from the top on, of the `hammer` rigid masses above the pile: they
+    have been off for two transits of the row.
+    """
     end = run.t_end
     state = run.system_at(end)
     transits = [getattr(body, "transit_time", 0.0) for body in state.bodies]
@@ -101,9 +108,10 @@ def hammer_size(run):
 def test_a_blow_that_is_over_makes_no_soil_yield_later(seed):
     system = random_pile(seed)
     (blow,) = ri.blows(system, 1, cells=24)
-    if not blow.is_over:  # undamped soil may keep a pile, or a ram on it, in motion
+    if not blow.is_over:
+        # Only undamped soil may keep a pile, or a ram on it, in motion.
         dampings = [system.contacts[-1].damping]
-        for body in system.bodies[-3:-1]:
+        for body in system.bodies[-3:-1]:  # the rods, before the wall
             if is_held(body):
                 dampings.append(body.shaft.damping)
         assert 0.0 in dampings
@@ -122,7 +130,11 @@ def test_a_blow_that_is_over_makes_no_soil_yield_later(seed):
 
 @needs_compiler
 def test_the_ram_is_caught_after_its_first_bounce():
-    """Ram and helmet fly up at 0.9 m/s, and would come down again after 0.21 s."""
+    """Ram and helmet fly up at 0.9 m/s, and would come down again after 0.21 s.
+
+    They would strike hard: that a blow ends before, also where a later end is given,
+    keeps the second impact out of its set and its tension.
+    """
     pile = ri.Rod(18.3, area=0.01, material=STEEL, shaft=SOIL.replace(quake=2.54e-3))
     toe = TOE.replace(resistance=620e3, quake=2.54e-3)
     ram = RAM.replace(velocity=3.96)
@@ -135,48 +147,52 @@ def test_the_ram_is_caught_after_its_first_bounce():
     resting = ri.at_rest(system, cells=40)
 
     (blow,) = ri.blows(resting, 1, cells=40)
+    (long,) = ri.blows(resting, 1, cells=40, until=0.5)
 
     assert blow.is_over
     assert blow.tension.t < 0.1
-    (long,) = ri.blows(resting, 1, cells=40, until=0.5)
     assert long.solution.t_end < 0.13
     assert long.set == pytest.approx(blow.set, rel=1e-4)
     assert long.tension.stress == pytest.approx(blow.tension.stress, rel=0.05)
-    free = ri.solve(resting, until=0.5, cells=40)
-    assert free.extreme_stress(2).tension.stress > 5 * blow.tension.stress
-    assert free.contacts[1].force(np.linspace(0.15, 0.5, 1000)).max() > 1e5
+    uncaught = ri.solve(resting, until=0.5, cells=40)
+    second_impact = uncaught.contacts[1].force(np.linspace(0.15, 0.5, 1000))
+    assert uncaught.extreme_stress(2).tension.stress > 5 * blow.tension.stress
+    assert second_impact.max() > 1e5
 
 
 @needs_compiler
 def test_a_ram_that_rattles_on_the_pile_is_not_caught():
     """It is off for less than a round trip of waves, and struck again from below."""
-    system = random_pile(1)
+    system = random_pile(1)  # its ram rattles
 
     (blow,) = ri.blows(system, 1, cells=24)
 
     end = blow.solution.t_end
-    assert end > 0.03
     force = blow.solution.contacts[0].force(np.linspace(0.0, end, 2000))
-    pauses = np.count_nonzero((force[:-1] > 0) & (force[1:] == 0))
-    assert pauses > 2
+    lets_go = (force[:-1] > 0) & (force[1:] == 0)
+    assert end > 0.03
+    assert np.count_nonzero(lets_go) > 2
 
 
 @needs_compiler
 def test_a_pile_comes_to_rest_where_a_blow_says():
-    (blow,) = ri.blows(ROW, 1, cells=40)
-    start = blow.solution
+    (blow,) = ri.blows(ONE_ROD_PILE, 1, cells=40)
 
-    until = 30 * start.t_end
-    later = ri.solve(ROW, until=until, cells=40, snapshots=300)
+    until = 30 * blow.solution.t_end
+    later = ri.solve(ONE_ROD_PILE, until=until, cells=40, snapshots=300)
 
-    toe = later.displacement(1, 15.0, [0.9 * until, until])
-    assert toe == pytest.approx(blow.displacement, abs=1e-7)
-    shares = np.array(blow.next_system.bodies[1].shaft.mobilised.values)
-    assert later.soil(1, until).mobilised == pytest.approx(shares, abs=2e-4)
+    toe_displacement = later.displacement(1, PILE.length, [0.9 * until, until])
+    mobilised = np.array(blow.next_system.bodies[1].shaft.mobilised.values)
+    assert toe_displacement == pytest.approx(blow.displacement, abs=1e-7)
+    assert later.soil(1, until).mobilised == pytest.approx(mobilised, abs=2e-4)
 
 
 @needs_compiler
-def test_blows_keep_set_and_residual_stress_as_a_chain_of_lumped_masses_does():
+def test_sets_of_blows_grow_as_those_of_a_chain_of_lumped_masses_and_get_steady():
+    """The first blow leaves residual stress, with which the next one drives deeper.
+
+    In a steady series the pile moves with every blow by its set.
+    """
     pile = LumpedPile(
         ram_mass=RAM.mass,
         ram_velocity=RAM.velocity,
@@ -215,20 +231,24 @@ def test_a_pile_is_at_rest_between_blows(gravity):
     blow, _ = ri.blows(system, 2, cells=30)
     between = blow.next_system
 
-    assert between.bodies[0] == system.bodies[0]
-    assert between.bodies[1] == system.bodies[1]
+    ram, helmet = between.bodies[:2]
+    assert ram == system.bodies[0]
+    assert helmet == system.bodies[1]
     assert between.gaps[0] == 0.0
+    # A ram that rises leaves the pile alone: it stays at rest, with residual stress.
     rising_ram = RAM.replace(velocity=-1.0)
     lifted = between.replace(bodies=[rising_ram, *between.bodies[1:]])
     motion = ri.solve(lifted, until=0.02, cells=30)
     t = np.linspace(0.0, 0.02, 40)
-    x = np.linspace(0.0, 15.0, 31)[:, None]
-    assert np.abs(motion.velocity(2, x, t)).max() < 1e-7
-    assert np.abs(motion.stress(2, x, 0.0)).max() > 1e6
+    x = np.linspace(0.0, PILE.length, 31)[:, None]
+    velocity = motion.velocity(2, x, t)  # [place, time], m/s
+    residual_stress = motion.stress(2, x, 0.0)  # [place, 1], Pa
+    assert np.abs(velocity).max() < 1e-7
+    assert np.abs(residual_stress).max() > 1e6
 
 
-def test_a_blow_that_is_cut_short_says_so():
-    series = ri.blows(ROW, 3, cells=20, until=5e-3)
+def test_a_blow_that_is_cut_short_says_so_and_has_no_next_one():
+    series = ri.blows(ONE_ROD_PILE, 3, cells=20, until=5e-3)
 
     assert len(series) == 1
     (blow,) = series
@@ -240,13 +260,14 @@ def test_a_blow_that_is_cut_short_says_so():
 
 
 def test_a_blow_prints_as_a_sentence():
-    (blow,) = ri.blows(ROW, 1, cells=20, until=5e-3)
+    (blow,) = ri.blows(ONE_ROD_PILE, 1, cells=20, until=5e-3)
 
     assert str(blow).startswith("set ")
     assert "largest compression " in str(blow)
     assert blow.status in str(blow)
-    assert len(repr(blow)) < 400
-    assert "no tension" in str(blow._replace(tension=blow.tension._replace(stress=0.0)))
+    assert len(repr(blow)) < 400  # no arrays
+    without_tension = blow._replace(tension=blow.tension._replace(stress=0.0))
+    assert "no tension" in str(without_tension)
 
 
 def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():
@@ -261,11 +282,11 @@ def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():
     assert series[0].blow_count == pytest.approx(1 / series[0].set)
 
 
-def test_drag_along_a_shaft_bears_nothing_at_rest():
+def test_drag_along_a_shaft_bears_nothing_at_rest_and_is_no_share_of_resistance():
     dragged = PILE.replace(length=2.0, shaft=ri.Drag(3e3))
     bodies = [RAM, dragged, PILE, ri.Wall()]
     system = ri.System(bodies, contacts=[CUSHION, ri.Bonded(), TOE])
-    at_rest = ri.at_rest(system.replace(gravity=9.81), 20)
+    at_rest = ri.at_rest(system.replace(gravity=9.81), cells=20)
 
     (blow,) = ri.blows(at_rest, 1, cells=20)
     graph = ri.bearing_graph(system, 600e3, cells=16, until=0.01)
@@ -273,23 +294,25 @@ def test_drag_along_a_shaft_bears_nothing_at_rest():
     assert blow.is_over
     assert blow.next_system.bodies[1].shaft == dragged.shaft
     assert graph.shaft_share == 0.5
+    # The short rod has too few cells of the coarse mesh that tells the errors.
     with pytest.raises(ri.InvalidModel, match=r"cells: half of them are too few"):
         ri.bearing_graph(system, 600e3, cells=8, until=0.01)
 
 
-def test_a_pile_of_two_rods_is_like_one_rod():
+def test_a_pile_of_two_rods_has_set_and_tension_of_one_rod():
     # The resistance of soil is that along the whole rod.
     half_soil = SOIL.replace(resistance=SOIL.resistance / 2)
     half = PILE.replace(length=PILE.length / 2, shaft=half_soil)
     bodies = [RAM, half, half, ri.Wall()]
     two = ri.System(bodies, contacts=[CUSHION, ri.Bonded(), TOE])
 
-    (one_rod,) = ri.blows(ROW, 1, cells=40, until=0.04)
+    (one_rod,) = ri.blows(ONE_ROD_PILE, 1, cells=40, until=0.04)
     (two_rods,) = ri.blows(two, 1, cells=20, until=0.04)
 
     assert two_rods.set == pytest.approx(one_rod.set, rel=1e-3)
     assert two_rods.tension.stress == pytest.approx(one_rod.tension.stress, rel=0.02)
-    # Places count from the head of the pile, also in the second rod.
+    # Places count from the head of the pile, also in the second rod. Cells are 0.4 m
+    # long.
     assert two_rods.tension.x == pytest.approx(one_rod.tension.x, abs=1.0)
 
 
@@ -335,4 +358,4 @@ def test_a_row_that_is_no_pile_is_refused(system, message):
 )
 def test_wrong_arguments_are_refused(arguments):
     with pytest.raises(ri.InvalidModel):
-        ri.blows(ROW, **arguments)
+        ri.blows(ONE_ROD_PILE, **arguments)

@@ -15,13 +15,13 @@ UNTIL = 0.02
 
 
 def largest_velocity(system, body, cells):
-    """Largest velocity of a rod and of the mass before it in a short run, m/s."""
+    """Largest velocity of a rod and of the body before it in a short run, m/s."""
     run = ri.solve(system, until=UNTIL, cells=cells)
     t = np.linspace(0.0, UNTIL, 50)
     x = np.linspace(0.0, float(system.bodies[body].length), 16)[:, None]
-    of_rod = np.abs(run.velocity(body, x, t)).max()
-    of_mass = np.abs(run.velocity(body - 1, 0.0, t)).max()
-    return max(of_rod, of_mass)
+    velocity_of_rod = run.velocity(body, x, t)
+    velocity_before_rod = run.velocity(body - 1, 0.0, t)
+    return max(np.abs(velocity_of_rod).max(), np.abs(velocity_before_rod).max())
 
 
 def pile_with_helmet(contact):
@@ -53,8 +53,8 @@ def test_a_pile_stays_at_rest_under_its_weight_and_that_of_a_helmet(contact, bou
     assert largest_velocity(system, 2, cells=40) > 1e-2
     weight = (HELMET.mass + PILE.mass) * GRAVITY
     profile = ri.solve(resting, until=1e-4, cells=40).soil(2, 0.0)
-    on_shaft = float(profile.resistance @ profile.mobilised)
-    below_toe = -resting.gaps[2] * TOE.stiffness
+    on_shaft = float(profile.resistance @ profile.mobilised)  # N, over all nodes
+    below_toe = -resting.gaps[2] * TOE.stiffness  # N, of the overlap at the toe
     assert on_shaft + below_toe == pytest.approx(weight, rel=1e-6)
 
 
@@ -65,7 +65,7 @@ def test_a_finer_grid_moves_a_resting_pile_by_little():
     assert largest_velocity(resting, 2, cells=200) < 1e-4
 
 
-def test_bonded_piles_with_a_joint_rest():
+def test_bonded_piles_with_a_joint_rest_on_the_compressed_joint():
     half = PILE.replace(length=7.5, shaft=SOIL.replace(resistance=150e3))
     bare = ri.Rod(2.0, area=9.4e-3, material=STEEL)
     system = ri.System(
@@ -101,9 +101,11 @@ def test_a_contact_that_would_pull_opens():
 
 
 @pytest.mark.parametrize("is_hanging", [True, False])
-def test_a_string_on_a_fixed_end_has_the_strain_of_the_weight_below(is_hanging):
-    """Strain (W2 + rho A (L - x) g)/(E A), of cells at their middles; compressed if it
-    stands.
+def test_a_string_on_a_fixed_end_rests_with_the_strain_of_its_weight(is_hanging):
+    """The strain of the pipe is (W + rho A (L - x) g)/(E A) at the middles of cells.
+
+    W is the weight of the collar, x the distance from the fixed end. A string that
+    stands on the fixed end is compressed.
     """
     pipe = ri.Rod(3000.0, area=3.4e-3, material=STEEL)
     collar = ri.Rod(200.0, area=24e-3, material=STEEL)
@@ -116,16 +118,19 @@ def test_a_string_on_a_fixed_end_has_the_strain_of_the_weight_below(is_hanging):
 
     resting = ri.at_rest(string, cells=60)
 
-    strain = np.array(resting.bodies[bodies.index(pipe)].strain.values)
-    below = pipe.length * (1 - (np.arange(60) + 0.5) / 60)  # m of pipe
-    stress = collar.mass * GRAVITY / 3.4e-3 + STEEL.density * GRAVITY * below
+    body = bodies.index(pipe)
+    strain = np.array(resting.bodies[body].strain.values)  # [cell]
+    length_beyond = pipe.length * (1 - (np.arange(60) + 0.5) / 60)  # m, [cell]
+    stress_of_collar = collar.mass * GRAVITY / 3.4e-3
+    stress = stress_of_collar + STEEL.density * GRAVITY * length_beyond
     if not is_hanging:
+        # The fixed end is on the right.
         stress = -stress[::-1]
     assert strain == pytest.approx(stress / STEEL.youngs_modulus, rel=1e-9)
     run = ri.solve(resting, 1.0, "finite-difference", cells=60)
+    t = np.linspace(0.0, 1.0, 40)
     x = np.linspace(0.0, 3000.0, 7)[:, None]
-    body = bodies.index(pipe)
-    assert np.abs(run.velocity(body, x, np.linspace(0.0, 1.0, 40))).max() < 1e-9
+    assert np.abs(run.velocity(body, x, t)).max() < 1e-9
 
 
 REFUSED = [
@@ -159,19 +164,23 @@ def test_a_row_that_cannot_rest_is_refused(system, message):
         ri.at_rest(system)
 
 
-def test_the_profile_of_the_soil_tells_what_yielded():
+def test_the_profile_of_the_soil_tells_resistance_displacement_and_what_yielded():
     pile = PILE.replace(velocity=2.0)
     run = ri.solve(ri.System([pile]), until=UNTIL, cells=50)
 
     profile = run.soil(0, UNTIL)
 
-    assert profile.resistance.sum() == pytest.approx(300e3)
-    u = run.displacement(0, profile.x, UNTIL)
-    assert profile.displacement == pytest.approx(u, abs=1e-15)
-    assert np.all(profile.plastic_set > 0)
+    displacement = run.displacement(0, profile.x, UNTIL)
     elastic = profile.displacement - profile.plastic_set
+    assert profile.resistance.sum() == pytest.approx(SOIL.resistance)
+    assert profile.displacement == pytest.approx(displacement, abs=1e-15)
+    assert np.all(profile.plastic_set > 0)
     assert elastic == pytest.approx(profile.mobilised * SOIL.quake, abs=1e-15)
+
+
+def test_a_rod_without_soil_has_no_profile_of_it():
+    rod = ri.Rod(1.0, area=1.0, material=STEEL)
+    run = ri.solve(ri.System([rod]), until=1e-4)
+
     with pytest.raises(ValueError, match=r"body: has no soil along its shaft"):
-        ri.solve(ri.System([ri.Rod(1.0, area=1.0, material=STEEL)]), until=1e-4).soil(
-            0, 0.0
-        )
+        run.soil(0, 0.0)
