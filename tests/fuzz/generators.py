@@ -17,7 +17,7 @@ from exhaustive import few_of
 import rodimpact as ri
 from rodimpact.results.saved import case_of
 
-TIMES = int(os.environ.get("RODIMPACT_FUZZ", "1"))
+TIMES = int(os.environ.get("RODIMPACT_FUZZ", "1"))  # factor of the numbers of examples
 SEED = int(os.environ.get("RODIMPACT_FUZZ_SEED", "0"))
 SEEDS = few_of(range(SEED, SEED + 3), [SEED])
 PATIENCE = 600  # s, for what takes milliseconds, or a minute where a busy machine has to compile
@@ -27,7 +27,7 @@ MOST_CHARACTERS = 2000  # of a message
 
 @contextmanager
 def patience(seconds=PATIENCE):
-    """TimeoutError where it hangs, on systems that have such an alarm."""
+    """Let the block fail if it takes longer, on systems that have such an alarm."""
 
     def hung(*_):
         raise AssertionError(f"it takes more than {seconds} s")
@@ -44,39 +44,29 @@ def patience(seconds=PATIENCE):
         signal.signal(signal.SIGALRM, before)
 
 
-STEEL = ri.materials.steel
-SAVED = ri.format_case(
-    case_of(
-        ri.solve(
-            ri.System(
-                [
-                    ri.RigidMass(1.0, velocity=1.0),
-                    ri.Rod(0.2, area=1e-4, material=STEEL),
-                ],
-                contacts=[ri.Hertz(1e9)],
-            ),
-            until=1e-4,
-        )
-    )
-)
-"""A saved solution."""
+def saved_solution():
+    """Text of a saved solution."""
+    mass = ri.RigidMass(1.0, velocity=1.0)
+    rod = ri.Rod(0.2, area=1e-4, material=ri.materials.steel)
+    system = ri.System([mass, rod], contacts=[ri.Hertz(1e9)])
+    return ri.format_case(case_of(ri.solve(system, until=1e-4)))
+
 
 # Text
 # --------------------------------------------------------------------------------------
 
 FOLDER = Path(__file__).parents[2] / "validation" / "cases"
+FILES = [
+    "unequal-rods",
+    "dropped-bar",
+    "clamped-bar",
+    "hopkinson-specimen",
+    "rounded-rod-on-wall",
+    "newtons-cradle",
+    "stepped-rods",
+]
 CASES = [
-    (FOLDER / f"{name}.toml").read_text("utf-8")
-    for name in (
-        "unequal-rods",
-        "dropped-bar",
-        "clamped-bar",
-        "hopkinson-specimen",
-        "rounded-rod-on-wall",
-        "newtons-cradle",
-        "stepped-rods",
-    )
-] + [
+    *[(FOLDER / f"{name}.toml").read_text("utf-8") for name in FILES],
     """schema = 1
 gravity = "-9.81 m/s^2"
 bodies = [
@@ -89,8 +79,9 @@ materials.lossy = {youngs_modulus = 2e11, density = 7850, loss_factor = 0.01, lo
 ends.right = {kind = "pushed", value = {values = [0, 100, 0], at = [1e-5, "50 us"]}}
 solve = {until = 1e-4, cells = 8, snapshots = 5}
 """,
-    SAVED,
+    saved_solution(),
 ]
+"""Texts of right case files."""
 NUMBERS = [
     "0",
     "-0.0",
@@ -125,6 +116,7 @@ NUMBERS = [
     "9223372036854775807",
     "9223372036854775808",
 ]
+"""Texts of numbers that hurt."""
 WORDS = [
     '"steel"', '"chees"', '"rod"', '"mass"', '"wall"', '"inf"', '"nan"', '"1 mm"', '"1 furlong"',
     '"1e400 m"', '"-3 m/s"', '"1 m m"', '"\u00b5m"', '"1 \u00b5m"', '"\u0661 m"',
@@ -140,17 +132,18 @@ WORDS = [
     "until", "gap", "velocity", "law", "length", "kind", "stiffness", "damping", "a" * 5000,
     "\x00", "\ufeff", "\u2028", "\r",
 ]  # fmt: skip
+"""Texts that are words of a case file, or stand for values of every other kind."""
 TOKEN = re.compile(r"(?:\d|\.\d|-[\d.])[\w.+-]*|[^\W\d][\w-]*|\s+|.", re.DOTALL)
 
 
 def one_of(rng, things):
-    """Any one of these."""
+    """A random element of a list."""
     return things[rng.integers(len(things))]
 
 
 def random_number(rng, near="1"):
-    """The text of a number: of those that hurt, of any magnitude, or not far from one
-    given.
+    """The text of a number: one that hurts, one of any magnitude, or one within a
+    factor of 10 of the number whose text is `near`.
     """
     kind = rng.random()
     if kind < 0.2:
@@ -174,41 +167,53 @@ def spoilt_text(rng, text):
         words = [k for k, token in enumerate(tokens) if token[:1].isalpha()]
         kind = rng.integers(20)
         if kind < 12 and numbers:
-            place = one_of(rng, numbers)
-            odd = rng.random() < 0.2
-            tokens[place] = (
-                one_of(rng, WORDS) if odd else random_number(rng, tokens[place])
-            )
+            # A number becomes another number, or a thing that is none.
+            number = one_of(rng, numbers)
+            if rng.random() < 0.2:
+                tokens[number] = one_of(rng, WORDS)
+            else:
+                tokens[number] = random_number(rng, tokens[number])
         elif kind < 15 and words:
-            tokens[one_of(rng, words)] = tokens[one_of(rng, words)]
+            # A word becomes another word of the text.
+            new_word = tokens[one_of(rng, words)]
+            tokens[one_of(rng, words)] = new_word
         elif kind == 15:
             tokens[i] = one_of(rng, WORDS)
         elif kind == 16:
             tokens[i], tokens[j] = tokens[j], tokens[i]
         elif kind == 17:
-            tokens = [*tokens[:i], *tokens[i + rng.geometric(0.3) :]] or [""]
+            end = i + rng.geometric(0.3)
+            del tokens[i:end]
+            if not tokens:
+                tokens = [""]
         elif kind == 18:
-            tokens[i:i] = tokens[j : j + rng.geometric(0.1)]
+            end = j + rng.geometric(0.1)
+            tokens[i:i] = tokens[j:end]
         else:
-            tokens[i:i] = [one_of(rng, WORDS)]
+            tokens.insert(i, one_of(rng, WORDS))
     return "".join(tokens)
 
 
 def spoilt_bytes(rng, text):
-    """A file of it, now and then with bytes that are no text."""
+    """The bytes of a text, now and then with bytes in it that are no text, and seldom
+    random bytes alone.
+    """
     data = bytearray(text.encode("utf-8", "surrogatepass"))
     if rng.random() < 0.1:
-        place = rng.integers(len(data) + 1)
-        data[place:place] = rng.bytes(rng.integers(1, 30))
-    return bytes(data) if rng.random() > 0.01 else rng.bytes(rng.integers(2000))
+        start = rng.integers(len(data) + 1)
+        data[start:start] = rng.bytes(rng.integers(1, 30))
+    if rng.random() > 0.01:
+        return bytes(data)
+    return rng.bytes(rng.integers(2000))
 
 
 def check_sentence(error, where):
-    """The package raised it on purpose, with a text in which terminals and readers find
-    no trap.
+    """Check that the package raised an error on purpose, in a text that is no trap.
 
-    Errors of operations on what was never checked come from other lines, or from other
-    packages; those of the system name a file.
+    A text is a trap if it is empty, endless, or not printable. An error of the package
+    is raised by a line of its own that begins with ``raise``; an error of an operation
+    on a value that was never checked comes from another line, or from another package.
+    Errors of the operating system, which name a file, are as good.
     """
     frame = error.__traceback__
     while frame.tb_next is not None:
@@ -224,8 +229,8 @@ def check_sentence(error, where):
 
 
 def called(function, *arguments, **named):
-    """What comes of the call, or the error that says in a sentence what is wrong with
-    it.
+    """The answer of a function, or the exception that says in a sentence what is wrong
+    with the call.
     """
     with patience():
         try:

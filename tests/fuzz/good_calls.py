@@ -691,16 +691,21 @@ def properties_of(kind: type) -> list[str]:
 
 
 def parameters_of(name: str, function: Callable[..., Any]) -> tuple[str, ...]:
-    """Names of all parameters; for ``replace(**changes)`` those of the constructor."""
+    """Names of the parameters whose values can be spoilt, without ``self``.
+
+    In place of ``**keywords`` they are those of the constructor for
+    ``replace(**changes)``, and those of the good call for any other function.
+    """
     names = []
     for parameter in inspect.signature(function).parameters.values():
         if parameter.kind is not parameter.VAR_KEYWORD:
             names.append(parameter.name)
         elif name.endswith(".replace"):
             kind = public_classes()[name.removesuffix(".replace")]
-            names += inspect.signature(kind).parameters
+            names.extend(inspect.signature(kind).parameters)
         else:
-            names += CALLS[name]()
+            good_arguments = CALLS[name]()
+            names.extend(good_arguments)
     return tuple(name for name in names if name != "self")
 
 
@@ -724,6 +729,7 @@ def methods() -> Iterator[Call]:
             parameters = parameters_of(whole, getattr(kind, method))
             if not parameters:
                 continue
+            # Only some instances are able to answer some methods.
             for instance in ABLE.get(whole, INSTANCES[name]):
                 make = functools.partial(method_of, instance, method)
                 yield Call(whole, parameters, make)

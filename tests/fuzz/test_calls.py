@@ -38,13 +38,16 @@ def folder(monkeypatch, tmp_path):
 
 
 def refusal_of(call, arguments):
-    """The error of a call, in a sentence; None if it answers, and its answer can be
-    shown.
+    """The exception with which a call refuses its arguments; None if it answers.
+
+    An answer must also have texts. An exception that is not one of `EXPECTED` is a
+    fault of the package, and is raised.
     """
     with patience():
         try:
             answer = call.make()(**arguments)
             if call.name == "plot.look":
+                # Its answer is a context manager, which works when it is entered.
                 with answer:
                     pass
             assert repr(answer)
@@ -55,7 +58,10 @@ def refusal_of(call, arguments):
 
 
 def check_spoilt(call, parameter, label):
-    """The call with one spoilt argument is answered or refused in a sentence."""
+    """Check that a call with one spoilt argument is answered or refused in a sentence.
+
+    A value that is right for no argument must be refused.
+    """
     arguments = call.arguments() | {parameter: BAD_VALUES[label]()}
     where = f"{call.name}({parameter}={label})"
     error = refusal_of(call, arguments)
@@ -66,21 +72,22 @@ def check_spoilt(call, parameter, label):
         check_sentence(error, where)
 
 
-def test_every_public_name_has_good_arguments():
-    assert {call.name for call in CALLS if not call.name.endswith(".replace")} == {
-        *good_calls.CALLS
-    }
+def test_every_public_call_has_good_arguments_and_every_class_instances():
+    # `replace` takes no argument to be good.
+    names = {name for name in NAMES if not name.endswith(".replace")}
+    classes = set(good_calls.public_classes())
+    assert names == set(good_calls.CALLS)
     for call in CALLS:
-        unknown = {*call.arguments()} - {*call.parameters}
+        unknown = set(call.arguments()) - set(call.parameters)
         assert not unknown, call.name
-    classes = {*good_calls.public_classes()}
-    assert {*good_calls.INSTANCES} | good_calls.EXCEPTIONS == classes
+    assert set(good_calls.INSTANCES) | good_calls.EXCEPTIONS == classes
     assert classes > good_calls.RETURNED
-    assert len(NAMES) > 200
+    assert len(NAMES) > 200  # names are found at all
 
 
 @pytest.mark.exhaustive
 def test_good_arguments_are_answered_and_attributes_read():
+    """An attribute that has no value here is refused in a sentence."""
     for call in CALLS:
         assert refusal_of(call, call.arguments()) is None, call.name
     for name, kind in good_calls.public_classes().items():
@@ -92,40 +99,42 @@ def test_good_arguments_are_answered_and_attributes_read():
                     check_sentence(error, f"{name}.{attribute}")
 
 
-def test_some_spoilt_arguments():
-    """One bad value for each name but figures; all of them under `exhaustive`."""
+def test_one_bad_value_of_an_argument_is_answered_or_refused_in_a_sentence():
+    """One for each name but those of figures; all of them under `exhaustive`."""
     rng = np.random.default_rng(0)
     quick = [call for call in CALLS if not call.name.startswith(FIGURES)]
     for call in quick:
         check_spoilt(call, one_of(rng, call.parameters), one_of(rng, [*BAD_VALUES]))
 
 
-def labels_for(call, place):
-    """Bad values for the parameter at this place; figures try a third of what may be
-    right.
+def labels_for(call, index):
+    """Labels of the bad values for the parameter with this index.
+
+    Figures take long: they try a third of the values that may be right, and neighbouring
+    parameters try different thirds.
     """
-    labels = [*BAD_VALUES]
+    labels = list(BAD_VALUES)
     if not call.name.startswith(FIGURES):
         return labels
-    drawn = [label for label in labels if label not in NEVER_RIGHT]
-    return [*NEVER_RIGHT, *drawn[place % 3 :: 3]]
+    may_be_right = [label for label in labels if label not in NEVER_RIGHT]
+    return [*NEVER_RIGHT, *may_be_right[index % 3 :: 3]]
 
 
 @pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
 @pytest.mark.parametrize("name", NAMES)
-def test_each_argument_is_spoilt(name):
+def test_each_bad_value_of_each_argument_is_answered_or_refused_in_a_sentence(name):
     for call in CALLS:
-        if call.name == name:
-            for place, parameter in enumerate(call.parameters):
-                for label in labels_for(call, place):
-                    check_spoilt(call, parameter, label)
+        if call.name != name:
+            continue
+        for index, parameter in enumerate(call.parameters):
+            for label in labels_for(call, index):
+                check_spoilt(call, parameter, label)
 
 
 @pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
 @pytest.mark.parametrize("seed", SEEDS)
-def test_several_spoilt_arguments(seed):
-    """Products of numbers that are large, but not too large, may overflow."""
+def test_several_bad_arguments_are_answered_or_refused_in_a_sentence(seed):
     rng = np.random.default_rng(seed)
     quick = [call for call in CALLS if not call.name.startswith(FIGURES)]
     refused = 0
@@ -137,6 +146,7 @@ def test_several_spoilt_arguments(seed):
         try:
             error = refusal_of(call, arguments)
         except FloatingPointError:
+            # Products of numbers that are large, but not too large, may overflow.
             continue
         if error is not None:
             check_sentence(error, f"{call.name}(**{arguments})")
@@ -144,7 +154,7 @@ def test_several_spoilt_arguments(seed):
     assert EXAMPLES / 2 < refused < EXAMPLES
 
 
-REFUSED = [
+REFUSED_CALLS = [
     (lambda: ri.load(0), "path: must be the name of a file, got 0"),
     (
         lambda: good_calls.exact_solution().save(b"x.toml"),
@@ -210,11 +220,11 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("call", "sentence"), REFUSED)
-def test_what_was_found_is_refused(folder, call, sentence):
-    files = {*folder.iterdir()}
+@pytest.mark.parametrize(("call", "sentence"), REFUSED_CALLS)
+def test_wrong_calls_are_refused_and_write_no_file(folder, call, sentence):
+    files = set(folder.iterdir())
     with pytest.raises(
         (ValueError, LookupError, AttributeError), match=re.escape(sentence)
     ):
         call()
-    assert {*folder.iterdir()} == files
+    assert set(folder.iterdir()) == files
