@@ -57,14 +57,14 @@ class Table(NamedTuple):
 
 
 def read_page():
-    """Every table of a case file by its title."""
+    """{title: Table} of every table of a case file that the page describes."""
     listing = PAGE.partition("## Every table and its keys")[2].partition("\n## ")[0]
     tables = {}
     for section in listing.split("\n### ")[1:]:
         title, _, text = section.partition("\n")
         keys = {}
-        for row in re.findall(r"^\| `(\w+)` \|(.*)\|$", text, re.M):
-            keys[row[0]] = Key(*[cell.strip() for cell in row[1].split("|")])
+        for name, row in re.findall(r"^\| `(\w+)` \|(.*)\|$", text, re.M):
+            keys[name] = Key(*[cell.strip() for cell in row.split("|")])
         (example,) = re.findall(r"```toml\n(.*?)```", text, re.S)
         tables[title.strip("`")] = Table(text, keys, example)
     return tables
@@ -73,13 +73,15 @@ def read_page():
 TABLES = read_page()
 
 
-def whole(example):
-    """A case around one table."""
+def case_around(example):
+    """The tables of a case with that of an example, and two bodies."""
     data = {"schema": 1, "bodies": [ROD, ROD], "solve": {"until": 1e-4}, **example}
-    if "segments" in data["bodies"]:
-        data["bodies"] = [{"kind": "rod", **data["bodies"]}]
-    elif len(data["bodies"]) == 1:
-        data["bodies"] = [ROD, *data["bodies"]]
+    bodies = data["bodies"]
+    if "segments" in bodies:
+        # [[bodies.segments]] alone makes a table of `bodies`.
+        data["bodies"] = [{"kind": "rod", **bodies}]
+    elif len(bodies) == 1:
+        data["bodies"] = [ROD, *bodies]
     return data
 
 
@@ -88,7 +90,8 @@ def known_keys(example):
     example.
     """
     with pytest.raises(ri.InvalidModel) as mistakes:
-        case_from(whole(tomllib.loads(example + "\nqqqqqqqq = 0")))
+        # The key is like no other, so that the message names all choices.
+        case_from(case_around(tomllib.loads(example + "\nqqqqqqqq = 0")))
     ((_, message),) = mistakes.value.problems
     choices = re.fullmatch(r"unknown key; use one of (.*)", message)[1]
     assert not choices.endswith("...")
@@ -100,13 +103,15 @@ def test_the_page_lists_the_keys_that_the_reader_knows(title):
     keys = set(TABLES[title].keys) - {"law"}
     if title == "At the top":
         keys.add("result")  # written by `save`; the page has a section on it
-        keys |= {re.findall(r"\w+", other)[0] for other in TABLES if other[0] == "["}
+        other_tables = [title for title in TABLES if title.startswith("[")]
+        keys |= {re.search(r"\w+", other)[0] for other in other_tables}
     elif title.startswith("[[contacts]]"):
         keys.add("gap")
     if title == "[[contacts]]":  # a rigid contact, if no law is named
         keys |= set(TABLES['[[contacts]] law = "rigid"'].keys)
     example = TABLES[title].example
-    if title.endswith('"hertz"'):  # materials of faces go with radii alone
+    if title.endswith('"hertz"'):
+        # The keys for the materials of the faces are known beside radii only.
         example = re.sub("stiffness = .*", "left_radius = 0.02", example)
     assert keys == known_keys(example)
 
@@ -114,31 +119,33 @@ def test_the_page_lists_the_keys_that_the_reader_knows(title):
 @pytest.mark.parametrize("title", TABLES)
 def test_each_example_is_read_and_has_all_that_is_required(title):
     table = TABLES[title]
-    assert case_from(whole(tomllib.loads(table.example)))
+    assert case_from(case_around(tomllib.loads(table.example)))
     for key, row in table.keys.items():
         if row.default == "required":
             assert f"\n{key} = " in f"\n{table.example}"
 
 
-def test_every_declared_class_has_a_table_that_names_it():
+def test_every_declared_class_has_a_table_that_names_and_explains_it():
     assert set(KINDS) <= set(TABLES)
     for title, kind in KINDS.items():
         summary = inspect.getdoc(kind).partition("\n")[0]
         text = TABLES[title].text
         assert f"{{class}}`rodimpact.{kind.__name__}`" in text
-        assert title == "[solve]" or summary in text
+        if title != "[solve]":
+            assert summary in text
 
 
 def field_as_written(field):
-    """Unit, sign and default of a declared number, as the page writes them."""
+    """The `Key` of a declared number, as the page writes it."""
     takes = SIGNS.get(field.sign, field.sign)
     if field.many:
         takes = "a list of increasing positive numbers"
     if field.word:
         takes += f', or "{field.word}"'
-    if field.along:
-        where = "in time" if field.along == "time" else "along the rod"
-        takes += f", or a profile {where}"
+    if field.along == "time":
+        takes += ", or a profile in time"
+    elif field.along:
+        takes += ", or a profile along the rod"
     if field.default is REQUIRED:
         default = "required"
     elif field.default is None:
@@ -182,7 +189,7 @@ def test_units_and_signs_of_numbers_that_belong_to_no_class():
         assert hertz[f"{side}_radius"].takes == SIGNS[FACE_RADIUS.sign]
 
 
-def test_words_are_those_that_are_known():
+def test_methods_theories_and_defaults_are_those_that_are_known():
     options = ri.Options()
     solve = TABLES["[solve]"].keys
     assert re.findall('"(.*?)"', solve["method"].takes) == [*METHOD_NAMES]
@@ -193,19 +200,27 @@ def test_words_are_those_that_are_known():
         assert re.findall('"(.*?)"', words) == [*THEORIES]
 
 
-def test_help_tells_its_topics_and_every_unit(capsys):
+def test_help_tells_its_topics_and_the_manual(capsys):
     assert main(["help"]) == 0
+
     topics = capsys.readouterr().out
     assert "rodimpact help units" in topics
     assert "docs/input.md" in topics
+
+
+def test_help_on_units_tells_every_unit_that_can_be_read(capsys):
     assert main(["help", "units"]) == 0
+
+    # A row holds the dimension, its SI unit, and other units with commas between them.
     rows = capsys.readouterr().out.splitlines()[1:-2]
     assert [row.split("  ")[0] for row in rows] == list(UNITS)
     for dimension, row in zip(UNITS, rows, strict=True):
-        si, *others = (
-            row.removeprefix(dimension).strip().replace("  ", ", ").split(", ")
-        )
-        assert parse(f"1 {si}" if si != "1" else "1", dimension) == 1
-        for unit in others:
+        units = row.removeprefix(dimension).strip().replace("  ", ", ").split(", ")
+        si_unit, *other_units = units
+        if si_unit == "1":
+            assert parse("1", dimension) == 1
+        else:
+            assert parse(f"1 {si_unit}", dimension) == 1
+        for unit in other_units:
             if unit.strip():
                 assert parse(f"1 {unit.strip()}", dimension) > 0

@@ -18,9 +18,11 @@ from rodimpact.storage.casefile import Case, GaugePlace, case_from
 CASES = Path(__file__).parents[2] / "validation" / "cases"
 
 
-def test_byte_order_mark_and_line_ends_of_windows(tmp_path):
+def test_byte_order_mark_and_line_ends_of_windows_are_read(tmp_path):
     path = tmp_path / "case.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + (HEAD + A_ROD).replace("\n", "\r\n").encode())
+    text = (HEAD + A_ROD).replace("\n", "\r\n")
+    path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+
     assert read_case(path) == Case(ri.System([ROD]), path=str(path))
     assert read_case(str(path)).path == str(path)
 
@@ -29,23 +31,24 @@ def test_byte_order_mark_and_line_ends_of_windows(tmp_path):
 
 
 def file_problem(path):
+    """The message, in one line, with which a file is refused as a whole."""
     with pytest.raises(ri.InvalidModel) as caught:
         read_case(path)
-    [(where, message)] = caught.value.problems
-    assert where == str(path)
+    ((name, message),) = caught.value.problems
+    assert name == str(path)
     assert caught.value.__cause__ is None
     assert "\n" not in message
     return message
 
 
-def test_files_that_cannot_be_read(tmp_path):
+def test_files_that_cannot_be_read_are_refused_with_the_reason(tmp_path):
     assert "cannot be read: No such file" in file_problem(tmp_path / "none.toml")
     assert "cannot be read: Is a directory" in file_problem(tmp_path)
     assert "cannot be read: Not a directory" in file_problem(f"{__file__}/x.toml")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
-def test_what_may_never_end_is_not_read(tmp_path):
+def test_a_pipe_or_a_device_which_may_never_end_is_not_read(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     assert "it is not a regular file" in file_problem(tmp_path / "pipe")
     assert "it is not a regular file" in file_problem("/dev/zero")
@@ -58,26 +61,24 @@ def test_a_file_too_large_for_a_case_is_not_read(tmp_path):
     assert file_problem(path) == "has more than 10000000 bytes; is it a case file?"
 
 
-@pytest.mark.parametrize("given", [None, 1, [], {1: 2}, b"case.toml", object()])
-def test_what_is_no_case_at_all_is_refused(given):
-    for refuse, name, kind in [
+@pytest.mark.parametrize("value", [None, 1, [], {1: 2}, b"case.toml", object()])
+def test_a_value_that_is_no_case_at_all_is_refused(value):
+    for function, name, kind in [
         (read_case, "path", "the name of a file"),
         (parse_case, "case", "the text of a case file"),
         (format_case, "case", "a Case or a System"),
         (Case, "system", "a System, such as .*"),
     ]:
         with pytest.raises(ri.InvalidModel, match=f"^{name}: must be {kind}, got "):
-            refuse(given)
-    if not isinstance(given, dict):
-        with pytest.raises(
-            ri.InvalidModel, match="case: must be the tables of a case file, got "
-        ):
-            case_from(given)
-    if given is not None:
-        with pytest.raises(
-            ri.InvalidModel, match="vary: must name numbers by their paths"
-        ):
-            parse_case(HEAD + A_ROD, vary=given)
+            function(value)
+    if not isinstance(value, dict):
+        message = "case: must be the tables of a case file, got "
+        with pytest.raises(ri.InvalidModel, match=message):
+            case_from(value)
+    if value is not None:
+        message = "vary: must name numbers by their paths"
+        with pytest.raises(ri.InvalidModel, match=message):
+            parse_case(HEAD + A_ROD, vary=value)
 
 
 @pytest.mark.parametrize(
@@ -92,7 +93,7 @@ def test_what_is_no_case_at_all_is_refused(given):
         (b"PK\x03\x04\x00\xff", "not text in UTF-8|not valid TOML"),
     ],
 )
-def test_files_that_are_no_toml(tmp_path, content, said):
+def test_files_that_are_no_toml_are_refused_with_the_line(tmp_path, content, said):
     path = tmp_path / "case.toml"
     path.write_bytes(content)
     assert re.search(said, file_problem(path))
@@ -111,24 +112,30 @@ def test_written_cases_read_back_equal():
     assert parse_case(format_case(case), "") == case
 
 
-def test_written_systems_of_every_kind_read_back_equal():
+def test_random_systems_come_back_equal_from_toml_and_json():
     for seed in range(40):
         system = random_row(seed, driven=True)
-        again = parse_case(format_case(system)).system
-        assert again == system, seed
-        assert again.digest == system.digest
-        assert ri.System.from_dict(json.loads(json.dumps(system.to_dict()))) == system
-        assert system.mirrored().mirrored().ends == system.ends
+        from_toml = parse_case(format_case(system)).system
+        from_json = ri.System.from_dict(json.loads(json.dumps(system.to_dict())))
+        assert from_toml == system, seed
+        assert from_toml.digest == system.digest
+        assert from_json == system
+
+
+def test_ends_that_are_mirrored_twice_are_the_same():
+    for seed in range(40):
+        system = random_row(seed, driven=True)
+        assert system.mirrored().mirrored().ends == system.ends, seed
 
 
 @pytest.mark.parametrize("name", ["two words", "a.b", 'quote"', "Ä", "steel"])
-def test_materials_of_any_name(name):
+def test_materials_of_any_name_read_back_equal(name):
     material = ri.Material(name, youngs_modulus=0.1, density=1e100, viscosity=3)
     system = ri.System([ri.Rod(0.4, area=1e-4, material=material, velocity=-1e-7)])
     assert parse_case(format_case(system)).system == system
 
 
-def test_a_family_is_no_case():
+def test_a_family_is_no_case_and_its_member_is_one():
     system = ri.System([ri.Rod([1.0, 2.0], area=1e-4, material=STEEL)])
     with pytest.raises(ri.InvalidModel, match=r"shape \(2,\).*system\[index\]"):
         format_case(system)
@@ -136,14 +143,18 @@ def test_a_family_is_no_case():
 
 
 def test_materials_of_one_name_have_a_table_each():
-    others = [
-        ri.Material(name, youngs_modulus=1e9, density=rho)
-        for name, rho in (("steel", 1e3), ("steel 2", 2e3), ("steel", 3e3))
+    materials = [
+        STEEL,
+        ri.Material("steel", youngs_modulus=1e9, density=1e3),
+        ri.Material("steel 2", youngs_modulus=1e9, density=2e3),
+        ri.Material("steel", youngs_modulus=1e9, density=3e3),
+        STEEL,
     ]
-    system = ri.System(
-        [ROD, *(ri.Rod(1.0, area=1e-4, material=other) for other in (*others, STEEL))]
-    )
+    rods = [ri.Rod(1.0, area=1e-4, material=material) for material in materials]
+    system = ri.System(rods)
+
     text = format_case(system)
+
     assert parse_case(text).system == system
     assert text.count("[materials.") == 4
 
@@ -164,8 +175,9 @@ def test_functions_come_back_as_the_curves_that_they_became():
     )
     push = ri.Pushed(lambda t: 1e3 * np.exp(-(((t - 1e-4) / 3e-5) ** 2)), duration=2e-4)
     system = ri.System([rod], ends=[push, ri.Free()])
-    profiles = rod.segments[0].area, rod.velocity, push.value
-    assert all(profile.smooth and profile.error > 0 for profile in profiles)
+    for profile in (rod.segments[0].area, rod.velocity, push.value):
+        assert profile.smooth
+        assert profile.error > 0
     assert parse_case(format_case(system)).system == system
 
 
@@ -179,7 +191,7 @@ def test_functions_come_back_as_the_curves_that_they_became():
         ("erro = 1", "erro: unknown key"),
     ],
 )
-def test_mistakes_in_how_a_curve_runs(entry, said):
+def test_mistakes_in_the_entries_of_a_curve_are_named(entry, said):
     text = HEAD + A_ROD + f"velocity = {{samples = [1, 2], {entry}}}"
     with pytest.raises(ri.InvalidModel, match=rf"^bodies\.0\.velocity\.{said}"):
         parse_case(text)
@@ -202,11 +214,13 @@ def test_every_worked_case_is_read_and_written(path):
 
 
 def contact(k, name):
-    return lambda s: getattr(s.contacts[k], name)
+    """A function that reads an attribute of contact k of a solution."""
+    return lambda solution: getattr(solution.contacts[k], name)
 
 
 def episode(k, name):
-    return lambda s: getattr(s.contacts[k].episodes[0], name)
+    """A function that reads an attribute of the first episode of contact k."""
+    return lambda solution: getattr(solution.contacts[k].episodes[0], name)
 
 
 @pytest.mark.parametrize(

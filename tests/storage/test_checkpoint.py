@@ -5,6 +5,7 @@ import errno
 import json
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -19,61 +20,76 @@ from rodimpact.storage import checkpoint
 from rodimpact.storage.checkpoint import Checkpoint
 
 STEEL = ri.materials.steel
-MANY = 60  # rows of two: thirty chunks
+CHUNK = 4  # members of a chunk, by the fixture `small_chunks`
+ROWS = 30  # of two members: 15 chunks
+MANY_ROWS = 60  # of two members: 30 chunks
 GAUGED = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": [0.0, 1e-4, 2e-4]}
 
 
-def family(count=30, area=1e-4):
-    return ri.System(
-        [
-            ri.Rod(
-                np.linspace(0.1, 1, count)[:, None],
-                area=area,
-                material=STEEL,
-                velocity=1.0,
-            ),
-            ri.Rod(1.0, area=np.array([1e-4, 3e-4]), material=STEEL),
-        ]
-    )
+def family(rows=ROWS, area=1e-4):
+    """A family [rows, 2]: lengths of the striker by areas of the other rod."""
+    lengths = np.linspace(0.1, 1, rows)[:, None]
+    striker = ri.Rod(lengths, area=area, material=STEEL, velocity=1.0)
+    struck = ri.Rod(1.0, area=np.array([1e-4, 3e-4]), material=STEEL)
+    return ri.System([striker, struck])
 
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
     monkeypatch.setattr("rodimpact.running.chunks.JOBS_A_WORKER_TO_KEEP", 8)
-    monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
+    monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", CHUNK)
 
 
-def same(a, b):
-    return all(a.columns[k].tobytes() == b.columns[k].tobytes() for k in a.columns)
+def save_every_chunk(monkeypatch):
+    """Let a sweep write a file for each chunk, however quick it is."""
+    monkeypatch.setattr(checkpoint, "SAVE_INTERVAL", 0.0)
+    monkeypatch.setattr(checkpoint, "SAVE_TIME_RATIO", 0.0)
 
 
-def done_in(path):
-    """How many chunks of four members are on the disk."""
-    done = set()
+def same(result, other):
+    """Whether two sweeps have the same columns, bit for bit."""
+    if result.columns.keys() != other.columns.keys():
+        return False
+    for name, column in result.columns.items():
+        if column.tobytes() != other.columns[name].tobytes():
+            return False
+    return True
+
+
+def chunks_on_disk(path):
+    """How many chunks of a sweep are on the disk."""
+    numbers = set()
     for part in path.glob("members-*.npz"):
         with np.load(part) as file:
             start = json.loads(str(file["document"]))["start"]
-            done |= {*range(start // 4, (start + len(file["status"])) // 4)}
-    return len(done)
+            end = start + len(file["status"])
+            numbers.update(range(start // CHUNK, end // CHUNK))
+    return len(numbers)
 
 
 @contextlib.contextmanager
-def counted(monkeypatch):
-    """Families of the members that are run meanwhile, a chunk each."""
-    runs, work = [], chunks.run_chunk
+def recorded_runs(monkeypatch):
+    """A list to which each chunk that runs in the block adds its family."""
+    runs = []
+    run_chunk = chunks.run_chunk
+
+    def recording(chunk, *arguments):
+        runs.append(chunk.system)
+        return run_chunk(chunk, *arguments)
+
     with monkeypatch.context() as patch:
-        patch.setattr(
-            "rodimpact.running.chunks.run_chunk",
-            lambda *given: runs.append(given[0].system) or work(*given),
-        )
+        patch.setattr("rodimpact.running.chunks.run_chunk", recording)
         yield runs
 
 
-def test_what_is_on_disk_equals_what_is_in_memory(tmp_path, monkeypatch):
-    result = ri.sweep(family(), checkpoint=tmp_path / "run")
-    assert same(result, ri.sweep(family()))
-    with counted(monkeypatch) as runs:
-        assert same(ri.sweep(family(), checkpoint=tmp_path / "run"), result)
+def test_a_finished_sweep_is_read_as_it_was_run_without_running(tmp_path, monkeypatch):
+    first = ri.sweep(family(), checkpoint=tmp_path)
+    with recorded_runs(monkeypatch) as runs:
+        second = ri.sweep(family(), checkpoint=tmp_path)
+
+    in_memory = ri.sweep(family())
+    assert same(first, in_memory)
+    assert same(second, in_memory)
     assert not runs
 
 
@@ -89,38 +105,43 @@ def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, options):
         ri.sweep(
             family(), workers=1, checkpoint=tmp_path, progress=interrupt, **options
         )
-    done = done_in(tmp_path)
-    assert 0 < done < 15
-    with counted(monkeypatch) as runs:
+    done = chunks_on_disk(tmp_path)
+    with recorded_runs(monkeypatch) as runs:
         result = ri.sweep(family(), checkpoint=tmp_path, **options)
-    assert sum(math.prod(chunk.shape) for chunk in runs) == 60 - 4 * done
-    whole = ri.sweep(family(), **options)
-    assert same(result, whole)
-    assert not options or result.strain.tobytes() == whole.strain.tobytes()
+
+    members_run = sum(math.prod(chunk.shape) for chunk in runs)
+    uninterrupted = ri.sweep(family(), **options)
+    assert 0 < done < 15
+    assert members_run == 2 * ROWS - CHUNK * done
+    assert same(result, uninterrupted)
+    if options:
+        assert result.strain.tobytes() == uninterrupted.strain.tobytes()
 
 
-def test_members_that_are_done_do_not_follow_a_job(tmp_path, monkeypatch):
-    """The first chunk alone is run again: no member follows its last job."""
-    for name in ("SAVE_INTERVAL", "SAVE_TIME_RATIO"):  # a file for each chunk
-        monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)
+def test_a_job_knows_of_no_later_members_that_are_done(tmp_path, monkeypatch):
+    """Only the first chunk is run again: no later members are left for a job."""
+    save_every_chunk(monkeypatch)
     ri.sweep(family(), workers=1, checkpoint=tmp_path)
     first = min(tmp_path.glob("members-*.npz"))
     first.unlink()
-    later = []
-    work = chunks.run_chunk
+    later_members_of_jobs = []
+    run_chunk = chunks.run_chunk
 
-    def noted(chunk, should_stop, later_members):
-        later.append(later_members)
-        return work(chunk, should_stop, later_members)
+    def recording(chunk, should_stop, later_members):
+        later_members_of_jobs.append(later_members)
+        return run_chunk(chunk, should_stop, later_members)
 
-    monkeypatch.setattr(chunks, "run_chunk", noted)
+    monkeypatch.setattr(chunks, "run_chunk", recording)
     ri.sweep(family(), workers=1, checkpoint=tmp_path)
 
-    assert later[-1] == 0
+    assert later_members_of_jobs[-1] == 0
 
 
-def child(path, then):
-    """Another process that sweeps a family, with what stands in `then` as progress."""
+def start_sweep(path, progress):
+    """Another process that sweeps a family of `MANY_ROWS` as soon as it reads a line.
+
+    `progress` is the code of the function of that name, with `done` and `total`.
+    """
     code = f"""
 import sys, time
 sys.path.extend({[os.path.dirname(__file__), os.path.dirname(exhaustive.__file__)]})
@@ -128,71 +149,83 @@ import rodimpact as ri
 from rodimpact.methods.fronts import families
 from rodimpact.running import chunks
 from rodimpact.storage import checkpoint
-from test_checkpoint import MANY, family
-families.MAX_MEMBERS_PER_CALL, checkpoint.SAVE_INTERVAL, checkpoint.SAVE_TIME_RATIO = 4, 0.0, 0.0
-def progress(done, total):
-    {then}
+from test_checkpoint import CHUNK, MANY_ROWS, family
+families.MAX_MEMBERS_PER_CALL = CHUNK
 chunks.JOBS_A_WORKER_TO_KEEP = 8
+checkpoint.SAVE_INTERVAL = 0.0
+checkpoint.SAVE_TIME_RATIO = 0.0
+def progress(done, total):
+    {progress}
 print("ready", flush=True)
 sys.stdin.readline()
-ri.sweep(family(MANY), checkpoint={str(path)!r}, progress=progress)
+ri.sweep(family(MANY_ROWS), checkpoint={str(path)!r}, progress=progress)
 """
-    pipes = {
-        "stdin": subprocess.PIPE,
-        "stdout": subprocess.PIPE,
-        "stderr": subprocess.PIPE,
-    }
     process = subprocess.Popen(
-        [sys.executable, "-W", "ignore", "-c", code], text=True, **pipes
+        [sys.executable, "-W", "ignore", "-c", code],
+        text=True,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
     )
     assert process.stdout.readline() == "ready\n", process.stderr.read()
     return process
 
 
+def let_go(process):
+    """Write the line for which a process of `start_sweep` waits."""
+    process.stdin.write("\n")
+    process.stdin.flush()
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 @pytest.mark.parametrize("seed", exhaustive.few_of(range(2), [0]))
 def test_a_killed_process_goes_on_to_the_same_bytes(tmp_path, seed):
-    """Killed a few times at random, then left alone."""
-    rng, kept = np.random.default_rng(seed), tmp_path / "run"
-    done, marks = 0, []
-    while done < 90 and len(marks) < 2:
-        with child(kept, "print(done, flush=True); time.sleep(0.01)") as process:
-            process.stdin.write("\n")
-            process.stdin.flush()
-            aim = min(done + int(rng.integers(10, 60)), 90)
-            while done < aim:
+    """It is killed twice at random, or once if that was near the end."""
+    rng = np.random.default_rng(seed)
+    folder = tmp_path / "run"
+    near_end = 90  # of 120 members
+    report_slowly = "print(done, flush=True); time.sleep(0.01)"
+    done = 0
+    chunks_after_kills = []
+    while done < near_end and len(chunks_after_kills) < 2:
+        with start_sweep(folder, report_slowly) as process:
+            let_go(process)
+            end = min(done + int(rng.integers(10, 60)), near_end)
+            while done < end:
                 done = int(process.stdout.readline())
             process.send_signal(signal.SIGKILL)
-        marks.append(done_in(kept))
-    assert 0 < marks[0] < 30
-    assert marks == sorted(marks)
-    assert same(ri.sweep(family(MANY), checkpoint=kept), ri.sweep(family(MANY)))
-    assert all(
-        path.match("members-*.npz")
-        for path in kept.iterdir()
-        if not path.name.startswith(".rodimpact-")
-    )  # of a process that was killed
+        chunks_after_kills.append(chunks_on_disk(folder))
+
+    result = ri.sweep(family(MANY_ROWS), checkpoint=folder)
+
+    assert 0 < chunks_after_kills[0] < 30
+    assert chunks_after_kills == sorted(chunks_after_kills)
+    assert same(result, ri.sweep(family(MANY_ROWS)))
+    for path in folder.iterdir():
+        # A killed process may leave a temporary file, and no other.
+        assert path.match("members-*.npz") or path.match(".rodimpact-*")
 
 
 def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
-    put, calls = Checkpoint.put, []
+    put = Checkpoint.put
+    calls = []
 
-    def full(self, *arguments):
-        calls.append(1)
+    def put_until_full(self, *arguments):
+        calls.append(arguments)
         if len(calls) > 5:
             raise OSError(errno.ENOSPC, "No space left on device")
         put(self, *arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(Checkpoint, "put", full)
+        patch.setattr(Checkpoint, "put", put_until_full)
         with pytest.raises(OSError, match="No space left"):
             ri.sweep(family(), workers=1, checkpoint=tmp_path)
-    assert done_in(tmp_path) == 5
+    assert chunks_on_disk(tmp_path) == 5
     assert same(ri.sweep(family(), checkpoint=tmp_path), ri.sweep(family()))
 
 
 @pytest.mark.parametrize(
-    ("system", "change", "what"),
+    ("system", "change", "differences"),
     [
         (family(area=2e-4), {}, "system"),
         (family(31), {}, "system and shape"),
@@ -201,17 +234,23 @@ def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
         (family(), {"times": [0.0, 1e-4, 3e-4]}, "times"),
     ],
 )
-def test_another_sweep_is_refused(tmp_path, system, change, what):
+def test_a_directory_of_another_sweep_is_refused_with_the_differences(
+    tmp_path, system, change, differences
+):
     ri.sweep(family(), checkpoint=tmp_path, **GAUGED)
-    with pytest.raises(ri.FileFormatError, match=f"another {what};"):
-        ri.sweep(system, checkpoint=tmp_path, **GAUGED | change)
+    options = GAUGED | change
+
+    with pytest.raises(ri.FileFormatError, match=f"another {differences};"):
+        ri.sweep(system, checkpoint=tmp_path, **options)
 
 
-def test_a_foreign_directory_is_refused(tmp_path):
+def test_a_foreign_directory_is_refused_and_left_alone(tmp_path):
     (tmp_path / "thesis.tex").write_text("years of work")
+
     with pytest.raises(ri.FileFormatError, match=r"thesis\.tex"):
         ri.sweep(family(), checkpoint=tmp_path)
-    assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
+
+    assert os.listdir(tmp_path) == ["thesis.tex"]
 
 
 COLUMNS = [
@@ -228,12 +267,14 @@ COLUMNS = [
 ]
 
 
-def parts(path, monkeypatch):
-    """Files of a sweep, one a chunk."""
-    monkeypatch.setattr(checkpoint, "SAVE_INTERVAL", 0.0)
-    monkeypatch.setattr(checkpoint, "SAVE_TIME_RATIO", 0.0)
+def swept_into_files(path, monkeypatch):
+    """Result of a sweep with a checkpoint, and its 15 files in order, one a chunk.
+
+    From now on sweeps write a file for each chunk.
+    """
+    save_every_chunk(monkeypatch)
     result = ri.sweep(family(), workers=1, checkpoint=path)
-    assert {*result.columns} == {*COLUMNS}
+    assert set(result.columns) == set(COLUMNS)
     files = sorted(path.iterdir())
     assert len(files) == 15
     return result, files
@@ -248,44 +289,58 @@ def parts(path, monkeypatch):
         lambda data: data[:-400] + bytes([data[-400] ^ 1]) + data[-399:],
     ],
 )
-def test_a_damaged_file_is_told_and_only_its_members_run_again(
+def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
     tmp_path, monkeypatch, damage
 ):
-    result, files = parts(tmp_path, monkeypatch)
-    damaged = damage(files[4].read_bytes())
-    files[4].write_bytes(damaged)
+    result, files = swept_into_files(tmp_path, monkeypatch)
+    fifth = files[4]
+    damaged = damage(fifth.read_bytes())
+    fifth.write_bytes(damaged)
+
     with (
-        counted(monkeypatch) as runs,
-        pytest.warns(ri.DamagedChunks, match=rf"{files[4].name}: is .*run again"),
+        recorded_runs(monkeypatch) as runs,
+        pytest.warns(ri.DamagedChunks, match=rf"{fifth.name}: is .*run again"),
     ):
         again = ri.sweep(family(), checkpoint=tmp_path)
+
+    # A chunk has two rows of two members: the fifth one has the rows 8 and 9.
     lengths = [chunk.bodies[0].length for chunk in runs]
-    assert {*np.ravel(lengths)} == {*family().bodies[0].length[8:10, 0]}
+    lengths_of_fifth = family().bodies[0].length[8:10, 0]
+    assert set(np.ravel(lengths)) == set(lengths_of_fifth)
     assert same(again, result)
+    # The damaged file is put aside: perhaps somebody wants it.
     (aside,) = tmp_path.glob(".rodimpact-*")
-    assert aside.read_bytes() == damaged  # perhaps somebody wants it
-    with counted(monkeypatch) as runs:
+    assert aside.read_bytes() == damaged
+    # It is not in the way of the next sweep.
+    with recorded_runs(monkeypatch) as runs:
         ri.sweep(family(), checkpoint=tmp_path)
     assert not runs
 
 
-def test_a_file_of_another_sweep_is_refused(tmp_path, monkeypatch):
-    _, files = parts(tmp_path / "run", monkeypatch)
-    ri.sweep(family(area=2e-4), checkpoint=tmp_path / "other")
-    next((tmp_path / "other").iterdir()).replace(files[3])
+def test_a_file_of_another_sweep_among_those_of_this_one_is_refused(
+    tmp_path, monkeypatch
+):
+    save_every_chunk(monkeypatch)
+    folder = tmp_path / "run"
+    other = tmp_path / "other"
+    ri.sweep(family(), workers=1, checkpoint=folder)
+    ri.sweep(family(area=2e-4), workers=1, checkpoint=other)
+    file_of_other = sorted(other.iterdir())[3]
+    shutil.copy(file_of_other, folder / file_of_other.name)
+
     with pytest.raises(
         ri.FileFormatError, match="holds another sweep, with another system;"
     ):
-        ri.sweep(family(), checkpoint=tmp_path / "run")
+        ri.sweep(family(), checkpoint=folder)
 
 
 @pytest.mark.skipif(
     os.name != "posix" or os.geteuid() == 0, reason="needs a user with limits"
 )
 def test_a_directory_that_cannot_be_written_is_told_at_once(tmp_path, monkeypatch):
-    tmp_path.chmod(0o500)
+    tmp_path.chmod(0o500)  # read only
     with (
-        counted(monkeypatch) as runs,
+        recorded_runs(monkeypatch) as runs,
         pytest.raises(PermissionError, match="may not write"),
     ):
         ri.sweep(family(), checkpoint=tmp_path)
@@ -294,33 +349,36 @@ def test_a_directory_that_cannot_be_written_is_told_at_once(tmp_path, monkeypatc
 
 def test_two_processes_may_start_on_one_directory(tmp_path):
     """Neither harms what the other has written."""
-    children = [child(tmp_path / "run", "pass") for _ in range(2)]
-    for process in children:
-        process.stdin.write("\n")
-        process.stdin.flush()
-    assert [process.communicate()[1] for process in children] == [""] * 2
-    assert done_in(tmp_path / "run") == 30
-    assert same(
-        ri.sweep(family(MANY), checkpoint=tmp_path / "run"), ri.sweep(family(MANY))
-    )
+    folder = tmp_path / "run"
+    processes = [start_sweep(folder, "pass"), start_sweep(folder, "pass")]
+    for process in processes:
+        let_go(process)
+
+    for process in processes:
+        _, errors = process.communicate()
+        assert errors == ""
+    assert chunks_on_disk(folder) == 30
+    result = ri.sweep(family(MANY_ROWS), checkpoint=folder)
+    assert same(result, ri.sweep(family(MANY_ROWS)))
 
 
-def test_a_file_is_no_directory(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OSError, match="file"):
-        ri.sweep(family(), checkpoint=tmp_path / "file")
+def test_a_checkpoint_that_is_a_file_is_refused(tmp_path):
+    path = tmp_path / "notes"
+    path.write_text("")
+
+    with pytest.raises(OSError, match="notes"):
+        ri.sweep(family(), checkpoint=path)
 
 
 def test_a_refused_member_is_known_when_the_sweep_goes_on(tmp_path, monkeypatch):
-    lengths = np.array([0.5, 1e-13, 0.7])
-    system = ri.System(
-        [
-            ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0),
-            ri.Rod(1.0, area=1e-4, material=STEEL),
-        ]
-    )
+    lengths = np.array([0.5, 1e-13, 0.7])  # no clock counts the waves of the second
+    striker = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0)
+    struck = ri.Rod(1.0, area=1e-4, material=STEEL)
+    system = ri.System([striker, struck])
     ri.sweep(system, checkpoint=tmp_path)
-    with counted(monkeypatch) as runs:
+
+    with recorded_runs(monkeypatch) as runs:
         again = ri.sweep(system, checkpoint=tmp_path)
+
     assert not runs
     assert again.incomplete.tolist() == [False, True, False]

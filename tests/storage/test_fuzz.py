@@ -11,7 +11,7 @@ import pytest
 from exhaustive import few_of
 from fuzz.generators import SEED, TIMES
 from networks import random_network
-from storage.test_checkpoint import family
+from storage.test_checkpoint import family, save_every_chunk
 
 import rodimpact as ri
 
@@ -23,11 +23,13 @@ SEEDS = few_of(range(SEED, SEED + 4), [SEED])
 def originals(tmp_path_factory):
     """Families of several kinds, saved: a file each."""
     gauges = {"gauges": [(1, 0.5)], "times": [1e-4, 2e-4]}
-    profiles = random_network(1, driven=True)
-    grown = profiles.replace(gravity=[0.0, 0.1])
+    network = random_network(1, driven=True)
+    family_of_networks = network.replace(gravity=[0.0, 0.1])
     results = {
         "fronts": ri.sweep(family(15), until=2e-4, **gauges),
-        "profiles": ri.sweep(grown, until=0.1, rtol=1e-3, also=["accuracy"]),
+        "profiles": ri.sweep(
+            family_of_networks, until=0.1, rtol=1e-3, also=["accuracy"]
+        ),
         "single": ri.sweep(family(15)[3, 1]),
     }
     folder = tmp_path_factory.mktemp("saved")
@@ -41,11 +43,12 @@ def spoil(rng, data):
     make.
     """
     data = bytearray(data)
-    kind, size = rng.integers(6), len(data)
+    kind = rng.integers(6)
+    size = len(data)
     start, stop = sorted(rng.integers(size + 1, size=2).tolist())
     if kind == 0:
-        for place in rng.integers(size, size=rng.integers(1, 4)):
-            data[place] ^= 1 << rng.integers(8)
+        for index in rng.integers(size, size=rng.integers(1, 4)):
+            data[index] ^= 1 << rng.integers(8)
     elif kind == 1:
         del data[start:]
     elif kind == 2:
@@ -62,16 +65,20 @@ def spoil(rng, data):
 def alter(rng, array):
     """The array with another type, shape or number."""
     kind = rng.integers(6)
+    flat = array.ravel()
     if kind == 0:
         return array.astype(rng.choice(["f4", "i2", "c16", "U8", ">f8", "M8[s]", "?"]))
-    if kind == 1:
-        return array.ravel() if array.ndim > 1 else array[None]
+    if kind == 1 and array.ndim > 1:
+        return flat
+    if kind == 1 or (kind == 2 and array.ndim == 0):
+        return array[None]
     if kind == 2:
-        return array[: rng.integers(array.shape[0] + 1)] if array.ndim else array[None]
+        length = rng.integers(array.shape[0] + 1)
+        return array[:length]
     if kind == 3:
-        return np.concatenate((array.ravel(), array.ravel()[:1]))
+        return np.concatenate((flat, flat[:1]))
     if kind == 4:
-        return array.ravel()[::-1].reshape(array.shape)
+        return flat[::-1].reshape(array.shape)
     array = array.copy()
     if array.size:
         array.flat[rng.integers(array.size)] += 1
@@ -83,7 +90,8 @@ def spoil_contents(rng, path):
     with np.load(path) as archive:
         arrays = dict(archive)
     names = sorted(arrays.keys() - {"document"})
-    kind, (one, other) = rng.integers(5), rng.choice(names, 2)
+    kind = rng.integers(5)
+    one, other = rng.choice(names, 2)
     if kind == 0:
         arrays[one], arrays[other] = arrays[other], arrays[one]
     elif kind == 1:
@@ -101,7 +109,7 @@ def spoil_contents(rng, path):
     np.savez_compressed(path, **arrays)
 
 
-@pytest.mark.filterwarnings("ignore")  # numpy's, of types that lose digits
+@pytest.mark.filterwarnings("ignore")  # NumPy warns of types that lose digits
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, seed):
     rng = np.random.default_rng(seed)
@@ -123,7 +131,8 @@ def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, see
             loaded.save(again, force=True)
             assert again.read_bytes() == original.read_bytes()
     assert len(refusals) > DAMAGES / 2
-    assert all(message.startswith(str(path)) for message in refusals)
+    for message in refusals:
+        assert message.startswith(str(path))
 
 
 def exchange(first, second):
@@ -163,9 +172,9 @@ def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
     tmp_path, monkeypatch, seed
 ):
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
+    # Waiting for the disk would take most of the time.
     monkeypatch.setattr("rodimpact.storage.writing.os.fsync", lambda file: None)
-    for name in ("SAVE_INTERVAL", "SAVE_TIME_RATIO"):  # a file a chunk
-        monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)
+    save_every_chunk(monkeypatch)
     rng = np.random.default_rng(seed)
     whole = tmp_path / "whole"
     folder = tmp_path / "damaged"
@@ -190,4 +199,5 @@ def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
         shutil.rmtree(folder)
     assert refusals
     assert gone_on
-    assert all(message.startswith(str(folder)) for message in refusals)
+    for message in refusals:
+        assert message.startswith(str(folder))

@@ -17,6 +17,7 @@ STEEL = ri.materials.steel
 
 @pytest.fixture
 def saved(tmp_path):
+    """Path of a saved family of two members."""
     path = tmp_path / "map.npz"
     rod = ri.Rod([0.4, 0.5], area=1e-4, material=STEEL, velocity=1.0)
     ri.sweep(ri.System([rod, ri.Wall()])).save(path)
@@ -24,84 +25,96 @@ def saved(tmp_path):
 
 
 def contents(path):
+    """The document of a saved file, a dict, and its arrays by name."""
     with np.load(path) as archive:
         arrays = dict(archive)
-    return json.loads(str(arrays.pop("document"))), arrays
+    document = json.loads(str(arrays.pop("document")))
+    return document, arrays
 
 
-def put(path, document, arrays):
+def write_contents(path, document, arrays):
     np.savez_compressed(path, document=np.array(json.dumps(document)), **arrays)
 
 
-def swollen(path):
-    """A column of zeros a thousand times as long."""
+ZEROS = np.zeros(1 << 22)  # 34 MB
+
+
+def write_long_column(path):
+    """Replace a column of two numbers by one of millions."""
     document, arrays = contents(path)
-    put(path, document, arrays | {"f8": np.zeros(1 << 22)})
+    arrays["f8"] = ZEROS
+    write_contents(path, document, arrays)
+
+
+def write_foreign_array(path):
+    """Write an array that no result has."""
+    np.savez_compressed(path, x=ZEROS)
 
 
 MEGABYTES = 257  # of a document: more than is read
 
 
-def long_document(path):
+def write_long_document(path):
+    """Write a document of zeros, a text whose characters take four bytes."""
+    characters = MEGABYTES << 18
+    header = {"descr": f"<U{characters}", "fortran_order": False, "shape": ()}
     with (
         zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
         archive.open("document.npy", "w", force_zip64=True) as file,
     ):
-        np.lib.format.write_array_header_1_0(
-            file, {"descr": f"<U{MEGABYTES << 18}", "fortran_order": False, "shape": ()}
-        )
+        np.lib.format.write_array_header_1_0(file, header)
         for _ in range(MEGABYTES):
             file.write(bytes(1 << 20))
 
 
 @pytest.mark.parametrize(
-    "bomb",
-    [
-        swollen,
-        long_document,
-        lambda path: np.savez_compressed(path, x=np.zeros(1 << 22)),
-    ],
+    "write_bomb", [write_long_column, write_long_document, write_foreign_array]
 )
-def test_a_small_file_takes_little_memory(saved, bomb):
-    """Over thirty megabytes of zeros, packed into less than one."""
-    bomb(saved)
+def test_a_small_file_of_many_zeros_is_refused_before_it_takes_memory(
+    saved, write_bomb
+):
+    """Over thirty megabytes of zeros are packed into less than one."""
+    write_bomb(saved)
     assert saved.stat().st_size < 1e6
     tracemalloc.start()
     try:
         with pytest.raises(ri.FileFormatError):
             ri.load(saved)
-        assert tracemalloc.get_traced_memory()[1] < 1e7
+        _, peak = tracemalloc.get_traced_memory()
+        assert peak < 1e7  # bytes
     finally:
         tracemalloc.stop()
 
 
-def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(
+def test_a_file_is_refused_with_a_figure_only_if_it_takes_half_of_the_memory(
     saved, monkeypatch
 ):
-    """A document of brackets alone takes 24 bytes a character."""
     document, arrays = contents(saved)
     arrays["f8"] = np.resize(arrays["f8"], 10**6)
     document["arrays"]["f8"] = described(arrays["f8"])
-    put(saved, document, arrays)
-    sizes = (
-        24 * len(json.dumps(document)),
-        sum(array.nbytes for array in arrays.values()),
-    )
-    for size in sizes:
+    write_contents(saved, document, arrays)
+    # A document of brackets alone takes 24 bytes a character.
+    size_of_document = 24 * len(json.dumps(document))
+    size_of_arrays = sum(array.nbytes for array in arrays.values())
+    message = r"map\.npz: takes up to .* GB of memory, more than"
+
+    for size in (size_of_document, size_of_arrays):
         monkeypatch.setattr(memory, "installed", lambda size=size: 2.0 * size - 1)
-        with pytest.raises(
-            MemoryError, match=r"map\.npz: takes up to .* GB of memory, more than"
-        ):
+        with pytest.raises(MemoryError, match=message):
             ri.load(saved)
-    monkeypatch.setattr(memory, "installed", lambda: 2.0 * max(sizes))
+    enough = 2.0 * max(size_of_document, size_of_arrays)
+    monkeypatch.setattr(memory, "installed", lambda: enough)
     ri.load(saved)
 
 
-def test_a_sentence_does_not_repeat_the_file(saved):
-    _, arrays = contents(saved)
-    put(saved, {**contents(saved)[0], "content": {"class": "x" * 20_000}}, arrays)
+def test_a_message_does_not_repeat_the_file(saved):
+    document, arrays = contents(saved)
+    document["content"] = {"class": "x" * 20_000}
+    write_contents(saved, document, arrays)
+
     with pytest.raises(ri.FileFormatError) as refused:
         ri.load(saved)
+
     assert len(str(refused.value)) < 1000
 
 
@@ -116,10 +129,11 @@ def test_a_sentence_does_not_repeat_the_file(saved):
         ),
     ],
 )
-def test_a_document_that_says_something_else_is_refused(saved, change):
+def test_a_document_that_does_not_fit_the_arrays_is_refused(saved, change):
     document, arrays = contents(saved)
     change(document, arrays)
-    put(saved, document, arrays)
+    write_contents(saved, document, arrays)
+
     with pytest.raises(ri.FileFormatError, match=r"map\.npz: "):
         ri.load(saved)
 
@@ -137,11 +151,12 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
     with pytest.raises(OSError, match=f"it is not a regular file: .*{name}'"):
         ri.load(path)
     if name != "pipe":
+        # The sweep finds the pipe among its files, too.
         with pytest.raises(OSError, match=f"it is not a regular file: .*{name}'"):
             ri.sweep(family, checkpoint=tmp_path / "sweep")
 
 
-def test_a_name_with_nul(tmp_path):
+def test_a_name_with_a_zero_byte_is_refused(tmp_path):
     with pytest.raises(
         ri.InvalidModel, match=r"must be the name of a file, got .*a\\x00b"
     ):

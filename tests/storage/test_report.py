@@ -16,71 +16,68 @@ def unequal():
 
 
 def cells(text, start):
-    """Cells of the first line that begins with `start`, after its name."""
+    """Cells after `start` of the first line that begins with it, without blanks."""
     line = next(line for line in text.splitlines() if line.startswith(start))
-    return [cell for cell in line[len(start) :].split("  ") if cell.strip()]
+    texts = line.removeprefix(start).split("  ")  # one blank is within a cell
+    return [text.strip() for text in texts if text.strip()]
 
 
 def outcome_of(solution):
+    """The outcome in the JSON of a solution, a dict."""
     return json.loads(report.solution_json(solution))["outcome"]
 
 
-def test_table_says_who_does_what_with_units(unequal):
+def test_a_table_has_masses_velocities_contacts_and_energies_with_units(unequal):
     text = str(unequal.outcome)
-    assert [c.strip() for c in cells(text, "rod 1 ")] == [
-        "0.314 kg",
-        "1 m/s",
-        "0 m/s",
-        "0 J",
-    ]
-    assert [c.strip() for c in cells(text, "rod 2 ")] == [
-        "0.785 kg",
-        "0 m/s",
-        "0.4 m/s",
-        "94.2 mJ",
-    ]
-    assert [c.strip() for c in cells(text, "1-2")] == [
-        "314 mN s",
-        "1.98116 kN",
-        "158.493 us",
-        "1",
-    ]
-    assert cells(text, "coefficient of restitution e")[0].strip() == "0.4"
-    assert [c.strip() for c in cells(text, "moving as a whole")] == [
-        "157 mJ",
-        "62.8 mJ",
-    ]
+    # mass, velocity before and after, vibration energy
+    assert cells(text, "rod 1 ") == ["0.314 kg", "1 m/s", "0 m/s", "0 J"]
+    assert cells(text, "rod 2 ") == ["0.785 kg", "0 m/s", "0.4 m/s", "94.2 mJ"]
+    # impulse, peak force, force duration, number of episodes
+    assert cells(text, "1-2") == ["314 mN s", "1.98116 kN", "158.493 us", "1"]
+    assert cells(text, "coefficient of restitution e")[0] == "0.4"
+    # before and after
+    assert cells(text, "moving as a whole") == ["157 mJ", "62.8 mJ"]
     assert text.endswith(unequal.status)
 
 
-def test_columns_are_aligned(unequal):
-    body = str(unequal.outcome).split("\n\n")[0].splitlines()
-    assert len({len(line) for line in body}) == 1
-    assert all(line == line.rstrip() for line in str(unequal).splitlines())
+def test_columns_are_aligned_and_no_line_ends_with_blanks(unequal):
+    table_of_bodies = str(unequal.outcome).split("\n\n")[0].splitlines()
+    assert len({len(line) for line in table_of_bodies}) == 1
+    for line in str(unequal).splitlines():
+        assert line == line.rstrip()
 
 
 def test_round_off_prints_as_zero_but_json_keeps_it():
     solution = ri.solve(ri.System([rod(0.45, 1.0), rod(1.0)]))
     outcome = solution.outcome
-    left, residue = outcome.velocities_after[0], outcome.vibration_after[0]
-    assert 0 < abs(left) < 1e-14
-    assert 0 < residue < 1e-28
-    assert [c.strip() for c in cells(str(outcome), "rod 1 ")][-2:] == ["0 m/s", "0 J"]
-    body = outcome_of(solution)["bodies"][0]
-    assert body["velocity_after"] == left
-    assert body["vibration_after"] == residue
+    velocity = outcome.velocities_after[0]
+    vibration = outcome.vibration_after[0]
+    assert 0 < abs(velocity) < 1e-14
+    assert 0 < vibration < 1e-28
+
+    *_, velocity_text, vibration_text = cells(str(outcome), "rod 1 ")
+    in_json = outcome_of(solution)["bodies"][0]
+
+    assert velocity_text == "0 m/s"
+    assert vibration_text == "0 J"
+    assert in_json["velocity_after"] == velocity
+    assert in_json["vibration_after"] == vibration
 
 
 def test_small_but_real_numbers_are_not_taken_for_round_off():
-    outcome = ri.collide(rod(1e-5, 1.0), rod(1.0))
-    assert cells(str(outcome), "rod 2 ")[-2].strip() == "1e-05 m/s"
-    slow = ri.collide(rod(0.4, 1e-9), rod(1.0))
-    assert [c.strip() for c in cells(str(slow), "rod 2 ")][-2] == "4e-10 m/s"
+    short_striker = ri.collide(rod(1e-5, 1.0), rod(1.0))
+    slow_striker = ri.collide(rod(0.4, 1e-9), rod(1.0))
+
+    *_, velocity_after_short, _ = cells(str(short_striker), "rod 2 ")
+    *_, velocity_after_slow, _ = cells(str(slow_striker), "rod 2 ")
+
+    assert velocity_after_short == "1e-05 m/s"
+    assert velocity_after_slow == "4e-10 m/s"
 
 
 def test_differences_show_beside_a_large_common_velocity():
     text = str(ri.collide(rod(0.4, 10_000.001), rod(1.0, 10_000.0)))
-    assert [c.strip() for c in cells(text, "rod 2 ")] == [
+    assert cells(text, "rod 2 ") == [
         "0.785 kg",
         "10000 m/s",
         "10000.0004 m/s",
@@ -92,14 +89,14 @@ def test_undefined_restitution_is_a_dash_with_its_reason():
     solution = ri.solve(ri.System([rod(0.4, -1.0), rod(1.0)]))
     outcome = solution.outcome
     text = str(outcome)
-    assert cells(text, "coefficient of restitution e")[0].strip() == "-"
+    assert cells(text, "coefficient of restitution e")[0] == "-"
     assert "nothing collided; the bodies move apart" in text.splitlines()[-2]
-    data = outcome_of(solution)
-    assert data["restitution"] is None
-    assert data["restitution_undefined"] == outcome.why_no_restitution()
+    in_json = outcome_of(solution)
+    assert in_json["restitution"] is None
+    assert in_json["restitution_undefined"] == outcome.why_no_restitution()
 
 
-def test_a_run_that_is_not_over_says_so_once_and_calls_its_numbers_by_name():
+def test_a_run_that_is_not_over_says_so_once_and_has_velocities_at_the_end():
     solution = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]), until=1e-4)
     text = str(solution)
     assert "velocity at the end" in text
@@ -108,7 +105,7 @@ def test_a_run_that_is_not_over_says_so_once_and_calls_its_numbers_by_name():
     assert json.loads(report.solution_json(solution))["t_final"] is None
 
 
-def test_walls_have_no_mass_and_bonds_no_episodes():
+def test_walls_have_no_mass_and_bonds_no_episodes_and_no_peak_force():
     system = ri.System(
         [ri.Wall(), rod(0.4), rod(0.3, -1.0), ri.Wall(-0.5)],
         gaps=[0, 1e-5, 1e-4],
@@ -116,40 +113,44 @@ def test_walls_have_no_mass_and_bonds_no_episodes():
     )
     solution = ri.solve(system, until=1e-3)
     text = str(solution)
-    assert [c.strip() for c in cells(text, "wall ")] == ["-", "0 m/s", "0 m/s", "-"]
-    episodes = cells(text, "wall-1 joined")[-1]
-    assert episodes.strip() == "-"
+    assert cells(text, "wall ") == ["-", "0 m/s", "0 m/s", "-"]
+    *_, episodes = cells(text, "wall-1 joined")
+    assert episodes == "-"
     assert "work of moving walls" in text
-    data = outcome_of(solution)
-    assert data["bodies"][0]["mass"] is None
-    assert [c["bonded"] for c in data["contacts"]] == [True, False, False]
-    assert data["contacts"][0]["peak_force"] is None
-    assert data["contacts"][1]["episodes"] == solution.outcome.contacts[1].episodes
+    in_json = outcome_of(solution)
+    bond, contact, _ = in_json["contacts"]
+    assert in_json["bodies"][0]["mass"] is None
+    assert [link["bonded"] for link in in_json["contacts"]] == [True, False, False]
+    assert bond["peak_force"] is None
+    assert contact["episodes"] == solution.outcome.contacts[1].episodes
 
 
 def test_solution_table_tells_when_contacts_press_and_open(unequal):
-    rows = [
-        line.split() for line in str(unequal).splitlines() if line.startswith("1-2")
-    ]
-    assert rows[1] == ["1-2", "0", "s", "158.493", "us", "396.232", "us"]
+    lines = [line for line in str(unequal).splitlines() if line.startswith("1-2")]
+    _, episode = lines  # the first line is that of the outcome
+    assert cells(episode, "1-2") == ["0 s", "158.493 us", "396.232 us"]
 
 
 def test_a_long_list_of_episodes_is_cut_and_counted():
+    # The pulse passes each of the 20 contacts of equal rods once.
     cradle = ri.solve(ri.System([rod(0.1, 1.0), *[rod(0.1)] * 20]))
     assert sum(len(contact.episodes) for contact in cradle.contacts) == 20
     assert f"... and {20 - report.MAX_LISTED_EPISODES} more" in str(cradle)
 
 
-def test_json_is_complete_and_exact(unequal):
+def test_json_has_system_outcome_and_episodes_without_loss(unequal):
+    # `parse_constant` is called for numbers that are not finite.
     data = json.loads(report.solution_json(unequal), parse_constant=pytest.fail)
+    episode = data["episodes"][0][0]
     assert data["schema_version"] == 1
     assert data["outcome"]["restitution"] == unequal.outcome.restitution
-    assert data["episodes"][0][0]["opening"] == unequal.contacts[0].episodes[0].opening
+    assert episode["opening"] == unequal.contacts[0].episodes[0].opening
     assert ri.System.from_dict(data["system"]) == unequal.system
-    assert data["outcome"]["final"] is data["final"] is True
+    assert data["final"] is True
+    assert data["outcome"]["final"] is True
 
 
-def test_html_is_escaped(unequal):
+def test_html_is_escaped_and_micro_is_written_as_a_sign(unequal):
     assert tables.as_html("a < b & c").endswith(">a &lt; b &amp; c</pre>")
     assert ">385 µs  2.5 µJ/m  us</pre>" in tables.as_html("385 us  2.5 uJ/m  us")
     assert '">body' in unequal.outcome._repr_html_()
@@ -164,5 +165,5 @@ def test_html_is_escaped(unequal):
         (math.nan, math.inf, "-"),
     ],
 )
-def test_an_energy_that_overflows_is_not_0(value, scale, text):
+def test_an_energy_is_0_only_beside_a_finite_scale(value, scale, text):
     assert tables.joules(value, scale) == text

@@ -18,7 +18,7 @@ from rodimpact.storage.writing import check_target, open_for_writing, write_byte
 
 @pytest.fixture(params=["links", "no links"])
 def file_system(request, monkeypatch):
-    """With hard links, and without, as some have it."""
+    """A file system with hard links, and one without them, as some are."""
 
     def link(*_):
         raise OSError(errno.EPERM, "Operation not permitted")
@@ -43,21 +43,25 @@ def test_a_file_that_appears_meanwhile_is_kept(tmp_path, file_system):
 
 def test_a_file_that_appears_meanwhile_is_replaced_with_force(tmp_path):
     target = tmp_path / "a"
+
     with open_for_writing(target, force=True) as file:
         file.write(b"mine")
         target.write_bytes(b"another's")
+
     assert target.read_bytes() == b"mine"
     assert os.listdir(tmp_path) == ["a"]
 
 
 def test_of_many_writers_one_writes(tmp_path, file_system):
     """Each has seen that there is no file before any of them makes it."""
-    together, written_by = threading.Barrier(8), []
+    target = tmp_path / "a"
+    all_have_begun = threading.Barrier(8)
+    written_by = []
 
     def write(number):
         try:
-            with open_for_writing(tmp_path / "a") as file:
-                together.wait()
+            with open_for_writing(target) as file:
+                all_have_begun.wait()
                 file.write(bytes([number]) * 1000)
             written_by.append(number)
         except FileExistsError:
@@ -69,7 +73,7 @@ def test_of_many_writers_one_writes(tmp_path, file_system):
     for thread in threads:
         thread.join()
     assert len(written_by) == 1
-    assert (tmp_path / "a").read_bytes() == bytes(written_by) * 1000
+    assert target.read_bytes() == bytes(written_by) * 1000
     assert os.listdir(tmp_path) == ["a"]
 
 
@@ -85,7 +89,9 @@ with open_for_writing("a") as file:
 
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGINT"])
 @pytest.mark.usefixtures("children_hear_signals")
-def test_what_is_half_written_never_bears_the_name_of_the_file(tmp_path, name):
+def test_a_half_written_file_never_bears_the_name_and_an_interrupt_removes_it(
+    tmp_path, name
+):
     if not hasattr(signal, name):
         pytest.skip(f"no {name} here")
     with subprocess.Popen(
@@ -102,14 +108,19 @@ def test_what_is_half_written_never_bears_the_name_of_the_file(tmp_path, name):
         process.send_signal(number)
         assert process.wait(10) == -number
     assert half != "a"
-    # an interrupt clears up; a process that is ended at once cannot
-    assert os.listdir(tmp_path) == ([] if name == "SIGINT" else [half])
+    if name == "SIGINT":
+        assert os.listdir(tmp_path) == []
+    else:
+        # A process that is ended at once cannot clear up.
+        assert os.listdir(tmp_path) == [half]
 
 
 def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatch):
-    if os.access(tmp_path, os.W_OK) and os.name == "posix" and os.geteuid():
+    is_user = os.name == "posix" and os.geteuid() != 0
+    if is_user:
         tmp_path.chmod(0o500)
-    else:  # an administrator may write anywhere
+    else:
+        # An administrator may write anywhere.
         monkeypatch.setattr(writing.os, "access", lambda path, mode: not mode & os.W_OK)
     try:
         with pytest.raises(
@@ -120,7 +131,7 @@ def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatc
         tmp_path.chmod(0o700)
 
 
-def test_names_that_no_file_can_have(tmp_path):
+def test_names_that_no_file_can_have_are_refused(tmp_path):
     with pytest.raises(OSError, match="File name too long"):
         check_target(tmp_path / ("n" * 300))
     with pytest.raises(ri.InvalidModel, match="must be the name of a file"):
