@@ -6,8 +6,8 @@ from rodimpact.explorer.solved import scene_of
 
 
 def shown(system, **solve):
-    """The solution, and the scene as the page makes it."""
+    """The solution of a system, and the scene, a dict, as the page makes it."""
     case = with_gauges(ri.Case(system, solve))
-    sent = tables_of(case)
-    scene = scene_of(sent["case"], sent["gauges"], LIBRARY)
+    design = tables_of(case)
+    scene = scene_of(design["case"], design["gauges"], LIBRARY)
     return ri.solve(system, **solve), scene

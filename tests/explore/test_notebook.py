@@ -33,11 +33,13 @@ def test_with_the_extra_a_notebook_shows_a_widget(explorer):
     assert explorer._repr_html_().startswith("<iframe")  # the form where no kernel runs
 
 
-def test_the_system_is_what_the_sliders_say(explorer):
-    assert explorer.system == PAIR
+def test_the_system_is_that_of_the_case_that_the_page_sends_or_the_first_one(explorer):
     changed = PAIR.replace(bodies=[rod(0.7, 2.0), rod(1.0)], contacts=[ri.Hertz(2e10)])
-    explorer._widget.case = ri.format_case(changed)  # text that the page sends
+    assert explorer.system == PAIR
+
+    explorer._widget.case = ri.format_case(changed)
     assert explorer.system == changed
-    assert ri.solve(explorer.system).outcome == ri.solve(changed).outcome
-    explorer._widget.case = ""  # undone
+
+    # The page sends an empty text when all changes are undone.
+    explorer._widget.case = ""
     assert explorer.system is PAIR
