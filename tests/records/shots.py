@@ -113,15 +113,23 @@ def calibration_shot():
     return CalibrationShot(solved(row, until=1.4e-3, cells=900))
 
 
+def trapezoid(duration, rise):
+    """Levels from 0 to 1 at whole microseconds, of a pulse whose half height lasts
+    `duration`, s.
+    """
+    times = np.arange(0, duration + 2 * rise, 1e-6)
+    up = np.clip(times / rise, 0, 1)
+    down = np.clip((duration + rise - times) / rise, 0, 1)
+    return np.minimum(up, down)
+
+
 @keep_last
 def pressure_bar_shot(
     duration=150e-6, rise=30e-6, length=1.5, until=7e-4, material=POLYMER, cells=900
 ):
     """A trapezoidal pulse runs through the input bar to the specimen."""
-    times = np.arange(0, duration + 2 * rise, 1e-6)
-    up = np.clip(times / rise, 0, 1)
-    down = np.clip((duration + rise - times) / rise, 0, 1)
-    wave = ri.Samples([*(-PULSE_STRAIN * np.minimum(up, down)), 0.0], step=1e-6)
+    level = trapezoid(duration, rise)
+    wave = ri.Samples([*(-PULSE_STRAIN * level), 0.0], step=1e-6)
     row = ri.System(
         [rod(length), specimen_rod(material), rod(length)],
         contacts=[ri.Rigid(), ri.Rigid()],
@@ -160,7 +168,7 @@ class LawShot(NamedTuple):
         """Nominal compressive strain of the specimen."""
         times = np.maximum(times, 0.0)
         striker = self.solution.system.bodies[0]
-        x = getattr(striker, "length", 0.0)
+        x = getattr(striker, "length", 0.0)  # a rigid mass has none
         approach = self.solution.displacement(0, x, times)
         approach = approach - self.solution.displacement(1, 0.0, times)
         return approach / self.specimen.length
@@ -197,11 +205,9 @@ SLOW_STRAIN = 3.0 / (2 * STEEL.wave_speed)
 @keep_last
 def smooth_shot(duration, until, rise=80e-6):
     """A pulse with smooth corners runs through a thin input bar to the specimen."""
-    times = np.arange(0, duration + 2 * rise, 1e-6)
-    up = np.clip(times / rise, 0, 1)
-    down = np.clip((duration + rise - times) / rise, 0, 1)
-    level = np.minimum(up, down)
-    wave = ri.Samples([*(-PULSE_STRAIN * level**2 * (3 - 2 * level)), 0.0], step=1e-6)
+    level = trapezoid(duration, rise)
+    smooth_level = level**2 * (3 - 2 * level)
+    wave = ri.Samples([*(-PULSE_STRAIN * smooth_level), 0.0], step=1e-6)
     bodies = [
         rod(1.5, THIN_DIAMETER),
         rod(THIN_SPECIMEN.length, THIN_SPECIMEN.diameter, POLYMER),

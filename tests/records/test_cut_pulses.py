@@ -10,8 +10,8 @@ from records.shots import BAR, SPECIMEN
 
 import rodimpact as ri
 
-DISTANCE = 0.75
-TRAVEL = DISTANCE / shots.STEEL.wave_speed
+DISTANCE = 0.75  # m, from a gauge to the specimen
+TRAVEL = DISTANCE / shots.STEEL.wave_speed  # s
 
 
 @pytest.fixture(scope="module")
@@ -24,18 +24,24 @@ def cut(gauge, start, end):
 
 
 def cut_pulses(shot, rest=30e-6, seed=0):
-    """Incident, reflected and transmitted pulse with some rest before each."""
-    first = shot.gauge(0, DISTANCE, seed=2 * seed)
-    second = shot.gauge(2, DISTANCE, seed=2 * seed + 1)
+    """Gauges of incident, reflected and transmitted pulse, with some rest before each.
+
+    Both bars are twice as long as `DISTANCE`: the pulse passes the first gauge after
+    one `TRAVEL`, and comes back to it, and to the second gauge, after three.
+    """
+    on_input = shot.gauge(0, DISTANCE, seed=2 * seed)
+    on_output = shot.gauge(2, DISTANCE, seed=2 * seed + 1)
     return (
-        cut(first, TRAVEL - rest, TRAVEL + 215e-6),
-        cut(first, 3 * TRAVEL - rest, 3 * TRAVEL + 230e-6),
-        cut(second, 3 * TRAVEL - rest, 3 * TRAVEL + 230e-6),
+        cut(on_input, TRAVEL - rest, TRAVEL + 215e-6),
+        cut(on_input, 3 * TRAVEL - rest, 3 * TRAVEL + 230e-6),
+        cut(on_output, 3 * TRAVEL - rest, 3 * TRAVEL + 230e-6),
     )
 
 
 def errors_over_time(shot, result):
-    """Relative errors of stress and strain above 1 % of strain, while loading."""
+    """Root mean square relative error of the stress, and largest error of the strain
+    over its largest value, above 1 % of strain while loading.
+    """
     strain = shot.strain(result.times)
     stress = shot.stress(result.times)
     loading = np.arange(len(strain)) <= strain.argmax()
@@ -57,7 +63,7 @@ def stress_error_at_strain(shot, result):
 
 
 @pytest.mark.parametrize("rest", few_of([30e-6, 1e-6], [1e-6]))
-def test_cut_pulses_with_the_times_of_the_records(shot, rest):
+def test_cut_pulses_with_the_times_of_the_records_give_stress_and_strain(shot, rest):
     pulses = ri.CutPulses(*cut_pulses(shot, rest))
     result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
     stress_error, strain_error = errors_over_time(shot, result)
@@ -66,7 +72,7 @@ def test_cut_pulses_with_the_times_of_the_records(shot, rest):
     assert result.doubts == ()
 
 
-def test_the_band_of_cut_pulses_covers_the_truth(shot):
+def test_the_band_of_cut_pulses_covers_90_percent_of_the_stress(shot):
     covered = []
     for seed in range(8):
         pulses = ri.CutPulses(*cut_pulses(shot, seed=seed))
@@ -78,36 +84,38 @@ def test_the_band_of_cut_pulses_covers_the_truth(shot):
     assert np.mean(covered) > 0.9
 
 
-def test_cut_pulses_with_times_of_their_own(shot):
+def test_cut_pulses_with_times_of_their_own_give_the_stress_if_that_is_said(shot):
     """They begin together; the modulus of the specimen aligns them better."""
-    own = []
+    gauges = []
     for gauge, offset in zip(cut_pulses(shot), (0.0, 3e-6, -7e-6), strict=True):
         start = gauge.signal.start + offset
-        own.append(gauge.replace(signal=gauge.signal.shifted(-start)))
-    pulses = ri.CutPulses(*own, clock="own")
+        gauges.append(gauge.replace(signal=gauge.signal.shifted(-start)))
+    pulses = ri.CutPulses(*gauges, clock="own")
     elastic = SPECIMEN.replace(youngs_modulus=6e9)
+
     result = ri.reduce(pulses=pulses, bars=BAR, specimen=elastic, align_within=10e-6)
+
     assert result.doubts == ()
     assert stress_error_at_strain(shot, result) < 0.01
     with pytest.raises(ri.InvalidModel, match='clock="own"'):
-        ri.reduce(pulses=ri.CutPulses(*own), bars=BAR, specimen=SPECIMEN)
+        ri.reduce(pulses=ri.CutPulses(*gauges), bars=BAR, specimen=SPECIMEN)
 
 
 def test_gauges_with_a_gain_and_opposite_sides_are_cut_too(shot):
     incident, reflected, transmitted = cut_pulses(shot)
-    plain = ri.CutPulses(incident, reflected, transmitted)
-    other = transmitted.replace(
+    # The same strain, with bending of a tenth
+    in_volts = transmitted.replace(
         signal=1.1 * transmitted.signal / 5,
         opposite=0.9 * transmitted.signal / 5,
         gain=5.0,
     )
-    reductions = [
-        ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
-        for pulses in (plain, ri.CutPulses(incident, reflected, other))
-    ]
-    assert reductions[1].stress == pytest.approx(
-        reductions[0].stress, rel=1e-9, abs=1.0
-    )
+    pulses = ri.CutPulses(incident, reflected, transmitted)
+    pulses_in_volts = ri.CutPulses(incident, reflected, in_volts)
+
+    result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
+    by_volts = ri.reduce(pulses=pulses_in_volts, bars=BAR, specimen=SPECIMEN)
+
+    assert by_volts.stress == pytest.approx(result.stress, rel=1e-9, abs=1.0)
 
 
 def test_mistakes_of_cut_pulses_are_named(shot):
@@ -130,17 +138,21 @@ def test_mistakes_of_cut_pulses_are_named(shot):
         )
 
 
-def test_a_record_that_begins_after_its_wave_left_the_specimen(shot):
+def test_a_record_that_begins_after_its_wave_left_the_specimen_gives_the_same_stress(
+    shot,
+):
     """A recorder of its own for the output bar begins 30 us before the pulse is
     there.
     """
-    first = shot.gauge(0, DISTANCE)
-    second = shot.gauge(2, DISTANCE, seed=1)
-    whole = ri.reduce(first, second, BAR, SPECIMEN)
-    late = cut(second, 3 * TRAVEL - 30e-6, 7e-4)
-    result = ri.reduce(first, late, BAR, SPECIMEN)
-    top = whole.stress.max()
-    assert np.abs(result.stress - whole.stress).max() < 0.01 * top
+    on_input = shot.gauge(0, DISTANCE)
+    on_output = shot.gauge(2, DISTANCE, seed=1)
+    late = cut(on_output, 3 * TRAVEL - 30e-6, 7e-4)
+
+    by_whole = ri.reduce(on_input, on_output, BAR, SPECIMEN)
+    by_late = ri.reduce(on_input, late, BAR, SPECIMEN)
+
+    difference = np.abs(by_late.stress - by_whole.stress)
+    assert difference.max() < 0.01 * by_whole.stress.max()
 
 
 def ramp_record(rest, rise, end):
@@ -157,22 +169,35 @@ def test_as_much_rest_as_the_rise_is_enough():
     record = ramp_record(400e-6, 400e-6, end=5e-3)
     metal = ri.Material("metal", youngs_modulus=2e11, density=8e3)
     bar = ri.Rod(8.0, area=1e-4, material=metal)
-    gauges = (ri.BarGauge(record, 3.9), ri.BarGauge(record.shifted(1.56e-3), 3.9))
-    result = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=1e-4))
+    travel = 2 * 3.9 / 5000.0  # s, from one gauge to the other
+    on_input = ri.BarGauge(record, 3.9)
+    on_output = ri.BarGauge(record.shifted(travel), 3.9)
+
+    result = ri.reduce(on_input, on_output, bar, ri.Specimen(5e-3, area=1e-4))
+
+    # The specimen transmits all of 1e-3 of strain, with the modulus of the bar.
     assert result.stress.max() == pytest.approx(200e6, rel=0.02)
 
 
-@pytest.mark.parametrize("count", [14, 24])
-def test_the_samples_at_rest_are_counted(count):
-    """16 are needed, and no more than some samples before the rise are not counted."""
+def gauges_with_rest(count):
+    """Gauges whose records have so many samples at rest, of 1 us, before a ramp."""
     record = ramp_record(count * 1e-6, 40e-6, end=6e-4)
-    gauges = (ri.BarGauge(record, 0.75), ri.BarGauge(record.shifted(3e-4), 0.75))
-    if count == 24:
-        ri.reduce(*gauges, BAR, SPECIMEN)
-        return
+    return ri.BarGauge(record, 0.75), ri.BarGauge(record.shifted(3e-4), 0.75)
+
+
+def test_16_samples_at_rest_are_needed_and_told():
+    """Up to 8 samples before the rise are not counted."""
     with pytest.raises(ri.InvalidModel) as caught:
-        ri.reduce(*gauges, BAR, SPECIMEN)
+        ri.reduce(*gauges_with_rest(14), BAR, SPECIMEN)
+
     (message,) = dict(caught.value.problems).values()
     samples_named = int(message.split("has ")[1].split(" ")[0])
-    assert count - 8 <= samples_named < count
+    assert 14 - 8 <= samples_named < 14
     assert "16 are needed, 16 us" in message
+
+
+def test_24_samples_at_rest_are_enough():
+    result = ri.reduce(*gauges_with_rest(24), BAR, SPECIMEN)
+
+    stress = 1e-3 * shots.STEEL.youngs_modulus * BAR.segments[0].area / SPECIMEN.section
+    assert result.stress.max() == pytest.approx(stress, rel=0.02)

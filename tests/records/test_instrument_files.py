@@ -3,6 +3,7 @@ refused.
 """
 
 import struct
+import sys
 
 import numpy as np
 import pytest
@@ -15,10 +16,10 @@ TIMES = np.arange(40) * 1e-6
 HEADS = ["Time [us]", "incident [mV]", "transmitted"]
 
 
-def table(count=40):
-    """Rows of a sheet: heads, then times, volts and strains."""
+def sheet():
+    """Rows of a sheet: a title, heads, then 40 times and volts and 30 strains."""
     rows = [["Shot 12", None, None], HEADS]
-    for k in range(count):
+    for k in range(40):
         transmitted = 2 * WAVE[k]
         if k >= 30:
             transmitted = None
@@ -63,19 +64,33 @@ def write_xls(path, rows):
 )
 def test_the_first_sheet_of_a_workbook_is_a_table(tmp_path, ending, write):
     path = tmp_path / f"shot.{ending}"
-    write(path, table())
-    record = ri.read_signals(path)
-    incident, transmitted = record.values()
-    assert (incident.name, incident.unit, transmitted.unit) == ("incident", "V", "")
+    write(path, sheet())
+
+    incident, transmitted = ri.read_signals(path).values()
+
+    assert incident.name == "incident"
+    assert incident.unit == "V"
+    assert transmitted.unit == ""
     np.testing.assert_allclose(incident.values, WAVE, rtol=1e-14)
     np.testing.assert_allclose(incident.times, TIMES, rtol=1e-14, atol=1e-22)
     np.testing.assert_allclose(transmitted.values, 2 * WAVE[:30], rtol=1e-15)
-    wrong = table()
-    wrong[20][1] = "high"
-    write(path, wrong)
+
+
+@pytest.mark.parametrize(
+    ("ending", "write"), [("xlsx", write_xlsx), ("xls", write_xls)]
+)
+def test_a_wrong_cell_of_a_workbook_is_named_by_line_and_column(
+    tmp_path, ending, write
+):
+    path = tmp_path / f"shot.{ending}"
+    rows = sheet()
+    rows[20][1] = "high"
+    write(path, rows)
+
     with pytest.raises(FileFormatError, match=r"line 21, column 'incident': .* 'high'"):
         ri.read_signals(path)
-    write(path, wrong[:20])  # the remedy
+    # The remedy is to cut the record before that line: 18 samples below two lines.
+    write(path, rows[:20])
     assert len(ri.read_signals(path)["incident"]) == 18
 
 
@@ -98,9 +113,9 @@ def test_damaged_files_are_refused(tmp_path, name, start):
         pytest.importorskip(package)
     path = tmp_path / name
     path.write_bytes(start)
-    with pytest.raises(
-        FileFormatError, match=rf"{name}: is no (workbook|TDMS file) that"
-    ):
+    message = rf"{name}: is no (workbook|TDMS file) that"
+
+    with pytest.raises(FileFormatError, match=message):
         ri.read_signals(path)
 
 
@@ -113,7 +128,7 @@ def test_damaged_files_are_refused(tmp_path, name, start):
     ],
 )
 def test_a_missing_package_names_its_extra(tmp_path, monkeypatch, name, package, extra):
-    monkeypatch.setitem(__import__("sys").modules, package, None)
+    monkeypatch.setitem(sys.modules, package, None)
     path = tmp_path / name
     path.write_bytes(b"\xd0\xcf\x11\xe0")
     with pytest.raises(ImportError, match=rf"{package} .* 'rodimpact\[{extra}\]'"):
@@ -132,8 +147,9 @@ CLOCK = {"wf_increment": 1e-6, "wf_start_offset": -5e-6}
 
 
 def test_a_tdms_file_has_times_and_units_in_its_properties(tmp_path):
-    """Names of the properties: the manuals of LabVIEW on waveform channels in TDMS
-    files.
+    """Two channels of one name bear the name of their group, too.
+
+    Names of the properties: the manuals of LabVIEW on waveform channels in TDMS files.
     """
     path = tmp_path / "shot.tdms"
     write_tdms(
@@ -152,23 +168,29 @@ def test_a_tdms_file_has_times_and_units_in_its_properties(tmp_path):
 
 def test_a_tdms_file_without_a_clock_has_a_column_of_times_or_a_rate(tmp_path):
     path = tmp_path / "shot.tdms"
-    write_tdms(
-        path, ("shot", "t", 1e6 * TIMES, {"unit_string": "us"}), ("shot", "a", WAVE)
-    )
+    times = ("shot", "t", 1e6 * TIMES, {"unit_string": "us"})
+    wave = ("shot", "a", WAVE)
+
+    write_tdms(path, times, wave)
     np.testing.assert_allclose(ri.read_signals(path)["a"].times, TIMES, atol=1e-18)
-    write_tdms(path, ("shot", "a", WAVE))
+
+    write_tdms(path, wave)
     with pytest.raises(FileFormatError, match="or give rate="):
         ri.read_signals(path)
-    assert ri.read_signals(path, rate=1e6, units="V")["a"].unit == "V"  # the remedy
+    by_rate = ri.read_signals(path, rate=1e6, units="V")["a"]
+    np.testing.assert_allclose(by_rate.times, TIMES, atol=1e-18)
+    assert by_rate.unit == "V"
 
 
 def test_channels_of_a_tdms_file_with_two_clocks_need_two_files(tmp_path):
     path = tmp_path / "shot.tdms"
+    fast = ("shot", "a", WAVE, CLOCK)
     slow = ("shot", "b", WAVE, {"wf_increment": 2e-6})
-    write_tdms(path, ("shot", "a", WAVE, CLOCK), slow)
-    with pytest.raises(
-        FileFormatError, match=r"'b' has the time step 2e-06 s .* different"
-    ):
+    message = r"'b' has the time step 2e-06 s .* different"
+
+    write_tdms(path, fast, slow)
+    with pytest.raises(FileFormatError, match=message):
         ri.read_signals(path)
-    write_tdms(path, slow)  # the remedy
+
+    write_tdms(path, slow)
     assert ri.read_signals(path)["b"].dt == pytest.approx(2e-6)

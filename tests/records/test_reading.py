@@ -4,7 +4,6 @@ sentence.
 
 import re
 import tracemalloc
-import warnings
 
 import numpy as np
 import pytest
@@ -19,10 +18,15 @@ BAR = [0.001, -0.0025, 0.25, 1.0]  # V
 
 @pytest.fixture
 def read(tmp_path):
+    """Function that writes a text or bytes to shot.txt, and reads the signals."""
+    path = tmp_path / "shot.txt"
+
     def signals(text, encoding="utf-8", **options):
-        data = text if isinstance(text, bytes) else text.encode(encoding)
-        (tmp_path / "shot.txt").write_bytes(data)
-        return ri.read_signals(tmp_path / "shot.txt", **options)
+        if isinstance(text, bytes):
+            path.write_bytes(text)
+        else:
+            path.write_bytes(text.encode(encoding))
+        return ri.read_signals(path, **options)
 
     return signals
 
@@ -52,48 +56,73 @@ def read(tmp_path):
     ],
     ids=range(16),
 )
-def test_one_record_in_many_clothes(read, text):
+def test_one_record_is_read_from_tables_of_many_forms(read, text):
     for encoding in ("utf-8", "utf-8-sig", "latin-1", "utf-16"):
         (bar,) = read(text, encoding).values()
-        assert (bar.name, bar.unit) == ("bar", "V")
+        assert bar.name == "bar"
+        assert bar.unit == "V"
         np.testing.assert_allclose(bar.times, T, rtol=1e-15, atol=0)
         np.testing.assert_allclose(bar.values, BAR, rtol=1e-15, atol=0)
 
 
-def test_units_and_rates_that_the_file_does_not_say(read):
-    bare = "0;1\n1;-2.5\n2;250\n3;1000\n"
-    signals = read(bare, time_unit="us", units="mV")
-    assert signals == {"2": ri.Signal(BAR, T, unit="V", name="2")}
-    assert list(read(bare, rate=1e6)) == ["1", "2"]
-    assert read(bare, rate=1e6, units={"2": "mV"})["2"].unit == "V"
-    heads = read(
-        "clock,a,b\n0,1,2\n1,3,4\n", time="clock", time_unit="ms", units={"b": "kN"}
-    )
-    assert heads["b"] == ri.Signal([2000.0, 4000.0], [0.0, 1e-3], unit="N", name="b")
-    assert heads["a"].unit == ""
-    single = read("bar_microstrain\n100\n-200\n", rate=1e6)["bar"]
-    assert single == ri.Signal([1e-4, -2e-4], dt=1e-6, name="bar")
-    one = read("bar one [mV]\n1\n2\n", rate=1.0)["bar one"]
-    assert (one.values.tolist(), one.unit) == ([0.001, 0.002], "V")
-    assert read("time_s;a\n0;\N{MINUS SIGN}1\n1;2\n")["a"].values.tolist() == [
-        -1.0,
-        2.0,
-    ]
-    many = "time_s;a\n0;1,001\n1;1,002\n"
-    assert read(many, decimal=",")["a"].values.tolist() == [1.001, 1.002]
-    assert read(many.replace("1;1,002", "1;0,002"))["a"].values.tolist() == [
-        1.001,
-        0.002,
-    ]
-    assert read("1,5\n2,5\n", rate=1.0, decimal=",")["1"].values.tolist() == [1.5, 2.5]
-    assert list(read("1,5\n2,5\n", rate=1.0, decimal=".")) == ["1", "2"]
-    quoted = read('time_s,a\n0,1\n1,2\n2,"2,5"\n')
-    assert quoted["a"].values.tolist() == [1.0, 2.0, 2.5]
-    assert read('0,1\n1,"2,5"\n', time_unit="s", decimal=",")["2"].values.tolist() == [
-        1.0,
-        2.5,
-    ]
-    assert list(read("a,b\n1,5\n2,5\n", rate=1.0)) == ["a", "b"]
+WITHOUT_HEADS = "0;1\n1;-2.5\n2;250\n3;1000\n"
+
+
+def test_columns_without_heads_are_numbered_and_take_units_of_arguments(read):
+    with_times = read(WITHOUT_HEADS, time_unit="us", units="mV")
+    with_rate = read(WITHOUT_HEADS, rate=1e6, units={"2": "mV"})
+    assert with_times == {"2": ri.Signal(BAR, T, unit="V", name="2")}
+    assert list(with_rate) == ["1", "2"]
+    assert with_rate["2"].unit == "V"
+
+
+def test_arguments_name_the_column_of_times_and_units_of_columns(read):
+    text = "clock,a,b\n0,1,2\n1,3,4\n"
+    signals = read(text, time="clock", time_unit="ms", units={"b": "kN"})
+    b = ri.Signal([2000.0, 4000.0], [0.0, 1e-3], unit="N", name="b")
+    assert signals["b"] == b
+    assert signals["a"].unit == ""
+
+
+def test_a_single_column_with_a_rate_is_a_signal_with_the_unit_of_its_head(read):
+    strain = read("bar_microstrain\n100\n-200\n", rate=1e6)["bar"]
+    volts = read("bar one [mV]\n1\n2\n", rate=1.0)["bar one"]
+    assert strain == ri.Signal([1e-4, -2e-4], dt=1e-6, name="bar")
+    assert volts.values.tolist() == [0.001, 0.002]
+    assert volts.unit == "V"
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "values"),
+    [
+        # A minus sign in place of a hyphen
+        ("time_s;a\n0;\N{MINUS SIGN}1\n1;2\n", {}, [-1.0, 2.0]),
+        # A comma before three digits is a decimal sign if an argument says so, or if
+        # no number has a 0 before a separator of thousands.
+        ("time_s;a\n0;1,001\n1;1,002\n", {"decimal": ","}, [1.001, 1.002]),
+        ("time_s;a\n0;1,001\n1;0,002\n", {}, [1.001, 0.002]),
+        # Cells in quotes have decimal commas beside cells that commas separate.
+        ('time_s,a\n0,1\n1,2\n2,"2,5"\n', {}, [1.0, 2.0, 2.5]),
+        (
+            'time_s,a\n0,1\n1,"2,5"\n',
+            {"decimal": ","},
+            [1.0, 2.5],
+        ),
+    ],
+)
+def test_numbers_are_read_with_the_decimal_sign_that_they_must_have(
+    read, text, options, values
+):
+    assert read(text, **options)["a"].values.tolist() == values
+
+
+def test_a_comma_separates_columns_or_is_a_decimal_sign_as_heads_or_arguments_say(read):
+    text = "1,5\n2,5\n"
+    assert read(text, rate=1.0, decimal=",")["1"].values.tolist() == [1.5, 2.5]
+    assert list(read(text, rate=1.0, decimal=".")) == ["1", "2"]
+    assert list(read("a,b\n" + text, rate=1.0)) == ["a", "b"]
+    quoted = read('0,1\n1,"2,5"\n', time_unit="s", decimal=",")
+    assert quoted["2"].values.tolist() == [1.0, 2.5]
 
 
 @pytest.mark.parametrize(
@@ -251,7 +280,9 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ],
     ids=range(41),
 )
-def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
+def test_a_text_that_is_no_record_is_refused_with_the_line_or_column(
+    read, text, options, said
+):
     with pytest.raises(FileFormatError, match=f"shot.txt: .*{re.escape(said)}"):
         read(text, **options)
 
@@ -268,52 +299,63 @@ def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
         ({"progress": 3}, "progress: must be True, False or a function"),
     ],
 )
-def test_wrong_options(read, options, said):
+def test_wrong_options_are_refused(read, options, said):
     with pytest.raises(ValueError, match=said):
         read("a\n1\n2\n", **({"rate": 1.0} | options))
 
 
+def table_of(times, values):
+    """A table of times and volts."""
+    lines = ["time_us,a_V\n"]
+    for time, value in zip(times.tolist(), values.tolist(), strict=True):
+        lines.append(f"{time},{value!r}\n")
+    return "".join(lines)
+
+
 def test_a_channel_at_the_limit_of_its_recorder_is_announced(read):
-    t = np.arange(300)
-    wave = 3 * np.sin(t / 40) + 0.1 * np.sin(t * t)
+    times = np.arange(300)
+    wave = 3 * np.sin(times / 40) + 0.1 * np.sin(times * times)
+    message = "column 'a' stays at 2 for [0-9]+ samples from line"
 
-    def table(values):
-        return "time_us,a_V\n" + "".join(
-            f"{i},{v!r}\n" for i, v in zip(t, values, strict=True)
-        )
+    with pytest.warns(ri.ClippedSignal, match=message):
+        clipped = read(table_of(times, np.minimum(wave, 2.0)))["a"]
 
-    with pytest.warns(
-        ri.ClippedSignal, match="column 'a' stays at 2 for [0-9]+ samples from line"
-    ):
-        clipped = read(table(np.minimum(wave, 2.0).tolist()))["a"]
     assert clipped.values.max() == 2.0
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        read(table(wave.round(1).tolist()))
-        read(table(np.where((t > 100) & (t < 200), -1.0, 0.0).tolist()))  # as computed
 
 
-def test_long_tables_are_told_apart_from_gaps(read):
-    """Times that are not uniform on purpose, as those of jumps, are no gap."""
+def test_rounded_values_and_computed_steps_are_not_taken_for_a_limit(read):
+    times = np.arange(300)
+    wave = 3 * np.sin(times / 40) + 0.1 * np.sin(times * times)
+    step = np.where((times > 100) & (times < 200), -1.0, 0.0)
+    # Warnings are errors here.
+    read(table_of(times, wave.round(1)))
+    read(table_of(times, step))
+
+
+def test_times_that_are_not_uniform_on_purpose_are_no_gap(read):
     times = np.cumsum(np.arange(1, 20) ** 2)
-    signal = read("time_s,a\n" + "".join(f"{x},1\n" for x in times))["a"]
-    assert signal.times.tolist() == times.tolist()
+    signal = read(table_of(times, np.ones(19)))["a"]
+    assert signal.times == pytest.approx(1e-6 * times, rel=1e-15)
 
 
 def peak_of(call):
-    """Result, and the most bytes that were taken at a time."""
+    """Result of a function, and the most bytes that it took at a time."""
     tracemalloc.start()
     try:
-        return call(), tracemalloc.get_traced_memory()[1]
+        result = call()
+        _, peak = tracemalloc.get_traced_memory()
+        return result, peak
     finally:
         tracemalloc.stop()
 
 
 @pytest.mark.parametrize(
-    ("digits", "last"), [(2, ""), (2, "1x"), (4, "1,2,3,4"), (8, "")]
+    ("digits", "wrong_end"), [(2, ""), (2, "1x"), (4, "1,2,3,4"), (8, "")]
 )
-def test_memory_is_bounded_by_four_times_the_file(tmp_path, monkeypatch, digits, last):
-    """Also where numbers are short, and where the last cell is none.
+def test_memory_is_bounded_by_four_times_the_file(
+    tmp_path, monkeypatch, digits, wrong_end
+):
+    """Also where numbers are short, and where the end of the last line is wrong.
 
     Blocks are as small beside this file as usual ones are beside a large file.
     """
@@ -322,69 +364,82 @@ def test_memory_is_bounded_by_four_times_the_file(tmp_path, monkeypatch, digits,
     monkeypatch.setattr("rodimpact.records.reading.BLOCK_SAMPLES", 1000)
     path = tmp_path / "shot.csv"
     path.write_text("time_s,a\n0,1\n1,2\n")
-    ri.read_signals(path)  # so that all modules are there
+    ri.read_signals(path)  # all modules are imported before memory is measured
     numbers = np.random.default_rng(0).integers(10 ** (digits - 1), 10**digits, 20_000)
-    rows = [f"{i},{a}" for i, a in enumerate(numbers.tolist())]
-    if last:
-        rows[-1] = f"{len(rows) - 1},{last}"
+    rows = [f"{i},{number}" for i, number in enumerate(numbers.tolist())]
+    if wrong_end:
+        rows[-1] = f"{len(rows) - 1},{wrong_end}"
     path.write_text("time_s,a\n" + "\n".join(rows))
 
-    def call():
+    def signal_or_message():
         try:
             return ri.read_signals(path)["a"]
         except FileFormatError as error:
             return str(error)
 
-    answer, peak = peak_of(call)
-    if last:
+    answer, peak = peak_of(signal_or_message)
+    if wrong_end:
         assert f"line {len(rows) + 1}" in answer
     else:
         assert answer.values.tolist() == numbers.tolist()
     assert peak < 4 * path.stat().st_size
 
 
-def test_a_large_table_takes_four_times_its_size(read, tmp_path):
-    read("time_s,a\n0,1\n1,2\n")  # so that all modules are there
-    x = np.random.default_rng(0).normal(size=(2, 60_000)).round(7).tolist()
-    rows = (f"{i}e-7,{a},{b}\n" for i, (a, b) in enumerate(zip(*x, strict=True)))
-    text = "time_s,a_V,b_V\n" + "".join(rows)
-    (tmp_path / "shot.csv").write_text(text)
-    told = []
-    signals, peak = peak_of(
-        lambda: ri.read_signals(
-            tmp_path / "shot.csv", progress=lambda *news: told.append(news)
-        )
-    )
+def test_a_large_table_takes_up_to_four_times_its_size_and_reports_progress(
+    read, tmp_path
+):
+    read("time_s,a\n0,1\n1,2\n")  # all modules are imported before memory is measured
+    a, b = np.random.default_rng(0).normal(size=(2, 60_000)).round(7).tolist()
+    lines = ["time_s,a_V,b_V\n"]
+    for i in range(60_000):
+        lines.append(f"{i}e-7,{a[i]},{b[i]}\n")
+    text = "".join(lines)
+    path = tmp_path / "shot.csv"
+    path.write_text(text)
+    reports = []
+
+    def progress(done, total):
+        reports.append(done)
+        assert done <= total == len(text)
+
+    signals, peak = peak_of(lambda: ri.read_signals(path, progress=progress))
+
     assert peak < 4 * len(text)
-    assert signals["a"].values.tolist() == x[0]
-    assert signals["b"].values.tolist() == x[1]
-    assert told == sorted(told)
-    assert all(done <= total == len(text) for done, total in told)
-    assert len(told) > 5
+    assert signals["a"].values.tolist() == a
+    assert signals["b"].values.tolist() == b
+    assert reports == sorted(reports)
+    assert len(reports) > 5
 
 
 def test_a_table_that_takes_half_the_memory_is_refused_before_it_is_read(
     read, monkeypatch
 ):
-    monkeypatch.setattr(
-        memory, "installed", lambda: 8.0 * len("time_s,a\n0,1\n1,2\n") - 1
-    )
-    with pytest.raises(
-        MemoryError, match=r"shot\.txt: takes up to .* GB of memory, more"
-    ):
-        read("time_s,a\n0,1\n1,2\n")
+    text = "time_s,a\n0,1\n1,2\n"
+    # Reading takes up to four times the file.
+    monkeypatch.setattr(memory, "installed", lambda: 2 * 4.0 * len(text) - 1)
+    message = r"shot\.txt: takes up to .* GB of memory, more"
+
+    with pytest.raises(MemoryError, match=message):
+        read(text)
 
 
-def test_a_head_of_many_lines_leaves_no_trace(read, monkeypatch):
-    """Not in numbers, and not in the lines that are named."""
-    rows = [f"{i},{i * i % 7},," + "\n" * (i % 5 == 0) for i in range(300)]
-    text = "time_s,a\n" + "\n".join(rows) + "\n,,,\n\n"
+def test_blank_lines_and_cells_change_neither_numbers_nor_the_lines_that_are_named(
+    read, monkeypatch
+):
+    # Blocks of 50 bytes end in the midst of lines.
     monkeypatch.setattr("rodimpact.records.text_file.BLOCK", 50)
-    assert read(text)["a"].values.tolist() == [i * i % 7 for i in range(300)]
-    line = text.split("\n").index("299,4,,") + 1
-    with pytest.raises(
-        FileFormatError, match=f"line {line}, column 'time': 298 s comes after"
-    ):
+    values = [i * i % 7 for i in range(300)]
+    lines = ["time_s,a"]
+    for i, value in enumerate(values):
+        lines.append(f"{i},{value},,")
+        if i % 5 == 0:
+            lines.append("")
+    text = "\n".join([*lines, ",,,", "", ""])
+    last_line = lines.index("299,4,,") + 1
+    message = f"line {last_line}, column 'time': 298 s comes after"
+
+    assert read(text)["a"].values.tolist() == values
+    with pytest.raises(FileFormatError, match=message):
         read(text.replace("\n299,4", "\n298,4"))
 
 
@@ -411,15 +466,14 @@ LVM = "\n".join(
         "",
     ]
 )
-TIMES, INCIDENT, TRANSMITTED = (
-    [1e-3, 1.001e-3, 1.002e-3],
-    [0.5, 1.5, 2.5],
-    [0.0, 1.0, 4.0],
-)
+TIMES = [1e-3, 1.001e-3, 1.002e-3]
+INCIDENT = [0.5, 1.5, 2.5]  # mV
+TRANSMITTED = [0.0, 1.0, 4.0]  # V
 ROWS = [
     f"{t:.6f}\t{a:.6f}\t{b:.6f}"
     for t, a, b in zip(TIMES, INCIDENT, TRANSMITTED, strict=True)
 ]
+ROWS_WITHOUT_TIMES = "\n".join(row[row.find("\t") :] for row in ROWS)
 MSO = "\n".join(
     [
         "Model,MSO4034",
@@ -444,23 +498,22 @@ MSO = "\n".join(
     [
         LVM.format(columns="One", sign=".") + "\n".join(ROWS),
         LVM.format(columns="One", sign=",") + "\n".join(ROWS).replace(".", ","),
-        LVM.format(columns="No", sign=".")
-        + "\n".join(row[row.find("\t") :] for row in ROWS),
-        LVM.format(columns="No", sign=",")
-        + "\n".join(row[row.find("\t") :] for row in ROWS).replace(".", ","),
+        LVM.format(columns="No", sign=".") + ROWS_WITHOUT_TIMES,
+        LVM.format(columns="No", sign=",") + ROWS_WITHOUT_TIMES.replace(".", ","),
         MSO,
     ],
 )
 def test_files_of_labview_and_tektronix_say_units_and_times(tmp_path, text):
     path = tmp_path / "shot"
     path.write_text(text)
-    read = ri.read_signals(path)
-    assert list(read) == ["incident", "transmitted"]
-    np.testing.assert_allclose(
-        read["incident"].values, 1e-3 * np.array(INCIDENT), rtol=1e-12
-    )
-    np.testing.assert_allclose(read["transmitted"].values, TRANSMITTED, rtol=1e-12)
-    for signal in read.values():
+
+    record = ri.read_signals(path)
+
+    assert list(record) == ["incident", "transmitted"]
+    incident, transmitted = record.values()
+    np.testing.assert_allclose(incident.values, 1e-3 * np.array(INCIDENT), rtol=1e-12)
+    np.testing.assert_allclose(transmitted.values, TRANSMITTED, rtol=1e-12)
+    for signal in (incident, transmitted):
         np.testing.assert_allclose(signal.times, TIMES, rtol=1e-9)
         assert signal.unit == "V"
 
@@ -481,34 +534,39 @@ def test_entries_of_a_scope_may_stand_beside_its_table(tmp_path):
     ]
     path = tmp_path / "shot.csv"
     path.write_text("\n".join(rows))
+
     (signal,) = ri.read_signals(path).values()
-    assert (signal.name, signal.unit, len(signal)) == ("CH2", "V", 8)
+
+    assert signal.name == "CH2"
+    assert signal.unit == "V"
     np.testing.assert_allclose(signal.times, 1e-6 * np.arange(8), rtol=1e-12)
     np.testing.assert_allclose(signal.values, np.arange(8) ** 2)
 
 
-def test_empty_entries_are_missing_ones(tmp_path):
+def test_empty_entries_of_labview_are_missing_ones(tmp_path):
     path = tmp_path / "shot"
-    entry = "X_Columns\tNo\n"
-    bare = "\n".join(row[row.find("\t") :] for row in ROWS)
-    for text, changed in [
-        (LVM.format(columns="One", sign=".") + "\n".join(ROWS), "X_Columns\t\n"),
-        (LVM.format(columns="No", sign=".") + bare, "Decimal_Separator\t\n"),
-    ]:
-        name = changed.split("\t")[0]
-        lines = [line for line in text.split("\n") if not line.startswith(name)]
-        path.write_text("\n".join([lines[0], changed.strip("\n"), *lines[1:]]))
+    with_times = LVM.format(columns="One", sign=".") + "\n".join(ROWS)
+    without_times = LVM.format(columns="No", sign=".") + ROWS_WITHOUT_TIMES
+    for text in (
+        with_times.replace("X_Columns\tOne", "X_Columns\t"),
+        without_times.replace("Decimal_Separator\t.", "Decimal_Separator\t"),
+    ):
+        path.write_text(text)
         assert list(ri.read_signals(path)) == ["incident", "transmitted"]
-    text = LVM.format(columns="No", sign=".").replace("X0\t1.0E-3\t1.0E-3", "X0\t\t")
-    assert entry in text
-    path.write_text(text + bare)
+
+    path.write_text(without_times.replace("X0\t1.0E-3\t1.0E-3", "X0\t\t"))
     with pytest.raises(ri.FileFormatError, match="no numbers X0 and Delta_X"):
         ri.read_signals(path)
+
+
+def test_empty_units_of_tektronix_are_missing_ones(tmp_path):
+    path = tmp_path / "shot"
+    path.write_text(MSO.replace("Vertical Units,mV,V", "Vertical Units,,V"))
+    assert [signal.unit for signal in ri.read_signals(path).values()] == ["", "V"]
+
     path.write_text(MSO.replace("Horizontal Units,s", "Horizontal Units,"))
     with pytest.raises(ri.FileFormatError, match="has no unit of time; give time_unit"):
         ri.read_signals(path)
-    path.write_text(MSO.replace("Vertical Units,mV,V", "Vertical Units,,V"))
-    assert [signal.unit for signal in ri.read_signals(path).values()] == ["", "V"]
 
 
 def test_an_empty_source_beside_a_table_names_no_channel(tmp_path):

@@ -67,7 +67,13 @@ RIGOL = "X,CH1,Start,Increment,\nSequence,Volt,none,none,\n0,1,,\n1,2,,\n2,4,,\n
             "t_s;a\n0;1234\n1;1235\n2;1236\n",
             {},
         ),
-        ("", {}, "export it as text, with one row for each sample", "0;1\n1;2\n", "s"),
+        (
+            "",
+            {},
+            "export it as text, with one row for each sample",
+            "0;1\n1;2\n",
+            {"time_unit": "s"},
+        ),
         # decimal sign
         (
             "1,5\n2,5\n",
@@ -211,21 +217,22 @@ def test_the_remedy_makes_the_file_readable(
     tmp_path, text, options, says, remedy, remedy_options
 ):
     """`remedy` is the text that the message asks for; None: other arguments suffice."""
-    if remedy_options == "s":
-        remedy_options = {"time_unit": "s"}
     path = tmp_path / "shot.txt"
     path.write_text(text)
     with pytest.raises(FileFormatError, match=says):
         ri.read_signals(path, **options)
+
     if remedy is not None:
         path.write_text(remedy)
     signals = ri.read_signals(path, **remedy_options)
+
     assert signals
-    assert all(len(signal) >= 2 for signal in signals.values())
+    for signal in signals.values():
+        assert len(signal) >= 2
 
 
 @pytest.mark.parametrize("encoding", ["utf-32", "utf-16-le"])
-def test_a_file_that_is_no_text_is_exported_in_utf_8(tmp_path, encoding):
+def test_the_remedy_for_a_file_that_is_no_text_is_utf_8(tmp_path, encoding):
     path = tmp_path / "shot.txt"
     text = "time_s\ta\n0\t1\n1\t2\n"
     path.write_bytes(text.encode(encoding))

@@ -46,10 +46,8 @@ def test_columns_of_one_name_without_another_line_are_refused(tmp_path):
         ri.read_signals(path)
 
 
-def test_values_before_times_without_heads(tmp_path):
-    """The column of times is the one that increases; the message names what is left to
-    say.
-    """
+def test_without_heads_the_column_that_increases_is_that_of_times(tmp_path):
+    """The message names the unit, which is left to say."""
     path = tmp_path / "channel.csv"
     path.write_text(rows(WAVE, TIMES))
     with pytest.raises(FileFormatError, match="column '2': has no unit of time"):
@@ -94,60 +92,86 @@ def test_a_rigol_scope_tells_start_and_increment(tmp_path):
         ri.read_signals(path)
 
 
+HEAD_OF_THREE = "t [s],a [V],b [V],c [V]\n"
+
+
+def lines_with_blank_ends():
+    """60 lines of times and three channels; b ends after 40 samples, c after 50."""
+    lines = []
+    for k in range(60):
+        b = f"{-WAVE[k]:.9e}"
+        c = f"{WAVE[k]:.9e}"
+        if k >= 40:
+            b = ""
+        if k >= 50:
+            c = ""
+        lines.append(f"{TIMES[k]:.9e},{WAVE[k]:.9e},{b},{c}")
+    return lines
+
+
 def test_a_channel_may_end_with_blank_cells(tmp_path):
     """A channel of fewer samples: spreadsheets fill its column with blanks."""
     path = tmp_path / "shot.csv"
-    lines = rows(TIMES, WAVE, -WAVE, WAVE).splitlines()
-    for k in range(40, 60):
-        time, first, _, third = lines[k].split(",")
-        lines[k] = f"{time},{first},,{third}"
-    for k in range(50, 60):
-        lines[k] = lines[k].rpartition(",")[0] + ","
-    path.write_text("t [s],a [V],b [V],c [V]\n" + "\n".join(lines))
+    path.write_text(HEAD_OF_THREE + "\n".join(lines_with_blank_ends()))
+
     record = ri.read_signals(path)
+
     assert [len(signal) for signal in record.values()] == [60, 40, 50]
     assert record["b"].values == pytest.approx(-WAVE[:40], abs=1e-8)
     assert record["b"].times == pytest.approx(TIMES[:40], abs=1e-12)
+
+
+def test_times_may_not_end_with_blank_cells(tmp_path):
+    path = tmp_path / "shot.csv"
     path.write_text("a [V],t [s]\n" + rows(WAVE, TIMES) + "3.0,\n")
+
     with pytest.raises(FileFormatError, match="line 62, column 't': must be a finite"):
         ri.read_signals(path)
+
+
+def test_a_channel_may_not_have_blank_cells_before_its_end(tmp_path):
+    path = tmp_path / "shot.csv"
+    lines = lines_with_blank_ends()
     lines[55] = lines[55].replace(",,", ",1.0,")
-    path.write_text("t [s],a [V],b [V],c [V]\n" + "\n".join(lines))
-    with pytest.raises(
-        FileFormatError, match=r"line 42, column 'b': .* got ''; correct"
-    ):
+    path.write_text(HEAD_OF_THREE + "\n".join(lines))
+    message = r"line 42, column 'b': .* got ''; correct"
+
+    with pytest.raises(FileFormatError, match=message):
         ri.read_signals(path)
-    path.write_text("t [s],a [V],b [V],c [V]\n" + "\n".join(lines[:40]))  # the remedy
+    # The remedy is to cut the record before that line.
+    path.write_text(HEAD_OF_THREE + "\n".join(lines[:40]))
     assert len(ri.read_signals(path)["b"]) == 40
 
 
 @pytest.mark.parametrize("dt", [0.4, 2.4, 3.05])
-def test_rounded_times_are_told_once(tmp_path, dt):
+def test_rounded_times_are_told_once_and_replaced_by_uniform_ones(tmp_path, dt):
     """Times to whole microseconds, at steps of some microseconds or less."""
-    count = 200
-    times = np.arange(count) * dt
+    times = np.arange(200) * dt  # us
+    channels = [f"{k % 7},{k % 5}" for k in range(200)]
+    lines = []
+    for time, cells in zip(times, channels, strict=True):
+        lines.append(f"{time:.0f},{cells}")
     path = tmp_path / "shot.csv"
-    lines = [f"{time:.0f},{k % 7},{k % 5}" for k, time in enumerate(times)]
     path.write_text("t [us],a [V],b [V]\n" + "\n".join(lines))
-    with pytest.warns(
-        ri.RoundedTimes, match="the times are rounded, their steps "
-    ) as w:
+    message = "the times are rounded, their steps "
+
+    with pytest.warns(ri.RoundedTimes, match=message) as told:
         record = ri.read_signals(path)
-    assert len(w) == 1
-    assert w[0].filename == __file__
+
+    (warning,) = told
+    assert warning.filename == __file__
     assert record["a"].dt == pytest.approx(dt * 1e-6, rel=1e-3)
     assert record["b"].times == pytest.approx(times * 1e-6, abs=0.5e-6)
-    path.write_text(
-        "a [V],b [V]\n" + "\n".join(line.partition(",")[2] for line in lines)
-    )
-    bare = ri.read_signals(path, rate=1e6 / dt)  # the remedy
-    assert bare["a"].values.tolist() == record["a"].values.tolist()
+    # The remedy is to leave the times out and to give the rate.
+    path.write_text("a [V],b [V]\n" + "\n".join(channels))
+    by_rate = ri.read_signals(path, rate=1e6 / dt)
+    assert by_rate["a"].values.tolist() == record["a"].values.tolist()
 
 
 def test_missing_and_doubled_samples_are_not_taken_for_rounding(tmp_path):
     path = tmp_path / "shot.csv"
-    steps = np.ones(200)
     for step, message in [(2.0, "samples are missing"), (0.0, "times must increase")]:
+        steps = np.ones(200)
         steps[100] = step
         lines = [f"{time:.0f},{k % 7}" for k, time in enumerate(np.cumsum(steps))]
         path.write_text("t [us],a [V]\n" + "\n".join(lines))
@@ -175,18 +199,33 @@ def test_a_yokogawa_scope_tells_resolution_and_offset(tmp_path, before, gap):
     path = tmp_path / "shot.csv"
     data = "".join(f"{before}{line}\n" for line in rows(WAVE, -WAVE).splitlines())
     path.write_text(YOKOGAWA + gap + data)
+
     record = ri.read_signals(path)
+
     assert list(record) == ["CH1", "CH2"]
     assert record["CH2"].unit == "V"
     assert record["CH1"].times == pytest.approx(TIMES - 1.2e-5, abs=1e-12)
     assert record["CH2"].values == pytest.approx(-WAVE, abs=1e-8)
-    path.write_text(YOKOGAWA.replace("BlockNumber,1", "BlockNumber,3") + data)
+
+
+def test_several_blocks_of_a_yokogawa_scope_are_refused(tmp_path):
+    path = tmp_path / "shot.csv"
+    head = YOKOGAWA.replace("BlockNumber,1", "BlockNumber,3")
+    path.write_text(head + rows(WAVE, -WAVE))
+
     with pytest.raises(FileFormatError, match=r"has 3 blocks .* save a single"):
         ri.read_signals(path)
+
+
+def test_a_yokogawa_scope_without_a_resolution_needs_a_rate(tmp_path):
+    path = tmp_path / "shot.csv"
+    data = rows(WAVE, -WAVE)
     path.write_text(YOKOGAWA.replace("1.0E-06", "") + data)
+
     with pytest.raises(FileFormatError, match="no numbers HResolution and HOffset"):
         ri.read_signals(path)
-    path.write_text(data.removeprefix(",").replace("\n,", "\n"))  # the remedy
+    # The remedy is to leave the head out and to give the rate.
+    path.write_text(data)
     assert list(ri.read_signals(path, rate=1e6, units="V")) == ["1", "2"]
 
 
@@ -210,16 +249,16 @@ def test_a_keysight_infiniium_scope_tells_its_channel(tmp_path, mark):
     text = KEYSIGHT.replace(":,", mark)
     path.write_text(text + rows(TIMES, WAVE))
     (signal,) = ri.read_signals(path).values()
-    assert (signal.name, signal.unit) == ("Channel 2", "V")
+    assert signal.name == "Channel 2"
+    assert signal.unit == "V"
     assert signal.times == pytest.approx(TIMES, abs=1e-12)
     assert signal.values == pytest.approx(WAVE, abs=1e-8)
 
 
 def test_several_channels_of_a_keysight_infiniium_scope_need_a_file_each(tmp_path):
     path = tmp_path / "all.csv"
-    text = KEYSIGHT.replace("XOrg:,0", "XOrg:,0,0").replace(
-        "Channel 2", "Channel 2,Channel 3"
-    )
+    text = KEYSIGHT.replace("XOrg:,0", "XOrg:,0,0")
+    text = text.replace("Channel 2", "Channel 2,Channel 3")
     path.write_text(text + rows(TIMES, WAVE, TIMES, -WAVE))
     with pytest.raises(FileFormatError, match="save each channel in a file of its own"):
         ri.read_signals(path)
@@ -250,7 +289,8 @@ def test_catman_tells_names_and_units_two_dozen_lines_above_the_numbers(tmp_path
         ["Load", "kN"] + ["50000 Hz", "36011"] * 13 + ["-"],
         ["SG_1 MX840", "\u00b5m/m"] + ["50000 Hz", "36012"] * 13 + ["-"],
     ]
-    lines = [*head, "", *map("\t".join, zip(*columns, strict=True)), ""]
+    heads = ["\t".join(cells) for cells in zip(*columns, strict=True)]
+    lines = [*head, "", *heads, ""]
     numbers = rows(TIMES, WAVE, 1e3 * WAVE).replace(",", "\t").replace(".", ",")
     path = tmp_path / "shot.asc"
     path.write_text("\n".join(lines) + "\n" + numbers, encoding="latin-1")
@@ -263,7 +303,7 @@ def test_catman_tells_names_and_units_two_dozen_lines_above_the_numbers(tmp_path
     assert record["Load"].times == pytest.approx(TIMES, abs=1e-12)
 
 
-def test_labview_with_commas_between_its_cells(tmp_path):
+def test_labview_files_with_commas_between_cells_are_read(tmp_path):
     text = (
         "LabVIEW Measurement,\nSeparator,Comma\nDecimal_Separator,.\nX_Columns,One\n"
         "***End_of_Header***,\n,\nChannels,2,\nY_Unit_Label,V,V\nX_Dimension,Time,Time\n"

@@ -12,7 +12,7 @@ BAR = ri.waves.Bar(wave_speed=5000.0, poisson_ratio=0.3, radius=5e-3)
 
 
 def trapezoid(start=20e-6, rise=4e-6, width=60e-6, height=2.0, dt=1e-7, **names):
-    """A pulse whose half height lasts `width`."""
+    """A pulse of 2001 samples whose half height lasts `width`, s."""
     corners = start + np.array([0, rise, width, width + rise])
     t = dt * np.arange(2001)
     return ri.Signal(np.interp(t, corners, [0, height, height, 0]), t, **names)
@@ -22,35 +22,42 @@ def tone(frequency, dt=1e-7, count=8001):
     """A burst of one frequency, smooth at its ends."""
     t = dt * np.arange(count)
     middle = t[-1] / 2
-    return ri.Signal(
-        np.cos(2 * np.pi * frequency * t) * np.exp(-(((t - middle) / 5e-5) ** 2)), t
-    )
+    envelope = np.exp(-(((t - middle) / 5e-5) ** 2))
+    return ri.Signal(envelope * np.cos(2 * np.pi * frequency * t), t)
 
 
-def phase_and_gain(after, before, frequency):
-    """Of a burst, as a complex number."""
+def transfer(after, before, frequency):
+    """Ratio of the complex amplitudes of a burst after and before it was changed."""
 
-    def amplitude(s):
-        return np.sum(s.values * np.exp(-2j * np.pi * frequency * s.times)) * s.dt
+    def amplitude(signal):
+        wave = np.exp(-2j * np.pi * frequency * signal.times)
+        return np.sum(signal.values * wave) * signal.dt
 
     return amplitude(after) / amplitude(before)
 
 
-def test_a_signal_is_immutable_and_known_by_what_it_says():
+def test_signals_are_equal_by_times_values_and_unit():
+    signal = ri.Signal([0.0, 1.0, 1.0], dt=1e-6, start=1.0, unit="V", name="a")
+    times = [1.0, 1.000001, 1.000002]
+    assert signal == ri.Signal([0, 1, 1], times, unit="V", name="a")
+    assert signal != signal.replace(unit="N")
+    assert len(signal) == 3
+    assert signal.start == 1.0
+    assert signal.end == 1.000002
+
+
+def test_a_signal_is_immutable():
     values = np.array([0.0, 1.0, 1.0])
-    signal = ri.Signal(values, dt=1e-6, start=1.0, unit="V", name="a")
+    signal = ri.Signal(values, dt=1e-6)
     values[0] = 7.0
     assert signal.values.tolist() == [0.0, 1.0, 1.0]
-    assert signal == ri.Signal([0, 1, 1], [1.0, 1.000001, 1.000002], unit="V", name="a")
-    assert signal != signal.replace(unit="N")
-    assert (len(signal), signal.start, signal.end) == (3, 1.0, 1.000002)
     with pytest.raises(ValueError, match="read-only"):
         signal.values[0] = 1.0
     with pytest.raises(AttributeError, match="frozen"):
         signal.unit = "N"
 
 
-def test_values_between_samples_lie_on_straight_lines():
+def test_values_between_samples_lie_on_straight_lines_and_windows_hold_samples():
     signal = ri.Signal([0.0, 2.0, 2.0], [0.0, 1.0, 4.0])
     assert signal.at([0.25, 3.0]).tolist() == [0.5, 2.0]
     assert signal.resampled(0.5).values.tolist() == [0, 1, 2, 2, 2, 2, 2, 2, 2]
@@ -59,29 +66,37 @@ def test_values_between_samples_lie_on_straight_lines():
     assert signal.shifted(-1.0).times.tolist() == [-1.0, 0.0, 3.0]
 
 
-def test_arithmetic():
-    a = trapezoid()
-    b = trapezoid(height=1.0)
-    zeros = 2 * b / 2 + 1.0 - (1 - -b)
-    raised = a + 3.0
-    assert (a - b - b).values.tolist() == [0.0] * 2001
-    assert zeros.values == pytest.approx(0, abs=1e-15)
-    assert raised.baseline(0.0, 19e-6).values == pytest.approx(a.values, abs=1e-15)
+def test_signals_and_numbers_are_added_and_multiplied():
+    high = trapezoid(height=2.0)
+    low = trapezoid(height=1.0)
+    assert (high - low - low).values.tolist() == [0.0] * 2001
+    assert (2 * low / 2 + 1.0).values == pytest.approx(low.values + 1.0, abs=1e-15)
+    assert (1 - -low).values == pytest.approx(1.0 + low.values, abs=1e-15)
 
 
-def test_timing_of_a_pulse():
+def test_the_baseline_is_the_mean_of_a_stretch_and_is_subtracted():
+    pulse = trapezoid()  # it begins after 20 us
+    raised = pulse + 3.0
+    assert raised.baseline(0.0, 19e-6).values == pytest.approx(pulse.values, abs=1e-15)
+
+
+def test_a_pulse_has_plateau_width_at_half_height_rise_and_start():
+    """The rise is that from 10 % to 90 %, and the start is at 10 %."""
     pulse = (-1 * trapezoid()).pulse()
     assert pulse.plateau == -2.0
     assert pulse.width == pytest.approx(60e-6, rel=1e-9)
     assert pulse.rise == pytest.approx(0.8 * 4e-6, rel=1e-9)
     assert pulse.start == pytest.approx(20.4e-6, rel=1e-9)
+
+
+def test_the_width_of_a_pulse_is_found_in_noise():
     noise = 0.01 * np.sin(np.arange(2001) ** 2)
     rough = trapezoid() + ri.Signal(noise, trapezoid().times)
     assert rough.pulse().width == pytest.approx(60e-6, abs=1e-7)
 
 
 @pytest.mark.parametrize("seed", few_of(range(200), range(12)))
-def test_a_shift_is_found_wherever_a_window_of_the_record_lies(seed):
+def test_a_shift_is_found_wherever_a_window_lies_or_ends_at_its_limit(seed):
     rng = np.random.default_rng(seed)
     gaps = rng.uniform(2e-6, 2e-5, 40)
     heights = rng.uniform(-1, 1, 40)
@@ -99,45 +114,64 @@ def test_a_shift_is_found_wherever_a_window_of_the_record_lies(seed):
     assert bounded.at_limit == ("shift",)
 
 
-def test_misfit_finds_what_was_done():
+def test_a_free_misfit_finds_shift_and_scale_in_any_unit():
     record = trapezoid(unit="V")
     model = (0.4 * record).shifted(-33.33e-6)
-    free = record.misfit(model)
-    assert free.shift == pytest.approx(33.33e-6, abs=1e-9)
-    assert free.scale == pytest.approx(2.5, rel=1e-4)
-    assert free.rms < 1e-4
-    bounded = record.misfit(model, shift=(30e-6, 31e-6), scale=(0.9, 1.1))
-    assert bounded.shift == pytest.approx(31e-6, abs=1e-8)
-    assert bounded.scale == 1.1
-    assert bounded.at_limit == ("shift", "scale")
-    assert free.at_limit == ()
-    fixed = record.misfit(record * 0.9, shift=0.0, scale=1.0)
+
+    misfit = record.misfit(model)
+
+    assert misfit.shift == pytest.approx(33.33e-6, abs=1e-9)
+    assert misfit.scale == pytest.approx(2.5, rel=1e-4)
+    assert misfit.rms < 1e-4
+    assert misfit.at_limit == ()
+    assert record.misfit(model.replace(unit="")).rms == misfit.rms
+
+
+def test_a_bounded_misfit_ends_at_the_bounds_next_to_shift_and_scale():
+    record = trapezoid(unit="V")
+    model = (0.4 * record).shifted(-33.33e-6)
+
+    misfit = record.misfit(model, shift=(30e-6, 31e-6), scale=(0.9, 1.1))
+
+    assert misfit.shift == pytest.approx(31e-6, abs=1e-8)
+    assert misfit.scale == 1.1
+    assert misfit.at_limit == ("shift", "scale")
+
+
+def test_a_misfit_with_known_shift_and_scale_is_the_rms_over_the_peak():
+    record = trapezoid(unit="V")
+
+    misfit = record.misfit(record * 0.9, shift=0.0, scale=1.0)
+
     rms_of_record = np.sqrt(np.mean(record.values**2))
-    assert fixed.rms == pytest.approx(0.1 * rms_of_record / 2, rel=1e-9)
-    assert fixed[1:] == (0.0, 1.0, ())
-    strain = model.replace(unit="")
-    assert record.misfit(strain).rms == free.rms
+    assert misfit.rms == pytest.approx(0.1 * rms_of_record / 2, rel=1e-9)
+    assert misfit.shift == 0.0
+    assert misfit.scale == 1.0
+    assert misfit.at_limit == ()
 
 
 @pytest.mark.parametrize(
-    ("kind", "transfer"),
+    ("kind", "transfer_function"),
     [
         ("gaussian", lambda r: 2 ** (-(r**2) / 2)),
         ("first-order", lambda r: 1 / (1 + 1j * r)),
         ("second-order", lambda r: 1 / (1 - r * r + 1j * math.sqrt(2) * r)),
     ],
 )
-def test_low_pass(kind, transfer):
+def test_a_low_pass_has_its_transfer_function_and_keeps_a_constant(
+    kind, transfer_function
+):
+    """The argument of the transfer function is the frequency over the cut-off."""
     burst = tone(50e3)
-    for f in (20e3, 50e3, 200e3):
-        got = phase_and_gain(burst.low_pass(f, kind), burst, 50e3)
-        assert got == pytest.approx(transfer(50e3 / f), abs=2e-4)
-    level = ri.Signal(np.full(100, 3.0), dt=1e-6)
-    np.testing.assert_allclose(level.low_pass(2e4, kind).values, 3.0, rtol=1e-12)
+    for cut_off in (20e3, 50e3, 200e3):
+        factor = transfer(burst.low_pass(cut_off, kind), burst, 50e3)
+        assert factor == pytest.approx(transfer_function(50e3 / cut_off), abs=2e-4)
+    constant = ri.Signal(np.full(100, 3.0), dt=1e-6)
+    np.testing.assert_allclose(constant.low_pass(2e4, kind).values, 3.0, rtol=1e-12)
 
 
-def test_answers_of_amplifiers_to_a_ramp():
-    """1/(1 + s tau) makes t - tau (1 - exp(-t/tau)) of t; straight lines are exact."""
+def test_a_first_order_low_pass_of_a_ramp_is_exact():
+    """1/(1 + s tau) makes t - tau (1 - exp(-t/tau)) of t."""
     t = 1e-6 * np.arange(50)
     tau = 1 / (2 * math.pi * 30e3)
     expected = t - tau * -np.expm1(-t / tau)
@@ -147,48 +181,60 @@ def test_answers_of_amplifiers_to_a_ramp():
     np.testing.assert_allclose(answer.values, expected, atol=1e-18)
 
 
-def test_what_a_gauge_and_its_amplifier_do():
+def test_a_gauge_averages_along_its_length():
     pulse = trapezoid()
-    averaged = pulse.as_measured(gauge_length=0.01, wave_speed=5000.0)  # over 2 us
+    averaging_time = 0.01 / 5000.0  # s, 2 us
+
+    averaged = pulse.as_measured(gauge_length=0.01, wave_speed=5000.0)
+    by_short_gauge = pulse.as_measured(gauge_length=1e-30, wave_speed=5000.0)
+
+    # In the middle of the rise, from 20 us to 24 us, the mean is the value.
     t = averaged.times
     is_in_rise = (t > 21e-6) & (t < 23e-6)
-    in_rise = averaged.values[is_in_rise]
-    np.testing.assert_allclose(in_rise, pulse.values[is_in_rise], atol=1e-12)
+    values = averaged.values[is_in_rise]
+    np.testing.assert_allclose(values, pulse.values[is_in_rise], atol=1e-12)
+    # At the corner half of the time is before the rise, whose slope is 0.5e6 1/s.
     corner = np.argmin(np.abs(t - 20e-6))
-    triangle = 0.5e6 * 1e-6**2 / 2  # below the rise, from the corner on
-    assert averaged.values[corner] == pytest.approx(triangle / 2e-6, rel=1e-9)
-    short = pulse.as_measured(gauge_length=1e-30, wave_speed=5000.0)
-    assert short.values == pytest.approx(pulse.values, abs=1e-6)
+    triangle = 0.5e6 * (averaging_time / 2) ** 2 / 2
+    assert averaged.values[corner] == pytest.approx(triangle / averaging_time, rel=1e-9)
+    assert by_short_gauge.values == pytest.approx(pulse.values, abs=1e-6)
+
+
+def test_an_amplifier_filters_scales_and_adds_an_offset():
+    pulse = trapezoid()
     amplified = pulse.as_measured(bandwidth=100e3, order=2, scale=3.0, offset=0.5)
     assert amplified == pulse.low_pass(100e3, "second-order") * 3 + 0.5
     assert pulse.as_measured() == pulse
 
 
-def test_each_vibration_propagates_at_its_own_speed():
-    z = 0.7
-    for f in (20e3, 120e3, 240e3):
-        burst = tone(f)
-        factor = phase_and_gain(burst.propagated(z, BAR), burst, f)
-        exact = np.exp(-1j * BAR.wavenumber(f) * z)
-        narrow = 2e-3 + 0.05 * (f / 240e3) ** 2  # the burst has some width in frequency
-        assert factor == pytest.approx(exact, abs=narrow)
+def test_each_vibration_propagates_at_its_own_speed_up_to_the_end_of_the_mode():
+    distance = 0.7
+    for frequency in (20e3, 120e3, 240e3):
+        burst = tone(frequency)
+        factor = transfer(burst.propagated(distance, BAR), burst, frequency)
+        exact = np.exp(-1j * BAR.wavenumber(frequency) * distance)
+        # The burst has some width in frequency, along which the speed changes.
+        bound = 2e-3 + 0.05 * (frequency / 240e3) ** 2
+        assert factor == pytest.approx(exact, abs=bound)
     beyond = tone(300e3)  # the first mode ends at 262 kHz
-    assert np.abs(beyond.propagated(z, BAR).values).max() < 1e-3
+    assert np.abs(beyond.propagated(distance, BAR).values).max() < 1e-3
 
 
 def test_a_propagated_pulse_varies_smoothly_with_the_bar():
-    """Though the number of frequencies below the cut-off changes from one bar to the
-    next.
+    """The number of frequencies below the cut-off changes from one bar to the next, and
+    the pulse does not jump with it.
     """
     pulse = trapezoid(rise=1e-6).extended(1e-4, 1e-4)
     speeds = np.linspace(5000.0, 5040.0, 41)
-    moved = []
+    propagated = []
     for speed in speeds:
         bar = ri.waves.Bar(speed, 0.29, 5e-3)
-        moved.append(pulse.propagated(0.5, bar).values)
-    changes = np.diff(moved, axis=0)
-    changes_of_changes = np.diff(changes, axis=0)
-    assert np.abs(changes_of_changes).max() < 0.1 * np.abs(changes).max()
+        propagated.append(pulse.propagated(0.5, bar).values)
+    # The differences are [bar, sample].
+    first_differences = np.diff(propagated, axis=0)
+    second_differences = np.diff(first_differences, axis=0)
+    bound = 0.1 * np.abs(first_differences).max()
+    assert np.abs(second_differences).max() < bound
 
 
 def test_propagation_back_undoes_propagation():
@@ -196,6 +242,10 @@ def test_propagation_back_undoes_propagation():
     there = pulse.extended(1e-4, 1e-4).propagated(0.5, BAR)
     back = there.propagated(-0.5, BAR)
     np.testing.assert_allclose(back.at(pulse.times), pulse.values, atol=1e-5)
+
+
+def test_a_propagated_record_begins_later_by_the_way_over_the_wave_speed():
+    pulse = trapezoid()
     arrival = pulse.start + 0.5 / BAR.wave_speed
     assert pulse.propagated(0.5, BAR).start == pytest.approx(arrival, rel=1e-12)
 
@@ -207,26 +257,26 @@ def test_a_pulse_keeps_its_shape_without_dispersion():
     np.testing.assert_allclose(arrived.values, pulse.values, atol=1e-5)
 
 
-def test_a_rod_is_a_bar_if_it_is_round():
+def test_a_rod_is_a_bar_if_it_is_round_or_a_radius_is_given():
     steel = ri.materials.steel
     rod = ri.Rod(1.0, diameter=0.02, material=steel)
     bar = ri.waves.Bar.of(rod)
-    plain = ri.Rod(1.0, area=rod.segments[0].area, material=steel)
+    not_round = ri.Rod(1.0, area=rod.segments[0].area, material=steel)
     pulse = trapezoid()
 
-    moved = pulse.propagated(0.2, rod)
+    propagated = pulse.propagated(0.2, rod)
 
-    assert moved == pulse.propagated(0.2, bar)
-    assert moved == pulse.propagated(0.2, plain, radius=bar.radius)
+    assert propagated == pulse.propagated(0.2, bar)
+    assert propagated == pulse.propagated(0.2, not_round, radius=bar.radius)
 
 
-def test_extended():
+def test_an_extended_signal_repeats_its_first_and_its_last_value():
     extended = ri.Signal([1.0, 2.0, 3.0], dt=0.5).extended(1.0, 0.7)
-    assert extended.values.tolist() == [1, 1, 1, 2, 3, 3, 3]
     assert extended.times.tolist() == [-1, -0.5, 0, 0.5, 1, 1.5, 2]
+    assert extended.values.tolist() == [1, 1, 1, 2, 3, 3, 3]
 
 
-def test_to_a_table_and_back(tmp_path):
+def test_a_signal_is_written_as_a_table_once_and_read_back_equal(tmp_path):
     path = tmp_path / "a.csv"
     signal = trapezoid(unit="V", name="incident bar")
 
@@ -241,27 +291,34 @@ def test_to_a_table_and_back(tmp_path):
         signal.replace(name="a,b").to_csv(tmp_path / "b.csv")
 
 
-def test_to_xarray_and_back():
-    xarray = pytest.importorskip("xarray")
+def test_a_signal_comes_back_equal_from_xarray():
+    pytest.importorskip("xarray")
     signal = trapezoid(unit="V", name="incident")
+
     data = signal.to_xarray()
+
     assert data.attrs == {"long_name": "incident", "units": "V"}
     assert data["time"].attrs == {"long_name": "time", "units": "s"}
     assert ri.Signal.from_xarray(data) == signal
+
+
+def test_units_of_a_data_array_are_converted_and_must_be_there():
+    xarray = pytest.importorskip("xarray")
     times = ("t", [0.0, 2.0], {"units": "us"})
     unit = {"units": "microstrain"}
     strain = xarray.DataArray([0.0, 500.0], {"t": times}, "t", "bar", unit)
     expected = ri.Signal([0.0, 5e-4], [0.0, 2e-6], name="bar")
+    without_units = xarray.DataArray([0.0, 500.0], {"t": [0.0, 2.0]}, "t")
+
     assert ri.Signal.from_xarray(strain) == expected
-    bare = xarray.DataArray([0.0, 500.0], {"t": [0.0, 2.0]}, "t")
     with pytest.raises(ValueError, match="unknown unit None"):
-        ri.Signal.from_xarray(bare)
+        ri.Signal.from_xarray(without_units)
     with pytest.raises(ValueError, match="must be a DataArray of one dimension"):
         ri.Signal.from_xarray(3)
 
 
 @pytest.mark.parametrize(
-    ("kind", "nu", "factor"),
+    ("kind", "nu", "strain_per_ratio"),
     [
         ("quarter", None, 4.0),
         ("half", None, 2.0),
@@ -269,13 +326,17 @@ def test_to_xarray_and_back():
         ("full", 0.25, 1.6),
     ],
 )
-def test_bridges(kind, nu, factor):
+def test_a_bridge_makes_strain_of_volts_and_refuses_another_unit(
+    kind, nu, strain_per_ratio
+):
+    """`strain_per_ratio` is gauge factor times strain over the ratio of voltages."""
     bridge = ri.Bridge(
         kind, gauge_factor=2.0, excitation=10.0, gain=50.0, poisson_ratio=nu
     )
     volts = trapezoid(unit="V", name="a")
     strain = bridge.strain(volts)
-    plateau = factor * 2.0 / 1000.0
+    # 2 V over the excitation of 10 V, the gain of 50 and the gauge factor of 2
+    plateau = strain_per_ratio * 2.0 / (10.0 * 50.0 * 2.0)
     assert strain.pulse().plateau == pytest.approx(plateau, rel=1e-12)
     assert strain.unit == ""
     assert strain.name == "a"
@@ -298,10 +359,10 @@ def test_bridges(kind, nu, factor):
         ({"gauge_factor": [2.0, 2.1]}, "gauge_factor: must be a single number"),
     ],
 )
-def test_wrong_bridges(changes, said):
+def test_wrong_bridges_are_refused(changes, said):
     arguments = {"kind": "quarter", "gauge_factor": 2.0, "excitation": 10.0} | changes
     with pytest.raises(ri.InvalidModel, match=said):
-        ri.Bridge(arguments.pop("kind"), **arguments)
+        ri.Bridge(**arguments)
 
 
 PULSE = trapezoid()
@@ -431,13 +492,17 @@ for exponent, (name, unit) in enumerate(UNITS.items()):
     SIGNALS[name] = ri.Signal(values, T, unit=unit, name=name)
 
 
-def test_a_table_is_read_as_it_was_written(tmp_path):
-    ri.write_signals(tmp_path / "a.csv", SIGNALS)
-    assert ri.read_signals(tmp_path / "a.csv") == SIGNALS
+def test_a_table_is_read_as_it_was_written_and_replaced_only_by_force(tmp_path):
+    path = tmp_path / "a.csv"
+    other = {"2": SIGNALS["2"]}
+
+    ri.write_signals(path, SIGNALS)
+
+    assert ri.read_signals(path) == SIGNALS
     with pytest.raises(FileExistsError):
-        ri.write_signals(tmp_path / "a.csv", SIGNALS)
-    ri.write_signals(tmp_path / "a.csv", {"2": SIGNALS["2"]}, force=True)
-    assert list(ri.read_signals(tmp_path / "a.csv")) == ["2"]
+        ri.write_signals(path, other)
+    ri.write_signals(path, other, force=True)
+    assert ri.read_signals(path) == other
 
 
 def test_a_dataset_is_read_as_it_was_made():
@@ -470,13 +535,15 @@ def test_a_dataset_is_read_as_it_was_made():
         ),
     ],
 )
-def test_what_makes_no_table_is_refused(tmp_path, signals, said):
+def test_signals_that_make_no_table_are_refused_and_write_no_file(
+    tmp_path, signals, said
+):
     with pytest.raises(ri.InvalidModel, match=said):
         ri.write_signals(tmp_path / "a.csv", signals)
     assert not (tmp_path / "a.csv").exists()
 
 
-def test_arrays_do_not_become_arrays_of_signals():
+def test_arrays_are_refused_in_arithmetic_and_numbers_of_numpy_are_not():
     ones = np.ones(len(PULSE))
     for call in (
         lambda: ones + PULSE,
@@ -488,5 +555,5 @@ def test_arrays_do_not_become_arrays_of_signals():
         with pytest.raises(ri.InvalidModel, match="number: must be a single number or"):
             call()
     for two in (np.float64(2.0), np.float32(2.0), np.array(2.0)):
-        assert (two * PULSE) == 2 * PULSE
-        assert (two + PULSE) == 2.0 + PULSE
+        assert two * PULSE == 2.0 * PULSE
+        assert two + PULSE == 2.0 + PULSE
