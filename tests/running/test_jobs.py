@@ -17,44 +17,65 @@ STEEL = ri.materials.steel
 
 
 class Cluster(Executor):
-    """Workers, each with one job at a time; what a job takes is told by a clock that it
-    moves.
+    """Workers that run one job at a time each, by a simulated clock.
 
-    A job ends when the sweep can do no more than wait: as many are in flight as it
-    wants, or all.
+    A job runs at once and moves the clock. Its future is done later: as soon as the
+    sweep can only wait, since as many jobs are in flight as it wants, two a worker, or
+    all members are handed out.
+
+    Attributes
+    ----------
+    free : list of float
+        Times at which the workers are free, s; a heap.
+    in_flight : list of tuple
+        End, number, result and future of jobs whose future is not done; a heap.
+    now : float
+        Time at which the sweep heard of a job last, s.
+    members_to_come : int
+        Members that were not handed out.
+    durations : list of float
+        Times that the jobs took, s.
     """
 
     def __init__(self, workers, members, clock):
         self.workers = workers
         self.clock = clock
         self.free = [0.0] * workers
-        self.flying = []
-        self.number = itertools.count()
+        self.in_flight = []
+        self.job_numbers = itertools.count()
         self.now = 0.0
-        self.to_come = members
-        self.lasted = []
+        self.members_to_come = members
+        self.durations = []
 
     def submit(self, run, chunk):
-        begun = self.clock.now = max(self.now, heapq.heappop(self.free))
+        start = max(self.now, heapq.heappop(self.free))
+        self.clock.now = start
         result = run(chunk)
         end = self.clock.now
         heapq.heappush(self.free, end)
-        self.lasted.append(end - begun)
-        self.to_come -= math.prod(chunk.system.shape)
+        self.durations.append(end - start)
+        self.members_to_come -= math.prod(chunk.system.shape)
         future = Future()
-        heapq.heappush(self.flying, (end, next(self.number), result, future))
-        while len(self.flying) == 2 * self.workers or (
-            self.flying and not self.to_come
-        ):
-            self.now, _, news, done = heapq.heappop(self.flying)
-            done.set_result(news)
+        # The number decides between jobs that end at the same time.
+        job = (end, next(self.job_numbers), result, future)
+        heapq.heappush(self.in_flight, job)
+        while self.sweep_can_only_wait():
+            self.now, _, first_result, first_future = heapq.heappop(self.in_flight)
+            first_future.set_result(first_result)
         return future
+
+    def sweep_can_only_wait(self):
+        if len(self.in_flight) == 2 * self.workers:
+            return True
+        return bool(self.in_flight) and self.members_to_come == 0
 
 
 @pytest.fixture
 def clock(monkeypatch):
-    """What jobs look at; running members moves it by what stands for their cost, their
-    length.
+    """The clock that jobs look at; each member moves it by the length of its first
+    body, which stands for its cost, s.
+
+    That length is also the restitution of the member.
     """
     clock = SimpleNamespace(now=0.0)
 
@@ -62,10 +83,10 @@ def clock(monkeypatch):
         system = chunk.system
         cost = np.broadcast_to(system.bodies[0].length, system.shape).ravel()
         clock.now += cost.sum()
-        columns = {
-            name: np.zeros((len(cost), *beyond), kind)
-            for name, (kind, beyond) in layout_of(system, chunk.readings).items()
-        }
+        columns = {}
+        layout = layout_of(system, chunk.readings)
+        for name, (dtype, shape_of_entry) in layout.items():
+            columns[name] = np.zeros((len(cost), *shape_of_entry), dtype)
         columns["restitution"] += cost
         return columns
 
@@ -97,31 +118,34 @@ def test_workers_end_together_though_the_last_tenth_takes_ten_times_as_long(
     seconds = np.append(np.full(900, 0.1), np.full(100, 1.0))
     cluster = Cluster(workers, len(seconds), clock)
     result = swept(seconds, cluster)
+    shortest_time = seconds.sum() / workers
     assert result.restitution.tolist() == seconds.tolist()
-    assert sum(cluster.lasted) == pytest.approx(seconds.sum())
-    assert max(cluster.free) < 1.2 * seconds.sum() / workers
+    assert sum(cluster.durations) == pytest.approx(seconds.sum())
+    assert max(cluster.free) < 1.2 * shortest_time
 
 
 @pytest.mark.parametrize(
-    ("members", "workers", "count"),
+    ("members", "workers", "jobs_run"),
     [(1000, 2, 16), (5, 2, 5), (1, 64, 1), (160, 4, 32), (161, 4, 27)],
 )
-def test_a_worker_gets_about_eight_jobs(clock, members, workers, count):
+def test_a_worker_gets_about_eight_jobs_if_there_are_so_many(
+    clock, members, workers, jobs_run
+):
     cluster = Cluster(workers, members, clock)
     swept(np.ones(members), cluster)
-    assert len(cluster.lasted) == count
+    assert len(cluster.durations) == jobs_run
 
 
-def test_an_executor_that_does_not_say_has_64_workers(clock):
+def test_an_executor_that_does_not_say_is_taken_to_have_64_workers(clock):
     cluster = Cluster(2, 2048, clock)
     ri.sweep(family(np.ones(2048)), "finite-difference", executor=cluster)
-    assert len(cluster.lasted) == 512
+    assert len(cluster.durations) == 64 * 8
 
 
 def test_a_checkpoint_has_finer_jobs(clock, tmp_path):
     cluster = Cluster(2, 1000, clock)
     swept(np.ones(1000), cluster, checkpoint=tmp_path)
-    assert len(cluster.lasted) == 200
+    assert len(cluster.durations) == 200
 
 
 @pytest.mark.parametrize(
@@ -159,30 +183,39 @@ def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, tmp_path):
     with np.load(part) as file:
         done = file["status"].size
     assert 200 < done < 400
+
     cluster = Cluster(5, 500 - done, clock)
     result = swept(seconds, cluster, checkpoint=tmp_path)
+    # The third sweep finds all members, and hands no job to its cluster.
+    idle_cluster = Cluster(1, 0, clock)
+    again = swept(seconds, idle_cluster, checkpoint=tmp_path)
+
     assert result.restitution.tolist() == seconds.tolist()
-    assert cluster.to_come == 0
-    again = swept(seconds, Cluster(1, 0, clock), checkpoint=tmp_path)
+    assert cluster.members_to_come == 0
     assert again.restitution.tolist() == seconds.tolist()
+    assert idle_cluster.durations == []
 
 
-def test_an_interrupt_cancels_what_waits(clock):
-    """Workers that never end a job: the first news is that there is none."""
-    handed = []
+def test_an_interrupt_cancels_jobs_that_wait(clock):
+    """Workers never end a job: progress tells that no member is done, and interrupts."""
+    futures = []
 
     class Stuck(Executor):
         workers = 3
 
         def submit(self, *_):
-            handed.append(Future())
-            return handed[-1]
+            future = Future()
+            futures.append(future)
+            return future
 
     def interrupt(done, total):
-        assert (done, total) == (0, 50)
+        assert done == 0
+        assert total == 50
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         swept(np.ones(50), Stuck(), progress=interrupt)
-    assert len(handed) == 6
-    assert all(job.cancelled() for job in handed)
+
+    assert len(futures) == 2 * Stuck.workers
+    for future in futures:
+        assert future.cancelled()

@@ -1,4 +1,4 @@
-"""Families that earlier versions saved open in this one, and say what they said
+"""Families that earlier versions saved open in this one, with the numbers that they had
 then.
 """
 
@@ -12,16 +12,16 @@ import rodimpact as ri
 
 KEPT = Path(__file__).parent / "kept"  # of schema 6
 FACTS = json.loads((KEPT / "facts.json").read_text(encoding="utf-8"))
-ALIKE = {"rel": 1e-12, "abs": 1e-15}
+ROUND_OFF = {"rel": 1e-12, "abs": 1e-15}
 
 
-def test_a_kept_family_opens():
+def test_a_kept_family_opens_with_its_velocities_strains_and_lengths():
     family = ri.load(KEPT / "sweep.npz")
     facts = FACTS["sweep"]
-    assert np.array(family.velocities_after) == pytest.approx(
-        np.array(facts["velocities_after"]), **ALIKE
-    )
-    assert family.strain == pytest.approx(np.array(facts["strain"]), **ALIKE)
+    velocities = np.array(facts["velocities_after"])
+    strain = np.array(facts["strain"])
+    assert np.array(family.velocities_after) == pytest.approx(velocities, **ROUND_OFF)
+    assert family.strain == pytest.approx(strain, **ROUND_OFF)
     assert family.system.bodies[0].length.tolist() == [0.2, 0.4]
 
 

@@ -1,6 +1,9 @@
 """Families of collisions: the same numbers as one at a time, whoever runs them."""
 
+import csv
+import itertools
 import multiprocessing
+import sys
 import warnings
 from concurrent.futures import ProcessPoolExecutor
 
@@ -21,6 +24,7 @@ STEEL = ri.materials.steel
 
 
 def pair(lengths, areas, velocity=1.0):
+    """A striker of these lengths and a rod of 1 m of these areas; they broadcast."""
     striker = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=velocity)
     return ri.System([striker, ri.Rod(1.0, area=areas, material=STEEL)])
 
@@ -32,6 +36,7 @@ def small_map(shape=(7, 5)):
 
 
 def have_same_bits(first, second):
+    """Whether all columns of two sweeps of one family are equal bit for bit."""
     assert first.columns.keys() == second.columns.keys()
     for name, column in first.columns.items():
         if column.tobytes() != second.columns[name].tobytes():
@@ -41,10 +46,10 @@ def have_same_bits(first, second):
 
 def swings_for_ever(system):
     """Whether a rod is bonded or joined to a wall."""
-    neighbours = zip(system.bodies, system.bodies[1:], strict=False)
-    for law, bodies in zip(system.contacts, neighbours, strict=True):
-        beside_a_wall = any(isinstance(body, ri.Wall) for body in bodies)
-        if beside_a_wall and not law.opens:
+    neighbours = itertools.pairwise(system.bodies)
+    for law, (left, right) in zip(system.contacts, neighbours, strict=True):
+        is_beside_a_wall = isinstance(left, ri.Wall) or isinstance(right, ri.Wall)
+        if is_beside_a_wall and not law.opens:
             return True
     return False
 
@@ -53,10 +58,11 @@ CONTACT_TOTALS = ("impulse", "peak_force", "duration", "episodes")
 
 
 def assert_equal_to_one_at_a_time(result, **options):
-    """Every column bit for bit, the energy left in vibration to round-off.
+    """Compare each member with a run of its own: all columns of its outcome bit for bit,
+    the energy left in vibration to round-off.
 
-    A contact that presses for ever has no total of its own, and what swings for ever no
-    vibration after.
+    A contact that presses for ever has no totals, and a system that swings for ever has
+    no vibration after the collision: these are left out.
     """
     for index in np.ndindex(result.shape):
         outcome = ri.solve(result.system[index], **options).outcome
@@ -83,17 +89,16 @@ def assert_same_totals(member, contacts):
 
 def assert_same_vibration(member, outcome):
     energy_before = outcome.kinetic_before + sum(outcome.vibration_before)
-    vibration = pytest.approx(
-        sum(outcome.vibration_after), rel=1e-12, abs=1e-14 * energy_before
-    )
-    assert member["vibration"] == vibration
+    vibration = sum(outcome.vibration_after)
+    round_off = 1e-14 * energy_before
+    assert member["vibration"] == pytest.approx(vibration, rel=1e-12, abs=round_off)
 
 
 # Numbers
 # --------------------------------------------------------------------------------------
 
 
-def test_a_map_equals_the_closed_form():
+def test_restitution_and_impulse_of_a_map_equal_the_closed_form():
     system = small_map((60, 50))
     striker, struck = (body.segments[0] for body in system.bodies)
     exact = theory.saint_venant(
@@ -114,13 +119,15 @@ def test_a_map_equals_the_closed_form():
 
 
 def random_family(seed, driven):
-    """A random row of which some numbers become arrays; places and times of jumps,
-    too.
+    """A random row of which some numbers become arrays of 6, and some areas [2, 1].
+
+    The places and times of jumps are among them.
     """
     rng = np.random.default_rng(seed)
-    described = with_ends(seed, driven).to_dict()
+    data = with_ends(seed, driven).to_dict()
 
     def vary(fields, name):
+        """Vary a number, or the first value and all jumps of steps."""
         value = fields.get(name)
         if isinstance(value, float):
             fields[name] = value * rng.uniform(-1, 1, 6)
@@ -128,21 +135,23 @@ def random_family(seed, driven):
             factors = rng.uniform(0.3, 1, 6)
             first, *later_values = value["values"]
             value["values"] = [first * factors, *later_values]
-            value["at"] = [place * factors for place in value["at"]]
+            value["at"] = [jump * factors for jump in value["at"]]
 
-    for end in described.get("ends", {}).values():
+    for end in data.get("ends", {}).values():
         vary(end, "value")
-    for body in described["bodies"]:
+    for body in data["bodies"]:
         vary(body, "velocity")
         vary(body, "strain")
-        uniform = [body] if body["kind"] == "rod" else []
-        for segment in body.get("segments", uniform):
+        segments = body.get("segments", [])
+        if body["kind"] == "rod" and not segments:
+            segments = [body]  # a uniform rod has its own area
+        for segment in segments:
             if rng.random() < 0.5:
                 segment["area"] = segment["area"] * rng.uniform(0.5, 2, (2, 1))
-    for contact in described["contacts"]:
+    for contact in data["contacts"]:
         if contact["law"] == "rigid":
             contact["gap"] = contact["gap"] * rng.uniform(0, 2, 6).round()
-    return ri.System.from_dict(described)
+    return ri.System.from_dict(data)
 
 
 ON_GRID = {"method": "finite-difference", "cells": 20}
@@ -157,10 +166,8 @@ ON_GRID = {"method": "finite-difference", "cells": 20}
     ],
     ids=["bond", "bond until", "joint on a grid"],
 )
-def test_bonds_and_joints_have_totals(law, options):
-    """Impulse and largest force of a contact that cannot open, as `solve` gives
-    them.
-    """
+def test_bonds_and_joints_have_the_totals_of_single_runs(law, options):
+    """A contact that cannot open has an impulse and a peak force."""
     lengths = np.array([0.3, 0.5])
     rods = [
         ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0),
@@ -178,8 +185,9 @@ def mean_of(profile):
 
 
 def family_of_network(seed):
-    """Two members of a random row: masses, laws, ends, gravity; profiles become their
-    means.
+    """Two members of a random row: masses, laws, ends, gravity.
+
+    Areas, strains and gaps vary. Profiles are replaced by their means.
     """
     system = random_network(seed, bodies=3, driven=seed % 2 == 1)
     factors = np.array([1.0, 0.9])
@@ -206,13 +214,14 @@ def family_of_network(seed):
 
 
 @pytest.mark.parametrize("seed", few_of(range(0, 300, 25), range(75, 300, 75)))
-def test_members_of_random_rows_of_characteristics_equal_one_at_a_time(seed):
+def test_members_of_characteristics_equal_one_at_a_time_compiled_and_plain(seed):
     system = family_of_network(seed)
     options = {"method": "characteristics", "until": 1.5, "rtol": 1e-2}
     with kernels.forced(True):
         result = ri.sweep(system, **options)
         assert_equal_to_one_at_a_time(result, **options)
 
+    # Plain Python takes long: these runs are shorter.
     with kernels.forced(True):
         compiled = ri.sweep(system, "characteristics", until=0.5)
     with kernels.forced(False):
@@ -242,8 +251,8 @@ def test_columns_are_the_same_bits_whatever_the_number_of_workers(method):
         assert np.array_equal(column, columns, equal_nan=True)
 
 
-def test_a_long_member_goes_on_in_machine_code(monkeypatch):
-    """What it has spent counts while it runs."""
+def test_a_long_member_goes_on_in_machine_code_to_the_same_bits(monkeypatch):
+    """The time that it has spent grows while it runs, until compiling pays."""
     system = pair(np.array([0.4, 0.41421356, 0.43]), 3e-4)
     with kernels.forced(False):
         plain = ri.sweep(system, until=0.02, workers=1)
@@ -264,13 +273,14 @@ def test_a_long_member_goes_on_in_machine_code(monkeypatch):
 
     result = ri.sweep(system, until=0.02, workers=1)
 
+    # The first question is asked before any member runs.
+    _, *seconds_while_running = seconds_spent[:4]
     assert have_same_bits(result, plain)
-    while_it_ran = seconds_spent[1:4]
-    assert while_it_ran == sorted(while_it_ran)
+    assert seconds_while_running == sorted(seconds_while_running)
     assert len(compiled) == 1  # all members run in one block, which began in Python
 
 
-def test_a_single_collision_is_a_family_too():
+def test_a_single_collision_is_a_family_without_axes():
     system = pair(0.4, 1e-4)
     result = ri.sweep(system)
     assert result.shape == ()
@@ -280,19 +290,19 @@ def test_a_single_collision_is_a_family_too():
 
 
 @pytest.mark.parametrize("is_compiled", [False, True])
-def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch, is_compiled):
+def test_members_that_outgrow_the_log_have_the_same_bits(monkeypatch, is_compiled):
     lengths = 0.1 * np.sqrt([2, 3, 5, 7])
     striker = ri.Rod(lengths, area=1e-4, material=MATERIALS[0], velocity=1.0)
     middle = ri.Rod(0.13, area=3e-4, material=MATERIALS[1])
     last = ri.Rod(0.17, area=5e-4, material=MATERIALS[0], velocity=-1.0)
     system = ri.System([striker, middle, last])
-    roomy = ri.sweep(system)
+    with_usual_log = ri.sweep(system)
     monkeypatch.setattr("rodimpact.methods.fronts.batch.INITIAL_LOG_ROWS", 1)
 
     with kernels.forced(is_compiled):
         result = ri.sweep(system)
 
-    assert have_same_bits(result, roomy)
+    assert have_same_bits(result, with_usual_log)
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
@@ -313,7 +323,8 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
     result = ri.sweep(system, workers=1)
 
     assert have_same_bits(result, plain)
-    assert len(seconds_ahead) > 9
+    assert len(seconds_ahead) > 9  # members ran in ten blocks or more
+    # The time that the other members will take gets shorter.
     assert max(seconds_ahead) > seconds_ahead[-1]
 
 
@@ -346,14 +357,14 @@ def test_a_member_that_stops_early_keeps_what_is_known():
     assert result.status.tolist() == ["max_events"] * 3
     assert result.incomplete.all()
     assert np.isnan(result.restitution).all()
-    assert "cap of 20" in result.explain(0)
+    assert "cap of 200" in result.explain(0)
     assert_equal_to_one_at_a_time(result, max_events=200)
 
 
 @pytest.mark.parametrize(("method", "cap"), [("fronts", 3), ("characteristics", 10)])
 def test_a_cap_after_the_proof_is_not_why_a_run_ended(method, cap):
-    """It cuts the vibration that a single run shows after the proof, as the status
-    tells.
+    """It cuts the vibration that a single run shows after the proof, which the status
+    says.
     """
     system = pair(np.array([0.4]), 1e-4)
     result = ri.sweep(system, method, max_events=cap)
@@ -423,7 +434,9 @@ TIMES = np.linspace(0.0, 4e-4, 41)
         ),
     ],
 )
-def test_gauges_equal_those_of_single_solutions(system, options, gauges):
+def test_gauges_equal_those_of_single_solutions_and_change_no_column(
+    system, options, gauges
+):
     result = ri.sweep(system, gauges=gauges, times=TIMES, **options)
 
     assert result.strain.shape == (*system.shape, len(gauges), len(TIMES))
@@ -431,14 +444,14 @@ def test_gauges_equal_those_of_single_solutions(system, options, gauges):
     assert result.times.tolist() == TIMES.tolist()
     for index in np.ndindex(system.shape):
         solution = ri.solve(system[index], **options)
-        inside = solution.t_end * (1 + 1e-12) >= TIMES
+        is_in_run = solution.t_end * (1 + 1e-12) >= TIMES
         for strain, (body, x) in zip(result.strain[index], gauges, strict=True):
-            alone = solution.gauge(body, x).strain_at(TIMES[inside])
-            assert strain[inside].tolist() == alone.tolist()
-            assert np.isnan(strain[~inside]).all()
+            expected = solution.gauge(body, x).strain_at(TIMES[is_in_run])
+            assert strain[is_in_run].tolist() == expected.tolist()
+            assert np.isnan(strain[~is_in_run]).all()
     assert np.nanmax(np.abs(result.strain)) > 0
-    again = ri.sweep(system, **options)
-    assert have_same_bits(result, again)
+    without_gauges = ri.sweep(system, **options)
+    assert have_same_bits(result, without_gauges)
 
 
 def test_a_refused_member_has_no_strain():
@@ -459,7 +472,7 @@ def test_a_refused_member_has_no_strain():
         ({"gauges": [(1, [0.1, 0.2])], "times": TIMES}, "gauges.0.x"),
     ],
 )
-def test_gauges_are_checked(options, path):
+def test_wrong_gauges_and_times_are_named(options, path):
     system = pair(np.array([0.4, 0.2]), 1e-4)
     messages = problems(lambda: ri.sweep(system, **options))
     assert list(messages) == [path]
@@ -471,7 +484,7 @@ def with_gauge():
     return ri.sweep(small_map((3, 2)), until=3e-4, gauges=[(1, 0.5)], times=TIMES)
 
 
-def test_gauges_are_saved(tmp_path, with_gauge):
+def test_gauges_are_saved_and_loaded_bit_for_bit(tmp_path, with_gauge):
     with_gauge.save(tmp_path / "family.npz")
     loaded = ri.load(tmp_path / "family.npz")
     assert loaded.strain.tobytes() == with_gauge.strain.tobytes()
@@ -480,7 +493,7 @@ def test_gauges_are_saved(tmp_path, with_gauge):
     assert loaded.times.tolist() == TIMES.tolist()
 
 
-def test_gauges_have_dimensions(with_gauge):
+def test_gauges_of_a_dataset_have_dimensions_places_and_units(with_gauge):
     pytest.importorskip("xarray")
     data = with_gauge.to_xarray()
     assert data["strain"].dims == ("bodies.0.length", "bodies.1.area", "gauge", "time")
@@ -497,20 +510,20 @@ def test_gauges_have_dimensions(with_gauge):
 # ------------------------------------------------------------------------
 
 
-def test_one_bad_member_does_not_lose_the_others():
+def test_a_refused_member_has_no_numbers_and_the_others_have_theirs():
     """One member has transit times too far apart for one clock."""
     lengths = np.full((100, 100), 0.5)
     lengths[33, 33] = 1e-13
 
     result = ri.sweep(pair(lengths, 1e-4))
 
-    bad = result.status != "final"
-    assert np.argwhere(bad).tolist() == [[33, 33]]
-    assert np.isnan(result.restitution[33, 33])
+    is_refused = result.status != "final"
+    assert np.argwhere(is_refused).tolist() == [[33, 33]]
     assert not result.final[33, 33]
     assert "too short beside the longest" in result.explain((33, 33))
-    np.testing.assert_allclose(result.restitution[~bad], 0.5, atol=1e-15)
+    np.testing.assert_allclose(result.restitution[~is_refused], 0.5, atol=1e-15)
     for name in (
+        "restitution",
         "velocity_after.0",
         "impulse.0",
         "vibration",
@@ -520,7 +533,7 @@ def test_one_bad_member_does_not_lose_the_others():
         assert np.isnan(result.columns[name][33, 33])
 
 
-def test_no_collision_is_no_error():
+def test_members_that_do_not_collide_have_no_restitution_and_no_episode():
     result = ri.sweep(pair(0.4, 1e-4, velocity=np.array([1.0, -1.0, 0.0])))
     assert np.isnan(result.restitution).tolist() == [False, True, True]
     assert result.final.all()
@@ -541,7 +554,7 @@ def test_no_collision_is_no_error():
         ({"executor": ProcessPoolExecutor}, "executor"),
     ],
 )
-def test_arguments_are_checked(options, path):
+def test_wrong_arguments_are_named(options, path):
     messages = problems(lambda: ri.sweep(pair(0.4, 1e-4), **options))
     assert list(messages) == [path]
 
@@ -566,11 +579,13 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
     serial_readings = ri.sweep(system, executor=SerialExecutor(), **readings)
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=spawn) as pool:
-        for how in ({"workers": 1}, {"workers": 5}, {"executor": pool}):
-            assert have_same_bits(ri.sweep(system, **how), serial)
-            result = ri.sweep(system, **readings, **how)
-            assert have_same_bits(result, serial_readings)
-            assert result.strain.tobytes() == serial_readings.strain.tobytes()
+        for runner in ({"workers": 1}, {"workers": 5}, {"executor": pool}):
+            result = ri.sweep(system, **runner)
+            result_with_readings = ri.sweep(system, **readings, **runner)
+            strain = result_with_readings.strain
+            assert have_same_bits(result, serial)
+            assert have_same_bits(result_with_readings, serial_readings)
+            assert strain.tobytes() == serial_readings.strain.tobytes()
 
 
 @pytest.mark.exhaustive
@@ -595,10 +610,15 @@ def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
 
 def test_progress_counts_collisions(small_chunks):
     counts = []
-    ri.sweep(small_map(), progress=lambda done, total: counts.append((done, total)))
-    assert counts[-1] == (35, 35)
-    done = [count for count, _ in counts]
-    assert done == sorted(done)
+
+    def note(done, total):
+        assert total == 7 * 5
+        counts.append(done)
+
+    ri.sweep(small_map((7, 5)), progress=note)
+
+    assert counts == sorted(counts)
+    assert counts[-1] == 7 * 5
 
 
 def test_axes_and_parameters_have_the_names_of_a_case_file():
@@ -620,17 +640,18 @@ def test_axes_and_parameters_have_the_names_of_a_case_file():
 
 def test_csv_holds_every_digit(tmp_path):
     result = ri.sweep(small_map((3, 2)))
-    result.to_csv(tmp_path / "map.csv")
+    path = tmp_path / "map.csv"
 
-    names, *rows = (tmp_path / "map.csv").read_text().splitlines()
-    assert names.split(",")[:3] == ["bodies.0.length", "bodies.1.area", "restitution"]
-    assert len(rows) == 6
-    cells = [row.split(",") for row in rows]
-    areas = [float(row[1]) for row in cells]
-    assert areas == [*result.axes[1].values] * 3
-    restitutions = [float(row[2]) for row in cells]
+    result.to_csv(path)
+
+    with path.open() as file:
+        rows = list(csv.DictReader(file))
+    areas = [float(row["bodies.1.area"]) for row in rows]
+    restitutions = [float(row["restitution"]) for row in rows]
+    assert list(rows[0])[:3] == ["bodies.0.length", "bodies.1.area", "restitution"]
+    assert areas == result.axes[1].values.tolist() * 3
     assert restitutions == result.restitution.ravel().tolist()
-    assert cells[0][-1] == "final"
+    assert list(rows[0].values())[-1] == "final"
 
 
 @pytest.fixture(scope="module")
@@ -643,7 +664,7 @@ def test_a_family_shows_its_shape_and_axes(map_of_six):
     assert repr(map_of_six) == text
 
 
-def test_to_pandas(map_of_six):
+def test_a_data_frame_has_a_row_for_each_member(map_of_six):
     pytest.importorskip("pandas")
     frame = map_of_six.to_dataframe()
     restitutions = map_of_six.restitution.ravel()
@@ -651,38 +672,43 @@ def test_to_pandas(map_of_six):
     assert set(frame["status"]) == {"final"}
 
 
-def test_to_xarray(map_of_six):
+def test_a_dataset_has_coordinates_names_and_units(map_of_six):
     pytest.importorskip("xarray")
     data = map_of_six.to_xarray()
-    thin = data["restitution"].sel({"bodies.1.area": 2e-5})
-    assert thin.values.tolist() == map_of_six.restitution[:, 0].tolist()
-    assert map_of_six.status.tolist() == [["final"] * 2] * 3
-    assert data["status"].values.tolist() == map_of_six.status.tolist()
-    velocity = data["velocity_after.1"].attrs
-    assert velocity == {"long_name": "velocity of rod 2 after", "units": "m/s"}
-    length = data["bodies.0.length"].attrs
-    assert length == {"long_name": "length of rod 1", "units": "m"}
+    of_thinnest = data["restitution"].sel({"bodies.1.area": 2e-5})
+    velocity = data["velocity_after.1"]
+    length = data["bodies.0.length"]
+    assert of_thinnest.values.tolist() == map_of_six.restitution[:, 0].tolist()
+    assert data["status"].values.tolist() == [["final"] * 2] * 3
+    assert velocity.attrs == {"long_name": "velocity of rod 2 after", "units": "m/s"}
+    assert length.attrs == {"long_name": "length of rod 1", "units": "m"}
 
 
 def test_a_missing_package_is_named(monkeypatch):
     result = ri.sweep(pair(0.4, 1e-4))
-    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"pip install 'rodimpact\[dataframe\]'"):
         result.to_dataframe()
 
 
 @pytest.mark.parametrize("selected", ["by a mask", "by a slice"])
 @pytest.mark.parametrize("keep", [False, True])
-def test_a_family_with_no_members_is_refused(tmp_path, selected, keep):
-    """As a mask selects that is nowhere true."""
+def test_a_family_with_no_members_is_refused_before_a_checkpoint_is_made(
+    tmp_path, selected, keep
+):
     family = small_map()
     if selected == "by a mask":
-        empty = family[np.zeros(family.shape, dtype=bool)]
+        nowhere = np.zeros(family.shape, dtype=bool)
+        empty = family[nowhere]
     else:
         empty = family[:0]
-    checkpoint = tmp_path / "kept" if keep else None
+    options = {}
+    if keep:
+        options["checkpoint"] = tmp_path / "kept"
+
     with pytest.raises(ri.InvalidModel, match="system: has no members, its shape is"):
-        ri.sweep(empty, checkpoint=checkpoint)
+        ri.sweep(empty, **options)
+
     assert not (tmp_path / "kept").exists()
 
 
@@ -720,21 +746,26 @@ def driven_pair():
     ids=["bond and wall", "vibration", "drive"],
 )
 @pytest.mark.parametrize("until", [4e-5, 1e-3])
-def test_displacements_and_stresses_are_those_of_the_fields(system, until, compiling):
+def test_mean_displacements_and_largest_stresses_are_those_of_characteristics_and_fields(
+    system, until, compiling
+):
     with kernels.forced(compiling):
         result = ri.sweep(system, until=until, also=ALSO)
 
     assert result.method == "fronts"
     assert not result.dissipated.any()
     assert_readings_are_those_of_characteristics(result, until)
-    assert_readings_are_those_of_fields(result, until)
+    assert_readings_of_second_member_are_those_of_fields(result, until)
 
 
 def assert_readings_are_those_of_characteristics(result, until):
+    """Compare mean displacements and largest stresses of all members and bodies with
+    those of another method; a wall has no stress.
+    """
     system = result.system
     by_pieces = ri.sweep(system, "characteristics", until=until, also=ALSO, rtol=1e-6)
     for i, body in enumerate(system.bodies):
-        displacement = by_pieces.displacements[i]
+        displacement = by_pieces.displacements[i]  # [member]
         np.testing.assert_allclose(
             result.displacements[i], displacement, rtol=1e-5, atol=1e-9
         )
@@ -747,8 +778,10 @@ def assert_readings_are_those_of_characteristics(result, until):
             )
 
 
-def assert_readings_are_those_of_fields(result, until):
-    """Those of the second member: means and largest values of fields on fine grids."""
+def assert_readings_of_second_member_are_those_of_fields(result, until):
+    """Compare mean displacements and largest stresses of the rods of the second member
+    with those of fields on fine grids of places and times.
+    """
     member = result.system[1]
     solution = ri.solve(member, until=until)
     times = np.linspace(0, solution.t_end, 1001)
@@ -757,14 +790,18 @@ def assert_readings_are_those_of_fields(result, until):
             continue
         x = np.linspace(0, float(body.length), 2001)
         at_start = solution.displacement(i, x, 0.0)
-        change = solution.displacement(i, x, solution.t_end) - at_start
-        mean = np.trapezoid(change, x) / x[-1]
-        assert result.displacements[i][1] == pytest.approx(mean, rel=1e-4, abs=1e-9)
-        stress = np.abs(solution.stress(i, x[::10, None], times)).max()
-        assert result.largest_stresses[i][1] == pytest.approx(stress, rel=1e-9)
+        at_end = solution.displacement(i, x, solution.t_end)
+        mean_displacement = np.trapezoid(at_end - at_start, x) / x[-1]
+        stress = solution.stress(i, x[::10, None], times)  # [place, time], Pa
+        largest_stress = np.abs(stress).max()
+        assert result.displacements[i][1] == pytest.approx(
+            mean_displacement, rel=1e-4, abs=1e-9
+        )
+        assert result.largest_stresses[i][1] == pytest.approx(largest_stress, rel=1e-9)
 
 
 def test_ground_that_yields_takes_the_yield_force_times_the_set():
+    """The slow pile of two leaves the ground elastic. Stresses are not asked for."""
     yield_force = 1.8e4
     speeds = np.array([0.1, 5.0])
     pile = ri.Rod(1.0, area=1e-3, material=STEEL, velocity=speeds)
@@ -782,17 +819,20 @@ def test_ground_that_yields_takes_the_yield_force_times_the_set():
         _ = result.largest_stresses
 
 
-def test_what_was_asked_for_is_in_tables_and_files(tmp_path):
+def test_readings_that_are_asked_for_are_in_tables_datasets_and_files(tmp_path):
     lengths = np.array([0.2, 0.4])
+    path = tmp_path / "family.npz"
+    units = {"dissipated": "J", "largest_stress.0": "Pa", "displacement.1": "m"}
+
     result = ri.sweep(pair(lengths, 1e-4), until=1e-3, also=ALSO)
-    names = ["dissipated", "largest_stress.0", "displacement.1"]
+
     header = next(result.csv_lines())
-    assert {*names} <= {*header.split(",")}
     data = result.to_xarray()
-    units = [data[name].attrs["units"] for name in names]
-    assert units == ["J", "Pa", "m"]
-    result.save(tmp_path / "family.npz")
-    loaded = ri.load(tmp_path / "family.npz")
+    result.save(path)
+    loaded = ri.load(path)
+    assert set(units) <= set(header.split(","))
+    for name, unit in units.items():
+        assert data[name].attrs["units"] == unit
     assert have_same_bits(result, loaded)
     assert loaded.readings.also == ALSO
 
@@ -805,12 +845,12 @@ def test_what_was_asked_for_is_in_tables_and_files(tmp_path):
         (["displacement"], "until"),
     ],
 )
-def test_what_is_asked_for_is_checked(also, message):
+def test_wrong_readings_are_refused(also, message):
     with pytest.raises(ri.InvalidModel, match=f"also: .*{message}"):
         ri.sweep(small_map(), also=also)
 
 
-def test_where_no_thread_can_start(monkeypatch, small_chunks):
+def test_a_sweep_runs_where_no_thread_can_start(monkeypatch, small_chunks):
     system = small_map()
     threaded = ri.sweep(system)
 
@@ -818,7 +858,10 @@ def test_where_no_thread_can_start(monkeypatch, small_chunks):
         raise RuntimeError("can't start new thread")
 
     monkeypatch.setattr("threading.Thread.start", refuses)
-    assert have_same_bits(ri.sweep(system), threaded)
+
+    without_threads = ri.sweep(system)
+
+    assert have_same_bits(without_threads, threaded)
 
 
 def test_several_contacts_have_columns_of_their_own():
@@ -841,7 +884,8 @@ def test_a_law_that_other_processes_cannot_import_is_refused_with_a_remedy():
     remedy = (
         "contacts.0: .* define it with def at the top of a module, or leave executor"
     )
-    with ProcessPoolExecutor(1) as pool:  # it starts no process before the first job
+    with ProcessPoolExecutor(1) as pool:
         with pytest.raises(ri.InvalidModel, match=remedy):
             ri.sweep(family, executor=pool)
+        # A pool starts no process before its first job.
         assert not pool._processes
