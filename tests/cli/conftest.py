@@ -10,6 +10,7 @@ from rodimpact.cli import main
 
 @pytest.fixture
 def case(tmp_path, monkeypatch):
+    """Path of case.toml, two rods of unequal length, in the current folder."""
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "case.toml"
     path.write_text(UNEQUAL_RODS)
@@ -18,8 +19,8 @@ def case(tmp_path, monkeypatch):
 
 @pytest.fixture
 def refuses(capsys):
-    """Check that a call ends with 2, says all this and prints nothing; returns what it
-    says.
+    """Function that checks that a call ends with 2, names these sentences on standard
+    error and prints nothing else; it returns the text of standard error.
     """
 
     def call(argv, *said):

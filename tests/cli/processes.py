@@ -10,7 +10,7 @@ import rodimpact as ri
 
 ROOT = Path(ri.__file__).parent.parent
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
-HOW = {
+DEFAULTS = {
     "env": ENVIRONMENT,
     "text": True,
     "stdout": subprocess.PIPE,
@@ -21,14 +21,17 @@ HOW = {
 def python(*arguments, **options):
     """Run Python on the package in a process of its own."""
     command = [sys.executable, *map(str, arguments)]
-    return subprocess.run(command, timeout=60, check=False, **(HOW | options))
+    return subprocess.run(command, timeout=60, check=False, **(DEFAULTS | options))
 
 
 @contextlib.contextmanager
 def started(*arguments, **options):
-    """As `python`, but at work meanwhile; it ends with the test that fails."""
+    """A process like that of `python`, which works while the block runs.
+
+    It is killed if it has not ended with the block.
+    """
     command = [sys.executable, *map(str, arguments)]
-    with subprocess.Popen(command, **(HOW | options)) as process:
+    with subprocess.Popen(command, **(DEFAULTS | options)) as process:
         try:
             yield process
         finally:

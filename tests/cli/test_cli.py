@@ -174,6 +174,7 @@ def test_a_reader_who_has_gone_is_no_failure(command):
     reading, writing = os.pipe()
     os.close(reading)
 
+    # Nobody reads the pipe: writing to it fails.
     process = python("-m", "rodimpact", *command, stdout=writing)
 
     os.close(writing)
@@ -233,7 +234,7 @@ def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(
     output_of, argv, status
 ):
     expected = output_of(*argv, status=status)
-    shell = ["sh", "-c", 'exec "$@" 2>&-', "sh"]
+    shell = ["sh", "-c", 'exec "$@" 2>&-', "sh"]  # "$@": the program and its arguments
     program = [sys.executable, "-m", "rodimpact", *argv]
 
     process = subprocess.run(
@@ -276,6 +277,7 @@ main()
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
 @pytest.mark.usefixtures("children_hear_signals")
 def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
+    # The program imports argparse before it listens: this module is found first.
     waiting = "print('starting', flush=True)\nimport time\ntime.sleep(60)\n"
     (tmp_path / "argparse.py").write_text(waiting)
     path = os.pathsep.join([str(tmp_path), str(ROOT)])
@@ -409,7 +411,9 @@ def test_gauges_of_the_case_are_written(case):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="names are text there")
-def test_names_that_are_no_text(case, refuses):
+def test_file_names_that_are_no_text_are_used_and_names_of_gauges_refused(
+    case, refuses
+):
     name = os.fsdecode(b"\xff")
     case.rename(f"{name}.toml")
     outputs = ["--save", f"{name}.saved.toml", "--plot", f"{name}.svg"]
@@ -429,7 +433,7 @@ def test_run_prints_the_table(case, capsys):
     out, err = capsys.readouterr()
     assert "coefficient of restitution e" in out
     assert "158.493 us" in out
-    assert err == ""  # notes are for terminals
+    assert err == ""  # the notes that files were written are for terminals
 
 
 def test_run_prints_json_in_full_precision(case, output_of):
@@ -455,13 +459,14 @@ def test_run_prints_json_in_full_precision(case, output_of):
     ],
 )
 @pytest.mark.usefixtures("case")
-def test_without_plots_no_matplotlib_is_imported(command, unwanted):
+def test_without_plots_packages_that_are_not_needed_are_not_imported(command, unwanted):
+    # sys.argv is "-c", the unwanted packages, and the command.
     code = """
 import sys
 from rodimpact.cli import main
-assert main([*sys.argv[2:], "case.toml"]) == 0
-unwanted = sys.argv[1].split()
-assert not set(unwanted) & set(sys.modules)
+_, unwanted, *command = sys.argv
+assert main([*command, "case.toml"]) == 0
+assert not set(unwanted.split()) & set(sys.modules)
 """
     process = python("-c", code, unwanted, *command)
 
@@ -606,17 +611,18 @@ def test_all_mistakes_are_reported_at_once(case, refuses):
     assert Path("a.toml").read_text() == "precious"
 
 
-JUMPS = range(1, 11_000)  # of the velocity along the first rod
-VELOCITIES = [i % 7 for i in range(11_000)]
-PLACES = [0.4 * i / 11_000 for i in JUMPS]
-
-
 @pytest.mark.exhaustive
 def test_a_run_that_no_picture_can_show_keeps_its_table(case, capsys):
-    velocity = f"{{values = {VELOCITIES}, at = {PLACES}}}"
+    count = 11_000  # pieces of the velocity along the first rod, 0.4 m
+    velocities = [i % 7 for i in range(count)]
+    jumps = [0.4 * i / count for i in range(1, count)]
+    velocity = f"{{values = {velocities}, at = {jumps}}}"
     case.write_text(CASE.replace("velocity = 1.0", f"velocity = {velocity}"))
-    assert main(["run", str(case), "--plot", "run.png"]) == 2  # such a call cannot work
+
+    status = main(["run", str(case), "--plot", "run.png"])
+
     out, err = capsys.readouterr()
+    assert status == 2
     assert err.startswith("rodimpact: --plot: solution: has more than 20000 regions")
     assert out.startswith("body")
     assert not Path("run.png").exists()
@@ -625,7 +631,8 @@ def test_a_run_that_no_picture_can_show_keeps_its_table(case, capsys):
 # rigid
 
 
-def test_rigid_prints_sample_10_19(output_of):
+def test_rigid_prints_velocities_and_impulses_of_both_bodies(output_of):
+    """The rigid masses of sample 10.19."""
     _, first, second, *_ = output_of(*SAMPLE, "-e", "1").splitlines()
 
     assert " ".join(first.split()) == "1 2 kg 0.5 m/s 0 m/s 1 N s 0 N s"
@@ -640,8 +647,9 @@ def test_rigid_takes_units_signs_walls_and_percent(output_of):
 
     assert data["m2"] is None
     assert data["energy_before"] is None
+    # The body approaches the wall with 10.2 m/s.
     assert data["velocity_1"] == pytest.approx(-0.2 - 0.9 * 10.2, rel=1e-14)
-    assert data["impulse"] == pytest.approx(0.5 * 1.9 * 10.2, rel=1e-14)
+    assert data["impulse"] == pytest.approx(0.5 * (1 + 0.9) * 10.2, rel=1e-14)
 
 
 def test_rigid_reports_all_mistakes_at_once(refuses):
@@ -709,7 +717,7 @@ def test_a_wrong_solver_is_noticed(monkeypatch, method):
     assert sum(not check.passed for check in checks()) == 1
 
 
-def test_materials_names_speeds_and_sources(output_of):
+def test_materials_prints_the_numbers_of_each(output_of):
     text = output_of("materials")
 
     (steel,) = re.findall("^steel .*", text, re.MULTILINE)
@@ -726,14 +734,17 @@ def test_materials_of_json_have_sources(output_of):
     assert names == set(ri.materials.TABLE)
 
 
-def test_doctor_shows_versions_and_the_cache(output_of):
+def test_doctor_shows_versions_the_compiler_and_the_cache(output_of):
     data = json.loads(output_of("doctor", "--json"))
+    text = output_of("doctor")
     assert data["versions"]["rodimpact"] == ri.__version__
     assert data["versions"]["numpy"] == np.__version__
     assert bool(data["no_compiler"]) is not kernels.enabled()
+    # A cache is there unless no folder can be written.
     cache = data["cache_directory"]
-    assert cache is None or Path(cache).is_dir()
-    assert cache is None or cache in output_of("doctor")
+    if cache is not None:
+        assert Path(cache).is_dir()
+        assert cache in text
 
 
 def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, output_of):
@@ -781,7 +792,7 @@ def test_box_draws_each_collision_and_the_law(tmp_path):
 
 
 def story(text, title):
-    """Stages and results of one collision, without the blanks between words."""
+    """Lines of the stages and results of one collision, with one blank between words."""
     _, _, after_title = text.partition(f"\n{title}")
     part, _, _ = after_title.partition("\n\n\n")
     lines = []
@@ -812,10 +823,9 @@ def test_box_tells_the_stages_of_identical_rods(box_text):
 
 def test_box_puts_theory_beside_its_results(box_text):
     lines = story(box_text, "Rods of different length, l1/l2 = 0.4")
+    lines_of_wall = story(box_text, "A rod on a rigid wall")
 
-    assert "coefficient of restitution e 1 1" in story(
-        box_text, "A rod on a rigid wall"
-    )
+    assert "coefficient of restitution e 1 1" in lines_of_wall
     for line in (
         "coefficient of restitution e 0.4 0.4",
         "force duration 158.493 us 158.493 us",

@@ -93,7 +93,7 @@ def test_the_table_names_the_parameters_and_the_extremes(case, capsys):
         assert line == line.rstrip()
 
 
-def test_the_table_has_the_results(case, swept):
+def test_the_table_has_the_results_of_each_collision(case, swept):
     """e = l1/l2, impulse m1 v, force duration 2 l1/c."""
     out = swept("--vary", LENGTHS)
 
@@ -103,7 +103,7 @@ def test_the_table_has_the_results(case, swept):
     assert equal.endswith(" 1 0 J")
 
 
-def test_energies_of_round_off_are_none(case, swept):
+def test_energies_of_round_off_are_printed_as_0(case, swept):
     lengths = "bodies.0.length=1 m:2 m:2"
     velocities = "bodies.0.velocity=1.7:1.9:3"
 
@@ -343,7 +343,9 @@ def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
     "value", ["0", "-1", "1.5", "many", "\u00b2", "9" * 30, "9" * 5000]
 )
 @pytest.mark.parametrize("option", ["--workers", "--max-events"])
-def test_whole_numbers(case, no_sweep, refused, option, value):
+def test_options_that_are_no_positive_whole_numbers_are_refused(
+    case, no_sweep, refused, option, value
+):
     message = f"rodimpact: {option}: must be a positive whole number"
 
     refused(message, "--vary", LENGTHS, option, value)
@@ -471,22 +473,18 @@ contacts = [{law = "yielding", stiffness = 1e8, yield_force = 1e3, hardening = 1
 """
 
 
-def test_tied_numbers_and_the_axis_of_a_figure(case, capsys):
-    argv = [
-        *["sweep", str(case), "--vary", "L=100mm:400mm:4"],
-        *["--vary", "bodies.0.length=L", "--vary", "bodies.1.length = 2*L"],
-    ]
+def test_tied_numbers_follow_a_variable_which_is_the_axis_of_table_and_figure(
+    case, swept
+):
+    vary = ["--vary", "L=100mm:400mm:4"]
+    vary += ["--vary", "bodies.0.length=L", "--vary", "bodies.1.length = 2*L"]
 
-    assert main([*argv, "--csv"]) == 0
-    header, *rows = capsys.readouterr().out.splitlines()
-    assert main([*argv, "--plot", "e.svg", "--quantity", "impulse.0"]) == 0
-    table = capsys.readouterr().out
+    rows = list(csv.DictReader(io.StringIO(swept(*vary, "--csv"))))
+    table = swept(*vary, "--plot", "e.svg", "--quantity", "impulse.0")
 
-    columns = header.split(",")
-    lengths = [columns.index(f"bodies.{i}.length") for i in (0, 1)]
     for row in rows:
-        first, second = [float(row.split(",")[k]) for k in lengths]
-        assert second == 2 * first
+        length = float(row["bodies.0.length"])
+        assert float(row["bodies.1.length"]) == 2 * length
     assert table.splitlines()[1].split() == ["L", "4", "100", "mm", "400", "mm"]
     assert ">L (m)<" in Path("e.svg").read_text(encoding="utf-8")
 
