@@ -531,7 +531,7 @@ def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
 def _other_constructors(kind: type) -> str:
     """Text on the class methods that make an object from something else; "" if none.
 
-    Their names begin with "from_".
+    Their names begin with ``from_``.
     """
     text = ""
     for name, method in vars(kind).items():
