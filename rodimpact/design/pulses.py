@@ -74,7 +74,7 @@ class PulseDesign(Shown):
 
     @property
     def percent(self) -> str:
-        """The misfit as it is shown."""
+        """The misfit as a text, in per cent of the peak."""
         return f"{100 * self.misfit:.3g} %"
 
     def __str__(self) -> str:
@@ -150,7 +150,7 @@ def no_force(end: float) -> Signal:
 
 
 def force_over_time(wanted: object, end: float) -> Signal:
-    """The wanted force until `end`, s, as a signal in N.
+    """The wanted force from 0 to `end`, s, as a signal in N.
 
     Raises
     ------

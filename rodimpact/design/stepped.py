@@ -134,7 +134,14 @@ def striker(
     force = _checked_force(wanted, end, contact)
 
     search = StrikerSearch(
-        bar, material, V, T, contact, force, np.log(ratios), segments
+        bar=bar,
+        material=material,
+        velocity=V,
+        duration=T,
+        contact=contact,
+        wanted=force,
+        bounds=np.log(ratios),
+        segments=segments,
     )
     best = _exact_striker(search)
     if best is None:
@@ -188,10 +195,11 @@ def _checked_force(wanted: object, end: float, contact: Rigid | Bonded) -> Signa
 
 
 def _exact_striker(search: StrikerSearch) -> Striker | None:
-    """A striker with all segments that gives the wanted force exactly, if there is one.
+    """A striker with all segments that gives the wanted force exactly, else None.
 
     Only a force in steps can be given exactly.
     """
+    # What varies within steps is found by the difference from no force.
     misfits = search.misfits(no_force(search.wanted.end))
     if misfits.within_steps.max() > EXACT_MISFIT:
         return None
@@ -207,7 +215,7 @@ def _strikers(
     """The best striker of each number of segments, from 1 on."""
 
     def runs_up_to(n: int) -> int:
-        """Runs for 1 to n segments, n + 1 for a step of least squares."""
+        """Sum of k + 1 for k = 1 to n segments: runs for a step of least squares."""
         return n * (n + 3) // 2
 
     segments = search.segments
@@ -223,7 +231,10 @@ def _strikers(
 
 
 def _simplest_best(strikers: list[Striker]) -> Striker:
-    """The striker with the fewest segments among those with the least misfit."""
+    """The striker with the fewest segments among those with the least misfit.
+
+    Misfits that differ by `BETTER_MISFIT_RTOL` are the same.
+    """
     least = min(striker.misfit for striker in strikers)
     for striker in strikers:
         if striker.misfit * (1 - BETTER_MISFIT_RTOL) <= least:

@@ -102,7 +102,7 @@ class StrikerSearch(NamedTuple):
     def force(
         self, logarithms: Floats, until: float, left_end: Free | Absorbing = FREE
     ) -> Signal:
-        """Force on the bar, N, until a time, s."""
+        """Force on the bar over time, N, until a time, s, in constant steps."""
         system = self.system(logarithms, left_end)
         solution = solve(system, until=until, method="fronts")
         contact = solution.contacts[0]
@@ -112,7 +112,7 @@ class StrikerSearch(NamedTuple):
     def misfits(self, reached: Signal) -> Misfits:
         """Parts of the misfit of a force on the bar, relative to the peak of `wanted`.
 
-        Each step counts by its share of the duration.
+        Each step counts by its share of the time up to the end of `wanted`.
         """
         wanted = self.wanted
         peak = np.abs(wanted.values).max()
@@ -192,10 +192,12 @@ class StrikerSearch(NamedTuple):
         end = self.wanted.end
 
         def residuals(logarithms: Floats) -> Floats:
+            """Mean differences of the steps, relative to the peak."""
             force = self.force(logarithms, end)
             return self.misfits(force).of_means
 
         def sum_of_squares(logarithms: Floats) -> float:
+            """Sum of the squares of the residuals."""
             squares = residuals(logarithms) ** 2
             return float(np.sum(squares))
 

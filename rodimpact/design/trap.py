@@ -183,8 +183,8 @@ def _gap(solution: Solution, body: int, times: Any, passed: float) -> float:
     start = positions[0]
     gap = float(positions[-1] - start)
     furthest = float(positions.max() - start)
-    path = np.ptp(positions)
-    round_off = DISPLACEMENT_RTOL * float(path)
+    range_of_positions = np.ptp(positions)
+    round_off = DISPLACEMENT_RTOL * float(range_of_positions)
     if furthest > gap + round_off:
         message = (
             f"the right end is at {gap:.6g} m at {passed!r} s, and was at "

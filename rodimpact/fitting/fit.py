@@ -196,7 +196,7 @@ class _Task(NamedTuple):
 
 
 def _fit_from_sweep(task: _Task, vary: Mapping[str, Any], search_count: int) -> Trial:
-    """Fit from the best points of a coarse sweep."""
+    """Fit without additions: one search from each of the best points of a sweep."""
     grids = _grids(task, vary)
     points = _starting_points(grids.coarse, search_count)
     sizes = sizes_of_numbers(grids.fine, points[0])
@@ -226,7 +226,10 @@ def _fit_with_addition(
 
 
 def _grids(task: _Task, vary: Mapping[str, Any]) -> Grids:
-    """Objectives for the numbers to vary, on the grid asked for and a coarser one."""
+    """Objectives for the numbers to vary, on the grid asked for and on half its cells.
+
+    They are one and the same if a method has no cells, or too few to halve.
+    """
     vary_system = {}
     vary_records = {}
     for path, bounds in vary.items():
@@ -257,7 +260,7 @@ def _grids(task: _Task, vary: Mapping[str, Any]) -> Grids:
 def _checked_additions(
     additions: Any, vary: Mapping[str, Any]
 ) -> dict[str, Mapping[str, Any]]:
-    """Numbers of each addition, by its name."""
+    """Numbers of each addition, by its name; InvalidModel if some already vary."""
     if additions is None:
         return {}
     checked = {}
@@ -281,7 +284,7 @@ def _checked_additions(
 
 
 def _checked_records(measured: Any) -> list[Measured]:
-    """The records as a list; InvalidModel for anything else."""
+    """The records, or the one record, as a list; InvalidModel for anything else."""
     records = [measured]
     if isinstance(measured, list | tuple) and measured:
         records = list(measured)
@@ -312,7 +315,10 @@ def _cell_count(system: System, interval: float) -> int:
 
 
 def _starting_points(objective: Objective, count: int) -> list[Any]:
-    """Points where searches begin, each the best of a part of a coarse sweep."""
+    """At most `count` points where searches begin, each the best of a part of a sweep.
+
+    A part is every `count`-th point of the coarse sweep, so that it fills all bounds.
+    """
     shares = coarse_shares(objective.initial_shares)
     starts = []
     for tried, signals in zip(shares, objective.signals(shares), strict=True):

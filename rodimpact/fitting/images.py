@@ -39,7 +39,8 @@ class Place(NamedTuple):
         Raises
         ------
         ValueError
-            If the place lies outside its rod.
+            If the place lies outside its rod, or images of an end do not exist: it is
+            neither free nor touches another body.
         """
         signal = solution.gauge(self.body, self.x).signal(interval)
         if not self.by_images:
@@ -73,7 +74,13 @@ class Place(NamedTuple):
 
 
 def _force_on_end(solution: Solution, body: int, side: int, times: Floats) -> Any:
-    """Compressive force on the left (side 0) or right end, N; None if it is free."""
+    """Compressive force on the left (side 0) or right end, N; None if it is free.
+
+    Raises
+    ------
+    InvalidModel
+        If no body touches the end, and it is not free either.
+    """
     contact = body - 1 + side
     if 0 <= contact < len(solution.contacts):
         return solution.contacts[contact].force(times)
@@ -102,11 +109,11 @@ def _images(
     bar : waves.Bar
     """
     gain = np.zeros(len(frequencies), complex)
-    turn = 0.0
-    while turn < farthest:
+    round_trips = 0.0  # length of those before, 2 n L
+    while round_trips < farthest:
         for path, sign in ((distance, 1.0), (2 * length - distance, -1.0)):
-            travelled = turn + path
+            travelled = round_trips + path
             shift = np.exp(-2j * np.pi * frequencies * travelled / bar.wave_speed)
             gain += sign * shift * filters.first_mode(frequencies, travelled, bar)
-        turn += 2 * length
+        round_trips += 2 * length
     return gain

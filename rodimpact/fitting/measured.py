@@ -106,9 +106,10 @@ class Measured(FrozenDataclass):
 
     @property
     def limits(self) -> dict[str, tuple[float, float] | None]:
-        """Bounds of shift, s, gain, blur, s, offset and trend.
+        """Bounds of shift, s, gain, blur, s, offset and trend, by kind.
 
-        They are None where a number is free; a blur is always bounded.
+        They are None where a number is free; for a fixed one both are its value. A free
+        blur, or one below 0, raises InvalidModel.
         """
         blur = bounds_of("blur", self.blur, "s")
         if blur is None or blur[0] < 0:
@@ -167,7 +168,7 @@ class Measured(FrozenDataclass):
         return abs(self.distance) / float(self._rod(system).segments[0].wave_speed)
 
     def _rod(self, system: System) -> Rod:
-        """The rod with the gauge; InvalidModel if the system has none there."""
+        """The rod with the gauge; InvalidModel for a family, or if no rod is there."""
         check_kind("system", system, System, "System([rod, Wall()])")
         if system.shape:
             raise invalid_argument(
@@ -182,7 +183,7 @@ class Measured(FrozenDataclass):
         return rod
 
     def prediction(self, strain: Signal, system: System) -> Signal:
-        """The record by the strain at `place`, before shift, offset and trend."""
+        """The record by the strain at `place`, before blur, gain, shift and offset."""
         check_kind("strain", strain, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         rod = self._rod(system)
         if self.distance and self.passages == "first":

@@ -68,7 +68,7 @@ def notes_on_numbers(
 
 
 def _notes_on_bounds(number: Fitted) -> Iterator[str]:
-    """Notes on a number that lies at one of its bounds."""
+    """Notes on a number that lies at one of its bounds, if it has both."""
     if not number.high - number.low < np.inf:
         return
     share = share_of_range(number.value, number.low, number.high)
@@ -79,6 +79,7 @@ def _notes_on_bounds(number: Fitted) -> Iterator[str]:
 
 
 def _bound_sentence(number: Fitted, bound: float, remedy: str) -> str:
+    """Note on a number at a bound; the remedy, "lower" or "raise", moves the bound."""
     return (
         f"{number.name} is at its bound, {format_si(bound, number.unit)}, so its "
         f"standard error is not reliable: {remedy} the bound, or fix the parameter."
@@ -88,7 +89,7 @@ def _bound_sentence(number: Fitted, bound: float, remedy: str) -> str:
 def _notes_on_searches(
     fitted: Sequence[Fitted], descents: Sequence[Descent]
 ) -> Iterator[str]:
-    """Notes on searches that were stopped, or ended elsewhere."""
+    """Notes on a best search that was stopped, and on others that ended elsewhere."""
     best = descents[0]
     if not best.complete:
         yield "The best search was stopped before it reached a minimum."

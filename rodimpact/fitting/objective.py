@@ -35,8 +35,8 @@ from .parameters import (
     with_values,
 )
 
-CONSTANT_BEYOND = 1.0
-"""Time before and after a signal from which on its curve is constant, s."""
+CONSTANT_PIECE = 1.0
+"""Duration of the constant piece at each end of a curve, s; it goes on beyond."""
 
 
 def compute_strains(
@@ -65,7 +65,8 @@ def compute_strains(
 def smooth_curve(signal: Signal, blur: float) -> Any:
     """A signal as a cubic spline, blurred by a Gaussian of this standard deviation, s.
 
-    It is constant before the first sample and after the last one.
+    It is constant before the first sample and after the last one. Its breakpoints are
+    the sample times, with one more at each end.
     """
     from scipy.interpolate import CubicSpline
 
@@ -73,8 +74,9 @@ def smooth_curve(signal: Signal, blur: float) -> Any:
     if blur:
         values = filters.blurred(signal.values, signal.dt, blur)
     curve = CubicSpline(signal.times, values)
-    curve.extend([[0.0], [0.0], [0.0], [values[0]]], [signal.start - CONSTANT_BEYOND])
-    curve.extend([[0.0], [0.0], [0.0], [values[-1]]], [signal.end + CONSTANT_BEYOND])
+    # Coefficients of a cubic, the highest power first.
+    curve.extend([[0.0], [0.0], [0.0], [values[0]]], [signal.start - CONSTANT_PIECE])
+    curve.extend([[0.0], [0.0], [0.0], [values[-1]]], [signal.end + CONSTANT_PIECE])
     return curve
 
 
@@ -157,6 +159,7 @@ class Objective:
         self._recorded = np.concatenate(scaled_records)
 
     def _middle(self) -> Floats:
+        """Middle of the bounds of each number; 0 for one without bounds."""
         is_bounded = np.isfinite(self.low) & np.isfinite(self.high)
         low = np.where(is_bounded, self.low, 0.0)
         high = np.where(is_bounded, self.high, 0.0)
@@ -192,7 +195,7 @@ class Objective:
         return list(map(smooth_curve, signals, blurs))
 
     def _predictions(self, curves: Sequence[Any], point: Floats) -> Floats:
-        """Predictions at the times of all records, over their levels."""
+        """Predictions at the times of all records in turn, over their levels."""
         shifts = point[self._index[SHIFT]]
         gains = point[self._index[GAIN]]
         offsets = point[self._index[OFFSET]]
@@ -255,12 +258,12 @@ class Objective:
         return min(starts, key=lambda start: start.misfit)
 
     def _best_shifts(self, curves: Sequence[Any]) -> list[float]:
-        """Best shift of each record by itself, s."""
+        """Best shift of each record by itself, s, each with its best gain."""
         shifts = []
         for k, record in enumerate(self.measured):
             shift_index = self._index[SHIFT, k]
             gain_index = self._index[GAIN, k]
-            sample_times = curves[k].x[1:-1]
+            sample_times = curves[k].x[1:-1]  # without the ends of constant pieces
             misfit = misfit_of(
                 TimeSeries(record.signal.times, record.signal.values),
                 TimeSeries(sample_times, curves[k](sample_times)),
@@ -271,7 +274,11 @@ class Objective:
         return shifts
 
     def _set_best_gains(self, curves: Sequence[Any], point: Floats) -> None:
-        """Set the best gains within their bounds for the shifts of a point."""
+        """Set the best gains within their bounds for the shifts of a point, in place.
+
+        They are least squares: a gain is the sum of model times record over that of the
+        squares of the model, each over all records with this gain; 1 without a model.
+        """
         indices = self._index[GAIN]
         point[indices] = 1.0
         model = self._predictions(curves, point)

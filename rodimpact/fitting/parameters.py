@@ -44,9 +44,8 @@ class SystemParameter(NamedTuple):
     high: float
     unit: str
     initial: float  # value in the system
-    entries: Sequence[
-        str
-    ]  # paths in ``System.to_dict()`` of all numbers with this value
+    # Paths in ``System.to_dict()`` of all numbers with this value
+    entries: Sequence[str]
 
     @property
     def is_by_ratio(self) -> bool:
@@ -136,10 +135,17 @@ def share_of_range(value: float, low: float, high: float) -> float:
 
 
 def system_parameters(system: System, vary: Mapping[str, Any]) -> list[SystemParameter]:
-    """Numbers of the system to vary, each with its bounds."""
+    """Numbers of the system to vary, each with its bounds.
+
+    Raises
+    ------
+    InvalidModel
+        If the system has no such number, two names vary one number, or bounds are
+        invalid.
+    """
     entries = entries_by_path(system)
     numbers = numbers_of(system)
-    # by the place of the number; a wave speed stands for the modulus
+    # Path in `vary` by each entry; a wave speed has the entry of its Young's modulus.
     path_that_varies: dict[str, str] = {}
     parameters = []
     for path, bounds in vary.items():
@@ -187,7 +193,7 @@ def with_values(
 
 
 def checked_bounds(path: str, bounds: Any, unit: str) -> tuple[float, float]:
-    """Bounds that the user gave for a parameter."""
+    """Bounds that the user gave for a parameter; InvalidModel unless low < high."""
     # With a sign, even "any", NaN and infinity are refused.
     ends = array(f"vary.{path}", bounds, unit, sign="any")
     if ends.shape != (2,) or not ends[0] < ends[1]:
@@ -239,7 +245,10 @@ def record_parameters(
 def _numbers_by_name(
     record_count: int, vary: Mapping[str, Any]
 ) -> dict[str, list[RecordNumber]]:
-    """Numbers of records by the name in `vary` that they match, or by their path."""
+    """Numbers of records by the name in `vary` that they match, or by their path.
+
+    A name that matches none has an empty list; two that match one are refused.
+    """
     numbers_of_name: dict[str, list[RecordNumber]] = {name: [] for name in vary}
     for kind in KINDS:
         for k in range(record_count):
@@ -258,7 +267,10 @@ def _numbers_by_name(
 def _common_kind_and_unit(
     name: str, numbers: list[RecordNumber], measured: Sequence[Measured]
 ) -> tuple[str, str]:
-    """Kind and unit of all numbers with one name; InvalidModel if they differ."""
+    """Kind and unit of all numbers with one name; InvalidModel if they differ.
+
+    A name without numbers, an unknown one, is refused in the same words.
+    """
     kinds_and_units = set()
     for number in numbers:
         unit = "s"

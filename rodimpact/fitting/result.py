@@ -158,7 +158,8 @@ class Fit(Shown):
     predicted : tuple of Signal
         At the times of each record, in its unit.
     bands : tuple of array
-        Standard errors of the predictions that follow from the covariance.
+        Standard errors of the predictions that follow from the covariance, in the unit
+        of each record.
     misfits : tuple of float
         Root mean square of the residual of each record, divided by its level.
     descents : tuple of Descent
@@ -307,19 +308,20 @@ class Fit(Shown):
         return "\n\n".join([*map(align, tables), notes])
 
     def _table_of_numbers(self) -> list[list[str]]:
+        """Value, standard error and bounds of each number, header first."""
         rows = [["", "value", "standard error", "from", "to"]]
         for f in self.fitted:
             row = [f.name, *_value_and_error(f)]
             for bound in (f.low, f.high):
                 if math.isfinite(bound):
-                    row.append(format_si(bound, f.unit, 4))
+                    row.append(format_si(bound, f.unit, digits=4))
                 else:
                     row.append("-")
             rows.append(row)
         return rows
 
     def _table_of_correlations(self) -> list[list[str]]:
-        """Correlations below the diagonal of their matrix."""
+        """Correlations below the diagonal of their matrix, by number; header first."""
         columns = len(self.fitted) - 1
         correlation = self.correlation
         rows = [["correlation", *map(str, range(1, columns + 1))]]
@@ -334,12 +336,14 @@ class Fit(Shown):
         return rows
 
     def _table_of_misfits(self) -> list[list[str]]:
+        """Misfit of each record, header first."""
         rows = [["record", "misfit"]]
         for record, misfit in zip(self.measured, self.misfits, strict=True):
             rows.append([record.title, f"{100 * misfit:.3g} %"])
         return rows
 
     def _rows_of_additions(self) -> list[list[str]]:
+        """Misfits without and with each addition, and the verdict; header first."""
         rows = [["addition", "misfit", "of blocks left out", "earns its place"]]
         rows.append(["none", *_misfits(self), ""])
         for addition in self.additions:
@@ -367,7 +371,7 @@ def correlation_of(covariance: Floats) -> Floats:
 
 def _note_on_change(f: Fitted, change: float) -> str:
     """Sentence on the change of a number under another law or theory."""
-    amount = format_si(change, f.unit, 3)
+    amount = format_si(change, f.unit, digits=3)
     if f.standard_error:
         ratio = abs(change) / f.standard_error
         amount += f", {ratio:.1f} standard errors"
@@ -383,4 +387,5 @@ def _value_and_error(f: Fitted) -> list[str]:
         # Significant digits of the value, down to the second of the error.
         digits = first_digit - first_of_error + 2
         digits = min(max(digits, 2), 15)
-    return [format_si(f.value, f.unit, digits), format_si(f.standard_error, f.unit, 2)]
+    value = format_si(f.value, f.unit, digits)
+    return [value, format_si(f.standard_error, f.unit, digits=2)]

@@ -31,7 +31,7 @@ def coarse_shares(initial: Sequence[float]) -> list[Floats]:
     """
     n = len(initial)
     root = 2.0
-    for _ in range(64):
+    for _ in range(64):  # the iteration converges to x for every n
         root = (1 + root) ** (1 / (n + 1))
     steps = root ** -np.arange(1.0, n + 1)
     shares = [np.array(initial)]
@@ -75,7 +75,10 @@ class Grids(NamedTuple):
 
 
 def search_on(grids: Grids, start: Floats, sizes: Floats) -> Any:
-    """Descend from a start on the coarse grid, then from its end on the fine one."""
+    """Descend from a start on the coarse grid, then from its end on the fine one.
+
+    The result is that of `_descend`.
+    """
     if grids.coarse is grids.fine:
         return search_from(grids.fine, start, sizes, SEARCH_FTOL)
     near = search_from(grids.coarse, start, sizes, COARSE_FTOL)
@@ -88,7 +91,7 @@ def search_from(objective: Objective, start: Floats, sizes: Floats, ftol: float)
     Predictions depend on the square of a blur, so a descent that begins without blur
     would stay there. It begins in the middle of the bounds. If it ends worse than
     without blur, the descent goes on from there, so that a blur never makes a fit
-    worse.
+    worse. The result is that of `_descend`.
     """
     is_free = objective.is_free
     is_free_blur = is_free & objective.is_blur
@@ -108,7 +111,8 @@ def _descend(
     """Least-squares search from a point; `x` of the result is the point where it ends.
 
     The variables are the free numbers over their sizes, plus 1: SciPy's differences
-    take steps relative to a variable, and so the variables must not be 0.
+    take steps relative to a variable, and so the variables must not be 0. The other
+    numbers stay as in the start, which is moved within the bounds.
 
     Parameters
     ----------
@@ -123,6 +127,7 @@ def _descend(
     Returns
     -------
     scipy.optimize.OptimizeResult
+        `jac` has the derivatives with respect to the variables.
     """
     from scipy.optimize import least_squares
 
@@ -130,11 +135,13 @@ def _descend(
     high = objective.high[is_free] / sizes[is_free] + 1.0
 
     def point_of(variables: Floats) -> Floats:
+        """Point with these variables."""
         point = start.copy()
         point[is_free] = (variables - 1.0) * sizes[is_free]
         return point
 
     def residuals(variables: Floats) -> Floats:
+        """Residuals at the point with these variables."""
         return objective.residuals(point_of(variables))
 
     end = least_squares(

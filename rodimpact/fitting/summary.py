@@ -30,8 +30,9 @@ def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     best = ends[0]
     records = objective.measured
     is_free = objective.is_free
+    # Range of each number: between its bounds, or its size if that is less.
     ranges = np.minimum(objective.high - objective.low, sizes)[is_free]
-    jacobian = best.jac * (ranges / sizes[is_free])
+    jacobian = best.jac * (ranges / sizes[is_free])  # with respect to shares of ranges
     # covariance and standard errors of the numbers, each over its range
     relative = covariance(jacobian, best.fun, objective.sample_counts)
     relative_errors = np.sqrt(np.diag(relative))
@@ -44,11 +45,12 @@ def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     slopes = []
     for number, scaled_value in zip(varied, scaled_values, strict=True):
         slopes.append(number.slope(scaled_value))
-    units = ranges * slopes
-    fitted = _fitted(varied, descents[0], relative_errors * units)
+    own_ranges = ranges * slopes  # in the unit of each number
+    fitted = _fitted(varied, descents[0], relative_errors * own_ranges)
 
     ends_of_records = np.cumsum(objective.sample_counts)[:-1]
     residuals = np.split(best.fun, ends_of_records)
+    # Standard error of each prediction over its level, by J C J'
     spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, relative, jacobian))
     spreads = np.split(spread, ends_of_records)
     predicted = []
@@ -68,7 +70,7 @@ def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
         system=objective.system_at(best.x),
         measured=tuple(records),
         fitted=fitted,
-        covariance=relative * np.outer(units, units),
+        covariance=relative * np.outer(own_ranges, own_ranges),
         predicted=tuple(predicted),
         bands=tuple(bands),
         misfits=tuple(misfits),
