@@ -81,7 +81,10 @@ def check_final(is_final: bool, max_events: int) -> None:
 
 
 def fractions_of(values: Any) -> dict[str, Fraction]:
-    """Values that the user gave, as fractions by path; InvalidModel for any other."""
+    """Values that the user gave, as fractions by path; none for None.
+
+    InvalidModel names each path whose value is no number.
+    """
     if values is None:
         return {}
     if not isinstance(values, Mapping):

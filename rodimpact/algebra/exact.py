@@ -54,6 +54,10 @@ def exact(
     max_events : int
         Cap on the events of the run.
 
+    Returns
+    -------
+    Exact
+
     Raises
     ------
     InvalidModel
@@ -102,6 +106,7 @@ class _CaseNumbers:
     """
 
     def __init__(self, value_at: Mapping[str, Fraction]) -> None:
+        """Take the given values, by path."""
         self._value_at = value_at
         self.paths: dict[str, None] = {}
         self.squared_speeds: dict[str, Fraction] = {}

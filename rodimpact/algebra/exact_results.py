@@ -49,6 +49,7 @@ def map_numbers(results: Exact, convert: Callable[[Any], Any]) -> Exact:
     """Results with each number converted; None stays, and `time_unit` becomes 1."""
 
     def converted(x: Any) -> Any:
+        """A number converted, None, or a tuple of them."""
         if isinstance(x, tuple):
             return tuple(map(converted, x))
         if x is None:
@@ -64,7 +65,10 @@ def map_numbers(results: Exact, convert: Callable[[Any], Any]) -> Exact:
 
 
 def numbers_of(results: Exact) -> list[Any]:
-    """All numbers of the results, in the order of `map_numbers`."""
+    """All numbers of the results in the order of `map_numbers`, which passes None over.
+
+    They are in one list.
+    """
     numbers: list[Any] = []
     map_numbers(results, numbers.append)
     return numbers

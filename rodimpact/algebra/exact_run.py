@@ -194,7 +194,8 @@ def _restitution(
 ) -> TracedFraction | None:
     """Coefficient of restitution of the only contact that can open, if it collides.
 
-    e = (V2 - V1)/(v1 - v2), with velocities V after and v before the collision.
+    e = (V2 - V1)/(v1 - v2), with velocities V after and v before the collision. None if
+    several contacts or none can open, or nothing collides.
     """
     contacts = unilateral(row.system)
     if len(contacts) != 1:

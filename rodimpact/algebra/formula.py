@@ -119,8 +119,8 @@ def closed_form(
         _ = first_cells[0].functions  # a formula that is too long is refused here
     sides = []
     for cells in groups:
-        sides.append(_form(algebra, cells, around, ()))
-    return _form(algebra, first_cells, around, tuple(sides))
+        sides.append(_form(algebra, cells, around, sides=()))
+    return _form(algebra, first_cells, around, sides=tuple(sides))
 
 
 class CellsAround(NamedTuple):
@@ -203,7 +203,7 @@ def _form(
     around: CellsAround,
     sides: tuple[ClosedForm, ...],
 ) -> ClosedForm:
-    """The formula of `cells`, which are some of the cells around the system."""
+    """The formula that `cells` have in common, some of the cells around the system."""
     other_cells = [cell for cell in around.cells if cell not in cells]
     return ClosedForm(
         algebra, tuple(cells), tuple(other_cells), sides, around.is_incomplete
@@ -304,6 +304,7 @@ class ClosedForm:
         algebra = self._algebra
 
         def value(f: Any) -> Fraction | None:
+            """Value of a rational function; None if its denominator is 0."""
             denominator = algebra.value(f.denom, point)
             if denominator == 0:
                 return None
@@ -506,7 +507,7 @@ def shown_results(results: Exact) -> list[tuple[str, Any]]:
 
 
 def shortened(expression: Any) -> str:
-    """The beginning of a text that is too long for a line."""
+    """The text of an expression; if it is too long for a line, its beginning."""
     text = str(expression)
     if len(text) <= MAX_LINE_LENGTH:
         return text

@@ -41,7 +41,7 @@ class FormulaCell:
 
     @cached_property
     def functions(self) -> Exact:
-        """The results as rational functions."""
+        """The results as rational functions; InvalidModel if they are too long."""
         functions = iter(self._algebra.functions_of(numbers_of(self._results)))
         return map_numbers(self._results, lambda _: next(functions))
 

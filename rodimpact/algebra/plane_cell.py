@@ -91,7 +91,7 @@ class PlaneCell:
         return share[:, 0]
 
     def restitution(self, x: Floats, y: Floats) -> Floats:
-        """The formula of e at points; nan without one."""
+        """Values of the formula of e at points; nan without one."""
         e = np.nan
         if self.results.restitution is not None:
             program = Program([self.results.restitution], float)

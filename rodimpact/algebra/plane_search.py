@@ -291,7 +291,7 @@ class PlaneSearch:
         )
 
     def _regions_at(self, edges: Edges) -> Indices:
-        """Regions at start and end of edges; -1 for unresolved points."""
+        """Regions at start and end of edges, [edge, 2]; -1 for unresolved points."""
         region_of_cell = np.append(self.regions, -1)  # the last is that of cell -1
         regions: Indices = region_of_cell[edges.cells]
         return regions
@@ -359,7 +359,7 @@ def locate(cells: Sequence[PlaneCell], x: Floats, y: Floats) -> Indices:
 
 
 def _rounded(shares: Floats, room: Any = 1.0) -> Floats:
-    """Points near to given ones whose shares of the axes are short fractions.
+    """Points near the given ones, whose shares of the axes are short fractions.
 
     Shares of y lie an eighth of a step beside those of x. Otherwise points with equal
     numbers on both axes, such as velocities of both bodies, would lie on a border.

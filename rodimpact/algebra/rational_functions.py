@@ -41,8 +41,9 @@ class RationalFunctions:
     Attributes
     ----------
     sympy : module
-    base : dict of str to Fraction
-        Values of all names in the system.
+    row : SymbolicRow
+    base_values : dict of str to Fraction
+        Values of all names in the system, wave speeds included.
     """
 
     def __init__(
@@ -51,7 +52,7 @@ class RationalFunctions:
         """Import SymPy, and make its field of rational functions of the row's names."""
         self.sympy: Any = optional("sympy", "sympy")
         self.row = row
-        self.base_values = row.values({})  # of all names, wave speeds included
+        self.base_values = row.values({})
         names = [*row.base, *row.wave_speeds]
         self._field, *generators = self.sympy.polys.fields.field(names, self.sympy.ZZ)
         self._generators = dict(zip(names, generators, strict=True))
@@ -74,6 +75,7 @@ class RationalFunctions:
         shown = list(symbols.values())
 
         def symbol_or_number(part: Any) -> Any:
+            """Symbol of a name, or a fraction itself."""
             if part in symbols:
                 return symbols[part]
             return sympy.Rational(part)
@@ -114,12 +116,14 @@ class RationalFunctions:
         """
 
         def constant(x: Fraction) -> Any:
+            """A fraction as a rational function."""
             return self._field(x.numerator) / x.denominator
 
         program = Program(list(numbers), constant)
         with self.work() as report:
 
             def count_and_check(left: Any, right: Any) -> None:
+                """Count an operation, and check the lengths of its operands."""
                 self._count_step(report)
                 check_length(left, right)
 
@@ -248,7 +252,7 @@ def check_length(left: Any, right: Any) -> None:
 def definite(p: Any) -> bool:
     """Whether a polynomial is seen to be positive: all its coefficients are.
 
-    A polynomial with a velocity is not, since velocities have any sign.
+    With a velocity in it the answer is no, since velocities have any sign.
     """
     velocities = []  # indices of the variables
     for i, symbol in enumerate(p.ring.symbols):

@@ -40,6 +40,7 @@ def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
     if is_still and node.gap_rate >= 0:
         return Separation([node.gap_rate], uses_energy=False)
 
+    # The kernel writes its findings into the segments on both sides.
     finality.find_mean_motions(simulation, k, tick)
     is_bounded = left.is_end_velocity_bounded and right.is_end_velocity_bounded
     if is_bounded and right.min_end_velocity >= left.max_end_velocity:

@@ -25,6 +25,7 @@ class SquareRoots:
     """
 
     def __init__(self) -> None:
+        """Begin without any root."""
         self._root_of: dict[Fraction, Fraction] = {}
 
     def root(self, square: Fraction) -> Fraction:
