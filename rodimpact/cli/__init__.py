@@ -157,7 +157,7 @@ def _parse_and_run(argv: list[str]) -> CommandResult:
 
 
 def _command_hint(command: str) -> str:
-    """What is wrong with a command that does not exist, and which one may be meant."""
+    """What is wrong with a missing or unknown command, and which one may be meant."""
     from ..hints import similar
 
     meant = similar(command, COMMANDS)
@@ -245,7 +245,7 @@ def _new_parser(
 
 
 def _print(text: str | Iterable[str]) -> bool:
-    """Print a result; return whether it could be written.
+    """Print a result; return whether it could be written, else after a message.
 
     It is no failure if the reader has gone.
     """

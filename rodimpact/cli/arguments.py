@@ -196,6 +196,8 @@ class Arguments(argparse.Namespace):
     def check_outputs(self, *names: str, figure: str = "") -> None:
         """Refuse, before any work, files that must not or cannot be written.
 
+        An argument that names no file, None, is passed over.
+
         Parameters
         ----------
         *names : str
@@ -243,7 +245,8 @@ class Arguments(argparse.Namespace):
         Parameters
         ----------
         **writers : function
-            Function of a path that writes the file, by the argument with the path.
+            Function of a path and of `force` that writes the file, by the argument with
+            the path. An output whose argument is None is not asked for.
 
         Returns
         -------
@@ -339,6 +342,7 @@ def figure_writer(draw: Callable[[Any], Any]) -> Callable[..., None]:
     """
 
     def write(path: str, force: bool) -> None:
+        """Draw the figure and write it; `force` replaces an existing file."""
         from .. import plot
 
         plot.save(draw(plot), path, force=force)
@@ -357,7 +361,7 @@ def _whole(text: str) -> int:
 
 
 def status_of(solution: Solution) -> int:
-    """Exit status of a run: whether it came to its end."""
+    """Exit status of a run: incomplete if a cap or the clock stopped it, else done."""
     if solution.stopped_by in ("max_events", "clock"):
         return INCOMPLETE
     return DONE

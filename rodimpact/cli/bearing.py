@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Check all arguments, solve, write the figure; table, CSV or JSON."""
+    """Check all arguments, solve the blows, write the figure; table, CSV or JSON."""
     case = args.read_case()
     resistances = _resistances(args)
     args.check_outputs("plot", figure="plot")

@@ -162,9 +162,9 @@ def box_collisions(material: Material, ratio: float) -> list[Collision]:
 
     `ratio` is l1/l2 of the rods of different length.
     """
-    striker = rod(material, 1.0, 1.0)
-    struck = rod(material, 1.0)
-    shorter = rod(material, ratio, 1.0)
+    striker = rod(material, length=1.0, velocity=1.0)
+    struck = rod(material, length=1.0)
+    shorter = rod(material, length=ratio, velocity=1.0)
     dowel = Rod(DOWEL_LENGTH, area=DOWEL_AREA, material=TABLE["oak"], velocity=1.0)
     different = f"Rods of different length, l1/l2 = {ratio:g}"
     on_floor = "A wooden dowel, 3 ft long, on a stone floor"
@@ -178,8 +178,8 @@ def box_collisions(material: Material, ratio: float) -> list[Collision]:
 
 def restitution_of(material: Material, ratio: float) -> float:
     """e of a rod that strikes one of 1 m, with a ratio of their lengths."""
-    striker = rod(material, ratio, 1.0)
-    struck = rod(material, 1.0)
+    striker = rod(material, length=ratio, velocity=1.0)
+    struck = rod(material, length=1.0)
     return collide(striker, struck).restitution
 
 
@@ -261,7 +261,7 @@ def _result_rows(replay: Replay) -> Iterator[list[str]]:
 
 
 def _remark(replay: Replay) -> str:
-    """Remark on round trips, and on the end of the contact."""
+    """Remark on round trips, the end of force and contact, and vibration energy."""
     duration = replay.solution.outcome.duration
     episode = replay.solution.contacts[0].episodes[0]
     round_trips = []
@@ -317,7 +317,7 @@ class FigureFiles:
 
 
 def _check_files(args: Arguments, files: FigureFiles) -> None:
-    """Raise InvalidModel for files that must not be written, and earlier mistakes."""
+    """Raise InvalidModel for files that exist, unless forced, and earlier mistakes."""
     folder = files.folder
     existing = [name for name in (*files.names, PAGE) if (folder / name).exists()]
     if folder.exists() and not folder.is_dir():

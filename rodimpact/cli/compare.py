@@ -26,7 +26,7 @@ from .arguments import (
     figure_writer,
     status_of,
 )
-from .exit_status import CommandResult
+from .exit_status import DONE, CommandResult
 from .gauge_options import GaugePosition, GaugePositions
 
 PULSE_ROWS = {
@@ -99,7 +99,7 @@ def run(args: Arguments) -> CommandResult:
         solution = solve(case.system, **options)
     comparisons = _compare(args, case, solution, positions, records)
     status = args.write(save=figure_writer(partial(_draw, comparisons)))
-    if not status:
+    if status == DONE:
         status = status_of(solution)
     if args.json:
         return CommandResult(_json(comparisons), status)
@@ -141,7 +141,10 @@ def _compare(
     positions: GaugePositions,
     records: dict[str, Signal],
 ) -> dict[str, Comparison]:
-    """Compare the records with the gauges of a solution, by channel."""
+    """Compare the records with the gauges of a solution, by channel.
+
+    InvalidModel is raised if the run lasted no time.
+    """
     reason = nothing_to_draw(solution)
     if reason:
         raise InvalidModel([(case.path, reason)])
@@ -179,11 +182,11 @@ def _comparison(args: Arguments, measured: Signal, predicted: Signal) -> Compari
     start = measured.start
     end = measured.end
     return Comparison(
-        measured,
-        predicted,
-        misfit,
-        _pulse(measured, start, end),
-        _pulse(shifted, start, end),
+        measured=measured,
+        predicted=predicted,
+        misfit=misfit,
+        measured_pulse=_pulse(measured, start, end),
+        predicted_pulse=_pulse(shifted, start, end),
     )
 
 
@@ -257,7 +260,7 @@ def _pulse_entries(pulse: Pulse | None) -> dict[str, Any] | None:
 
 
 def _draw(comparisons: dict[str, Comparison], plot: Any) -> Any:
-    """Draw all channels side by side; return an Axes of the figure."""
+    """Draw all channels side by side; return the first Axes, to save the figure by."""
     from ..plot.records import side_by_side
 
     pairs = side_by_side(len(comparisons))

@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> CommandResult:
-    """Table or JSON of the versions and the cache."""
+    """Table or JSON of the versions and the cache; with --warm, compile everything."""
     versions = _versions()
     cache = None
     seconds = None

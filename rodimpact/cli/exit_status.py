@@ -38,5 +38,6 @@ class CommandResult:
     """
 
     def __init__(self, text: str | Iterable[str], status: int) -> None:
+        """Take text and status as they are."""
         self.text = text
         self.status = status

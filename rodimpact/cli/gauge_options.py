@@ -38,7 +38,7 @@ def add_gauge_option(parser: argparse.ArgumentParser, meaning: str) -> None:
 
 
 def gauge_positions(args: Arguments, case: Case | None) -> GaugePositions:
-    """Positions of the gauges of the call, or else of the case."""
+    """Positions of the gauges of the call, or else of the case; problems are added."""
     if not args.gauge:
         return _positions_in_case(args, case)
     return positions_in(args, case, "--gauge", args.gauge)
@@ -47,7 +47,11 @@ def gauge_positions(args: Arguments, case: Case | None) -> GaugePositions:
 def positions_in(
     args: Arguments, case: Case | None, option: str, texts: list[str]
 ) -> GaugePositions:
-    """Positions of gauges, which an option gives as texts of the form `GAUGE_FORM`."""
+    """Positions of gauges, which an option gives as texts of the form `GAUGE_FORM`.
+
+    Problems are added: of texts of another form, names that occur twice, and gauges
+    outside the rods of the case.
+    """
     positions: GaugePositions = {}
     for text in texts:
         name, _, position_text = text.rpartition("=")

@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> CommandResult:
 
 
 def table_of_units() -> str:
-    """Every unit that a number in a text may have."""
+    """Table of every unit that a number in a text may have, by quantity."""
     rows = [("quantity", "SI", "also")]
     for quantity, units in UNITS.items():
         si = si_unit(quantity)

@@ -91,7 +91,8 @@ def _read_files(args: Arguments) -> dict[str, Signal]:
     """Channels of all files of the record.
 
     If there are several files, a channel bears the name of its file; of a file with
-    several channels, the name of the file, a point, and its own.
+    several channels, the name of the file, a point, and its own. The result is empty,
+    and a problem is added, if a file cannot be read.
     """
     signals: dict[str, Signal] = {}
     for path in args.record:

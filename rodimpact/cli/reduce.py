@@ -122,7 +122,7 @@ def run(args: Arguments) -> CommandResult:
     """Check all arguments, reduce, write the files; table or JSON."""
     case = args.read_case()
     is_cut = any(getattr(args, name) is not None for name in PULSES)
-    if is_cut:
+    if is_cut:  # pulses that were cut out of their records
         positions = _positions_of_pulses(args, case)
     else:
         positions = gauge_options.gauge_positions(args, case)

@@ -96,7 +96,7 @@ def _check_gauges(args: Arguments, positions: GaugePositions) -> None:
 
 
 def _take_outputs_of_case(args: Arguments, case: Case) -> None:
-    """Take the output files of the case that the call does not name."""
+    """Put output files of the case into the arguments, where the call names none."""
     for name, path in case.output.items():
         if getattr(args, name) is None:
             setattr(args, name, path)
@@ -104,7 +104,7 @@ def _take_outputs_of_case(args: Arguments, case: Case) -> None:
 
 
 def _compare_with_saved(case: Case, solution: Solution) -> None:
-    """Say where the outcome differs from the one that a saved case stores."""
+    """Print where the outcome differs from the one that a saved case stores, if so."""
     if case.result is None:
         return
     sentence = difference(case.result, solution)
@@ -118,13 +118,16 @@ def _write(
     """Write case, figure and strains that are asked for; return the exit status."""
 
     def save(path: str, force: bool) -> None:
+        """Write the case as it was solved, with its outcome and gauges."""
         saved = replace(case_of(solution), gauges=case.gauges)
         write_case(path, saved, force=force)
 
     def draw(plot: Any) -> Any:
+        """Draw the figure of the run."""
         return plot.overview(solution, _gauges(solution, positions))
 
     def write_gauges(path: str, force: bool) -> None:
+        """Write the table of strains."""
         gauges_to_csv(path, _gauges(solution, positions), force=force)
 
     return args.write(save=save, plot=figure_writer(draw), gauges=write_gauges)

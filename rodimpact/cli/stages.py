@@ -74,7 +74,7 @@ def _sentences_by_time(
 
 
 def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
-    """Events of fronts: one at an end of a rod, or two that cross.
+    """Events of fronts in a collision of two bodies: one at an end, or two that cross.
 
     They are the corners of the regions of constant state; an event at the corner of
     several regions occurs several times.
@@ -94,7 +94,7 @@ def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
         elif x in (0.0, rod.length):
             sentence = f"the wave turns back at the free end of the {names[i]}"
         else:
-            distance = f"{format_si(x, 'm', 3)} from its left end"
+            distance = f"{format_si(x, 'm', digits=3)} from its left end"
             sentence = f"two fronts cross in the {names[i]}, {distance}"
         events.append(Event(time, sentence))
     return events
@@ -137,4 +137,4 @@ def _stress_text(stress: float, scale: float) -> str:
     kind = "compression"
     if stress > 0:
         kind = "tension"
-    return f"{format_si(abs(stress), 'Pa', 3)} {kind}"
+    return f"{format_si(abs(stress), 'Pa', digits=3)} {kind}"

@@ -99,7 +99,7 @@ def _table(results: list[Check]) -> str:
 
 
 def checks() -> list[Check]:
-    """Solve one collision by each method, beside its closed form.
+    """Checks of the methods: a collision solved by each, beside its closed form.
 
     Returns
     -------
@@ -113,9 +113,15 @@ def checks() -> list[Check]:
     striker = STRIKER.segments[0]
     bar = BAR.segments[0]
     two_rods = theory.saint_venant(
-        striker.impedance, striker.transit_time, bar.impedance, bar.transit_time, 1.0
+        striker.impedance,
+        striker.transit_time,
+        bar.impedance,
+        bar.transit_time,
+        closing_speed=1.0,
     )
-    on_mass = theory.mass_on_rod(HAMMER.mass, bar.impedance, bar.transit_time, 1.0)
+    mass_on_rod = theory.mass_on_rod(
+        HAMMER.mass, bar.impedance, bar.transit_time, speed=1.0
+    )
     rods = System([STRIKER, BAR])
     hammer = System([HAMMER, BAR])
     fronts = solve(rods, method="fronts")
@@ -130,13 +136,13 @@ def checks() -> list[Check]:
         ),
         Check(
             "a mass on a rod, by characteristics",
-            float(on_mass.restitution),
+            float(mass_on_rod.restitution),
             pieces.outcome.restitution,
             CHARACTERISTICS_RTOL,
         ),
         Check(
             f"a mass on a rod, by finite differences on {CELLS} cells",
-            float(on_mass.restitution),
+            float(mass_on_rod.restitution),
             grid.outcome.restitution,
             GRID_RTOL,
         ),

@@ -190,7 +190,7 @@ def explore(case: System | Case) -> Page:
 
 
 def preset_tables() -> list[dict[str, Any]]:
-    """Presets as the page takes them: key, title, remark and the tables of the case."""
+    """Presets as the page takes them: key, title, remark and `tables_of` the case."""
     tables = []
     for preset in presets():
         tables.append(
@@ -215,7 +215,7 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     path, physics = lacking(tables)
     if physics:
         raise invalid_argument(path, f"the page cannot solve {physics}; {REMEDY}")
-    if is_smooth(tables):
+    if is_smooth(tables):  # the page itself tells when characteristics take too long
         return
     request = request_of(tables)
     system = system_of(tables, LIBRARY)

@@ -87,7 +87,7 @@ def facts_of_outcome(
 
 
 def errors_of(relative: list[float], speed: float, contacts: list[Any]) -> Any:
-    """Stated error of each kind of number, in its unit.
+    """Stated error of each kind of number by its name, in its unit.
 
     It is the relative error times the scale of the velocities, or times the largest
     impulse, peak force or duration of all contacts.
@@ -130,7 +130,7 @@ def facts_of_body(body: Any, number: str, path: Any) -> Any:
     number : str
         Its number from the left, or "wall".
     path : dict or None
-        Path of a mass or a wall.
+        Displacement over time of a mass or a wall, from `motion.path_of`.
     """
     name = name_of(body.kind, number)
     title = capital(name)

@@ -322,6 +322,7 @@ class _Translator(ast.NodeVisitor):
         """
 
         def text(placeholder: re.Match[str]) -> str:
+            """Text of the part of a placeholder."""
             is_condition, name = placeholder.groups()
             value = getattr(node, name)
             if is_condition:
@@ -331,7 +332,10 @@ class _Translator(ast.NodeVisitor):
         return re.sub(r"\{(\??)(\w+)\}", text, TEMPLATES[kind])
 
     def part(self, name: str, value: Any) -> str:
-        """Text of a part of a node: of its items, of one node, or a name as it is."""
+        """Text of a part of a node: of its items, of one node, or a name as it is.
+
+        A part that is None has no text, "".
+        """
         if isinstance(value, list):
             return SEPARATORS.get(name, "").join(map(self.visit, value))
         if isinstance(value, ast.AST):

@@ -35,7 +35,8 @@ def page_data(
         ``contacts``, each with its curves of ``force`` and ``gap``, the gap None for a
         bond. Curves are tables of ``t``, s, and ``y``.
     paths : list
-        Paths of bodies without inside, None for rods.
+        Displacements over time of masses and walls, from `motion.path_of`; None for
+        rods.
     records : list of dict
         Curves of gauges, each with the ``name`` of its gauge.
     energies : dict
@@ -88,7 +89,7 @@ def page_data(
 def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
     """Facts of each body, with its number, "wall" for a wall.
 
-    `paths` are the ways of masses and walls in the picture, None for rods.
+    `paths` are displacements over time of masses and walls, None for rods.
     """
     bodies = []
     for i, body in enumerate(system.bodies):
@@ -97,7 +98,7 @@ def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
 
 
 def contacts_of_page(system: Any, names: list[str], curves: Any) -> list[Any]:
-    """Index, name, kind and curves of each contact."""
+    """Index, name and curves of each contact, and whether it is bonded or compliant."""
     contacts = []
     for i, law in enumerate(system.contacts):
         contacts.append(
@@ -193,7 +194,7 @@ def spread(facts: Any, offsets: list[float], frame: float) -> float:
 
 
 def ratio_of(facts: Any) -> Any:
-    """l1/l2 of two uniform rods; None for any other row."""
+    """Ratio l1/l2 of the lengths of two uniform rods; None for any other row."""
     bodies = facts["bodies"]
     if len(bodies) != 2:
         return None

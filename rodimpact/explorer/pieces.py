@@ -188,7 +188,7 @@ def run_of(
 
 
 def until_of(request: Any) -> Any:
-    """The given end of a run, s; None if there is none."""
+    """The given end of a run, s; None for a request whose end is negative: none."""
     if request.until >= 0:
         return request.until
     return None
@@ -330,7 +330,7 @@ def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     """Motion of the bodies at t = 0; each has one velocity and one strain."""
     velocities = []  # one for each group of bonded bodies
     for part in ended.parts:
-        if part.part_count > 0:
+        if part.part_count > 0:  # the first part of a group, which has its motion
             velocities.append(part.initial_velocity + clock.frame)
     kinetic = 0.0
     strain_energies = []

@@ -56,7 +56,10 @@ def reason_of(facts: Any, e: str) -> list[str]:
 
 
 def value_at(series: Any, t: float) -> float:
-    """Value of a curve at a time, on straight lines between its points."""
+    """Value of a curve at a time, on straight lines between its points.
+
+    Before its first point and after its last one it keeps their values.
+    """
     times = series["t"]
     values = series["y"]
     i = max(0, min(len(times) - 2, bisect_right(times, t) - 1))
@@ -396,5 +399,5 @@ def ratio_named(facts: Any) -> str:
 
 
 def is_same(a: float, b: float) -> bool:
-    """Whether two positive numbers count as equal."""
+    """Whether two positive numbers are equal to within `NEGLIGIBLE`."""
     return abs(a / b - 1) < NEGLIGIBLE

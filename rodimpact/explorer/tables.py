@@ -124,7 +124,7 @@ def is_smooth(case: Any) -> bool:
 
 
 def contacts_in(case: Any) -> Any:
-    """Tables of all contacts; empty ones where the case has none."""
+    """Tables of all contacts; without any in the case, an empty one for each pair."""
     return case.get("contacts", [{}] * (len(case["bodies"]) - 1))
 
 
@@ -315,7 +315,7 @@ def mistakes_of_row(case: Any) -> list[Any]:
 
 
 def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
-    """Mistakes (path, message): gauges on no rod, an end of the run at or before 0."""
+    """Mistakes (path, message): gauges on no rod, an end of the run not above 0."""
     problems = []
     rods = rods_in(case)
     for i, gauge in enumerate(gauges):
