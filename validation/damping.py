@@ -373,7 +373,7 @@ def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
 @styled
 def draw() -> Axes:
     """Energy falls to that of rigid bodies; vibration, and its longest mode."""
-    left, right = new_figure(9.5, 3.6).subplots(1, 2)
+    left, right = new_figure(width=9.5, height=3.6).subplots(1, 2)
     solution = solve_ringing_pair()
     draw_energy(left, solution)
     draw_vibration(right, solution)

@@ -153,7 +153,7 @@ def draw_cradle(
 @styled
 def chains() -> Axes:
     """Restitution of chains of equal rods, and velocities of unequal cradles."""
-    equal, longer, thicker = new_figure(10.5, 3.6).subplots(1, 3)
+    equal, longer, thicker = new_figure(width=10.5, height=3.6).subplots(1, 3)
     draw_equal_rods(equal)
     length_ratio = np.geomspace(0.26, 4, 401)
     draw_cradle(longer, "length", length_ratio, cradle(length=length_ratio))

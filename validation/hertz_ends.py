@@ -211,7 +211,7 @@ def draw_by_speed(ax: Axes) -> None:
 @styled
 def draw() -> Axes:
     """e over kappa, and over closing speed for steel rods with rounded ends."""
-    left, right = new_figure(9.5, 3.8).subplots(1, 2)
+    left, right = new_figure(width=9.5, height=3.8).subplots(1, 2)
     draw_by_stiffness(left)
     draw_by_speed(right)
     for ax in (left, right):

@@ -83,7 +83,7 @@ def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
     kinds = _border_kinds(plane)
 
     # What is drawn.
-    ax = axes_or_new(ax, 5.6, 4.2)
+    ax = axes_or_new(ax, width=5.6, height=4.2)
     x = edges[0] * scales[0].factor
     y = edges[1] * scales[1].factor
     norm = colors.Normalize(least, max(1.0, least + 1e-3))

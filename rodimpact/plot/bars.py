@@ -206,7 +206,7 @@ class Bars:
         return bars
 
     def draw_fronts(self) -> list[Line2D]:
-        """Draw triangles above the fronts that show their direction.
+        """Draw triangles above the fronts that show their direction, if it has fronts.
 
         A front that runs to the right with bar speed c has the jumps dv = -c d(strain),
         one to the left dv = c d(strain). A border of pieces with neither is no front.
@@ -390,6 +390,9 @@ def merged(pieces: Any, spread: float) -> Any:
 
 
 def _follow(pieces: Any) -> NDArray[np.bool_]:
-    """Whether each piece but the first is in row and segment of the piece before it."""
+    """Whether each piece but the first is in the segment of the piece before it.
+
+    They must be in one row and one body, too; [piece - 1].
+    """
     owner = np.array([pieces.row, pieces.body, pieces.segment])
     return np.asarray(~np.diff(owner).any(axis=0))

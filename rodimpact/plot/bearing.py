@@ -61,7 +61,9 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     'blow count (1/m)'
     """
     check_kind("graph", graph, BearingGraph, "rodimpact.bearing_graph(...)")
-    blow_ax, stress_ax = two_axes_or_new(ax, "blow count and stress", 4.4, (1, 1))
+    blow_ax, stress_ax = two_axes_or_new(
+        ax, "blow count and stress", height=4.4, ratios=(1, 1)
+    )
 
     # What is measured.
     order = np.argsort(graph["resistance"])
@@ -83,8 +85,8 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     (counts,) = blow_ax.plot(x, blow_count, color=colour, **POINTS)
     unfinished = _draw_unfinished(blow_ax, x, blow_count, is_over)
     curves = [
-        _draw_stress(stress_ax, x, compression, stress, 0, "compression"),
-        _draw_stress(stress_ax, x, tension, stress, 1, "tension"),
+        _draw_stress(stress_ax, x, compression, stress, index=0, name="compression"),
+        _draw_stress(stress_ax, x, tension, stress, index=1, name="tension"),
     ]
     largest_count = float(np.nanmax(blow_count))
     format_axes(
@@ -117,7 +119,10 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
 def _draw_stress(
     ax: Axes, x: Floats, values: Floats, scale: Scale, index: int, name: str
 ) -> Line2D:
-    """Draw the largest stress of one sign against the resistance."""
+    """Draw the largest stress of one sign against x, the scaled resistance.
+
+    `index` chooses colour and dashes.
+    """
     (line,) = ax.plot(
         x,
         values * scale.factor,
@@ -132,7 +137,10 @@ def _draw_stress(
 def _draw_unfinished(
     ax: Axes, x: Floats, values: Floats, is_over: NDArray[np.bool_]
 ) -> Line2D | None:
-    """Draw open marks on points whose blow did not come to its end; None if all did."""
+    """Draw open marks on points whose blow did not come to its end.
+
+    None if all blows did.
+    """
     if is_over.all():
         return None
     (marks,) = ax.plot(

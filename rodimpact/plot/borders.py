@@ -25,6 +25,7 @@ from .scales import NEGLIGIBLE_RTOL
 from .style import SMALL, colours
 
 Cut: TypeAlias = Polygons | Raster
+"""How the rods are cut: into polygons between fronts, or into a raster of cells."""
 Stretches: TypeAlias = list[Floats]  # paths [n, 2] of the picture
 
 WALL_DEPTH = 0.04  # in lengths of the row

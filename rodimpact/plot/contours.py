@@ -51,7 +51,7 @@ def draw_contours(
 
 
 def _levels(values: Floats) -> list[float]:
-    """Round values inside the range, but not those of a plateau."""
+    """Round values well inside the range of a map, but not those of a plateau."""
     low = float(np.nanmin(values))
     high = float(np.nanmax(values))
     near = NEAR_LEVEL * (high - low)
@@ -79,6 +79,7 @@ def label_contours(
     """
 
     def value(level: float) -> str:
+        """Text of a level."""
         return with_minus_signs(f"{level:g}")
 
     # Matplotlib places labels on trial. Then each is moved along its line until it is
@@ -157,7 +158,7 @@ def _candidates(
 
 
 def _is_inside(ax: Axes, point: Floats, half: float) -> bool:
-    """Whether a label at a point is clear of the frame."""
+    """Whether a label at a point stays `half` its width, points, from the frame."""
     box = ax.get_window_extent()
     low = box.p0 / _pixels(ax)
     high = box.p1 / _pixels(ax)

@@ -63,12 +63,13 @@ def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
     # What is drawn.
     outline = None
     if ax is None and len(rod.segments) > 1:
-        figure = new_figure(5.6, 4.6)
+        figure = new_figure(width=5.6, height=4.6)
         above, ax = figure.subplots(2, 1, height_ratios=[1, 2.5]).tolist()
         outline = _draw_silhouette(above, rod)
-    ax = axes_or_new(ax, 5.6, 3.4)
+    ax = axes_or_new(ax, width=5.6, height=3.4)
 
     def draw(signal: Signal, **style: Any) -> Line2D:
+        """Draw a force over time."""
         times = signal.times * time.factor
         (line,) = ax.plot(times, signal.values * force.factor, **style)
         return line

@@ -182,10 +182,10 @@ def draft_spacetime(
 
     # What is drawn.
     if across:
-        ax = axes_or_new(ax, 6.6, 4.4)
+        ax = axes_or_new(ax, width=6.6, height=4.4)
     else:
-        ax = axes_or_new(ax, 5.6, 5.2)
-    scales = axis_scales(solution, dimensionless, stop, layout.row)
+        ax = axes_or_new(ax, width=5.6, height=5.2)
+    scales = axis_scales(solution, dimensionless, duration=stop, width=layout.row)
     plane = Plane(ax, layout, scales, Span(start, stop), across)
     norm = centred([low * scale.factor, high * scale.factor], reference)
     regions = cut.draw(plane, values * scale.factor, norm)

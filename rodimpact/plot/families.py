@@ -196,10 +196,11 @@ def sweep(
         for axis, dimension in zip(axes, varied_axes, strict=True):
             if not axis.is_ordered:
                 raise invalid_argument("result", _why_no_map(result, dimension))
-        return _draw_map(axes_or_new(ax, 6.0, 4.6), axes, shown, theory)
+        return _draw_map(axes_or_new(ax, width=6.0, height=4.6), axes, shown, theory)
     if not axes[0].is_ordered:
-        return _draw_scatter(axes_or_new(ax, 5.6, 3.6), axes[0], shown)
-    return _draw_curve(axes_or_new(ax, 5.6, 3.6), axes[0], shown, theory, label)
+        return _draw_scatter(axes_or_new(ax, width=5.6, height=3.6), axes[0], shown)
+    ax = axes_or_new(ax, width=5.6, height=3.6)
+    return _draw_curve(ax, axes[0], shown, theory, label)
 
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
@@ -447,7 +448,7 @@ class _MapColours(NamedTuple):
 def _map_colours(shown: Quantity) -> _MapColours:
     """Colours and limits: one colour a count, symmetric about 0 where signs differ.
 
-    Numbers of one sign run from the least to the largest.
+    Numbers of one sign run from the least to the largest; equal ones, from or to 0.
     """
     low = shown.low
     high = shown.high
@@ -577,7 +578,7 @@ def restitution(
     top = max(reach, 1.05 * float(e.max()))
     largest = np.abs(e - x).max()
 
-    ax = axes_or_new(ax, 4.2, 4.0)
+    ax = axes_or_new(ax, width=4.2, height=4.0)
     (law,) = ax.plot(
         [0, reach],
         [0, reach],

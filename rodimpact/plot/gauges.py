@@ -21,7 +21,7 @@ PULSE_RTOL = 0.01  # of the largest strain that a wave carries: less is no pulse
 
 
 class _Pulse(NamedTuple):
-    """First time that a wave is strong."""
+    """First interval of time in which a wave is strong."""
 
     start: float  # s
     stop: float
@@ -81,7 +81,7 @@ def gauge(
         records.append(transmitted)
     for each in records:
         check_kind("record", each, Gauge, "solution.gauge(1, 0.5)")
-    ax = axes_or_new(ax, 5.6, 3.0)
+    ax = axes_or_new(ax, width=5.6, height=3.0)
     time = time_scale(record.end)
 
     # What is measured.
@@ -156,6 +156,7 @@ def gauge(
     )
 
     def write_words() -> None:
+        """Fit the legend to the final width."""
         legend_above(ax, lines, title=title)
 
     return finish(Draft(picture, write_words))

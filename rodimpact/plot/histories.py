@@ -117,7 +117,7 @@ def draft_contact(
     solution: Solution, ax: Sequence[Axes] | None, contacts: Sequence[int]
 ) -> Draft:
     """Draft of `contact` for some contacts; marks are written for a single one."""
-    force_ax, gap_ax = two_axes_or_new(ax, "force and gap", 4.2, (1, 1))
+    force_ax, gap_ax = two_axes_or_new(ax, "force and gap", height=4.2, ratios=(1, 1))
 
     # What is measured.
     curves = ContactCurves(solution, contacts)
@@ -198,7 +198,7 @@ def _draw_gaps(
 
 
 def _set_height(ax: Axes) -> None:
-    """Set limits about the curves of an Axes and 0, with room for words above."""
+    """Set the limits of an Axes about its curves and 0, with room for words above."""
     low = min(0.0, ax.dataLim.y0)
     high = HEADROOM * max(0.0, ax.dataLim.y1)
     if high == 0 and low == 0:  # a value that is 0 throughout has no scale

@@ -121,15 +121,15 @@ class PictureLayout:
                 faces.append(RowEnd(i, is_right))
         left, right = self.solution.system.ends
         if isinstance(left, Fixed):
-            faces.append(RowEnd(0, False))
+            faces.append(RowEnd(0, is_right=False))
         if isinstance(right, Fixed):
-            faces.append(RowEnd(len(bodies) - 1, True))
+            faces.append(RowEnd(len(bodies) - 1, is_right=True))
         return faces
 
     def outer_ends(self) -> tuple[RowEnd, RowEnd]:
         """Left and right end of the row."""
         last = len(self.solution.system.bodies) - 1
-        return RowEnd(0, False), RowEnd(last, True)
+        return RowEnd(0, is_right=False), RowEnd(last, is_right=True)
 
     def point(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Position X, m, of points of a body, x m from its left end, at t, s.
@@ -167,7 +167,10 @@ class PictureLayout:
         return share @ self.point(body, x[:, None], t)
 
     def springs(self, times: Floats) -> list[SpringPath]:
-        """Ends of springs at times; an open contact leaves a spring its free length."""
+        """Ends of springs at times; an open contact leaves a spring its free length.
+
+        A joint keeps its spring stretched. Contacts without a spring are left out.
+        """
         paths = []
         for i, contact in enumerate(self.solution.contacts):
             if not self.free[i]:
@@ -337,10 +340,9 @@ def _spring_lengths(
 ) -> Floats:
     """Length of the spring at each contact before it is pressed, m.
 
-    It is 0 where no spring is drawn: at rigid contacts and bonds, and at all contacts
-    of a picture true to scale.
-
     It is long enough that the largest overlap, magnified, leaves the length `shortest`.
+    It is 0 where no spring is drawn: at rigid contacts and bonds, and everywhere if
+    displacements are not magnified.
     """
     free = np.zeros(len(solution.contacts))
     if magnification <= 1:  # true to scale, or at rest: no spring is drawn

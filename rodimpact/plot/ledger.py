@@ -105,7 +105,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
 def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
     """Draft of `energy`: the bands and the line of work, without names in the bands."""
     check_solution(solution)
-    ax = axes_or_new(ax, 5.6, 3.2)
+    ax = axes_or_new(ax, width=5.6, height=3.2)
     time = time_scale(solution.t_end)
 
     # What is measured.
@@ -171,7 +171,7 @@ def _energies(solution: Solution) -> _Energies:
     Bands that are nowhere visible are left out, and so are works that never change.
     """
     times = _times(solution)
-    frame = choose_layout(solution, 0.0, solution.t_end).frame
+    frame = choose_layout(solution, start=0.0, stop=solution.t_end).frame
     ledger = solution.energy(times)
     drift = _energy_of_drift(solution, frame, times)
     entries = {entry: getattr(ledger, entry) for entry in BANDS}
@@ -211,7 +211,7 @@ def _energy_of_drift(solution: Solution, frame: float, times: Floats) -> Floats:
 
 
 def _works(ledger: EnergyLedger) -> dict[str, Floats]:
-    """Work over time, J, by the name of what works."""
+    """Work on the row over time, J, by the name of what works, also if it is 0."""
     works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
     # Waves that bring in more than leaves make the radiated energy negative.
     works[ENTERING_WAVES] = np.maximum(-ledger.radiated, 0.0)
@@ -238,7 +238,10 @@ def _times(solution: Solution) -> Floats:
 def _name_band(
     ax: Axes, name: str, x: Floats, band: tuple[Floats, Floats], color: str
 ) -> Text | None:
-    """Write a name into the roomiest place between the two curves of a band, if any."""
+    """Write a name into the roomiest place between the two curves of a band.
+
+    None if no place is high enough.
+    """
     low, high = band
     per_point = units_per_point(ax)
     width = 0.6 * SMALL * (len(name) + 1) * per_point[0]

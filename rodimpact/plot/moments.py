@@ -155,7 +155,8 @@ def contact_event_times(solution: Solution) -> list[float]:
 def event_times(contact: ContactHistory, at_most: int | None = None) -> list[float]:
     """Times at which one contact begins, stops pressing, or opens.
 
-    They are those of its first episodes, `at_most` of them, by default all.
+    They are those of its first episodes, `at_most` of them, by default all; NaN
+    is left out.
     """
     times: list[float] = []
     for episode in contact.episodes[:at_most]:
@@ -186,7 +187,7 @@ def round_trips(solution: Solution) -> dict[float, str]:
             if i not in uniform:
                 continue
             trip = 2 * float(uniform[i].transit_time)
-            for t in event_times(contact, 1):
+            for t in event_times(contact, at_most=1):
                 count = round(t / trip)
                 if t > 0 and math.isclose(t, trip * count, rel_tol=ROUND_TRIP_RTOL):
                     trips.append((count, t, i))

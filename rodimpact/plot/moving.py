@@ -99,10 +99,12 @@ class Animation:
         shown = times[np.searchsorted(times, 0.0) :]  # without the approach
         start = float(shown[0])
         stop = float(shown[-1])
-        scales = axis_scales(solution, False, stop, layout.row)
+        scales = axis_scales(
+            solution, dimensionless=False, duration=stop, width=layout.row
+        )
         self._time = scales.time
 
-        self.figure = new_figure(8.4, 6.8, MIN_HEIGHT)
+        self.figure = new_figure(width=8.4, height=6.8, least_height=MIN_HEIGHT)
         self.figure.set_dpi(DOTS_PER_INCH)
         self._find_captions(solution, start, stop)
         room = 72 * self.figure.get_figwidth()
@@ -129,8 +131,8 @@ class Animation:
         self._words = self.figure.add_subplot(places.words, animated=True)
         self._words.set_axis_off()
         self._write_notes(solution, shown)
-        self._clock = self._write_line(0.0, NORMAL + 4)
-        self._caption = self._write_line(CLOCK_HEIGHT, NORMAL)
+        self._clock = self._write_line(below=0.0, size=NORMAL + 4)
+        self._caption = self._write_line(below=CLOCK_HEIGHT, size=NORMAL)
         self._growing = [below]
         if solution.outcome.unilateral:
             forces = self.figure.add_subplot(places.forces, sharey=below)
@@ -253,7 +255,7 @@ class Animation:
         return picture
 
     def _hide_future(self, picture: NDArray[np.uint8], ax: Axes, t: float) -> None:
-        """Give the times after t of an Axes the colour of the paper, above a line."""
+        """Paint over the times after t of an Axes, with a line at t, in the picture."""
         left, bottom, right, top = np.rint(ax.bbox.extents).astype(int)
         height = max(t, 0.0) * self._time.factor
         _, y_now = ax.transData.transform((0.0, height))

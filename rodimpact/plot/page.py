@@ -136,7 +136,8 @@ def _page(wanted: list[Any]) -> tuple[Figure, dict[str, Axes]]:
     if columns == 2:
         figure = new_figure(*PAGE)
     else:
-        figure = new_figure(COLUMN_WIDTH, LAST_ROW_HEIGHT * sum(heights))
+        height = LAST_ROW_HEIGHT * sum(heights)
+        figure = new_figure(COLUMN_WIDTH, height)
     return figure, figure.subplot_mosaic(rows, height_ratios=heights)
 
 

@@ -116,9 +116,25 @@ def axes_or_new(
 def two_axes_or_new(
     ax: Any, contents: str, height: float, ratios: Sequence[float]
 ) -> tuple[Axes, Axes]:
-    """The pair of Axes given, or a new figure's; ValueError for anything else."""
+    """The pair of Axes given, or one above the other of a new figure.
+
+    Parameters
+    ----------
+    ax : two Axes, or None
+    contents : str
+        What both show, for the error.
+    height : float
+        Height of a new figure, inches.
+    ratios : sequence of float
+        Ratio of the heights of new Axes, upper to lower.
+
+    Raises
+    ------
+    ValueError
+        If `ax` is neither a pair of Axes nor None.
+    """
     if ax is None:
-        figure = new_figure(5.6, height)
+        figure = new_figure(width=5.6, height=height)
         upper, lower = figure.subplots(2, sharex=True, height_ratios=ratios)
         return upper, lower
     pair = []
@@ -226,11 +242,11 @@ def draw_cells(
         zorder=1,
     )
     if not np.isnan(values).any():
-        return Cells(mesh, None)
+        return Cells(mesh, missing=None)
     name = patches.Patch(
         facecolor=colours().paper, edgecolor=colours().faint, label=missing
     )
-    return Cells(mesh, name)
+    return Cells(mesh, missing=name)
 
 
 def add_colour_bar(

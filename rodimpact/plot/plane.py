@@ -71,6 +71,7 @@ class Plane:
         span: Span,
         across: bool,
     ) -> None:
+        """Take the Axes as they are; `format` sets their limits and ticks."""
         self.ax = ax
         self.layout = layout
         self.scales = scales

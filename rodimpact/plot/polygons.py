@@ -108,7 +108,7 @@ class Polygons:
         return np.unique(self.regions.t[is_at_end])
 
     def _fronts(self) -> Fronts:
-        """Sides that two regions share, with their darkness in the picture.
+        """Sides that two regions share, also steps, with their darkness in the picture.
 
         Darkness is the root of the jump of velocity over the largest jump, 1 for a step
         of area or material. The region with the earlier mean time is the earlier one.
@@ -157,7 +157,10 @@ class Polygons:
     def draw(
         self, plane: Plane, numbers: Floats, norm: colors.Normalize
     ) -> cm.ScalarMappable:
-        """Draw the regions with these numbers: one each, or one for each corner."""
+        """Draw the regions with these numbers: one each, or one for each corner.
+
+        Plane, corners, numbers and colours are kept for `write`.
+        """
         regions = self.regions
         x = plane.layout.position(
             self._body, regions.x, regions.t, regions.displacement

@@ -76,7 +76,7 @@ class Raster:
         return area * (twice_kinetic + stress * strain) / 2
 
     def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
-        """Times between which the path of a rod's end is drawn straight."""
+        """Times between which paths are drawn straight, the same for all ends."""
         return self.times
 
     def draw(

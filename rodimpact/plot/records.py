@@ -103,7 +103,9 @@ def comparison(
     percent = 100 / plateau(values)
 
     # What is drawn.
-    upper, lower = two_axes_or_new(ax, "signals and residual", 4.2, (3, 1))
+    upper, lower = two_axes_or_new(
+        ax, "signals and residual", height=4.2, ratios=(3, 1)
+    )
     x = t * time.factor
     area = None
     if half_width is not None:
@@ -184,7 +186,7 @@ def _fill_band(
 
 
 def _draw_line(ax: Axes, x: Floats, y: Floats, **style: Any) -> Line2D:
-    """Draw a curve, of very many points the least and largest."""
+    """Draw a curve, of very many points only the least and largest."""
     style.setdefault("linewidth", 1.2)
     chosen = extreme_indices(y)
     (line,) = ax.plot(x[chosen], y[chosen], **style)
@@ -266,7 +268,7 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictu
 @styled
 def side_by_side(count: int) -> list[tuple[Axes, Axes]]:
     """Axes for signals and residual of so many comparisons, on a new figure."""
-    figure = new_figure(5.6 * count, 4.2)
+    figure = new_figure(width=5.6 * count, height=4.2)
     grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
     upper, lower = grid.tolist()
     return list(zip(upper, lower, strict=True))
@@ -324,7 +326,9 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     unit = engineering("stress", largest_of(stress), "Pa")
 
     # What is drawn.
-    upper, lower = two_axes_or_new(ax, "stress and strain rate", 4.6, (3, 1))
+    upper, lower = two_axes_or_new(
+        ax, "stress and strain rate", height=4.6, ratios=(3, 1)
+    )
     first, second = colours().series[:2]
     (from_transmitted,) = upper.plot(
         strain,

@@ -92,7 +92,7 @@ def steps_until(end: float, times: Floats, values: Floats, smooth: bool) -> Step
 
 
 def evenly(count: int, at_most: int) -> Ints:
-    """Indices of at most so many of `count` values, even, with first and last."""
+    """Indices of at most so many of `count` values, evenly spread, with both ends."""
     number = max(0, min(count, at_most))
     indices = np.linspace(0, count - 1, number).round().astype(np.int64)
     return np.unique(indices)

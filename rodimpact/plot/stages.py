@@ -124,12 +124,13 @@ def snapshots(
     if when.size == 0:
         raise invalid_argument("times", "needs at least one time, got none")
     solution.fields.to_ticks(when)  # refuses times outside the solution
-    layout = choose_layout(solution, 0.0, float(when.max()), magnification)
+    stop = float(when.max())
+    layout = choose_layout(solution, 0.0, stop, magnification=magnification)
     x = x_scale(layout.row)
 
     height = AROUND_ROWS + ROW_HEIGHT * when.size
     least_height = AROUND_ROWS + MIN_ROW_HEIGHT * when.size
-    ax = axes_or_new(ax, 9.6, height, least_height)
+    ax = axes_or_new(ax, width=9.6, height=height, least_height=least_height)
     bars = Bars(ax, layout, when, x)
     norm = centred(bars.pieces.velocity, layout.frame)
     rods = bars.draw_rods(bars.pieces.velocity, norm)
@@ -157,7 +158,7 @@ def snapshots(
             fraction=0.03,
             aspect=50,
             shrink=0.6,
-            format=lambda value, _: digits(value * velocity.scale.factor, 0.0),
+            format=lambda value, _: digits(value * velocity.scale.factor, largest=0.0),
         )
     picture = Picture(
         ax=ax,
@@ -188,7 +189,7 @@ def snapshots(
 
 
 def _set_limits(bars: Bars) -> None:
-    """Leave room for labels above and below the rows, and beside masses."""
+    """Set limits that leave room for labels at the rows, and beside masses."""
     ax = bars.ax
     has_masses = any(isinstance(body, RigidMass) for body in bars.system.bodies)
     ax.use_sticky_edges = False
@@ -291,7 +292,7 @@ def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
             side = BESIDE
             va = "bottom"
         x = bars.layout.middle(i, bars.times) * bars.x_scale.factor
-        velocities = bars.solution.velocity(i, 0.0, bars.times).tolist()
+        velocities = bars.solution.velocity(i, x=0.0, t=bars.times).tolist()
         for stage, velocity in enumerate(velocities):
             text = _write(bars.ax, x[stage], side - stage, write(velocity), va=va)
             labels.append(text)
@@ -340,7 +341,7 @@ def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[
 
 
 def _with_room_below(labels: list[_Label]) -> list[_Label]:
-    """Labels of a row, moved apart.
+    """Labels of a row, moved apart; the result may be shorter.
 
     As long as a label would move too far, the one that moves farthest is left out.
     """
@@ -373,7 +374,7 @@ def _name_rods(bars: Bars) -> None:
         centres.append(x[-1] / per_point)
     names = rod_labels(bars.system, rods, centres, LETTERS)
     for position, name in zip(x, names, strict=True):
-        _write(bars.ax, position, 0.5, name, va="bottom")
+        _write(bars.ax, position, y=0.5, text=name, va="bottom")
 
 
 def _width(ax: Axes, text: str) -> float:

@@ -176,6 +176,7 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
+        """Check that `ax` is no text; call the function with the style sheet."""
         _check_no_text(parameters, dict(zip(parameters, args, strict=False)) | kwargs)
         sheet = SHEETS[_current.get().mode]
         with np.errstate(under="ignore"), rc_context(sheet):
