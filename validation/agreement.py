@@ -59,7 +59,7 @@ def pairs() -> Rows:
     for _ in range(PAIRS):
         T1, T2 = rng.integers(1, 12, 2).tolist()
         Z1, Z2 = rng.uniform(0.2, 5.0, 2).tolist()
-        first = rod(T1, Z1, 1.0)
+        first = rod(T1, Z1, velocity=1.0)
         second = rod(T2, Z2)
         system = ri.System([first, second])
         exact = ri.solve(system, method="fronts").outcome
@@ -91,7 +91,7 @@ def touching_rows() -> Rows:
 
 
 def random_transit_time(rng: Generator, whole_number: bool) -> float:
-    """A transit time between 1 and 6."""
+    """A transit time from 1 to 6, a whole number or any."""
     if whole_number:
         return float(rng.integers(1, 7))
     return rng.uniform(1.0, 6.0)
@@ -129,7 +129,7 @@ def impulse_error(system: ri.System) -> float:
 
 
 def random_rows(whole_numbers: bool) -> Rows:
-    """Rows with contacts that close at any time: the worst impulse of all."""
+    """Rows with contacts that close at any time: the largest error of an impulse."""
     lengths = "without common measure"
     bound = 1e-12
     if whole_numbers:
@@ -150,8 +150,8 @@ def random_rows(whole_numbers: bool) -> Rows:
 
 def compliant_systems() -> dict[str, ri.System]:
     """Systems with springs, Hertz contacts and a joint, whose waves are all smooth."""
-    first = rod(0.4, 1.0, 1.0)
-    second = rod(1.0, 2.0)
+    first = rod(0.4, impedance=1.0, velocity=1.0)
+    second = rod(1.0, impedance=2.0)
     mass = ri.RigidMass(0.7, velocity=1.0)
     hertz = ri.Hertz(10.0)
     middle = rod(0.4)

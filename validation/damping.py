@@ -52,8 +52,8 @@ def run() -> Rows:
             yield from mode(ends, n)
     yield from stepped_rod()
     yield from restitution()
-    yield from unequal_impedances(1.0, 2.0)
-    yield from unequal_impedances(2.0, 1.0)
+    yield from unequal_impedances(Z1=1.0, Z2=2.0)
+    yield from unequal_impedances(Z1=2.0, Z2=1.0)
     yield from ringing()
 
 
@@ -75,10 +75,17 @@ class Ends(NamedTuple):
     crest: float  # k x of a largest velocity
 
 
+CREST_OF_SINE = math.pi / 2
 ENDS = (
-    Ends("free", (ri.Free(), ri.Free()), np.cos, 0.0, 0.0),
-    Ends("fixed", (ri.Fixed(), ri.Fixed()), np.sin, 0.0, math.pi / 2),
-    Ends("one end fixed", (ri.Fixed(), ri.Free()), np.sin, 0.5, math.pi / 2),
+    Ends("free", (ri.Free(), ri.Free()), np.cos, shift=0.0, crest=0.0),
+    Ends("fixed", (ri.Fixed(), ri.Fixed()), np.sin, shift=0.0, crest=CREST_OF_SINE),
+    Ends(
+        "one end fixed",
+        (ri.Fixed(), ri.Free()),
+        np.sin,
+        shift=0.5,
+        crest=CREST_OF_SINE,
+    ),
 )
 TAU = 0.01  # eta c/(E L)
 STEP = 0.999 / 200  # time step of 200 cells
@@ -188,7 +195,10 @@ def restitution_by_modes(tau: float) -> float:
 
 
 def solve_damped_pair(tau: float, Z1: float = 1.0, Z2: float = 1.0) -> ri.Outcome:
-    """Rods 0.4 : 1 of these impedances, 400 cells."""
+    """The outcome of damped rods 0.4 : 1 of these impedances, on a grid of 400 cells.
+
+    tau is eta/E, the first rod has the velocity 1.
+    """
     first = ri.Rod(SHORT, area=1.0, material=material(tau, Z1), velocity=1.0)
     second = ri.Rod(LONG, area=1.0, material=material(tau, Z2))
     system = ri.System([first, second])
@@ -225,8 +235,8 @@ def restitution() -> Rows:
 def unequal_impedances(Z1: float, Z2: float) -> Rows:
     """e of unequal impedances falls short of that of elastic rods by eta^(1/2)."""
     elastic = ri.theory.saint_venant(Z1, SHORT, Z2, LONG).restitution
-    loss_at_1e_3 = elastic - solve_damped_pair(1e-3, Z1, Z2).restitution
-    loss_at_1e_4 = elastic - solve_damped_pair(1e-4, Z1, Z2).restitution
+    loss_at_1e_3 = elastic - solve_damped_pair(tau=1e-3, Z1=Z1, Z2=Z2).restitution
+    loss_at_1e_4 = elastic - solve_damped_pair(tau=1e-4, Z1=Z1, Z2=Z2).restitution
     growth = loss_at_1e_3 / loss_at_1e_4
     case = Case(f"damped rods 0.4 : 1, impedances {Z1:g} : {Z2:g}", "conserved")
     yield case.row(
@@ -316,7 +326,7 @@ def longest_decay_time() -> float:
 
 
 def draw_level(ax: Axes, energy: float, label: str, offset: float) -> None:
-    """A dotted line at an energy, with a label above or below it."""
+    """Draw a dotted line at an energy, and a label an offset above or below it."""
     ax.axhline(energy, color=FAINT, linewidth=1.0, linestyle=":")
     alignment = "top"
     if offset > 0:
@@ -325,7 +335,7 @@ def draw_level(ax: Axes, energy: float, label: str, offset: float) -> None:
 
 
 def draw_energy(ax: Axes, solution: ri.Solution) -> None:
-    """The energy falls to that of rigid bodies."""
+    """Draw how the energy falls to that of rigid bodies."""
     before = solution.outcome.kinetic_before
     elastic = ri.solve(steel_pair(STEEL)).outcome
     after = (elastic.kinetic_after + sum(elastic.vibration_after)) / before
@@ -333,8 +343,8 @@ def draw_energy(ax: Axes, solution: ri.Solution) -> None:
     t = np.linspace(0.0, 8e-3, 801)
     energy = solution.energy(t).total
     ax.plot(MS * t, energy / before, color=SERIES[0])
-    draw_level(ax, after, "after the impact: kinetic + vibration", 0.02)
-    draw_level(ax, rigid, "as rigid bodies, e = ℓ₁/ℓ₂", -0.02)
+    draw_level(ax, after, "after the impact: kinetic + vibration", offset=0.02)
+    draw_level(ax, rigid, "as rigid bodies, e = ℓ₁/ℓ₂", offset=-0.02)
     ax.set(
         xlabel="time (ms)",
         ylabel="energy over that before the impact",
@@ -344,7 +354,7 @@ def draw_energy(ax: Axes, solution: ri.Solution) -> None:
 
 
 def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
-    """The vibration, and the mode that lasts longest, fitted to its second half."""
+    """Draw the vibration, and its longest mode, fitted to the second half."""
     before = solution.outcome.kinetic_before
     ring_down = solution.ring_down()
     times = ring_down.times
@@ -372,7 +382,7 @@ def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
 
 @styled
 def draw() -> Axes:
-    """Energy falls to that of rigid bodies; vibration, and its longest mode."""
+    """Draw two panels: energy; vibration and its longest mode. Return the left Axes."""
     left, right = new_figure(width=9.5, height=3.6).subplots(1, 2)
     solution = solve_ringing_pair()
     draw_energy(left, solution)

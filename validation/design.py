@@ -51,15 +51,16 @@ def run() -> Rows:
     corners = [0, 0.3, 0.8, 1]
     heights = [0, 1, 1, 0]
     trapezoid = np.interp(s, corners, heights)
-    yield from striker_for("half sine", half_sine, 0.045)
-    yield from striker_for("trapezoid, corners at 0, .3, .8, 1", trapezoid, 0.062)
-    yield from striker_for("ramp, then 0", s, 0.128)
+    corners_text = "corners at 0, .3, .8, 1"
+    yield from striker_for("half sine", half_sine, bound=0.045)
+    yield from striker_for(f"trapezoid, {corners_text}", trapezoid, bound=0.062)
+    yield from striker_for("ramp, then 0", s, bound=0.128)
     yield from hidden_strikers()
     yield from momentum_trap()
 
 
 def striker_for(name: str, shape: Floats, bound: float) -> Rows:
-    """A stepped striker whose pulse has a shape, given at equal times."""
+    """Misfit of a stepped striker for a pulse of a shape, given at equal times."""
     peak = 0.8 * Z * SPEED / 2
     times = np.linspace(0, 1, 2001) * DURATION
     pulse = ri.Signal(peak * shape, times, unit="N")

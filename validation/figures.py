@@ -36,7 +36,7 @@ def rods(*lengths: float) -> list[ri.Rod]:
 
 
 def solved(*lengths: float) -> ri.Solution:
-    """The collision of such rods."""
+    """The collision of rods of these lengths, m, as in `rods`."""
     system = ri.System(rods(*lengths))
     return ri.solve(system)
 
@@ -99,7 +99,7 @@ def contact_episodes() -> Axes:
 def draw_law(
     ax: Axes, numbers: np.ndarray, law: np.ndarray, values: list[float], colour: str
 ) -> None:
-    """A broad line for a law, over 2 to 10 rods, and dots for what was computed."""
+    """Draw a broad line for a law over 2 to 10 rods, and dots for computed values."""
     ax.plot(np.linspace(2, 10, 101), law, color=colour, alpha=0.4, linewidth=5.0)
     ax.plot(numbers, values, color=colour, linestyle="", marker="o", markersize=4.0)
 
@@ -107,9 +107,9 @@ def draw_law(
 def draw_equal_rods(ax: Axes) -> None:
     """Restitution of chains of equal rods, over their number."""
     numbers = np.arange(2, 11)
-    solved = [chain(n) for n in numbers.tolist()]
-    last_rod = [solved_chain.restitution_of_last for solved_chain in solved]
-    all_others = [solved_chain.restitution_of_all for solved_chain in solved]
+    collisions = [chain(n) for n in numbers.tolist()]
+    last_rod = [collision.restitution_of_last for collision in collisions]
+    all_others = [collision.restitution_of_all for collision in collisions]
     n = np.linspace(2, 10, 101)
     draw_law(ax, numbers, np.ones(n.size), last_rod, SERIES[0])
     ax.text(4.3, 0.93, "first and last rod: e = 1", va="center")

@@ -106,9 +106,9 @@ def three_equal_rods() -> Rows:
 
 def three_rods() -> Rows:
     """Three rods of different impedances, against runs on fractions."""
-    first = rod(2, 1, 1.0)
-    second = rod(3, 2)
-    third = rod(4, 0.75)
+    first = rod(2, impedance=1, velocity=1.0)
+    second = rod(3, impedance=2)
+    third = rod(4, impedance=0.75)
     system = ri.System([first, second, third])
     symbols = ("transit_time", "impedance")
     paths = {}
@@ -161,7 +161,7 @@ def against_runs(
 
 
 def one_unless_zero(x: sympy.Expr) -> Fraction:
-    """0 of an expression that vanishes, else 1."""
+    """0 for an expression that vanishes, else 1, in exact arithmetic."""
     if sympy.simplify(x) == 0:
         return Fraction(0)
     return Fraction(1)

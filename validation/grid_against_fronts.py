@@ -178,7 +178,7 @@ def order(errors: np.ndarray | list[float], cells: tuple[int, ...]) -> float:
 
 
 def contacts_in_all(solution: ri.Solution) -> float:
-    """Number of all contacts of a run."""
+    """Number of episodes of all contacts of a run."""
     counts = [tally.episodes for tally in solution.outcome.contacts]
     return float(sum(counts))
 
@@ -266,7 +266,7 @@ def errors_of(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> Er
 
 
 def field_error(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> float:
-    """Mean error of the velocity over all rods and the compared times."""
+    """Mean absolute error of the velocity over all rods and the compared times."""
     times = compared_times(exact)
     places = np.arange(PLACES)[:, None]
     shares = (places + 0.5) / PLACES
@@ -353,8 +353,8 @@ def impulse_by_steps(rods: list[ri.Rod], mass: float = math.inf) -> float:
     """
     struck = []
     for body in rods:
-        struck.append(StruckRod(1.0, float(body.length)))
-    reference = method_of_steps(STIFFNESS, 1.0, struck, mass, until=4.0)
+        struck.append(StruckRod(impedance=1.0, transit_time=float(body.length)))
+    reference = method_of_steps(k=STIFFNESS, V=1.0, rods=struck, mass=mass, until=4.0)
     return reference.impulse
 
 

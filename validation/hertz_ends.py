@@ -60,14 +60,14 @@ def solve_pair(k: float, V: float = 1.0) -> ri.Outcome:
 
 
 def restitution(kappa: float) -> float:
-    """e by the dimensionless stiffness."""
+    """e of rods 0.4 : 1 by the dimensionless stiffness."""
     return solve_pair(kappa).restitution
 
 
 def restitution_by_steps(k: float, V: float = 1.0, until: float = 3.0) -> float:
     """e by the method of steps, to 7 digits: P (1/m1 + 1/m2)/V - 1."""
-    short = StruckRod(1.0, SHORT)
-    long = StruckRod(1.0, 1.0)
+    short = StruckRod(impedance=1.0, transit_time=SHORT)
+    long = StruckRod(impedance=1.0, transit_time=1.0)
     reference = method_of_steps(k, V, [short, long], until=until)
     e = reference.impulse * (1 / SHORT + 1) / V - 1
     return float(f"{e:.7g}")
@@ -107,8 +107,8 @@ def by_stiffness() -> Rows:
         0.01,
         source="kappa^(-2/3)",
     )
-    exact = restitution_by_steps(0.2, until=5.0)
-    in_ripples = restitution(0.2)
+    exact = restitution_by_steps(k=0.2, until=5.0)
+    in_ripples = restitution(kappa=0.2)
     yield case.row(
         "e at kappa = 0.2, in the ripples",
         exact,
@@ -156,12 +156,12 @@ def steel_restitution(V: float, contact: ri.Hertz) -> float:
 
 
 def draw_limit(ax: Axes, e: float) -> None:
-    """A dotted line at a limit of e."""
+    """Draw a dotted line at a limit of e."""
     ax.axhline(e, color=FAINT, linewidth=1.0, linestyle=":")
 
 
 def draw_by_stiffness(ax: Axes) -> None:
-    """e over kappa, with values of the method of steps."""
+    """Draw e over kappa, with values of the method of steps."""
     draw_limit(ax, SHORT)
     draw_limit(ax, 1.0)
     kappas = np.geomspace(1e-3, 1e6, 55).tolist()
@@ -189,7 +189,7 @@ def draw_by_stiffness(ax: Axes) -> None:
 
 
 def draw_by_speed(ax: Axes) -> None:
-    """e over closing speed of steel rods with rounded ends."""
+    """Draw e over closing speed of steel rods with rounded ends."""
     speeds = np.geomspace(0.01, 10, 25).tolist()
     for i, label in enumerate(RADII):
         radius = RADII[label]
@@ -210,7 +210,7 @@ def draw_by_speed(ax: Axes) -> None:
 
 @styled
 def draw() -> Axes:
-    """e over kappa, and over closing speed for steel rods with rounded ends."""
+    """Draw e over kappa, and e over closing speed for steel; return the left Axes."""
     left, right = new_figure(width=9.5, height=3.8).subplots(1, 2)
     draw_by_stiffness(left)
     draw_by_speed(right)

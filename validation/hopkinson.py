@@ -184,7 +184,7 @@ class Pulse(NamedTuple):
 
 
 def first_pulse(gauge: ri.Gauge) -> Pulse:
-    """First compression of the record of a gauge."""
+    """The compression that runs right past a gauge, from first to last half height."""
     compression = -gauge.rightward
     height = compression.max()
     inside = np.flatnonzero(compression > height / 2)
@@ -194,7 +194,7 @@ def first_pulse(gauge: ri.Gauge) -> Pulse:
 
 
 class Delays(NamedTuple):
-    """What the gauge of a bar shows, us."""
+    """Times that the gauge of a bar shows, us."""
 
     pulse_length: float
     reflection: float  # from the start of the pulse to that of its reflection

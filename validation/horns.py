@@ -212,9 +212,10 @@ def struck_horns() -> Rows:
     """A rod strikes the smaller, and the larger end of a horn."""
     widening = exponential(1.0)
     narrowing = exponential(-1.0)
-    yield from struck("rod strikes a cone, A1/A0 = 9", conical, 5e-5)
-    yield from struck("rod strikes an exponential horn, beta L = 1", widening, 5e-5)
-    yield from struck("rod strikes an exponential horn, beta L = -1", narrowing, 2e-3)
+    strikes_horn = "rod strikes an exponential horn"
+    yield from struck("rod strikes a cone, A1/A0 = 9", conical, bound=5e-5)
+    yield from struck(f"{strikes_horn}, beta L = 1", widening, bound=5e-5)
+    yield from struck(f"{strikes_horn}, beta L = -1", narrowing, bound=2e-3)
 
 
 def struck(name: str, area: Area, bound: float) -> Rows:

@@ -192,7 +192,7 @@ def tenth_zero(contact: ri.ContactHistory) -> float:
 
 def frequencies(method: Method) -> Rows:
     """The three lowest modes, each in a run of its own."""
-    w, shapes, _ = modes(3)
+    w, shapes, _ = modes(count=3)
     case = Case(f"two rods on a spring, {method.name}", SUM_OF_MODES)
     for m in range(3):
         frequency = float(w[m])
@@ -220,7 +220,7 @@ def motion(method: Method) -> Rows:
     """The stretch over five round trips of rod 1, which starts at velocity 1."""
     t = np.linspace(0.0, 10.0, 501)
     exact = stretch_by_modes(t)
-    left = first_rod(1.0)
+    left = first_rod(velocity=1.0)
     right = second_rod()
     system = joined(left, right)
     solution = ri.solve(system, 10.0, method.name, **method.options)
@@ -271,7 +271,7 @@ def dashpot(method: Method, junction: Junction) -> Rows:
         FIRST_LENGTH, area=1.0, material=FIRST, velocity=velocity, strain=strain
     )
     c = junction.damping
-    contact = ri.Joint(0.0, c)
+    contact = ri.Joint(stiffness=0.0, damping=c)
     ends = (ri.Absorbing(), junction.end)
     system = ri.System([pulse, junction.body], contacts=[contact], ends=ends)
     solution = ri.solve(system, 3.0, method.name, **method.options)

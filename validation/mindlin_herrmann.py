@@ -142,7 +142,8 @@ def order(exact: float, fine: float, coarse: float) -> float:
     """Order of an error in the size of the cells, of which fine ones are a quarter."""
     coarse_error = abs(coarse - exact)
     fine_error = abs(fine - exact)
-    return math.log(coarse_error / fine_error, 4)
+    cell_ratio = 4
+    return math.log(coarse_error / fine_error, cell_ratio)
 
 
 # Energy
@@ -150,7 +151,9 @@ def order(exact: float, fine: float, coarse: float) -> float:
 
 def segment(length: float, radius: float, theory: str) -> ri.Segment:
     """A round steel segment with a theory of lateral inertia."""
-    return ri.Segment(length, None, STEEL, diameter=2 * radius, lateral_inertia=theory)
+    return ri.Segment(
+        length, material=STEEL, diameter=2 * radius, lateral_inertia=theory
+    )
 
 
 def energy() -> Rows:
@@ -277,7 +280,7 @@ def striker_pulse() -> ri.Signal:
     system = ri.System([striker, bar], contacts=[contact])
     solution = ri.solve(system, until=2e-4)
     gauge = solution.gauge(1, 0.02)
-    return gauge.signal(1e-7).extended(1e-3, 1e-3)
+    return gauge.signal(1e-7).extended(before=1e-3, after=1e-3)
 
 
 def rayleigh_love_speeds() -> np.ndarray:

@@ -93,6 +93,7 @@ def time_of_command(*arguments: str) -> float:
     environment = usual_environment()
 
     def run() -> None:
+        """Run the command once."""
         subprocess.run(command, capture_output=True, check=True, env=environment)
 
     run()  # writes bytecode
@@ -145,7 +146,8 @@ def godunov(v: Any, sigma: Any, first_cells: int, steps: int) -> float:
 
     Waves go from cell to cell by the exact solution of each jump, at Courant number 1.
     An edge at the ends, or at an open contact, has no stress. Velocities v and stresses
-    sigma are [cell], those of the second rod from `first_cells` on; times are in steps.
+    sigma are [cell], those of the second rod from `first_cells` on, and are changed in
+    place; times are in steps.
     """
     cells = len(v)
     gap = 0.0
@@ -186,6 +188,7 @@ def compiled_godunov(cells_per_unit: int = 100) -> Callable[[], float]:
     steps = round(2.1 * cells_per_unit)
 
     def restitution() -> float:
+        """e of the two rods, from their state at the start."""
         v = np.repeat([1.0, 0.0], cells)
         sigma = np.zeros(sum(cells))
         impulse = compiled(v, sigma, first_cells, steps)
@@ -205,7 +208,7 @@ class Yardsticks(NamedTuple):
 def time_yardsticks(compiled: Callable[[], float]) -> Yardsticks:
     """Measure both yardsticks once."""
     leapfrog_time = median_time(leapfrog)
-    godunov_time = median_time(compiled, 101)
+    godunov_time = median_time(compiled, runs=101)
     return Yardsticks(leapfrog_time, godunov_time)
 
 
@@ -223,7 +226,7 @@ def time_of_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) ->
     with kernels.forced(True):
         progress = driver.solve_one(layout, request).progress
         assert progress.stop_reason == Stop.CAP
-        seconds = median_time(lambda: driver.solve_one(layout, request), 5)
+        seconds = median_time(lambda: driver.solve_one(layout, request), runs=5)
         return seconds / progress.events
 
 
@@ -331,12 +334,12 @@ def map_of_pairs() -> float:
         first.transit_time,
         second.segments[0].impedance,
         second.transit_time,
-        1.0,
+        closing_speed=1.0,
     )
     result = ri.sweep(system)
     error = np.abs(result.restitution - exact.restitution).max()
     print(f"largest error of e in a map of a million pairs: {error:.1e}")
-    return median_time(lambda: ri.sweep(system), 5)
+    return median_time(lambda: ri.sweep(system), runs=5)
 
 
 def hertz_pair() -> float:
@@ -363,11 +366,12 @@ def row_between_walls(contact: ri.Rigid | ri.Hertz) -> float:
     until = 100 * unit * 16
 
     def solve() -> ri.Solution:
+        """Solve the row once."""
         return ri.solve(system, until, "characteristics")
 
     episodes = [tally.episodes for tally in solve().outcome.contacts]
     assert sum(episodes) > 20
-    return median_time(solve, 3)
+    return median_time(solve, runs=3)
 
 
 def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
@@ -387,7 +391,7 @@ def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
     row = build_row(ri.System(rods))
     mesh = Mesh(row, [cells, cells])
     step = COURANT * stable_step(rods[0].segments[0], cells)
-    run = GridRun(mesh, step, 4, 9 * steps)
+    run = GridRun(mesh, step, snapshots=4, expected_steps=9 * steps)
     run.advance(steps)  # compiles
     seconds = median_time(lambda: run.advance(run.steps + steps))
     assert len(run.pressed(0)) == 1

@@ -85,8 +85,10 @@ def eleven_questions() -> Rows:
 
 def two_heights() -> Rows:
     """10.5.2: a ball dropped from 10 m rises to 6.4 m."""
-    e = rigid.restitution_from_heights(10.0, 6.4)
-    bounces = follow_bounces(np.array(10.0), np.array(e), np.array(GRAVITY), 2)
+    e = rigid.restitution_from_heights(drop=10.0, rebound=6.4)
+    bounces = follow_bounces(
+        h=np.array(10.0), e=np.array(e), g=np.array(GRAVITY), bounces=2
+    )
     height = bounces.last_height
     case = Case("ball dropped from 10 m", "textbook, problem 10.5.2")
     yield case.row("e", 0.8, e, 1e-15, detail="sqrt 0.64")
@@ -108,8 +110,13 @@ def embedded_bullet() -> Rows:
     bullet_mass = Fraction(2, 100)
     common = bullet_mass * 500 / (50 + bullet_mass)
     common_velocity = float(common)
-    e = rigid.restitution_from_velocities(500.0, 0.0, common_velocity, common_velocity)
-    after = rigid.collide(0.02, 500.0, 50.0, 0.0, e)
+    e = rigid.restitution_from_velocities(
+        v1_before=500.0,
+        v2_before=0.0,
+        v1_after=common_velocity,
+        v2_after=common_velocity,
+    )
+    after = rigid.collide(m1=0.02, v1=500.0, m2=50.0, v2=0.0, restitution=e)
     velocity_2 = after.velocity_2
     quantity = f"velocity of the block after, {common_velocity:.6f} m/s"
     case = Case("bullet that stays in a block", "textbook, problem 10.5.3")
@@ -171,7 +178,7 @@ def impulse_and_velocities() -> Rows:
     v1 = 6.0
     m2 = 9.0
     v2 = 2.0
-    after = rigid.collide(m1, v1, m2, v2, 0.5)
+    after = rigid.collide(m1, v1, m2, v2, restitution=0.5)
     impulse = Fraction(189, 8)
     velocity_a = Fraction(21, 8)
     velocity_b = Fraction(37, 8)
@@ -189,7 +196,7 @@ def energy_lost() -> Rows:
     v1 = 5.0
     m2 = 5.0
     v2 = 1.0
-    after = rigid.collide(m1, v1, m2, v2, 0.5)
+    after = rigid.collide(m1, v1, m2, v2, restitution=0.5)
     expected = Fraction(60, 7)
     lost = after.energy_before - after.energy_after
     case = Case("2 kg on 5 kg", "textbook, problem 10.5.7")
@@ -301,7 +308,7 @@ def shot(m: Any, m_a: Any, m_b: Any, v_a: Any, v_b: Any) -> Shot:
 
 def bullet_through_block() -> Rows:
     """10.5.9: a bullet of 20 g through a block of 1 kg into one of 2 kg."""
-    bullet = shot(0.02, 1.0, 2.0, v_a=4.0, v_b=3.0)
+    bullet = shot(m=0.02, m_a=1.0, m_b=2.0, v_a=4.0, v_b=3.0)
     answers = {  # quantity: expected, computed
         "initial speed, m/s": (503.0, bullet.initial_speed),
         "speed between A and B, m/s": (303.0, bullet.speed_between),
@@ -336,8 +343,8 @@ def random_bullets() -> Rows:
 
     # shot forwards: in A with e < 0, as the bullet goes through, and in B with e = 0
     e_of_a = (v_a - between) / initial
-    through = rigid.collide(m, initial, m_a, 0.0, e_of_a)
-    stuck = rigid.collide(m, through.velocity_1, m_b, 0.0, 0.0)
+    through = rigid.collide(m, initial, m_a, v2=0.0, restitution=e_of_a)
+    stuck = rigid.collide(m, through.velocity_1, m_b, v2=0.0, restitution=0.0)
     forwards_error = relative_difference(stuck.velocity_2, v_b)
     lost_forwards = through.energy_lost + stuck.energy_lost
     loss_error = relative_difference(lost_forwards, lost)
@@ -390,7 +397,7 @@ def rise(ratio: np.ndarray, e_b: np.ndarray, e_r: np.ndarray) -> np.ndarray:
     one = np.ones_like(ratio)
     masses = np.stack([one, ratio], axis=-1)
     restitutions = np.stack([e_b, e_r], axis=-1)
-    drop = rigid.stack_drop(masses, restitutions, 1.0)
+    drop = rigid.stack_drop(masses, restitutions, height=1.0)
     return np.asarray(drop.top_height)
 
 

@@ -59,17 +59,17 @@ def run() -> Rows:
     rng = default_rng(1905)
     uniform_pairs = []
     for _ in range(DRAWS):
-        left = uniform(rng, 1.0)
-        right = uniform(rng, -1.0)
+        left = uniform(rng, direction=1.0)
+        right = uniform(rng, direction=-1.0)
         uniform_pairs.append(ri.System([left, right]))
     stepped_pairs = []
     for _ in range(DRAWS):
-        left = stepped(rng, 1.0)
-        right = stepped(rng, -1.0)
+        left = stepped(rng, direction=1.0)
+        right = stepped(rng, direction=-1.0)
         stepped_pairs.append(ri.System([left, right]))
     fixed_walls = []
     for _ in range(DRAWS):
-        fixed_walls.append(on_wall(rng, 0.0))
+        fixed_walls.append(on_wall(rng, velocity=0.0))
     moving_walls = []
     for _ in range(DRAWS):
         wall_velocity = float(rng.uniform(-0.5, 0.5))
@@ -103,8 +103,11 @@ def stepped(rng: Generator, direction: float) -> ri.Rod:
 
 
 def on_wall(rng: Generator, velocity: float) -> ri.System:
-    """A stepped rod that runs into a wall from the left or from the right."""
-    rod = stepped(rng, 1.0)
+    """A stepped rod that runs into a wall from the left or from the right.
+
+    `velocity` is that of the wall.
+    """
+    rod = stepped(rng, direction=1.0)
     system = ri.System([rod, ri.Wall(velocity)])
     if rng.random() < 0.5:
         return system

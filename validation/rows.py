@@ -26,8 +26,8 @@ RODS = 5  # of a cradle
 
 def run() -> Rows:
     """Cradles, a relay of three, a chain of eight."""
-    yield from cradle(1)
-    yield from cradle(2)
+    yield from cradle(moving=1)
+    yield from cradle(moving=2)
     yield from relay()
     yield from chain()
 

@@ -54,7 +54,7 @@ def by_hand(
     """A pair whose e is worked out by hand."""
     Z1, Z2 = impedances
     T1, T2 = transit_times
-    first = rod(T1, Z1, 1.0)
+    first = rod(T1, Z1, velocity=1.0)
     second = rod(T2, Z2)
     outcome = ri.collide(first, second)
     case = Case(f"Z {Z1} : {Z2}, T {T1} : {T2}", f"{SOURCE}: {e}")
@@ -119,7 +119,7 @@ def random_pairs() -> Rows:
     restitutions = []
     durations = []
     for i in range(PAIRS):
-        first = rod(T1[i], Z1[i], 1.0)
+        first = rod(T1[i], Z1[i], velocity=1.0)
         second = rod(T2[i], Z2[i])
         outcome = ri.collide(first, second)
         restitutions.append(outcome.restitution)

@@ -57,6 +57,7 @@ def raised_cosine_impulse(peak: float, T: float) -> float:
     """Integral of F(t) = peak (1 + cos(2 pi t/T))/2 over the contact time T, N s."""
 
     def force(t: float) -> float:
+        """Force at a time from the middle of the contact, N."""
         phase = 2 * math.pi * t / T
         return peak / 2 * (1 + math.cos(phase))
 
@@ -66,8 +67,10 @@ def raised_cosine_impulse(peak: float, T: float) -> float:
 
 def peak_forces() -> Rows:
     """Sample 10.20: a ball of 0.5 kg meets a wall at 10 m/s and leaves it at 9 m/s."""
-    e = rigid.restitution_from_velocities(10.0, 0.0, -9.0, 0.0)
-    outcome = rigid.collide(BALL_MASS, 10.0, math.inf, 0.0, e)
+    e = rigid.restitution_from_velocities(
+        v1_before=10.0, v2_before=0.0, v1_after=-9.0, v2_after=0.0
+    )
+    outcome = rigid.collide(BALL_MASS, 10.0, m2=math.inf, v2=0.0, restitution=e)
     impulse = float(outcome.impulse)
     case = Case("ball on a stationary surface", "textbook, sample 10.20")
     yield case.row("e", 0.9, e, 1e-15, detail="9/10")

@@ -61,7 +61,7 @@ def without_dispersion(incident: ri.Signal) -> BarModel:
     """Bars begin at the gauges, and waves keep their shape."""
     times = np.arange(START, STOP, incident.dt)
     pulse = incident.resampled(times=times)
-    return BarModel(pulse, incident.dt, 0.0, START)
+    return BarModel(pulse, incident.dt, distance=0.0, shift=START)
 
 
 def with_dispersion(incident: ri.Signal) -> BarModel:
@@ -76,7 +76,7 @@ def with_dispersion(incident: ri.Signal) -> BarModel:
     times = np.arange(START, STOP + DISPERSED_TAIL, incident.dt)
     pulse = pulse.resampled(times=times)
     shift = START - travel_time
-    return BarModel(pulse, incident.dt, GAUGE_DISTANCE, shift)
+    return BarModel(pulse, incident.dt, distance=GAUGE_DISTANCE, shift=shift)
 
 
 def pressure_bar(model: BarModel, specimen: ri.Yielding | ri.Spring) -> ri.System:
@@ -136,7 +136,7 @@ def fitted(
 
 
 def misfits(name: str, fit: ri.Fit, reflected: float, transmitted: float) -> Rows:
-    """Misfits in per cent, with their bounds."""
+    """Misfits of both pulses in per cent; `reflected` and `transmitted` bound them."""
     case = Case(name, "measured, LANL HopPyBar")
     reflected_misfit = 100 * fit.misfits[0]
     transmitted_misfit = 100 * fit.misfits[1]
@@ -148,10 +148,13 @@ def misfits(name: str, fit: ri.Fit, reflected: float, transmitted: float) -> Row
 
 def run() -> Rows:
     """A yielding specimen without and with dispersion in the bars, and a spring."""
-    copper = ri.Yielding(1e8, 5e3, 1e6)
+    copper = ri.Yielding(stiffness=1e8, yield_force=5e3, hardening=1e6)
     yielding = fitted(copper, starts=3)
-    yield from misfits("copper specimen, yielding", yielding, 5.2, 2.5)
+    name = "copper specimen, yielding"
+    yield from misfits(name, yielding, reflected=5.2, transmitted=2.5)
     dispersed = fitted(copper, dispersion=True)
-    yield from misfits("copper specimen, yielding, dispersion", dispersed, 3.0, 2.3)
+    name = "copper specimen, yielding, dispersion"
+    yield from misfits(name, dispersed, reflected=3.0, transmitted=2.3)
     spring = fitted(ri.Spring(1e8))
-    yield from misfits("copper specimen, spring", spring, 22.0, 20.0)
+    name = "copper specimen, spring"
+    yield from misfits(name, spring, reflected=22.0, transmitted=20.0)

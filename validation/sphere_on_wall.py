@@ -178,7 +178,10 @@ def stiffness_by_hand() -> float:
 
 
 def against_steps(name: str, system: ri.System, mass: float) -> Rows:
-    """Impulse, peak force and energy of a rod that a sphere or a rigid mass strikes."""
+    """Impulse, peak force and energy of a rod that a sphere or a rigid mass strikes.
+
+    `mass` is that of the rigid mass, kg, or infinite for a wall.
+    """
     rod = next(body for body in system.bodies if isinstance(body, ri.Rod))
     struck = StruckRod(rod.segments[0].impedance, rod.transit_time)
     until = 4 * rod.transit_time

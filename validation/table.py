@@ -184,12 +184,12 @@ class Case(NamedTuple):
         return self.row(quantity, 0.0, got, bound, source=source, detail=detail)
 
     def at_least(self, quantity: str, expected: float, got: float, bound: float) -> Row:
-        """Row of a number that may exceed what is expected."""
+        """Row of a number that may exceed `expected`, or fall short by `bound`."""
         return AtLeast(self.name, quantity, "at least", expected, got, bound)
 
 
 def largest(differences: Any) -> float:
-    """Largest absolute value."""
+    """Largest absolute value; nan if one is nan."""
     return float(np.max(np.abs(differences)))
 
 
@@ -203,7 +203,7 @@ def cases() -> list[str]:
 
 
 def run(case: str) -> list[Row]:
-    """Rows of one case."""
+    """Rows of one case, computed now."""
     module = import_module(f"{__package__}.{case}")
     return list(module.run())
 
