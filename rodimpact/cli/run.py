@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gauges",
         metavar="FILE.csv",
-        help="write strains against time, as tools for Hopkinson bars read them",
+        help="write the strains of all gauges over time as a table",
     )
     add_gauge_option(parser, "a column of --gauges and a station in --plot")
     add_run_options(parser)

@@ -47,13 +47,21 @@ class Alignment(NamedTuple):
 def alignment_sentence(alignment: Alignment, shifts: Shifts) -> str:
     """The shifts, their limit, and the balance over all loading before and after."""
     return (
-        "aligned by the elastic start alone, within "
-        f"{format_si(alignment.limit, 's', 3)}: reflected wave "
-        f"{format_si(shifts.reflected, 's', 3)} earlier, transmitted wave "
-        f"{format_si(shifts.transmitted, 's', 3)}; |F1 - F2| over all loading is "
+        "aligned by the start of loading alone, up to half of the peak stress, within "
+        f"{format_si(alignment.limit, 's', 3)}: reflected wave taken "
+        f"{_how_much_earlier(shifts.reflected)}, transmitted wave "
+        f"{_how_much_earlier(shifts.transmitted)}; |F1 - F2| over all loading is "
         f"{100 * alignment.imbalance_after:.1f} % of the mean force, "
         f"{100 * alignment.imbalance_before:.1f} % without alignment"
     )
+
+
+def _how_much_earlier(shift: float) -> str:
+    """A shift, s, in words: "433 ns earlier", or later if it is negative."""
+    direction = "earlier"
+    if shift < 0:
+        direction = "later"
+    return f"{format_si(abs(shift), 's', 3)} {direction}"
 
 
 def loading_imbalance(curve: Curve) -> float:

@@ -503,7 +503,7 @@ def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
     after = alignment.imbalance_after
     if after > MIN_WORSE_IMBALANCE and after > WORSE_IMBALANCE_RATIO * before:
         yield (
-            "the alignment, which balances the elastic start alone, makes the balance "
+            "the alignment, which balances the start of loading, makes the balance "
             f"over all loading worse: |F1 - F2| is {_percent(after)} of the mean "
             f"force, {_percent(before)} without it; leave align_within out, or correct "
             "distances and bar speeds"
