@@ -409,3 +409,38 @@ def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
     monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 8)
 
     with pytest.raises(ri.InvalidModel, match=r"symbols: a formula .* name fewer"):
+        ri.closed_form(three)
+
+    # The remedy helps.
+    shorter = ri.closed_form(three, ["bodies.0.length"])
+    assert "l1" in str(shorter)
+
+
+def test_a_formula_says_if_its_conditions_are_too_long(monkeypatch):
+    form = ri.closed_form(row([2, 5], [1, 2]), ["length", "area"])
+    monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 1)
+
+    first, last = str(form).splitlines()
+
+    assert first == f"e = {form.restitution}"
+    assert last.startswith("where conditions hold that are too long to print: ")
+    assert last in form._repr_latex_()
+    assert form.holds()
+    with pytest.raises(ri.InvalidModel, match="symbols: a formula"):
+        _ = form.cell
+
+
+def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
+    steps = []
+    totals = set()
+
+    def progress(step, total):
+        steps.append(step)
+        totals.add(total)
+
+    system = row([0.4, 1.0], [1e-4, 2e-4])
+    form = ri.closed_form(system, ["length"], progress=progress)
+
+    assert "e = " in str(form)
+    assert steps == list(range(1, len(steps) + 1))
+    assert totals == {None}  # the number of all steps is not known

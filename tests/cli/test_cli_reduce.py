@@ -151,7 +151,7 @@ def test_mistakes_are_named_by_option(options, sentence, refuses):
 
 
 def write_pulses():
-    """Write the three pulses of the record as strains; return the names of the files."""
+    """Write the three pulses of the record as strains; return the names of files."""
     bridge = ri.Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
     record = ri.read_signals(RECORD)
     windows = {

@@ -23,10 +23,11 @@ COMPLIANT = ri.System([LEFT, RIGHT], contacts=[ri.Hertz(1e10)])
 PRESETS = {preset.key: preset.case for preset in presets()}
 
 
-def read_back(sent):
-    """The case that the page would give back."""
-    case = case_from({**json.loads(json.dumps(sent["case"])), "gauges": sent["gauges"]})
-    return dataclasses.replace(case, path="")
+def read_back(design):
+    """The case that the page would give back for a design."""
+    tables = json.loads(json.dumps(design["case"]))
+    tables["gauges"] = design["gauges"]
+    return dataclasses.replace(case_from(tables), path="")
 
 
 # Tables
@@ -51,16 +52,16 @@ def test_presets_show_what_their_remarks_say():
 def test_a_material_of_ones_own_is_kept_and_those_of_the_library_go_by_name():
     material = ri.Material("own 0", youngs_modulus=50e9, density=7850.0)
     system = ri.System([LEFT, ri.Rod(1.0, area=1e-4, material=material)])
-    sent = tables_of(ri.Case(system))
-    assert list(sent["case"]["materials"]) == ["own 0"]
-    assert read_back(sent).system == system
+    design = tables_of(ri.Case(system))
+    assert list(design["case"]["materials"]) == ["own 0"]
+    assert read_back(design).system == system
 
 
 def test_round_rods_reach_the_page_by_their_areas():
     system = ri.System([ri.Rod(1.0, diameter=0.02, material=STEEL)])
-    sent = tables_of(ri.Case(system))
-    assert "diameter" not in sent["case"]["bodies"][0]
-    (rod,) = read_back(sent).system.bodies
+    design = tables_of(ri.Case(system))
+    assert "diameter" not in design["case"]["bodies"][0]
+    (rod,) = read_back(design).system.bodies
     assert rod.segments[0].area == system.bodies[0].segments[0].area
 
 
@@ -108,11 +109,13 @@ ANIMATE = "; rodimpact animate CASE.toml -o FILE.gif makes a moving picture"
         ),
     ],
 )
-def test_what_the_page_cannot_solve_is_told_with_a_remedy(system, solve, path, words):
+def test_a_case_that_the_page_cannot_solve_is_refused_with_a_remedy(
+    system, solve, path, words
+):
     with pytest.raises(ri.InvalidModel) as refused:
         ri.explore(ri.Case(system, solve))
-    ((where, message),) = refused.value.problems
-    assert where == path
+    ((path_of_problem, message),) = refused.value.problems
+    assert path_of_problem == path
     assert message.startswith("the page cannot solve ")
     assert words in message
     assert message.endswith(ANIMATE)
@@ -121,7 +124,7 @@ def test_what_the_page_cannot_solve_is_told_with_a_remedy(system, solve, path, w
 @pytest.mark.parametrize(
     "case", [PAIR, COMPLIANT, ri.Case(PAIR, {"max_events": 3}), *PRESETS.values()]
 )
-def test_what_the_page_can_solve_has_a_page(case):
+def test_a_case_that_the_page_can_solve_has_a_page(case):
     assert "</html>" in ri.explore(case).html
 
 
@@ -144,7 +147,7 @@ def test_what_the_page_can_solve_has_a_page(case):
         ),
     ],
 )
-def test_what_has_no_page_is_told(case, words):
+def test_a_case_without_a_picture_or_with_a_mistake_has_no_page(case, words):
     with pytest.raises(ri.InvalidModel, match=words):
         ri.explore(case)
 
@@ -179,9 +182,8 @@ STEPPED = ri.Rod(
 def test_fronts_that_multiply_are_not_for_the_page():
     system = ri.System([ri.Wall(), STEPPED, ri.Wall()])
     case = ri.Case(system, {"until": 10.0, "max_events": MAX_PAGE_EVENTS + 10_000})
-    with pytest.raises(
-        ri.InvalidModel, match=f"^solve: the page follows {MAX_PAGE_EVENTS} arr"
-    ):
+    message = f"^solve: the page follows {MAX_PAGE_EVENTS} arr"  # arrivals
+    with pytest.raises(ri.InvalidModel, match=message):
         ri.explore(case)
 
 
@@ -195,49 +197,55 @@ def test_a_long_run_is_shown_until_there_are_too_many_regions(monkeypatch):
 # Polygons
 
 
-def test_cells_of_grids_hold_the_mean_state():
+def test_points_of_grids_have_displacements_and_cells_the_mean_velocity():
     solution, scene = shown(COMPLIANT)
     grids = scene["tiling"]
     assert grids["body"] == [0, 1]
     first_cell = 0
-    for g, length in enumerate((0.4, 1.0)):
-        across = grids["across"][g]
-        points = slice(*grids["start"][g : g + 2])
-        x = np.reshape(grids["x"][points], (-1, across + 1))
-        t = np.reshape(grids["t"][points], (-1, across + 1))
-        u = np.reshape(grids["displacement"][points], (-1, across + 1))
-        assert u == pytest.approx(solution.displacement(g, x, t), abs=1e-12)
-        assert (x[0, 0], x[0, -1], t[0, 0]) == (0.0, length, 0.0)
+    for body, length in enumerate((0.4, 1.0)):
+        columns = grids["across"][body]  # of cells
+        points = slice(grids["start"][body], grids["start"][body + 1])
+        # Points are [time, place].
+        x = np.reshape(grids["x"][points], (-1, columns + 1))
+        t = np.reshape(grids["t"][points], (-1, columns + 1))
+        displacement = np.reshape(grids["displacement"][points], (-1, columns + 1))
+        expected = solution.displacement(body, x, t)
+        assert displacement == pytest.approx(expected, abs=1e-12)
+        assert x[0, 0] == 0.0
+        assert x[0, -1] == length
+        assert t[0, 0] == 0.0
         assert t[-1, 0] == pytest.approx(solution.t_end, rel=1e-12)
-        n_rows = len(t) - 1
-        for i, j in ((3, 0), (20, across // 2), (n_rows - 1, across - 1)):
-            places = np.linspace(x[0, j], x[0, j + 1], 41)[:, None]
-            times = np.linspace(t[i, 0], t[i + 1, 0], 41)
-            mean = solution.velocity(g, places, times).mean()
-            velocity = grids["velocity"][first_cell + i * across + j]
+        rows = len(t) - 1
+        for i, j in ((3, 0), (20, columns // 2), (rows - 1, columns - 1)):
+            x_in_cell = np.linspace(x[0, j], x[0, j + 1], 41)[:, None]
+            t_in_cell = np.linspace(t[i, 0], t[i + 1, 0], 41)
+            mean = solution.velocity(body, x_in_cell, t_in_cell).mean()
+            velocity = grids["velocity"][first_cell + i * columns + j]
             assert velocity == pytest.approx(mean, abs=0.03)
-        first_cell += n_rows * across
+        first_cell += rows * columns
 
 
 # Scene
 
 
-def test_numbers_are_those_of_the_solution():
+def test_restitution_velocity_force_and_strain_are_those_of_the_solution():
     solution, scene = shown(PAIR)
     outcome = solution.outcome
+
     restitution = scene["restitution"]
+    force = scene["contacts"][0]["force"]
+    _, gauges = scene["plots"]
+    (gauge,) = gauges["series"]
+    # Points 2 and 3 of the gauge are ends of the line between its first two jumps.
+    middle = (gauge["t"][2] + gauge["t"][3]) / 2
+    strain = 1e6 * solution.strain(1, 0.5, middle).item()
     closed_form = restitution["closed_form"]["restitution"]
+    peak_force = outcome.contacts[0].peak_force
     assert restitution["value"] == outcome.restitution
     assert restitution["text"] == "0.4"
     assert closed_form == pytest.approx(0.4, abs=1e-15)
     assert ("velocity of rod 2 after", "0.4 m/s") in scene["results"]
-    force = scene["contacts"][0]["force"]
-    peak_force = outcome.contacts[0].peak_force
     assert max(force["y"]) == pytest.approx(peak_force, rel=1e-8)
-    _, gauges = scene["plots"]
-    (gauge,) = gauges["series"]
-    middle = (gauge["t"][2] + gauge["t"][3]) / 2  # between its first two jumps
-    strain = 1e6 * solution.strain(1, 0.5, middle).item()
     assert gauge["y"][2:4] == pytest.approx([strain, strain], rel=1e-8)
 
 
@@ -266,20 +274,25 @@ def test_the_curve_of_e_is_that_of_saint_venant():
     assert restitutions == pytest.approx(np.minimum(ratios, 1 / ratios), abs=1e-11)
 
 
-def test_a_curve_needs_two_uniform_rods():
-    assert shown(PAIR)[1]["ratio"] == pytest.approx(0.4)
-    assert shown(ri.System([LEFT, ri.Wall()]))[1]["ratio"] is None
+def test_only_two_uniform_rods_have_a_ratio_of_lengths():
+    _, scene_of_pair = shown(PAIR)
+    _, scene_with_wall = shown(ri.System([LEFT, ri.Wall()]))
+    assert scene_of_pair["ratio"] == pytest.approx(0.4)
+    assert scene_with_wall["ratio"] is None
 
 
 @pytest.mark.parametrize(("tolerance", "is_stated"), [(1e-3, True), (1e-9, False)])
 def test_errors_above_half_of_the_last_digit_stand_beside_their_numbers(
     tolerance, is_stated
 ):
-    sent = tables_of(with_gauges(ri.Case(COMPLIANT)))
-    scene = scene_of(sent["case"], sent["gauges"], LIBRARY, tolerance)
+    design = tables_of(with_gauges(ri.Case(COMPLIANT)))
+
+    scene = scene_of(design["case"], design["gauges"], LIBRARY, tolerance)
+
     results = dict(scene["results"])
     texts = [scene["restitution"]["text"]]
     for name in ("impulse", "peak force", "velocity of rod 2 after"):
         texts.append(results[name])
-    assert ["±" in text for text in texts] == [is_stated] * 4
+    for text in texts:
+        assert ("±" in text) == is_stated
     assert (scene["restitution"]["error"] != "") == is_stated

@@ -21,13 +21,21 @@ MAX_PAGE_BYTES = 165_000
 
 
 class Reader(html.parser.HTMLParser):
-    """Collects elements, and the text of scripts and styles."""
+    """The elements of a page, and the texts of its scripts and styles.
+
+    Attributes
+    ----------
+    elements : list of tuple
+        Tag and attributes of each element; the attributes are a dict.
+    texts : dict of str to str
+        Texts by the id of a script or style, or by its tag.
+    """
 
     def __init__(self, text):
         super().__init__()
         self.elements = []
-        self.texts = {}  # texts of scripts and styles
-        self._open = None
+        self.texts = {}
+        self._open = None  # id or tag of the script or style that is being read
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -45,6 +53,7 @@ class Reader(html.parser.HTMLParser):
 
 @pytest.fixture
 def case(tmp_path, monkeypatch):
+    """Path of a case in the current folder, with markup in its names."""
     monkeypatch.chdir(tmp_path)
     alloy = ri.Material("</script><b>", youngs_modulus=200e9, density=7850.0)
     left = ri.Rod(0.4, area=1e-4, material=alloy, velocity=1.0)
@@ -58,36 +67,46 @@ def export(case, *arguments):
     return main(["export", str(case), "-o", "page.html", *arguments])
 
 
-def test_the_page_holds_its_case(case, tmp_path, capsys):
+def test_the_page_is_small_holds_its_case_and_makes_no_markup_of_names(
+    case, tmp_path, capsys
+):
     assert export(case) == 0
+
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    page = Reader(text)
+    data = json.loads(page.texts["embedded"])
     assert len(text.encode()) < MAX_PAGE_BYTES
     assert re.fullmatch(r"page\.html: \d+ kB\n", capsys.readouterr().out)
-    data = json.loads(Reader(text).texts["embedded"])
     assert data["design"]["case"]["bodies"][0]["length"] == 0.4
-    assert ("b", {}) not in Reader(text).elements
+    assert ("b", {}) not in page.elements
     assert "<title>two &lt;b&gt; rods</title>" in text
 
 
-def test_the_page_asks_nobody_for_anything(case, tmp_path):
+@pytest.fixture
+def page(case, tmp_path):
+    """The exported page of the case."""
     export(case)
-    page = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
+    return Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
+
+
+def test_no_element_of_the_page_asks_for_an_address(page):
     for tag, attributes in page.elements:
         assert not {"src", "srcset", "action", "data"} & set(attributes), tag
         assert attributes.get("href", "data:") in ("data:", "data:,"), tag
-    policy = next(
-        a["content"]
-        for _, a in page.elements
-        if a.get("http-equiv") == "Content-Security-Policy"
-    )
+
+
+def test_the_policy_of_the_page_allows_its_own_script_and_style_only(page):
+    (policy,) = [
+        attributes["content"]
+        for _, attributes in page.elements
+        if attributes.get("http-equiv") == "Content-Security-Policy"
+    ]
     assert "default-src 'none'" in policy
     assert "unsafe" not in policy
     assert "connect-src" not in policy
     for name in ("script", "style"):
-        digest = base64.b64encode(
-            hashlib.sha256(page.texts[name].encode()).digest()
-        ).decode()
-        assert f"'sha256-{digest}'" in policy
+        digest = hashlib.sha256(page.texts[name].encode()).digest()
+        assert f"'sha256-{base64.b64encode(digest).decode()}'" in policy
 
 
 @pytest.mark.parametrize(
@@ -108,22 +127,24 @@ def test_a_style_keeps_the_spaces_that_separate():
 
 
 def unpacked(text):
+    """The script that a text in base 85 holds; a "<" would open an element."""
     letters = text.replace(",", "<")
     return zlib.decompress(base64.b85decode(letters)).decode()
 
 
-def test_all_of_the_script_is_inside(case, tmp_path):
-    export(case)
-    page = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
+def test_all_scripts_are_inside_the_page_which_loads_them(page):
     script = unpacked(page.texts["packed"])
     for name in SCRIPTS:
         assert lean(read(name)) in script
     assert page.texts["script"] == lean(read(LOADER))
-    files = {
-        path.name for path in (Path(page_files.__file__).parent / "page").glob("*.js")
-    }
-    around = "notebook.js"  # the script of the frame around the page
-    assert files | {"kernels.js"} == {*SCRIPTS, LOADER, around}
+
+
+def test_every_script_of_the_package_is_one_of_the_page_or_of_its_frame():
+    folder = Path(page_files.__file__).parent / "page"
+    files = {path.name for path in folder.glob("*.js")}
+    made = "kernels.js"  # the translated kernels
+    of_frame = "notebook.js"
+    assert files | {made} == {*SCRIPTS, LOADER, of_frame}
 
 
 @pytest.mark.parametrize("command", ["export", "explore"])
@@ -131,27 +152,33 @@ def test_a_case_that_the_page_cannot_solve_is_refused_before_anything_is_written
     case, tmp_path, capsys, command
 ):
     case.write_text(case.read_text("utf-8") + "[solve]\nmethod = 'finite-difference'\n")
-    output = ["-o", "page.html"] if command == "export" else ["--no-browser"]
-    assert main([command, str(case), *output]) == 2
-    output_shown = capsys.readouterr()
-    assert output_shown.out == ""
-    assert (
-        'solve.method: the page cannot solve the method "finite-diff'
-        in output_shown.err
-    )
-    assert "rodimpact animate CASE.toml" in output_shown.err
+    options = ["--no-browser"]
+    if command == "export":
+        options = ["-o", "page.html"]
+
+    assert main([command, str(case), *options]) == 2
+
+    printed = capsys.readouterr()
+    message = 'solve.method: the page cannot solve the method "finite-diff'
+    assert printed.out == ""
+    assert message in printed.err
+    assert "rodimpact animate CASE.toml" in printed.err
     assert list(tmp_path.iterdir()) == [case]
 
 
-def test_explore_opens_a_temporary_page(case, tmp_path, monkeypatch, capsys):
+def test_explore_opens_a_temporary_page_unless_told_not_to(
+    case, tmp_path, monkeypatch, capsys
+):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+
     for arguments in ([], [str(case)], [str(case), "--no-browser"]):
         assert main(["explore", *arguments]) == 0
-    paths = [Path(line) for line in capsys.readouterr().out.split()]
-    assert opened == [path.as_uri() for path in paths[:2]]
-    titles = [
-        re.search("<title>(.*)</title>", path.read_text("utf-8"))[1] for path in paths
-    ]
+
+    first, second, third = [Path(line) for line in capsys.readouterr().out.split()]
+    titles = []
+    for path in (first, second, third):
+        titles.append(re.search("<title>(.*)</title>", path.read_text("utf-8"))[1])
+    assert opened == [first.as_uri(), second.as_uri()]
     assert titles == ["Elastic rods collide", *["two &lt;b&gt; rods"] * 2]

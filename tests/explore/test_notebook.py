@@ -12,6 +12,7 @@ PAIR = ri.System([rod(0.4, 1.0), rod(1.0)])
 
 @pytest.fixture
 def explorer():
+    """A page whose widget a notebook shows."""
     pytest.importorskip("anywidget", reason="the extra notebook is not installed")
     page = ri.explore(PAIR)
     page._repr_mimebundle_()

@@ -189,7 +189,7 @@ def test_dragging_a_slider_moves_e_as_the_api_does(visit):
 
 
 def rods_at(page, thousandths):
-    """{body: (left, right)} of every rod in the picture, at a thousandth of the film."""
+    """{body: (left, right)} of the rods in the picture, at a thousandth of the film."""
     page.locator("#time").fill(str(thousandths))
     pieces = page.evaluate("""() => {
         const { scene } = page;
@@ -204,6 +204,7 @@ def rods_at(page, thousandths):
 
 
 def assert_the_film_ends_with_its_rods(page):
+    """In the last moment of the film all rods are drawn, and have hardly moved."""
     before = rods_at(page, 999)
     last = rods_at(page, 1000)
     assert last.keys() == before.keys()
@@ -357,7 +358,8 @@ def test_pointing_reads_the_velocity_of_the_solution_or_that_no_rod_is_there(vis
         t = float(reading["t"]) * PREFIXES[reading["t_prefix"]]
         x = float(reading["x"]) * PREFIXES[reading["x_prefix"]]
         velocity = float(reading["v"]) * PREFIXES[reading["v_prefix"]]
-        assert velocity == pytest.approx(solution.velocity(body, x, t), abs=1e-9)
+        expected = solution.velocity(body, x, t).item()
+        assert velocity == pytest.approx(expected, abs=1e-9)
     assert n_readings >= 3
 
 
@@ -515,8 +517,8 @@ def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(
 def test_a_scene_knows_the_number_of_cells_of_all_its_grids(visit, solved):
     page = visit(solved(HERTZ))
     assert page.evaluate(
-        "page.scene.grids.map((grid) => grid.rows * grid.across).reduce((a, b) => a + b)"
-        " === page.scene.cellCount"
+        "page.scene.grids.map((grid) => grid.rows * grid.across)"
+        ".reduce((a, b) => a + b) === page.scene.cellCount"
     )
 
 
@@ -713,9 +715,11 @@ def test_the_picture_is_displaced_lines_up_with_the_rods_and_fills_its_width(vis
     page = visit()
     page.locator("#time").fill("500")
     page.wait_for_function("() => !page.isRedrawDue")
-    # Pixels across of the struck face of rod 2, in the diagram and in the strip of rods.
-    in_diagram, in_strip = page.evaluate("""() => [page.frame, page.strip.frame].map(
-        (frame) => frame.across(valueAt(page.scene.contacts[0].faces[1], currentTime())))""")
+    # Pixels across of the struck face of rod 2, in the diagram and in the strip.
+    in_diagram, in_strip = page.evaluate("""() => {
+        const face = valueAt(page.scene.contacts[0].faces[1], currentTime());
+        return [page.frame.across(face), page.strip.frame.across(face)];
+    }""")
     left_end = page.evaluate("page.strip.frame.across(page.strip.ends.get(1)[0])")
     share_of_width = page.evaluate("""() => {
         const [low, high] = page.scene.row.span;
@@ -1111,7 +1115,7 @@ def test_no_line_ends_before_a_unit_a_value_or_the_number_of_a_body(visit):
         page.select_option("#preset", key)
         page.wait_for_function(DRAWN)
         for part in ("#reason", "#sentence", "#theory", "#remark", "#notes"):
-            # A plain blank may end a line, a blank that does not break (U+00A0) may not.
+            # A plain blank may end a line, one that does not break (U+00A0) may not.
             text = page.locator(part).text_content()
             assert re.findall(r"\d (?:%|[nµmkMG]?(?:m|s|N|J|Pa)\b)| = ", text) == []
             assert re.findall(r"(?i)\b(?:rod|mass|contact) \d", text) == []
@@ -1181,9 +1185,11 @@ def hidden_parts(page, selectors):
         """(selectors) => selectors.filter((selector) => {
             const element = document.querySelector(selector);
             const { left, top, right, bottom, width } = element.getBoundingClientRect();
-            const isInside = left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
+            const isAcross = left >= 0 && right <= innerWidth;
+            const isInside = isAcross && top >= 0 && bottom <= innerHeight;
             const upmost = document.elementFromPoint((left + right) / 2, top + 4);
-            const isOpen = upmost && (element.contains(upmost) || upmost.contains(element));
+            const isOpen =
+                upmost && (element.contains(upmost) || upmost.contains(element));
             return !(width > 0 && isInside && isOpen);
         })""",
         list(selectors),
@@ -1422,7 +1428,7 @@ def test_handles_lie_on_ends_and_arrows_while_the_set_up_is_seen(visit):
     page.locator("#time").fill("0")
     page.wait_for_function(DRAWN)
     # Middles of the handles, and what they move, [x, y] in pixels of the strip of rods.
-    middles = page.evaluate("""() => [...document.querySelectorAll("#handles > *")].map((one) => {
+    middles = page.locator("#handles > *").evaluate_all("""all => all.map((one) => {
         const { left, width, top, height } = one.getBoundingClientRect();
         const origin = byId("rods").getBoundingClientRect();
         return [left + width / 2 - origin.left, top + height / 2 - origin.top];
@@ -1519,12 +1525,16 @@ def test_a_label_without_room_is_left_out_and_the_others_stay(visit, solved):
     assert not any(text.startswith("Rod 2,") for text in texts)
 
 
-def print_lesson(page):
-    """Let a page look as on paper, with a question, and wait until it is drawn."""
+def ask_question(page):
+    """Put a question above a page, and go on in the film."""
     open_menu(page)
     page.click("#ask")
     page.locator("#question").fill("What happens?")
     page.locator("#time").fill("700")
+
+
+def show_as_printed(page):
+    """Let a page look as on paper, and wait until it is drawn."""
     page.emulate_media(media="print")
     page.wait_for_function("() => page.isPrinting && !page.isRedrawDue")
 
@@ -1532,7 +1542,8 @@ def print_lesson(page):
 def test_a_lesson_on_paper_has_question_set_up_pictures_and_reason(visit):
     page = visit(viewport={"width": 1280, "height": 800})
 
-    print_lesson(page)
+    ask_question(page)
+    show_as_printed(page)
 
     # The rods are those of the set-up, with an arrow each, whatever the film shows.
     assert page.evaluate("page.strip.arrows.length") == 2
@@ -1554,9 +1565,10 @@ def test_a_lesson_on_paper_has_question_set_up_pictures_and_reason(visit):
 
 def test_a_lesson_on_paper_before_a_guess_has_lines_to_write_on_and_no_answer(visit):
     page = visit(viewport={"width": 1280, "height": 800})
-    page.click("#guess-first")
 
-    print_lesson(page)
+    ask_question(page)
+    page.click("#guess-first")
+    show_as_printed(page)
 
     assert page.locator("#lines p").count() > 8
     for part in ("#lines", "#question", "#asked", "#rods", "#diagram"):

@@ -24,6 +24,7 @@ ALUMINIUM = ri.materials.aluminium
 
 
 def random_law(rng):
+    """A compliant contact law that is not plastic."""
     k = 10.0 ** rng.uniform(6, 10)
     return [
         ri.Spring(k),
@@ -72,12 +73,16 @@ def random_body(rng, is_first):
 
 
 def random_segments(rng):
-    count = 1 + (rng.random() < 0.15)
+    count = 1
+    if rng.random() < 0.15:
+        count = 2
     segments = []
     for _ in range(count):
         length = rng.uniform(0.1, 1.0)
         area = 1e-4 * rng.uniform(0.5, 2.0)
-        material = STEEL if rng.random() < 0.7 else ALUMINIUM
+        material = ALUMINIUM
+        if rng.random() < 0.7:
+            material = STEEL
         segments.append(ri.Segment(length, area, material))
     return segments
 
@@ -87,7 +92,9 @@ def tables_of(case):
 
 
 def solved_by_the_page(cases, gauges=()):
-    """Scenes and outcomes that the page has of cases."""
+    """Scenes that the page makes of cases, each with its outcome; None for a case that
+    it cannot solve.
+    """
     functions = (
         system_of,
         request_of,
@@ -120,7 +127,7 @@ def solve(case):
 
 @needs_node
 @pytest.mark.parametrize("block", few_of(range(6), {0}))
-def test_random_rows_within_the_stated_error(block):
+def test_random_rows_on_the_page_are_those_of_solve_within_the_stated_errors(block):
     cases = [random_row(seed) for seed in range(3 * block, 3 * block + 3)]
     for case, scene in zip(cases, solved_by_the_page(cases), strict=True):
         solution = solve(case)
@@ -130,8 +137,8 @@ def test_random_rows_within_the_stated_error(block):
 
 
 @needs_node
-def test_times_of_the_page_are_rounded_within_their_stated_error():
-    """Contacts late in a run, where transit times of the page's clock have added up."""
+def test_late_contacts_on_the_page_are_rounded_within_their_stated_error():
+    """Rounded transit times of the page's clock have added up there."""
     cases = [random_row(seed) for seed in (24, 71)]
     for case, scene in zip(cases, solved_by_the_page(cases), strict=True):
         solution = ri.solve(case.system, method="characteristics", rtol=1e-11)
@@ -139,8 +146,9 @@ def test_times_of_the_page_are_rounded_within_their_stated_error():
         check_contacts(scene["outcome"], solution)
 
 
-def test_rounded_transit_times_count_in_every_stated_error():
-    """Later events and shorter contacts make it larger."""
+def test_the_errors_of_velocity_and_duration_count_rounded_transit_times():
+    """Later events make both larger, and shorter contacts as well."""
+    transit_error = 1e-12  # relative
     rods = [
         ri.Rod(1.0, area=1e-4, material=STEEL, velocity=1.0),
         ri.Rod(0.7, area=1e-4, material=STEEL),
@@ -150,11 +158,14 @@ def test_rounded_transit_times_count_in_every_stated_error():
     run = run_with_errors(
         build_row(system_of(tables, LIBRARY)), request_of(tables), 1e-8, np.inf
     )
-    velocity, _, _, duration, time = rounding_errors(run["ended"], 1e-12)
-    _, _, _, (longest,), times = measures_of(run["ended"])
-    assert time == 1e-12
-    assert velocity == pytest.approx(1e-12 * (1 + max(times) / longest))
-    assert duration == pytest.approx(1e-12 * (1 + 2 * max(times) / longest))
+
+    velocity, _, _, duration, time = rounding_errors(run["ended"], transit_error)
+
+    _, _, _, (contact_duration,), times = measures_of(run["ended"])
+    last_over_duration = max(times) / contact_duration
+    assert time == transit_error
+    assert velocity == pytest.approx(transit_error * (1 + last_over_duration))
+    assert duration == pytest.approx(transit_error * (1 + 2 * last_over_duration))
 
 
 def check_velocities(page, solution):
@@ -173,7 +184,8 @@ def check_velocities(page, solution):
     assert (page["why"] == "") == has_e
     if has_e:
         e = outcome.restitution
-        assert page["restitution"] == pytest.approx(e, abs=page["error"] + 1e-12)
+        round_off = 1e-12
+        assert page["restitution"] == pytest.approx(e, abs=page["error"] + round_off)
 
 
 def check_contacts(page, solution):
@@ -188,8 +200,9 @@ def check_contacts(page, solution):
         shown = [contact[key] for contact in page["contacts"]]
         assert shown == pytest.approx(values, rel=0, abs=tolerance)
     for contact, tally in zip(page["contacts"], tallies, strict=True):
-        has_grazes = tally.episodes > 20  # grazes may be counted otherwise
-        assert contact["episodes"] == tally.episodes or has_grazes
+        # Many episodes are grazes, of which another clock may count more or fewer.
+        if tally.episodes <= 20:
+            assert contact["episodes"] == tally.episodes
 
 
 def check_energies(page, outcome):
@@ -224,14 +237,13 @@ PICTURES = {
 
 @needs_node
 @pytest.mark.parametrize("name", few_of(PICTURES, {"ends", "blow"}))
-def test_the_picture_is_that_of_the_solution(name):
+def test_grids_paths_and_curves_of_the_page_are_those_of_the_solution(name):
     options = {}
     if name == "ends":
         options["until"] = 6e-4  # a driven run needs an end
     case = ri.Case(PICTURES[name], options)
-    last_rod = max(
-        i for i, body in enumerate(case.system.bodies) if isinstance(body, ri.Rod)
-    )
+    rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, ri.Rod)]
+    last_rod = rods[-1]
     (scene,) = solved_by_the_page([case], [{"body": last_rod, "fraction": 0.3}])
     solution = solve(case)
     energy, gauge = scene["plots"]
@@ -250,7 +262,7 @@ def check_grids(grids, solution):
     """Points of the grids are displaced as in the solution."""
     assert max(grids["t"]) == pytest.approx(solution.t_end, rel=1e-9)
     for g, body in enumerate(grids["body"]):
-        points = slice(*grids["start"][g : g + 2])
+        points = slice(grids["start"][g], grids["start"][g + 1])
         x = np.array(grids["x"][points])
         t = np.minimum(grids["t"][points], solution.t_end)
         shown = np.array(grids["displacement"][points])

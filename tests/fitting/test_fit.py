@@ -135,6 +135,7 @@ SHOT_NOISE = 2e-5  # standard deviation, strain times gain
 
 @pytest.fixture(scope="module")
 def shot():
+    """A `Shot` of the striker, with gain, shift, blur and noise of `SHOT_...`."""
     solution = ri.solve(rods(), until=UNTIL)
     random = np.random.default_rng(3)
     shot = Shot([], [])
@@ -262,3 +263,598 @@ def test_the_addition_that_a_record_needs_earns_its_place_and_predicts_best(
     found = ri.fit(rods(), noisy, VARY_VELOCITY, UNTIL, starts=1, additions=ADDITIONS)
 
     earning = [each.name for each in found.additions if each.earns_its_place]
+    best = min(found.additions, key=lambda each: each.fit.misfit_left_out)
+    if change:
+        assert set(expected) <= set(earning)
+        assert [best.name] == expected
+    else:
+        assert not earning
+    # More numbers cannot fit worse, but for the end of a search.
+    for addition in found.additions:
+        assert addition.fit.descents[0].misfit < 1.0001 * found.descents[0].misfit
+    # The last column of the table tells which additions earn their place.
+    _, without_addition, *lines = found.table_of_additions.splitlines()
+    assert without_addition.startswith("none")
+    for line, addition in zip(lines, found.additions, strict=True):
+        assert line.endswith("yes") == addition.earns_its_place
+    assert found.table_of_additions in str(found)
+    assert "earns its place" in str(found)
+
+
+def test_blocks_left_out_are_predicted_as_by_a_fit_of_the_others():
+    """In a linear model the prediction from all residuals is that of a new fit."""
+    random = np.random.default_rng(5)
+    J = random.standard_normal((60, 3))  # [sample, number]
+    values = random.standard_normal(60)
+    is_left_out = np.arange(60) // 6 % 2 == 1  # every other block of 6 samples
+    best = np.linalg.lstsq(J, values, rcond=None)[0]
+    best_of_rest = np.linalg.lstsq(J[~is_left_out], values[~is_left_out], rcond=None)[0]
+
+    predicted = predicted_residuals(J, J @ best - values, is_left_out)
+
+    residuals_of_rest = J @ best_of_rest - values
+    assert predicted == pytest.approx(residuals_of_rest[is_left_out])
+
+
+@pytest.mark.parametrize(
+    ("additions", "says"),
+    [
+        ([1.0], "additions: must be such as"),
+        ({"blur": None}, "additions.blur: must name numbers"),
+        ({"speed": VARY_VELOCITY}, "which already varies"),
+    ],
+)
+def test_mistakes_in_additions_are_named(additions, says):
+    with pytest.raises(ri.InvalidModel, match=says):
+        ri.fit(rods(), changed_record(), VARY_VELOCITY, UNTIL, additions=additions)
+
+
+def test_searches_on_a_grid_begin_with_half_of_its_cells(monkeypatch):
+    cells_of_runs = []
+
+    def counted(system, options, places, interval):
+        cells_of_runs.append(options.cells)
+        return compute_strains(system, options, places, interval)
+
+    monkeypatch.setattr(objective_module, "compute_strains", counted)
+    settings = {"starts": 1, "method": "finite-difference", "cells": 240}
+
+    found = ri.fit(rods(), changed_record(), VARY_VELOCITY, UNTIL, **settings)
+
+    assert found.values[VELOCITY] == pytest.approx(10.0, rel=5e-3)
+    assert set(cells_of_runs) == {120, 240}
+    assert cells_of_runs.count(120) > 2 * cells_of_runs.count(240)
+
+
+# Standard errors ----------------------------------------------------------------------
+
+
+def objective_of(measured_record, vary):
+    """Objective of a fit to one record."""
+    return Objective(
+        system=rods(),
+        measured=[measured_record],
+        parameters=system_parameters(rods(), vary),
+        record_parameters=record_parameters(rods(), [measured_record], {}, UNTIL),
+        options=Options(UNTIL, "fronts"),
+        interval=INTERVAL,
+        executor=None,
+    )
+
+
+def derivatives_of(objective, point):
+    """Central differences [sample, number] of the residuals by each number of a point.
+
+    The point holds the shares of length and velocity, shift, gain, blur, offset, trend.
+    """
+    steps = [1e-5, 1e-5, 1e-10, 1e-5, 1e-9, 1e-5, 1.0]
+    columns = []
+    for k, step in enumerate(steps):
+        higher = point.copy()
+        lower = point.copy()
+        higher[k] += step
+        lower[k] -= step
+        change = objective.residuals(higher) - objective.residuals(lower)
+        columns.append(change / (2 * step))
+    return np.stack(columns, axis=1)
+
+
+def coloured(random, n, steps):
+    """Noise of variance 1 whose correlation falls to 1/e within so many steps."""
+    correlation = 0.0  # of neighbouring samples
+    if steps > 0:
+        correlation = math.exp(-1 / steps)
+    noise = [random.standard_normal()]
+    white_noise = math.sqrt(1 - correlation**2) * random.standard_normal(n - 1)
+    for white in white_noise:
+        noise.append(correlation * noise[-1] + white)
+    return np.array(noise)
+
+
+def assert_errors_are_the_scatter(errors, values):
+    """Standard errors of many fits agree with the standard deviation of their values.
+
+    Both are [fit, number].
+    """
+    ratio = np.mean(errors, axis=0) / np.std(values, axis=0)
+    assert (ratio > 0.8).all(), ratio
+    assert (ratio < 1.3).all(), ratio
+
+
+@pytest.mark.parametrize("correlation_time", [0.0, 5e-6])
+def test_standard_errors_are_the_scatter_of_fits(correlation_time):
+    """Length, velocity, shift and blur of 200 noisy records scatter by their errors.
+
+    Fits are linear in the noise where this is small: values change by the
+    pseudo-inverse of the derivatives times the noise.
+    """
+    noiseless = ri.Measured(record(rods()), GAUGE, gain=1.0, blur=(0.0, 1e-5))
+    vary = {LENGTH: (0.1, 0.4), VELOCITY: (1.0, 20.0)}
+    objective = objective_of(noiseless, vary)
+    length_share = 1 / 3  # 0.2 m in 0.1 to 0.4
+    velocity_share = 9 / 19  # 10 m/s in 1 to 20
+    blur = 2e-6  # s; shift, offset and trend are 0, and the gain is 1
+    point = np.array([length_share, velocity_share, 0.0, 1.0, blur, 0.0, 0.0])
+    J = derivatives_of(objective, point)[:, objective.is_free]
+    J *= [1.0, 1.0, UNTIL, 1e-5]  # numbers as shares of the range of shift and blur
+    pseudo_inverse = np.linalg.pinv(J)
+    random = np.random.default_rng(2)
+
+    values = []
+    errors = []
+    for _ in range(200):
+        noise = 0.02 * coloured(random, len(J), correlation_time / INTERVAL)
+        value = pseudo_inverse @ noise
+        residuals = J @ value - noise
+        values.append(value)
+        errors.append(np.sqrt(np.diag(covariance(J, residuals, [len(J)]))))
+
+    assert_errors_are_the_scatter(errors, values)
+
+
+@pytest.mark.exhaustive
+def test_all_searches_for_a_measured_pulse_end_at_one_point():
+    pulses = validation_module("measured_pulses")
+    vary = {**pulses.ENDS, pulses.SPEED: (4200.0, 5400.0)}
+    best = pulses.fitted(pulses.TITANIUM, vary, starts=3)
+    for end in best.descents:
+        for name, value in end.values.items():
+            difference = abs(value - best.values[name])
+            assert difference < 0.01 * best.standard_errors[name]
+    assert best.misfits[0] < 0.02
+
+
+@pytest.mark.exhaustive
+def test_standard_errors_are_the_scatter_of_fits_of_noisy_pulses():
+    gauge = (1, 0.02)  # where the exact mode begins
+    distance = 0.361  # m, from there to the strain gauge
+    until = 2.5e-4
+    interval = 4e-7
+    blur = 2e-6
+    correlation_time = 5e-6  # white noise is tested above
+    pulses = validation_module("measured_pulses")
+    bar = pulses.TITANIUM.bar
+    system = pulses.row_of(pulses.TITANIUM, bar.wave_speed, ri.Hertz(6e10), None, until)
+    strain = ri.solve(system, until=until).gauge(*gauge).signal(interval / 4)
+    pulse = strain.extended(1e-4, 1e-4).propagated(distance, bar)
+    times = np.arange(5e-5, 2e-4, interval)
+    clean = pulse.low_pass(CUTOFF_TIMES_BLUR / blur).resampled(times=times)
+    noise_level = 0.02 * np.abs(clean.values).max()
+    vary = {
+        pulses.LENGTH: pulses.TITANIUM.length,
+        **pulses.ENDS,
+        "records.0.blur": (0.0, 1e-5),
+    }
+    random = np.random.default_rng(4)
+
+    values = []
+    errors = []
+    for _ in range(50):
+        noise = coloured(random, len(clean), correlation_time / interval)
+        noisy = clean.replace(values=clean.values + noise_level * noise)
+        at_gauge = ri.Measured(noisy, gauge, distance=distance, radius=bar.radius)
+        best = ri.fit(system, at_gauge, vary, until, starts=1)
+        values.append(list(best.values.values()))
+        errors.append(list(best.standard_errors.values()))
+
+    assert_errors_are_the_scatter(errors, values)
+
+
+@pytest.mark.parametrize("repetitions", [1, 10])
+def test_the_standard_error_of_a_mean(repetitions):
+    """It is sigma/sqrt(n/r) for n samples, of which r in a row are always equal."""
+    random = np.random.default_rng(1)
+    n = 1200
+    J = np.ones((n, 1))
+    variances = []
+    for _ in range(150):
+        noise = np.repeat(random.standard_normal(n // repetitions), repetitions)
+        residuals = noise - noise.mean()
+        variances.append(covariance(J, residuals, [n // 2, n // 2])[0, 0])
+    expected = repetitions / n
+    assert 0.8 < np.mean(variances) / expected < 1.2
+
+
+# Shifts, blurs and other laws ---------------------------------------------------------
+
+
+def test_another_law_tells_by_how_much_numbers_change():
+    noisy = measured(record(rods(), 1e-5))
+    vary = {LENGTH: (0.1, 0.4)}
+    rigid = ri.fit(rods(), noisy, vary, UNTIL, starts=1)
+    with_spring = rods(contacts=[ri.Spring(3e8)])
+    soft = ri.fit(with_spring, noisy, vary, UNTIL, starts=1)
+
+    both = rigid.against(soft)
+
+    change = soft.values[LENGTH] - rigid.values[LENGTH]
+    change_text = format_si(change, "m", 3)
+    sentence = f"With the other law or theory {LENGTH} changes by {change_text}"
+    assert abs(change) > 5 * rigid.standard_errors[LENGTH]
+    # `against` adds two notes; all else is that of the first fit.
+    assert both.notes[-2].startswith(sentence)
+    assert both.notes[:-2] == rigid.notes
+    assert both.fitted == rigid.fitted
+    assert sentence in str(both)
+
+
+def test_fits_of_other_numbers_cannot_be_compared():
+    noisy = measured(record(rods(), 1e-5))
+    of_length = ri.fit(rods(), noisy, {LENGTH: (0.1, 0.4)}, UNTIL, starts=1)
+    of_velocity = ri.fit(rods(), noisy, {VELOCITY: (1.0, 20.0)}, UNTIL, starts=1)
+    with pytest.raises(ri.InvalidModel, match="other: has no number in common"):
+        of_length.against(of_velocity)
+
+
+@pytest.mark.parametrize("seed", few_of(range(20), range(2)))
+def test_a_shift_is_found_wherever_a_window_of_a_record_lies_or_bounds_are_noted(seed):
+    """Random steps of strain run along a bar and back; its length is varied as well.
+
+    The record is a window of the strain, with a random shift and 2.5 times as large.
+    """
+    random = np.random.default_rng(seed)
+    values = random.uniform(-1e-3, 1e-3, 30).tolist()
+    times = np.cumsum(random.uniform(5e-6, 2e-5, 29)).tolist()
+    incoming = ri.Incoming(ri.Steps(values, at=times))
+    bar = ri.Rod(0.5, area=1e-4, material=STEEL)
+    driven = ri.System([bar], ends=(incoming, ri.Free()))
+    whole = ri.solve(driven, until=4e-4).gauge(0, 0.2).signal(INTERVAL)
+    start = random.uniform(5e-5, 3.2e-4)
+    delay = random.uniform(-4e-4, 4e-4)
+    window = whole.window(start, start + 7e-5).shifted(delay) * 2.5
+    vary = {LENGTH: (0.45, 0.55)}
+
+    free = ri.fit(driven, ri.Measured(window, (0, 0.2)), vary, 4e-4, starts=1)
+
+    assert free.values["records.0.shift"] == pytest.approx(delay, abs=1e-8)
+    assert free.values["records.0.gain"] == pytest.approx(2.5, rel=1e-4)
+    assert "at its bound" not in " ".join(free.notes)
+
+    # Bounds without the true shift are noted, or leave a large misfit.
+    too_early = (delay - 1e-4, delay - 1e-6)
+    bounded_record = ri.Measured(window, (0, 0.2), shift=too_early)
+    bounded = ri.fit(driven, bounded_record, vary, 4e-4, starts=1)
+    is_at_bound = "records.0.shift is at its bound" in " ".join(bounded.notes)
+    assert bounded.values["records.0.shift"] <= delay - 1e-6
+    assert is_at_bound or bounded.misfits[0] > 0.05
+
+
+def rounded_rods(random):
+    """Rods with rounded ends; length of the striker and stiffness are random."""
+    length = float(random.uniform(0.1, 0.3))
+    stiffness = float(10 ** random.uniform(9, 12))
+    return rods(length, contacts=[ri.Hertz(stiffness)])
+
+
+@pytest.mark.parametrize("seed", few_of([2, 5, 9, 12, 16, 19], [2]))
+def test_a_fit_with_a_blur_ends_no_worse_than_one_without(seed):
+    """With one start, some fits with a blur ended worse than those without one."""
+    random = np.random.default_rng(seed)
+    true_system = rounded_rods(random)
+    until = float(random.uniform(1.2e-4, 3.5e-4))
+    strain = ri.solve(true_system, until=until).gauge(*GAUGE).signal(1e-6)
+    start = float(random.uniform(0, 0.3)) * until
+    duration = float(random.uniform(0.3, 0.65)) * until
+    window = strain.window(start, start + duration)
+    noise_level = 0.01 * float(np.abs(window.values).max())
+    noise = noise_level * random.standard_normal(len(window))
+    noisy = ri.Measured(window.replace(values=window.values + noise), GAUGE)
+    guess = rounded_rods(random)
+    numbers = {LENGTH: (0.08, 0.35), "contacts.0.stiffness": (1e7, 1e13)}
+    blur = {"records.0.blur": (0.0, 1e-5)}
+
+    without_blur = ri.fit(guess, noisy, numbers, until, starts=1)
+    blurred = ri.fit(guess, noisy, numbers | blur, until, starts=1)
+
+    assert blurred.misfits[0] <= without_blur.misfits[0] * (1 + 1e-6)
+
+
+# Notes --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("how", "vary", "until", "sentences"),
+    [
+        # The amplitude is velocity times gain.
+        (
+            {"gain": (0.1, 10.0)},
+            {VELOCITY: (1.0, 100.0)},
+            UNTIL,
+            ("not determined", "hardly distinguishable"),
+        ),
+        ({}, {LENGTH: (0.1, 0.15)}, UNTIL, (f"{LENGTH} is at its bound, 150 mm",)),
+        # No wave from the far end of the bar reaches the gauge in time.
+        (
+            {},
+            {"bodies.1.length": (0.58, 0.6)},
+            1e-4,
+            ("bodies.1.length is not determined",),
+        ),
+    ],
+)
+def test_numbers_that_are_not_determined_are_named(how, vary, until, sentences):
+    noisy = measured(record(rods(), 1e-5), **how)
+    notes = " ".join(ri.fit(rods(), noisy, vary, until).notes)
+    assert any(sentence in notes for sentence in sentences)
+
+
+INDEPENDENT = np.diag([1e-4, 1e-4])
+
+
+def notes_of(*ends, relative_covariance=INDEPENDENT):
+    """Notes on two numbers, a and b, after searches with these ends.
+
+    The covariance is that of their errors over their values.
+    """
+    a = ri.Fitted("a", "m", value=1.0, standard_error=0.01, low=0.0, high=2.0)
+    b = a._replace(name="b")
+    return notes_on_numbers([a, b], relative_covariance, ends)
+
+
+def test_searches_that_end_elsewhere_are_noted():
+    best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, True)
+    equal_misfit = ri.Descent(0.02, {"a": 1.5, "b": 1.0}, True)
+    larger_misfit = equal_misfit._replace(misfit=0.04)
+
+    (note_on_values,) = notes_of(best, equal_misfit)
+    (note_on_misfits,) = notes_of(best, larger_misfit)
+
+    assert note_on_values == (
+        "Searches with the same misfit ended at different values of a: 1 m to 1.5 m."
+    )
+    assert "1 of 2 searches ended at larger misfits, 4 % and more" in note_on_misfits
+
+
+def test_numbers_with_correlated_errors_are_noted():
+    best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, True)
+    correlated = np.array([[1e-4, 0.99e-4], [0.99e-4, 1e-4]])
+    (note,) = notes_of(best, relative_covariance=correlated)
+    assert "a and b are hardly distinguishable" in note
+    assert "the correlation of their errors is 0.990" in note
+
+
+@pytest.mark.parametrize(
+    ("number", "beginning"),
+    [
+        # 3e13 lies in the middle of 1e7 to 1e19: bounds this far apart are a ratio.
+        (ri.Fitted("k", "N/m", 3e13, 1e12, 1e7, 1e19), None),
+        (ri.Fitted("k", "N/m", 1.01e7, 1e12, 1e7, 1e19), "k is at its bound, 10 MN/m"),
+        (ri.Fitted("k", "N/m", 9.9e18, 1e12, 1e7, 1e19), "k is at its bound"),
+        (ri.Fitted("x", "m", 0.1005, 1e-5, 0.1, 0.9), "x is at its bound, 100 mm"),
+    ],
+)
+def test_a_bound_is_as_near_as_the_scale_of_its_range_says(number, beginning):
+    end = ri.Descent(0.02, {number.name: number.value}, True)
+    notes = notes_on_numbers([number], np.array([[1e-4]]), [end])
+    if beginning is None:
+        assert notes == []
+    else:
+        (note,) = notes
+        assert note.startswith(beginning)
+
+
+def test_a_misfit_far_above_the_noise_before_the_pulse_is_noted():
+    """Flat ends do not make the record of rounded ends."""
+    relative_noise = 0.002
+    rounded = rods(contacts=[ri.Hertz(1e10)])
+    peak = float(np.abs(record(rounded).values).max())
+    noisy = measured(record(rounded, relative_noise * peak))
+    vary = {LENGTH: (0.1, 0.4)}
+
+    flat = ri.fit(rods(), noisy, vary, UNTIL, starts=1)
+    right = ri.fit(rounded, noisy, vary, UNTIL, starts=1)
+
+    noise = noise_before_pulse(noisy, flat.predicted[0])
+    (note,) = [note for note in flat.notes if "noise before the pulse" in note]
+    assert noise == pytest.approx(relative_noise, rel=0.3)
+    assert flat.misfits[0] > 0.03
+    assert note.startswith("gauge: the misfit, ")
+    assert f"{100 * noise:.2g} %" in note
+    assert "noise before the pulse" not in " ".join(right.notes)
+
+
+# Paths, tables and mistakes -----------------------------------------------------------
+
+
+def test_paths_name_numbers_of_materials_and_contacts_which_values_replace():
+    titanium = ri.Material("titanium", youngs_modulus=100e9, density=4400)
+    system = rods(material=titanium, contacts=[ri.Hertz(1e10)], gaps=[1e-3])
+    vary = {
+        "materials.titanium.wave_speed": (4000, 6000),
+        "materials.titanium.density": (4e3, 5e3),
+        "contacts.0.stiffness": (1e8, 1e12),
+        "contacts.0.gap": (0.0, 1e-2),
+    }
+    alloy = ri.Material("titanium", youngs_modulus=4500 * 5000.0**2, density=4500)
+
+    parameters = system_parameters(system, vary)
+    changed = with_values(system, parameters, [5000.0, 4500.0, 1e11, 2e-3])
+
+    units = [parameter.unit for parameter in parameters]
+    assert units == ["m/s", "kg/m^3", "N/m^1.5", "m"]
+    assert parameters[0].initial == titanium.wave_speed
+    assert changed == rods(material=alloy, contacts=[ri.Hertz(1e11)], gaps=[2e-3])
+    for parameter in parameters:
+        value = 0.7 * parameter.low + 0.3 * parameter.high
+        share = parameter.share(value)
+        assert parameter.value(share) == pytest.approx(value)
+    # The middle of bounds with a large ratio is their geometric mean.
+    stiffness = parameters[2]
+    assert stiffness.value(0.5) == pytest.approx(1e10)
+
+
+def test_a_path_may_lead_into_a_profile():
+    system = rods(velocity=ri.Steps([1.0, 2.0], at=[0.1]))
+    parameters = system_parameters(system, {"bodies.0.velocity.values.1": (0, 9)})
+    changed = with_values(system, parameters, [3.0])
+    assert changed == rods(velocity=ri.Steps([1.0, 3.0], at=[0.1]))
+
+
+@pytest.fixture(scope="module")
+def length_fit():
+    noisy = measured(record(rods(), 1e-5))
+    return ri.fit(rods(), noisy, {LENGTH: (0.1, 0.4)}, UNTIL, starts=1)
+
+
+def test_a_result_prints_what_errors_are_not_and_has_one_picture(length_fit):
+    assert "do not include model error" in str(length_fit)
+    assert length_fit._repr_html_().count("<img") == 1
+
+
+def test_a_figure_of_a_result_has_its_misfit_and_moves_nothing(length_fit):
+    misfit = ri.plot.fit(length_fit).misfit
+
+    assert misfit.rms == pytest.approx(length_fit.misfits[0], rel=1e-9)
+    assert misfit.shift == 0
+    assert misfit.scale == 1
+
+
+def test_a_figure_of_a_record_that_there_is_not_is_refused(length_fit):
+    message = "record: must be a whole number from 0 to 0, got 1"
+    with pytest.raises(ValueError, match=message):
+        ri.plot.fit(length_fit, record=1)
+
+
+def test_a_result_is_written_as_a_table_once(length_fit, tmp_path):
+    path = tmp_path / "fit.csv"
+    length_fit.to_csv(path)
+    (row,) = csv.DictReader(path.read_text().splitlines())
+    assert row == {
+        "number": LENGTH,
+        "unit": "m",
+        "value": repr(length_fit.values[LENGTH]),
+        "standard error": repr(length_fit.standard_errors[LENGTH]),
+        "low": "0.1",
+        "high": "0.4",
+    }
+    assert float(row["standard error"]) > 0
+    with pytest.raises(FileExistsError):
+        length_fit.to_csv(path)
+
+
+FLAT = ri.Signal([0.0, 1.0, 1.0, 0.0], dt=1e-5, name="flat")
+STRAINS = ri.Measured(FLAT, GAUGE)
+VOLTS = ri.Measured(FLAT.replace(unit="V"), GAUGE)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"vary": {}}, "vary: must name numbers with their bounds"),
+        (
+            {"vary": {"bodies.0.lenght": (0.1, 0.2)}},
+            "perhaps 'bodies.0.length' is meant",
+        ),
+        (
+            {"vary": {LENGTH: (0.2, 0.1)}},
+            r"vary.bodies.0.length: must be \(low, high\)",
+        ),
+        ({"vary": {LENGTH: 0.1}}, r"vary.bodies.0.length: must be \(low, high\)"),
+        (
+            {"vary": {LENGTH: ("a", 1)}},
+            "vary.bodies.0.length: must be a number of metres",
+        ),
+        (
+            {
+                "vary": {
+                    "materials.steel.wave_speed": (4e3, 6e3),
+                    "bodies.1.material.youngs_modulus": (1e11, 3e11),
+                }
+            },
+            "already varied as materials",
+        ),
+        (
+            {"vary": {"bodies.0.area": (-1e-4, -1e-5)}},
+            "the bounds allow an invalid system",
+        ),
+        (
+            {"vary": {"materials.steel.wave_speed": (-5e3, -4e3)}},
+            "allow an invalid system",
+        ),
+        (
+            {"vary": {"bodies.1.length": (0.05, 0.6)}},
+            "the bounds put a gauge outside its rod",
+        ),
+        (
+            {"vary": {"records.0.shfit": (0, 1)}},
+            "vary.records.0.shfit: is not one number of records",
+        ),
+        (
+            {"vary": {"records.*.*": (0, 1)}},
+            "is not one number of records, in one unit; give a name",
+        ),
+        (
+            {"vary": {"records.0.blur": None}},
+            "vary.records.0.blur: must be a number of seconds",
+        ),
+        (
+            {"vary": {"records.*.gain": None, "records.0.gain": None}},
+            "names records.0.gain, which",
+        ),
+        (
+            {"vary": {"records.*.gain": None}, "measured": [STRAINS, VOLTS]},
+            "is not one number of records",
+        ),
+        ({"measured": FLAT}, "measured: must be a Measured"),
+        ({"measured": []}, "measured: must be a Measured"),
+        ({"measured": ri.Measured(FLAT, (1, 2.0))}, "gauges.0.x: must lie in body 1"),
+        ({"measured": ri.Measured(FLAT, (3, 0.2))}, "gauges.0.body: must be a rod"),
+        ({"until": None}, "until: is missing"),
+        ({"until": -1.0}, "until: must be"),
+        ({"starts": 0}, "starts: must be a positive whole number"),
+        ({"interval": 0.0}, "interval: must be a finite positive number of seconds"),
+        ({"system": rods(velocity=np.array([1.0, 2.0]))}, "system: must be one system"),
+        ({"system": 3}, "system: must be a System"),
+    ],
+)
+def test_mistakes_are_named(change, sentence):
+    arguments = {
+        "system": rods(),
+        "measured": STRAINS,
+        "vary": {LENGTH: (0.1, 0.2)},
+        "until": UNTIL,
+    }
+    arguments |= change
+    with pytest.raises(ri.InvalidModel, match=sentence):
+        ri.fit(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"signal": [1, 2]}, "signal: must be a Signal"),
+        ({"gauge": 1}, r"gauge: must be \(body, x\)"),
+        ({"distance": math.inf}, "distance.*finite"),
+        ({"shift": (1.0, 0.0)}, r"shift: must be a number, or \(low, high\)"),
+        ({"gain": "x"}, "gain: must be a number"),
+        ({"blur": (-1e-6, 1e-6)}, "blur: must be 0 s or more"),
+        ({"level": -1.0}, "level.*positive"),
+        ({"seen": 3}, "seen: must be a function"),
+        ({"signal": 0 * FLAT}, "there is no pulse"),
+    ],
+)
+def test_mistakes_of_records_are_named(change, sentence):
+    arguments = {"signal": FLAT, "gauge": GAUGE}
+    arguments |= change
+    with pytest.raises(ValueError, match=sentence):
+        ri.Measured(**arguments)

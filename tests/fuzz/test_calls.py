@@ -72,7 +72,8 @@ def check_spoilt(call, parameter, label):
         check_sentence(error, where)
 
 
-def test_every_public_call_has_good_arguments_and_every_class_instances():
+def test_every_public_name_has_good_arguments():
+    """A class has instances, too, to call their methods."""
     # `replace` takes no argument to be good.
     names = {name for name in NAMES if not name.endswith(".replace")}
     classes = set(good_calls.public_classes())
@@ -110,8 +111,8 @@ def test_one_bad_value_of_an_argument_is_answered_or_refused_in_a_sentence():
 def labels_for(call, index):
     """Labels of the bad values for the parameter with this index.
 
-    Figures take long: they try a third of the values that may be right, and neighbouring
-    parameters try different thirds.
+    Figures take long: they try a third of the values that may be right, and the next
+    parameter tries another third.
     """
     labels = list(BAD_VALUES)
     if not call.name.startswith(FIGURES):

@@ -89,7 +89,7 @@ def assert_round_trip(data):
         assert ri.parse_case(ri.format_case(case)) == case
 
 
-# Objects that other tests left may be collected here, and warn that they were not closed.
+# Objects that other tests left may be collected here, and warn that they are open.
 @pytest.mark.filterwarnings(
     "default", "ignore::ResourceWarning", "ignore::DeprecationWarning"
 )

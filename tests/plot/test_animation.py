@@ -53,6 +53,7 @@ OPTIONS = {
 
 @pytest.fixture(scope="module")
 def solved():
+    """{name: solution} of `SYSTEMS`."""
     solutions = {}
     for name, system in SYSTEMS.items():
         options = OPTIONS.get(name, {})
@@ -62,6 +63,7 @@ def solved():
 
 @pytest.fixture(scope="module", autouse=True)
 def small():
+    """Small figures, which are drawn in less time."""
     with plot.look(width=110):
         yield
 
@@ -98,6 +100,7 @@ def row_of(film):
 
 
 def colour_bar_of(film, field):
+    """The Axes of the colour bar of a field."""
     for ax in film.figure.axes:
         if ax.get_ylabel().startswith(field):
             return ax
@@ -114,6 +117,7 @@ def colour_of(film, field, value):
 
 
 def texts_on(film):
+    """Texts inside all Axes of a film."""
     texts = []
     for ax in film.figure.axes:
         texts += texts_of(ax.texts)
@@ -145,6 +149,7 @@ def test_rods_have_their_places_and_the_colour_of_their_state(solved, field):
 
 @pytest.fixture(scope="module")
 def magnified(solved):
+    """A film of three frames whose displacements are drawn a thousandfold."""
     return plot.animation(solved["unequal"], frames=3, magnification=1000.0)
 
 
@@ -184,24 +189,29 @@ def test_the_future_is_hidden_and_the_past_is_that_of_the_end(film, number):
     frame = film.frame(number)
     last = film.frame(6)
 
-    future = frame[top : now - 3, columns]
-    past = frame[now + 4 : bottom, columns]
-    assert np.all(future == 255)
-    assert np.array_equal(past, last[now + 4 : bottom, columns])
-    assert np.ptp(past) > 200
+    # Rows of a frame count from the top, and time runs upwards.
+    rows_of_future = slice(top, now - 3)
+    rows_of_past = slice(now + 4, bottom)
+    past = frame[rows_of_past, columns]
+    assert np.all(frame[rows_of_future, columns] == 255)
+    assert np.array_equal(past, last[rows_of_past, columns])
+    assert np.ptp(past) > 200  # it is not blank
 
 
 @pytest.fixture(scope="module")
 def with_approach(solved):
+    """A film whose displacements are so large that rods are seen to approach."""
     return plot.animation(solved["unequal"], frames=41, fps=20, magnification=2000.0)
 
 
-def test_it_begins_with_the_approach(solved, with_approach):
+def test_a_film_begins_with_the_approach_in_frames_at_equal_steps(
+    solved, with_approach
+):
     times = with_approach.times
-    before = times[times < 0]
+    before_contact = times[times < 0]
 
-    interval = times[-1] / (40 - len(before))
-    assert 2 <= len(before) <= 8
+    interval = times[-1] / (40 - len(before_contact))
+    assert 2 <= len(before_contact) <= 8
     assert np.diff(times) == pytest.approx([interval] * 40)
     assert times[-1] == solved["unequal"].t_end
     assert with_approach.clock(0).startswith("t = \N{MINUS SIGN}")
@@ -260,7 +270,7 @@ MODES = dict.fromkeys(SYSTEMS, "light") | {"walls": "dark", "masses": "dark"}
 
 
 @pytest.mark.parametrize("name", few_of(SYSTEMS, {"masses"}))
-def test_every_row_moves(solved, name):
+def test_every_row_moves_on_the_paper_of_its_look_beside_its_forces(solved, name):
     mode = MODES[name]
     with plot.look(mode):
         film = plot.animation(solved[name], "stress", frames=3)
@@ -282,14 +292,17 @@ LENGTHS = list(itertools.product([2, 3, 5, 20, 61], [1.0, 300.0, None]))
 
 
 @pytest.mark.parametrize("case", few_of(LENGTHS, [(2, None), (61, 300.0)]))
-def test_a_film_has_as_many_frames_as_asked_for(solved, case):
+def test_a_film_has_as_many_frames_as_asked_for_few_of_them_before_contact(
+    solved, case
+):
     frames, magnification = case
 
     film = plot.animation(solved["unequal"], frames=frames, magnification=magnification)
 
+    before_contact = np.count_nonzero(film.times < 0)
     assert len(film) == frames
     assert film.times.size == frames
-    assert np.sum(film.times < 0) <= frames / 5
+    assert before_contact <= frames / 5
     assert 0.0 in film.times
 
 
@@ -308,7 +321,7 @@ def test_a_run_with_too_many_regions_is_shown_in_part(solved, monkeypatch):
 
 
 def assert_alike(a, b):
-    """Two pictures hardly differ; a file has 255 colours."""
+    """The pixels of two pictures hardly differ: a GIF has 255 colours only."""
     difference = np.abs(a.astype(int) - b.astype(int))
     assert difference.mean() < 1.0
 

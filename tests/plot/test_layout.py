@@ -50,13 +50,13 @@ def solution(request):
 
 @pytest.fixture
 def layout(solution):
-    """How figures lay out the row."""
+    """The layout of the row in figures."""
     return choose_layout(solution, 0.0, solution.t_end)
 
 
 @pytest.fixture
 def row(solution):
-    """How the page lays out the row."""
+    """The layout of the row in the page, a dict."""
     options = {"until": solution.t_end, "method": solution.method}
     case = with_gauges(ri.Case(solution.system, options))
     tables = tables_of(case)
@@ -100,7 +100,7 @@ def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution, layou
             assert left == pytest.approx(drawn, abs=tolerance)
 
 
-def test_magnification_is_round(layout):
+def test_a_magnification_is_1_2_or_5_times_a_power_of_ten(layout):
     assert re.fullmatch(r"[125]0*", f"{layout.magnification:g}")
 
 

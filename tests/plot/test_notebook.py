@@ -105,6 +105,7 @@ print(solution._repr_html_()[:5])
 
 
 def assert_shows_its_figure(picture):
+    """A notebook is given a PNG of some size that is not blank."""
     image = Image.open(io.BytesIO(picture._repr_png_()))
     pixels = np.asarray(image.convert("L"))
     assert min(pixels.shape) > 200

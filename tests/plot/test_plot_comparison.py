@@ -75,8 +75,9 @@ def test_the_band_is_scaled_with_the_prediction():
 
     picture = plot.comparison(PULSE, -0.5 * PULSE, shift=0.0, band=band)
 
+    # The prediction is scaled by -2, so that the band of 0.1 V is one of 0.2 V.
     top = picture.band.get_paths()[0].vertices[:, 1].max()
-    assert top == pytest.approx(2.2)
+    assert top == pytest.approx(PLATEAU + 0.2)
 
 
 @pytest.mark.parametrize(
@@ -91,7 +92,7 @@ def test_a_wrong_band_is_refused(band, message):
         plot.comparison(PULSE, PULSE, band=band)
 
 
-def test_axes_are_a_pair():
+def test_a_pair_of_axes_is_used_and_a_single_one_refused():
     upper, lower = Figure().subplots(2, 1)
 
     picture = plot.comparison(PULSE, PULSE, [upper, lower], shift=0.0)
@@ -105,10 +106,11 @@ def test_axes_are_a_pair():
 
 def test_long_records_are_thinned():
     long = PULSE.resampled(1e-9)
+    assert len(long) > 100_000
 
     picture = plot.comparison(long, long, shift=0.0)
 
-    assert picture.measured.get_xdata().size < 3000 < len(long)
+    assert picture.measured.get_xdata().size < 3000
 
 
 def solved_rods(**contacts):
@@ -140,8 +142,10 @@ def test_stations_are_named(across):
 
 
 def assert_moves_with_its_rod(x_drawn, time, solution, start):
-    """The station moves from its start by ten times the displacement of its place."""
-    times = np.clip(time / 1e6, 0, 4e-4)
+    """A station moves from its start by ten times the displacement of its place, for
+    400 us.
+    """
+    times = np.clip(time / 1e6, 0, 4e-4)  # s
     expected = start + 10.0 * solution.displacement(1, 0.5, times)
     assert x_drawn == pytest.approx(expected, abs=1e-12)
     assert time[0] == pytest.approx(0.0)
@@ -189,15 +193,17 @@ def reduced_record():
     return record, ri.reduce(incident_gauge, transmitted_gauge, bar, specimen)
 
 
-def test_a_reduction_shows_stress_and_rate_over_strain():
+def test_a_reduction_shows_stress_and_strain_rate_over_strain():
     _, reduction = reduced_record()
 
     picture = plot.reduction(reduction)
 
     stress = reduction.stress[reduction.loading] / 1e6
     strain = 100 * reduction.strain[reduction.loading]
+    np.testing.assert_allclose(picture.stress.get_xdata(), strain)
     np.testing.assert_allclose(picture.stress.get_ydata(), stress)
     np.testing.assert_allclose(picture.rate.get_xdata(), strain)
+    # 0.8 of 1e-3 of strain, in a bar of 200 GPa as thick as the specimen
     assert picture.stress.get_ydata().max() == pytest.approx(160)
     assert picture.ax.get_ylabel() == "stress (MPa)"
 

@@ -38,6 +38,7 @@ every_row = pytest.mark.parametrize("name", SYSTEMS)
 
 @pytest.fixture(scope="module")
 def solved():
+    """{name: solution} of `SYSTEMS`."""
     solutions = {}
     for name, system in SYSTEMS.items():
         solutions[name] = ri.solve(system, ENDS.get(name))
@@ -71,7 +72,7 @@ def width_at(polygon, y):
 
 
 def time_scale(ax):
-    """Units of the axis of times in a second."""
+    """Number of units of the axis of times in a second."""
     unit = ax.get_ylabel()[-3:-1]
     return {"µs": 1e6, "ms": 1e3}[unit]
 
@@ -140,7 +141,7 @@ def test_displacements_are_those_of_the_solution_and_linear_between(solved, name
 
     assert isinstance(picture.regions, TriMesh)
     mesh = picture.regions._triangulation
-    triangles = mesh.triangles
+    triangles = mesh.triangles  # [triangle, corner], indices of points
     bodies = np.repeat(regions.body, np.diff(regions.start))[triangles[:, 0]]
     values = np.asarray(picture.regions.get_array()) / picture.scale.factor
     means = values[triangles].mean(axis=1)
@@ -164,6 +165,7 @@ def test_the_frame_of_displacement_and_energy_is_named(solved, field):
 
 
 def fronts(picture):
+    """Lines of all fronts, a list of points [point, (x, t)]."""
     for lines in picture.ax.collections:
         if lines.get_label() == "fronts":
             return lines.get_segments()
@@ -201,11 +203,12 @@ def test_cells_have_the_field_in_their_middle(smooth, field, compute):
         smooth, axes(), field, coordinates="lab", magnification=1.0
     )
 
-    values = np.ma.asarray(picture.regions.get_array())
+    values = np.ma.asarray(picture.regions.get_array())  # [time, place]
     edges = np.linspace(0, smooth.t_end, values.shape[0] + 1)
     t = (edges[:-1] + edges[1:]) / 2
-    is_between = np.ma.getmaskarray(values)[0]
-    pieces = np.flatnonzero(is_between)[0]  # of the first rod
+    # Cells between rods are masked: the first of them follows those of the first rod.
+    is_between_rods = np.ma.getmaskarray(values)[0]
+    pieces = np.flatnonzero(is_between_rods)[0]
     x = 0.2 * (np.arange(pieces) + 0.5) / pieces
     exact = compute(smooth, x, t[:, None])
     drawn = np.asarray(values[:, :pieces]) / picture.scale.factor
@@ -238,7 +241,7 @@ def test_time_across_is_the_same_picture_on_its_side(solved, name):
 
 
 @every_row
-def test_in_places_of_the_bodies_nothing_moves(solved, name):
+def test_in_material_coordinates_nothing_moves(solved, name):
     picture = plot.spacetime(solved[name], axes(), coordinates="body")
 
     starts = set()

@@ -19,7 +19,7 @@ def draw(record, **options):
 
 
 def window(picture, name):
-    """When a window begins and ends, us, and on which side of 0 it lies."""
+    """Begin and end of a window, us, and the sign of the strains that it holds."""
     box = picture.windows[name]
     start = box.get_x()
     return start, start + box.get_width(), np.sign(box.get_height())
@@ -52,7 +52,7 @@ def test_the_limits_of_a_force_begin_at_0():
     assert peak_force <= high <= 1.5 * peak_force
 
 
-def test_incident_and_reflected_pulse_of_a_struck_bar(struck_bar):
+def test_incident_and_reflected_pulse_of_a_struck_bar_are_shaded(struck_bar):
     picture = draw(struck_bar.gauge(1, 0.4))
 
     incident = (0.4 * TRANSIT, 0.8 * TRANSIT, COMPRESSION_SIGN)
@@ -68,7 +68,7 @@ def test_incident_and_reflected_pulse_of_a_struck_bar(struck_bar):
     ]
 
 
-def test_transmitted_pulse_beyond_a_specimen():
+def test_the_transmitted_pulse_beyond_a_specimen_is_drawn_and_shaded():
     bars = [rod(0.2, 10.0), rod(), rod(0.02, area=2e-5), rod()]
     solution = ri.solve(ri.System(bars), 5e-4)
     behind = solution.gauge(3, 0.3)
@@ -86,7 +86,7 @@ def test_transmitted_pulse_beyond_a_specimen():
     assert "transmitted strain" in legend(picture)
 
 
-def test_windows_of_smooth_waves_are_the_same():
+def test_windows_of_smooth_waves_are_those_of_the_pulse_of_the_striker():
     bars = [rod(0.2, 10.0), rod(), rod()]
     system = ri.System(bars, contacts=[ri.Rigid(), ri.Spring(4e8)])
     solution = ri.solve(system, 4.5e-4, "characteristics")
@@ -120,7 +120,7 @@ def test_without_a_pulse_nothing_is_shaded(system):
     assert len(legend(picture)) == 3
 
 
-def test_a_gauge_at_a_free_end_has_windows_too(struck_bar):
+def test_a_gauge_at_a_free_end_has_an_incident_pulse(struck_bar):
     picture = draw(struck_bar.gauge(1, 1.0))
 
     start, _, _ = window(picture, "incident")

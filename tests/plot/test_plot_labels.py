@@ -1,6 +1,7 @@
 """Labels of figures can be read: none collide, none are cut, none are missing."""
 
 import itertools
+import re
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -76,13 +77,14 @@ FIGURES = {
 
 @pytest.fixture(scope="module")
 def solved():
+    """{name: solution} of `SYSTEMS`."""
     solutions = {}
     for name, system in SYSTEMS.items():
         solutions[name] = ri.solve(system, ENDS.get(name))
     return solutions
 
 
-COLUMN = 85  # mm: the narrowest figures have the least room
+COLUMN = 85  # mm; the narrowest figures have the least space
 WIDE = [("across lab", "ten", None), ("overview", "pile", None)]
 CASES = [*itertools.product(FIGURES, SYSTEMS, [COLUMN]), *WIDE]
 USUAL = [
@@ -133,9 +135,12 @@ def axis_of_places(ax, across):
 def test_ten_rods_are_all_named_and_short_rods_too(solved, row, count, across):
     ax = plot.spacetime(solved[row], across=across).ax
 
-    labels = texts_of(axis_of_places(ax, across).get_minorticklabels())
-    names = [label.split("\n")[-1] for label in labels]
-    assert len(list(filter(None, names))) == count
+    names = []
+    for label in texts_of(axis_of_places(ax, across).get_minorticklabels()):
+        name = label.split("\n")[-1]
+        if name:
+            names.append(name)
+    assert len(names) == count
 
 
 @pytest.mark.parametrize("across", few_of([False, True], [True]))
@@ -161,6 +166,7 @@ def test_a_short_rod_is_named_in_snapshots(solved):
 
 
 def words_along_fronts(picture):
+    """Texts that name what a front adds to the stress."""
     words = []
     for text in picture.ax.texts:
         if text.get_text() in ("compression", "tension"):
@@ -199,6 +205,7 @@ def test_every_narrow_piece_has_its_own_label(solved):
     with plot.look(width=85):
         picture = plot.snapshots(solved["unequal"])
 
+    # Snapshots stand at y = 0, -1, -2 ...: labels of the second lie about -1.
     second_row = []
     for label in picture.labels:
         _, y = label.get_position()
@@ -344,7 +351,6 @@ def test_show_names_the_file_of_the_figure_without_a_display(
 
     message = capsys.readouterr().err
     assert "No window can be opened here" in message
-    start = message.split(".png")[0]
-    path = start.split("the figure is in ")[1] + ".png"
+    path = re.search(r"the figure is in (.*\.png)", message)[1]
     with open(path, "rb") as file:
         assert file.read(len(PNG)) == PNG

@@ -98,7 +98,7 @@ def present_look():
     return name
 
 
-def test_light_is_usual_and_comes_back():
+def test_light_is_the_default_and_looks_come_back_in_turn():
     assert present_look() == "light"
     with plot.look("dark"):
         assert present_look() == "dark"
@@ -144,7 +144,7 @@ def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
 
-    box = figure.get_tightbbox(canvas.get_renderer())
+    box = figure.get_tightbbox(canvas.get_renderer())  # inches
     assert figure.get_figwidth() * MM_PER_INCH == pytest.approx(85)
     assert box.x0 > -0.02
     assert box.x1 < figure.get_figwidth() + 0.02
@@ -167,7 +167,7 @@ def test_wrong_looks_are_refused(wrong, named):
 
 @pytest.mark.parametrize("mode", ["light", "dark"])
 @pytest.mark.usefixtures("closing")
-def test_style_sheets_give_the_looks_by_name(mode):
+def test_style_sheets_have_paper_ink_and_series_of_the_looks(mode):
     with plt.style.context(f"rodimpact.plot.{mode}"):
         figure, ax = plt.subplots()
         (line,) = ax.plot([0, 1])
@@ -257,9 +257,9 @@ def test_show_gives_a_figure_of_the_package_to_pyplot_once(windows):
     plot.show(own)
     plot.show(own.ax.figure)
 
-    first, second = windows
-    assert len(first) == len(second) == 1
-    assert plt.figure(second[0]) is own.ax.figure
+    (number,), (same_number,) = windows
+    assert same_number == number
+    assert plt.figure(number) is own.ax.figure
 
 
 def test_show_refuses_a_text():

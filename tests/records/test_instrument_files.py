@@ -28,6 +28,7 @@ def sheet():
 
 
 def write_xlsx(path, rows):
+    """A workbook with these rows in its first sheet, and a second sheet."""
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
     for row in rows:
@@ -50,12 +51,12 @@ def write_xls(path, rows):
     stream = record(0x0009, struct.pack("<HH", 2, 0x0010))
     for i, row in enumerate(rows):
         for j, cell in enumerate(row):
-            place = struct.pack("<HH3x", i, j)
+            row_and_column = struct.pack("<HH3x", i, j)
             if isinstance(cell, str):
                 text = cell.encode("ascii")
-                stream += record(0x0004, place + bytes([len(text)]) + text)
+                stream += record(0x0004, row_and_column + bytes([len(text)]) + text)
             elif cell is not None:
-                stream += record(0x0003, place + struct.pack("<d", cell))
+                stream += record(0x0003, row_and_column + struct.pack("<d", cell))
     path.write_bytes(stream + record(0x000A, b""))
 
 

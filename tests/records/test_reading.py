@@ -103,11 +103,6 @@ def test_a_single_column_with_a_rate_is_a_signal_with_the_unit_of_its_head(read)
         ("time_s;a\n0;1,001\n1;0,002\n", {}, [1.001, 0.002]),
         # Cells in quotes have decimal commas beside cells that commas separate.
         ('time_s,a\n0,1\n1,2\n2,"2,5"\n', {}, [1.0, 2.0, 2.5]),
-        (
-            'time_s,a\n0,1\n1,"2,5"\n',
-            {"decimal": ","},
-            [1.0, 2.5],
-        ),
     ],
 )
 def test_numbers_are_read_with_the_decimal_sign_that_they_must_have(

@@ -36,7 +36,7 @@ class Shot:
     """A shot whose waves run as the exact first mode does, and what the specimen did in
     it.
 
-    A striker of the length `striker`, m, hits a bar; the specimen yields as `flow` says.
+    A striker of the length `striker`, m, hits a bar; the specimen yields by `flow`.
 
     Attributes
     ----------

@@ -155,10 +155,10 @@ def test_rounded_times_are_told_once_and_replaced_by_uniform_ones(tmp_path, dt):
     path.write_text("t [us],a [V],b [V]\n" + "\n".join(lines))
     message = "the times are rounded, their steps "
 
-    with pytest.warns(ri.RoundedTimes, match=message) as told:
+    with pytest.warns(ri.RoundedTimes, match=message) as warned:
         record = ri.read_signals(path)
 
-    (warning,) = told
+    (warning,) = warned
     assert warning.filename == __file__
     assert record["a"].dt == pytest.approx(dt * 1e-6, rel=1e-3)
     assert record["b"].times == pytest.approx(times * 1e-6, abs=0.5e-6)

@@ -43,6 +43,7 @@ def random_row(seed):
 
 
 def _any_row(rng, seed):
+    """A random row; the seed decides on steps, strains, gaps, wall and third rod."""
     n_segments = 1
     if seed % 3 == 0:
         n_segments = 2
@@ -112,3 +113,531 @@ def test_derivatives_have_units():
     g = ri.gradient(pair(0.4, 1.0), "impulse.0", ["bodies.1.length", "bodies.1.area"])
     units = {"bodies.1.length": "N s/m", "bodies.1.area": "N s/m^2"}
     assert g.unit == "N s"
+    assert g.units == units
+    for unit in units.values():
+        assert unit in str(g)
+
+
+@pytest.mark.parametrize(
+    ("law", "number", "unit"),
+    [
+        (ri.Hertz(1e9), "stiffness", "m^1.5/N"),
+        (ri.HuntCrossley(1e9, damping=0.3), "damping", "m/s"),
+        (ri.PowerLaw(1e9, 1.7), "stiffness", "1/(N/m^p)"),
+    ],
+)
+def test_derivatives_of_e_have_short_units(law, number, unit):
+    path = f"contacts.0.{number}"
+    row = pair(0.4, 1.0).replace(contacts=[law])
+
+    g = ri.gradient(row, wrt=["bodies.0.velocity", path])
+
+    assert g.units == {"bodies.0.velocity": "s/m", path: unit}
+
+
+def test_a_printed_derivative_has_its_stated_error():
+    g = ri.gradient(pair(0.4, 1.0), wrt=["bodies.0.length"])
+
+    assert str(g).endswith(f"1 1/m, stated error {g.errors['bodies.0.length']:.1g}")
+
+
+def test_e_of_equal_rods_falls_on_both_sides_of_a_kink_by_length_and_not_by_area():
+    g = ri.gradient(pair(0.4, 0.4), wrt=["bodies.0.length", "bodies.1.area"])
+    kink = g.kinks["bodies.0.length"]
+    assert kink.below == pytest.approx(2.5, rel=1e-8)  # e = l1/l2
+    assert kink.above == pytest.approx(-2.5, rel=1e-8)  # e = l2/l1
+    assert kink.jump == 0
+    by_area = g["bodies.1.area"]  # e = 1 for equal transit times
+    assert by_area == pytest.approx(0, abs=1e-8)
+    assert "bodies.1.area" in str(g)
+
+
+def test_a_gap_of_0_has_a_derivative_above_and_none_below():
+    last = ri.Rod(0.6, area=1e-4, material=STEEL)
+    system = ri.System([*pair(0.4, 0.8).bodies, last])
+    path = "contacts.1.gap"
+
+    def velocity_with(gap):
+        return velocity_after(with_numbers(system, {path: gap}), 2)
+
+    # A one-sided difference of second order
+    step = 1e-7  # m
+    difference = (
+        4 * velocity_with(step) - velocity_with(2 * step) - 3 * velocity_with(0.0)
+    )
+    slope = difference / (2 * step)
+
+    g = ri.gradient(system, "velocity_after.2", [path])
+
+    below, above = g.one_sided[path]
+    assert np.isnan(below)
+    assert above == pytest.approx(slope, rel=1e-5)
+    assert path in g.kinks
+    assert np.isnan(g[path])
+
+
+@pytest.mark.parametrize("seed", few_of(range(8), range(1)))
+@pytest.mark.parametrize(
+    ("quantity", "by_size", "by_area", "by_speed"),
+    [
+        ("velocity_after.0", 0, 0, 1),
+        ("impulse.0", 1, 1, 1),
+        ("duration.0", 1, 0, 0),
+    ],
+)
+def test_a_quantity_grows_by_powers_of_all_lengths_areas_and_velocities(
+    seed, quantity, by_size, by_area, by_speed
+):
+    """Euler: the sum of number times derivative is the power times the quantity.
+
+    Gaps grow with lengths, and with velocities and strains.
+    """
+    system = random_row(seed)
+    numbers = numbers_of(system)
+    gaps = paths_of(system, "gap")
+    sizes = [*paths_of(system, "length"), *gaps]
+    areas = paths_of(system, "area")
+    speeds = [*paths_of(system, "velocity", "strain"), *gaps]
+    paths = list(dict.fromkeys([*sizes, *areas, *speeds]))  # gaps are in two lists
+    with kernels.forced(True):
+        g = ri.gradient(system, quantity, paths)
+    assert not g.kinks.keys()
+    for paths, power in ((sizes, by_size), (areas, by_area), (speeds, by_speed)):
+        stated_error = sum(abs(numbers[path]) * g.errors[path] for path in paths)
+        error = abs(weighted(g, system, paths) - power * g.value)
+        assert error <= stated_error
+        # A stated error is small, so that it can be passed.
+        assert stated_error <= 1e-8 * (abs(g.value) + 1e-6)
+
+
+def test_derivatives_of_families_are_those_of_members_compiled_and_in_plain_python():
+    lengths = np.array([[0.4], [0.41]])
+    struck_lengths = np.array([1.0, 1.03, 0.4])
+    family = pair(lengths, struck_lengths)
+
+    with kernels.forced(False):
+        plain = ri.gradient(family, wrt=BY)
+    with kernels.forced(True):
+        compiled = ri.gradient(family, wrt=BY)
+
+    assert np.asarray(plain).shape == (2, 3, 4)
+    assert np.array_equal(plain, compiled, equal_nan=True)
+    assert "6 members" in str(plain)
+    for index in np.ndindex(2, 3):
+        alone = ri.gradient(family[index], wrt=BY)
+        for path in BY:
+            sides = [side[index] for side in plain.one_sided[path]]
+            assert np.array_equal(sides, alone.one_sided[path])
+            has_kink = np.isfinite(plain.kinks[path].below[index])
+            assert (path in alone.kinks) == has_kink
+
+
+def test_a_member_that_does_not_collide_has_no_value_and_no_derivative():
+    g = ri.gradient(pair(velocity=[1.0, -1.0]), wrt=["bodies.0.length"])
+    slope = g["bodies.0.length"]
+    assert np.isfinite(slope[0])
+    assert np.isnan(slope[1])
+    assert np.isnan(g.value[1])
+
+
+def test_the_restitution_of_rods_that_do_not_collide_has_no_derivative():
+    with pytest.raises(ri.UndefinedRestitution, match="nothing collided"):
+        ri.gradient(pair(velocity=-1.0), wrt=["bodies.0.length"])
+
+
+def test_a_quantity_of_a_run_that_a_cap_stops_has_no_derivative():
+    with pytest.raises(ri.UndefinedRestitution, match="cap of 1 events"):
+        ri.gradient(pair(), "impulse.0", ["bodies.0.length"], max_events=1)
+
+
+ROD = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
+
+
+def test_a_rod_on_a_moving_wall_leaves_with_twice_the_velocity_of_the_wall():
+    """v' = 2 V - v, and the velocity of the wall is its own."""
+    system = ri.System([ROD, ri.Wall(-1.0)])
+
+    of_rod = ri.gradient(
+        system, "velocity_after.0", ["bodies.0.velocity", "bodies.1.velocity"]
+    )
+    of_wall = ri.gradient(system, "velocity_after.1", ["bodies.1.velocity"])
+
+    assert of_rod["bodies.0.velocity"] == pytest.approx(-1.0, rel=1e-10)
+    assert of_rod["bodies.1.velocity"] == pytest.approx(2.0, rel=1e-10)
+    assert of_wall["bodies.1.velocity"] == 1
+
+
+def test_the_impulse_beside_a_fixed_end_is_proportional_to_the_velocity():
+    system = ri.System([ROD, pair().bodies[1]], ends=[ri.Free(), ri.Fixed()])
+
+    g = ri.gradient(system, "impulse.0", ["bodies.0.velocity"])
+    mirrored = ri.gradient(system.mirrored(), "impulse.0", ["bodies.1.velocity"])
+
+    # The velocity is 1 m/s, and -1 m/s in the mirrored row.
+    assert g["bodies.0.velocity"] == pytest.approx(g.value, rel=1e-12)
+    assert mirrored["bodies.1.velocity"] == pytest.approx(-mirrored.value, rel=1e-12)
+
+
+def test_one_sided_derivatives_beside_a_fixed_end_are_those_of_the_mirrored_row():
+    system = ri.System([ROD, pair().bodies[1]], ends=[ri.Free(), ri.Fixed()])
+
+    g = ri.gradient(system, "impulse.0", ["bodies.0.area"])
+    mirrored = ri.gradient(system.mirrored(), "impulse.0", ["bodies.1.area"])
+
+    sides = g.one_sided["bodies.0.area"]
+    assert np.isfinite(sides).all()
+    assert sides == pytest.approx(mirrored.one_sided["bodies.1.area"], rel=1e-9)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("area", few_of([1e-4, 1.7e-4], [1.7e-4]))
+def test_derivatives_of_a_striker_on_an_endless_bar_are_those_of_its_formula(
+    area, mirrored
+):
+    """It takes (r - 1)/(r + 1) of its speed back; r is the ratio of impedances."""
+    system = ri.System(pair(0.4, 0.5, area).bodies, ends=[ri.Free(), ri.Absorbing()])
+    striker = 0
+    bar = 1
+    direction = 1
+    if mirrored:
+        system = system.mirrored()
+        striker = 1
+        bar = 0
+        direction = -1
+    mass = 0.4 * 1e-4 * STEEL.density
+    r = area / 1e-4
+    rebound = (r - 1) / (r + 1)
+    paths = [
+        f"bodies.{striker}.velocity",
+        f"bodies.{striker}.length",
+        f"bodies.{bar}.length",
+    ]
+    bar_area = f"bodies.{bar}.area"
+
+    of_velocity = ri.gradient(system, f"velocity_after.{striker}", paths)
+    of_impulse = ri.gradient(system, "impulse.0", paths)
+    by_area = ri.gradient(system, f"velocity_after.{striker}", [bar_area])
+
+    impulse = mass * (1 + rebound)
+    impulse_slopes = [direction * impulse, impulse / 0.4, 0]
+    _, above = by_area.one_sided[bar_area]  # below is another formula for equal areas
+    area_slope = -direction * 2e4 / (1 + r) ** 2
+    np.testing.assert_allclose(of_velocity, [-rebound, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(of_impulse, impulse_slopes, atol=1e-12)
+    assert above == pytest.approx(area_slope, rel=1e-7)
+
+
+ENDLESS_PAIR = ri.System(pair().bodies, ends=[ri.Free(), ri.Absorbing()])
+
+
+HERTZ_PAIR = ri.System(pair().bodies, contacts=[ri.Hertz(1e10)])
+
+
+BESIDE_A_WALL = ri.System([ri.Wall(), *pair().bodies])
+
+
+@pytest.mark.parametrize(
+    ("system", "arguments", "message"),
+    [
+        (pair(), {"of": "e"}, "of: must be one of velocity_after.0, .*restitution"),
+        (pair(), {"wrt": "bodies.0.length"}, "wrt: must be a list of paths"),
+        (pair(), {"wrt": ["bodies.0.lenght"]}, "perhaps 'bodies.0.length' is meant"),
+        (
+            BESIDE_A_WALL,
+            {"wrt": ["gravity"], "of": "impulse.0"},
+            "until: must be given",
+        ),
+        (pair(), {"progress": 3}, "progress: must be"),
+        (pair(), {"workers": 0, "max_events": 0}, "max_events: must be a positive"),
+        (
+            ENDLESS_PAIR,
+            {"of": "velocity_after.1"},
+            "of: must be one of velocity_after.0, impulse.0, peak_force.0, duration.0, "
+            "got",
+        ),
+        (HERTZ_PAIR, {"method": "fronts"}, 'method "fronts" has no compliant'),
+    ],
+)
+def test_quantities_and_paths_without_derivatives_are_refused(
+    system, arguments, message
+):
+    arguments = {"wrt": ["bodies.0.length"], **arguments}
+    with pytest.raises(ri.InvalidModel, match=message):
+        ri.gradient(system, **arguments)
+
+
+def random_rods(rng, count):
+    """Rods of different sections and materials that come together."""
+    rods = []
+    for velocity in np.sort(rng.uniform(0, 1, count))[::-1]:
+        material = ri.Material(
+            f"material {len(rods)}",
+            youngs_modulus=float(rng.uniform(1e11, 4e11)),
+            density=float(rng.uniform(4e3, 12e3)),
+        )
+        rod = ri.Rod(
+            float(rng.uniform(0.1, 1)),
+            area=float(rng.uniform(0.5, 2) * 1e-4),
+            material=material,
+            velocity=float(velocity),
+        )
+        rods.append(rod)
+    return rods
+
+
+def rigid_row(seed):
+    """Two or three rods whose formulas are short, and the random numbers for the
+    rest.
+    """
+    rng = np.random.default_rng([44, seed])
+    while True:
+        rods = random_rods(rng, 2 + seed % 2)
+        gaps = [0.0, 1e-5][: len(rods) - 1]
+        system = ri.System(rods, gaps=gaps)
+        if ri.solve(system).events <= 24:
+            return system, rng
+
+
+@pytest.mark.parametrize("seed", few_of(range(30), range(3)))
+def test_stated_errors_of_rigid_rows_bound_the_difference_from_the_formula(seed):
+    system, rng = rigid_row(seed)
+    path = str(rng.choice(paths_of(system, "length", "area", "velocity", "gap")))
+    form = ri.closed_form(system, [path])
+    ((symbol, x),) = form.values.items()
+    step = Fraction(1, 10**30)  # the formula is rational, and evaluated in fractions
+
+    def velocity(x):
+        return form.at(**{symbol: x}).velocities_after[1]
+
+    slope = float((velocity(x + step) - velocity(x - step)) / (2 * step))
+
+    g = ri.gradient(system, "velocity_after.1", [path])
+
+    assert abs(g[path] - slope) <= g.errors[path]
+    scale = abs(slope) + abs(g.value) / float(x)
+    assert g.errors[path] <= 1e-8 * scale
+
+
+def compliant_row(rng, rods, varied):
+    """Random rods with laws of powers for the other solver; exponents that vary are
+    1.5.
+    """
+    row = Row(
+        T=rng.uniform(0.4, 1, rods),
+        Z=rng.uniform(0.5, 2, rods),
+        v=np.sort(rng.uniform(-1, 1, rods))[::-1],
+        gap=rng.uniform(0.02, 0.3, rods - 1),
+        K=rng.uniform(0.5, 20, rods - 1),
+        p=rng.choice([1.0, 1.5, 2.0, 2.5], rods - 1),
+    )
+    until = float(rng.uniform(1.5, 3))
+    i = int(rng.integers(len(getattr(row, varied))))
+    if varied == "p":
+        row.p[i] = 1.5  # smaller exponents than 1 are refused
+    return row, until, i
+
+
+def system_of(row):
+    """The row in unit wave speed and density."""
+    bodies = []
+    for length, area, velocity in zip(row.T, row.Z, row.v, strict=True):
+        numbers = {"area": float(area), "velocity": float(velocity)}
+        bodies.append(ri.Rod(float(length), material=UNIT, **numbers))
+    laws = []
+    for stiffness, exponent in zip(row.K, row.p, strict=True):
+        laws.append(ri.PowerLaw(float(stiffness), float(exponent)))
+    return ri.System(bodies, gaps=row.gap.tolist(), contacts=laws)
+
+
+def unit_change(row, varied, i):
+    """Change of a row by 1 in the element i of one field."""
+    change = Row(*map(np.zeros_like, row))
+    getattr(change, varied)[i] = 1.0
+    return change
+
+
+UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
+COMPLIANT_NUMBERS = {
+    "bodies.{}.length": "T",
+    "bodies.{}.area": "Z",
+    "bodies.{}.velocity": "v",
+    "contacts.{}.gap": "gap",
+    "contacts.{}.stiffness": "K",
+    "contacts.{}.exponent": "p",
+}
+"""Paths of rods of unit wave speed and density, by the fields of `Row`."""
+
+
+@pytest.mark.parametrize("seed", few_of(range(20), range(3)))
+def test_stated_errors_of_compliant_rows_bound_the_difference_from_another_solver(seed):
+    name = list(COMPLIANT_NUMBERS)[seed % len(COMPLIANT_NUMBERS)]
+    varied = COMPLIANT_NUMBERS[name]
+    rng = np.random.default_rng([45, seed])
+    rods = 2
+    if seed % 3 == 2:
+        rods = 3
+    row, until, i = compliant_row(rng, rods, varied)
+    P, slopes = impulses(row, unit_change(row, varied, i), until)
+
+    path = name.format(i)
+    g = ri.gradient(system_of(row), "impulse.0", [path], until=until)
+
+    assert g.value == pytest.approx(P[0], abs=1e-12)
+    assert abs(g[path] - slopes[0]) <= g.errors[path] + 1e-12
+    assert g.errors[path] <= 1e-6 * max(abs(slopes[0]), 1.0)
+
+
+QUANTITIES = ["velocity_after.0", "impulse.0", "peak_force.0", "duration.0"]
+
+
+def mass_on_an_endless_bar(M, k, Z, V):
+    """The `QUANTITIES` of a mass that hits an endless bar through a spring.
+
+    The equation of the overlap is that of a damped oscillator, u'' + (k/Z) u' +
+    (k/M) u = 0, here underdamped: the contact opens after half a period.
+    """
+    a = k / (2 * Z)
+    w = np.sqrt(k / M - a * a)
+    peak_time = np.arctan(w / a) / w
+    rebound = V * np.exp(-a * np.pi / w)
+    peak = k * V / w * np.exp(-a * peak_time) * np.sin(w * peak_time)
+    return np.array([-rebound, M * (V + rebound), peak, np.pi / w])
+
+
+@pytest.mark.parametrize(
+    "quantity", few_of(QUANTITIES, ["velocity_after.0", "peak_force.0"])
+)
+def test_stated_errors_of_a_mass_on_a_spring_at_an_endless_bar_hold(quantity):
+    """Complex steps give exact derivatives of the formulas."""
+    index = QUANTITIES.index(quantity)
+    numbers = {
+        "bodies.0.mass": 0.7,
+        "contacts.0.stiffness": 1.6,
+        "bodies.1.area": 1.3,
+        "bodies.0.velocity": 0.9,
+    }
+    M, k, Z, V = numbers.values()
+    system = ri.System(
+        [ri.RigidMass(M, velocity=V), ri.Rod(1.0, area=Z, material=UNIT)],
+        contacts=[ri.Spring(k)],
+        ends=[ri.Free(), ri.Absorbing()],
+    )
+
+    g = ri.gradient(system, quantity, list(numbers))
+
+    value = mass_on_an_endless_bar(M, k, Z, V)[index]
+    assert g.value == pytest.approx(value, rel=1e-9)
+    for n, path in enumerate(numbers):
+        stepped = np.array([M, k, Z, V], complex)
+        stepped[n] += 1e-30j
+        slope = mass_on_an_endless_bar(*stepped)[index].imag / 1e-30  # df/dx
+        assert abs(g[path] - slope) <= g.errors[path] + 1e-14
+        assert g.errors[path] <= 1e-7
+
+
+def test_stated_errors_of_a_mass_on_a_free_rod_hold():
+    """Rigid contact lasts 2 T; e = (1 - exp(-2 mu))/mu - exp(-2 mu), mu the ratio of
+    masses.
+    """
+    rod = ri.Rod(1.0, area=1.0, material=UNIT)
+    system = ri.System([ri.RigidMass(2.0, velocity=1.0), rod])
+    mu = 0.5
+    by_mu = (np.exp(-2 * mu) * (2 * mu + 1) - 1) / mu**2 + 2 * np.exp(-2 * mu)
+    # mu = A/M, here 1/2: d mu/dM = -1/4 and d mu/dA = 1/2
+    slopes = {"bodies.0.mass": -by_mu / 4, "bodies.1.area": by_mu / 2}
+
+    g = ri.gradient(system, wrt=list(slopes))
+
+    for path, slope in slopes.items():
+        assert abs(g[path] - slope) <= g.errors[path]
+        assert g.errors[path] <= 1e-8
+
+
+def test_a_duration_jumps_where_the_short_rod_becomes_the_thicker_one():
+    """It is 2 T of the short rod below, and 2 T of the long rod above equal
+    impedances.
+    """
+    path = "bodies.0.area"
+    striker = ri.Rod(0.6, area=1.0, material=UNIT, velocity=1.0)
+    system = ri.System([striker, ri.Rod(1.0, area=1.0, material=UNIT)])
+
+    g = ri.gradient(system, "duration.0", [path])
+
+    assert g.kinks[path].jump == pytest.approx(0.8, rel=1e-9)
+    assert np.isnan(g[path])
+    assert "a jump by 0.8 s" in str(g)
+    assert g.one_sided[path] == pytest.approx((0, 0), abs=1e-6)
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1e-5, 3e-7])
+def test_a_kink_beside_the_number_is_not_at_the_number(distance):
+    """Rods of one section: e = l1/l2 for l1 < l2, and l2/l1 above."""
+    length = 1.0 - distance
+    g = ri.gradient(pair(length, 1.0), wrt=["bodies.0.length"])
+    assert not g.kinks
+    assert abs(g["bodies.0.length"] - 1.0) <= g.errors["bodies.0.length"]
+    assert g.errors["bodies.0.length"] < 1e-3
+
+
+def test_progress_counts_collisions_and_may_stop_them():
+    counts = []
+    lengths = ["bodies.0.length", "bodies.1.length"]
+
+    def note(done, total):
+        counts.append(done)
+        assert total is None  # steps are made as small as is needed
+
+    ri.gradient(pair(0.4, 0.9), wrt=lengths, progress=note)
+
+    assert counts == sorted(counts)
+    # One collision, and at least 12 beside it for each length
+    assert counts[-1] >= 1 + 2 * 12
+
+    def stop(done, total):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        ri.gradient(pair(), wrt=["bodies.0.length"], progress=stop)
+
+
+def test_a_number_that_varies_may_take_another_method():
+    """Gravity is 0 here, and "fronts" has none: a rod that falls for a time t gains
+    g t.
+    """
+    rod = ri.Rod(1.0, area=1.0, material=UNIT, velocity=-1.0)
+    system = ri.System([ri.Wall(), rod], gaps=[3.0])  # the wall is not reached
+
+    g = ri.gradient(system, "velocity_after.1", ["gravity"], until=2.0)
+
+    assert abs(abs(g["gravity"]) - 2.0) <= g.errors["gravity"] + 1e-12
+
+
+@pytest.mark.exhaustive
+def test_the_grid_agrees_with_characteristics_within_its_stated_error():
+    system = ri.System(pair().bodies, contacts=[ri.Hertz(1e10)])
+    paths = ["bodies.0.length", "contacts.0.stiffness"]
+    exact = ri.gradient(system, "impulse.0", paths)
+    grid = ri.gradient(system, "impulse.0", paths, method="finite-difference")
+    for path in paths:
+        assert abs(grid[path] - exact[path]) <= grid.errors[path] + exact.errors[path]
+        assert grid.errors[path] <= 0.2 * abs(exact[path])
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-6])
+def test_bounds_of_differences_hold_for_noisy_values(noise):
+    """exp(x) below 0 and 1 + 2 sin(x) above: the slope jumps from 1 to 2, the value
+    does not.
+    """
+    steps = 2.0 ** -np.arange(3, 15)[:, None]  # 12 steps
+    rng = np.random.default_rng(3)
+    # Values are [step, member], of 50 members.
+    noise_below, noise_above = rng.uniform(-noise, noise, (2, 12, 50))
+    below = np.exp(-steps) + noise_below
+    above = 1 + 2 * np.sin(steps) + noise_above
+
+    sides = sides_of(below, above, steps, np.full(50, noise + 1e-16))
+
+    assert (np.abs(sides.below.value - 1) <= sides.below.error).all()
+    assert (np.abs(sides.above.value - 2) <= sides.above.error).all()
+    assert (np.abs(sides.jump.value) <= sides.jump.error).all()
+    assert not sides.smooth.any()

@@ -197,7 +197,7 @@ def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, tmp_path):
 
 
 def test_an_interrupt_cancels_jobs_that_wait(clock):
-    """Workers never end a job: progress tells that no member is done, and interrupts."""
+    """Workers never end a job: progress tells that none is done, and interrupts."""
     futures = []
 
     class Stuck(Executor):

@@ -221,7 +221,7 @@ def test_a_saved_solution_is_found_again_bit_for_bit_and_saved_as_the_same_file(
     assert facts(loaded) == facts(solution)
     assert repr(loaded.outcome) == repr(solution.outcome)
     assert loaded.options == solution.options
-    for error in loaded.accuracy.values():
+    for error in [*solution.accuracy.values(), *loaded.accuracy.values()]:
         assert type(error) is float
     assert path_of_loaded.read_bytes() == path.read_bytes()
     case = ri.read_case(path)
@@ -321,7 +321,7 @@ def another(value):
 
 
 def changed(result, name, change=another):
-    """The same result with another value of an entry; `change` makes it of the value."""
+    """The same result with another value of an entry, which `change` makes of it."""
     if name in SavedResult._fields:
         return result._replace(**{name: change(getattr(result, name))})
     numbers = {**result.numbers, name: change(result.numbers[name])}
@@ -340,9 +340,9 @@ def test_every_falsified_entry_is_named_with_both_values(tmp_path):
     names = ["stopped_by", "final", "method", *result.numbers]
     for name in names:
         write_with(path, changed(result, name))
-        with pytest.warns(ri.OutcomeDiffers, match=r"run\.toml: ") as told:
+        with pytest.warns(ri.OutcomeDiffers, match=r"run\.toml: ") as warned:
             ri.load(path)
-        (warning,) = told
+        (warning,) = warned
         named = re.findall(r"([\w.]+) is \S+ stored is ", str(warning.message))
         assert warning.filename == __file__
         assert named == [name]
@@ -386,9 +386,9 @@ def test_many_differences_are_counted_in_a_short_warning(tmp_path):
     for name in result.numbers:
         result = changed(result, name)
     write_with(path, result)
-    with pytest.warns(ri.OutcomeDiffers, match=r"; and \d+ entries more$") as told:
+    with pytest.warns(ri.OutcomeDiffers, match=r"; and \d+ entries more$") as warned:
         ri.load(path)
-    (warning,) = told
+    (warning,) = warned
     assert len(str(warning.message)) < 1500
 
 
