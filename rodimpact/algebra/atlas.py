@@ -159,7 +159,7 @@ def _name(row: SymbolicRow, axis: str, path: str) -> str:
 class Region(NamedTuple):
     """A region of an atlas."""
 
-    share: float  # of the plane
+    share: float  # part of the plane that it takes
     place: tuple[float, float]  # a point inside
     formula: str
 
@@ -261,7 +261,7 @@ class Atlas:
         algebra = RationalFunctions(self._row)
         x, y = self._sample_points()
         region_of_cell = np.append(self.region, -1)  # the last is that of cell -1
-        regions = region_of_cell[self.locate(x, y)]  # of each point
+        regions = region_of_cell[self.locate(x, y)]  # the region of each point
         sampled, counts = np.unique(regions[regions >= 0], return_counts=True)
         largest_first = np.argsort(-counts, kind="stable")
         largest = []

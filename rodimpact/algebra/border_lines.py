@@ -68,7 +68,7 @@ def _lines_in_mesh(borders: BorderPoints, points: list[int]) -> Iterator[BorderL
     The only two points between the same regions are a pair, joined by a line. The other
     points are joined if they are two, or each joined to their centre if they are more.
     """
-    points_between: dict[frozenset[int], list[int]] = {}  # by the two regions
+    points_between: dict[frozenset[int], list[int]] = {}  # keys: the two regions
     for p in points:
         regions = frozenset(borders.regions[p].tolist())
         points_between.setdefault(regions, []).append(p)

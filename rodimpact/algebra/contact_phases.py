@@ -37,7 +37,7 @@ class ContactPhase:
 
     status: int
     start: TracedFraction  # tick
-    gap: TracedFraction  # at the start, m in the kernel's units
+    gap: TracedFraction  # gap at the start, m in the kernel's units
     closing: TracedFraction  # closing velocity at the start, m/s
     jumps: list[VelocityJump] = field(default_factory=list)  # after the start
     end: TracedFraction | None = None  # tick; None for the last phase
@@ -69,8 +69,8 @@ def phases_of_contact(
     """
     simulation = run.simulation
     node = run.nodes[contact]
-    left_line = 2 * node  # of the wave a
-    right_line = 2 * node + 3  # of the wave b
+    left_line = 2 * node  # line of the wave a
+    right_line = 2 * node + 3  # line of the wave b
     waves = {left_line: ZERO, right_line: ZERO}
     # The log has no waves from outside the row.
     if node == 0:
@@ -108,10 +108,10 @@ def _events_at(run: ExactRun, node: int) -> list[ContactEvent]:
     All that happens at one tick is one event.
     """
     simulation = run.simulation
-    left_line = 2 * node  # of the wave that arrives from the left
-    right_line = 2 * node + 3  # of the wave that arrives from the right
+    left_line = 2 * node  # line of the wave that arrives from the left
+    right_line = 2 * node + 3  # line of the wave that arrives from the right
     incoming_lines = (left_line, right_line)
-    events: dict[Any, ContactEvent] = {}  # by the value of the tick
+    events: dict[Any, ContactEvent] = {}  # keys: values of ticks
     for row in simulation.log[: simulation.run.log_rows]:
         is_change = row.line == CHANGE
         changed_node = row.next_row  # the node only in a row of a change
@@ -146,10 +146,10 @@ def phase_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFraction
         for tick, next_tick in pairwise(ticks):
             conditions.append(next_tick - tick)
         return conditions
-    for tick in ticks[1:]:  # of the jumps
+    for tick in ticks[1:]:  # ticks of the jumps
         conditions.append(tick - phase.start)
     if phase.end is not None:
-        for tick in ticks:  # of the start too, so that the phase lasts
+        for tick in ticks:  # the start is one of them, so that the phase lasts
             conditions.append(phase.end - tick)
     return conditions
 

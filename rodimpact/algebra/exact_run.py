@@ -96,7 +96,7 @@ class ExactRun(NamedTuple):
     tick_rate: Fraction  # ticks in a unit of the model's time
     simulation: Simulation  # its times are ticks
     is_final: bool  # the collision was proved to be over
-    results: Exact  # of traced fractions
+    results: Exact  # traced fractions
 
 
 class BodyMotion(NamedTuple):

@@ -81,7 +81,7 @@ class PlaneCell:
         dy = dy[:, None]
         share = np.zeros(x.shape)
         for n in range(1, CUT_ROUNDS + 1):
-            parts_of_segment = CUTS_PER_ROUND**n  # of the width of this round's parts
+            parts_of_segment = CUTS_PER_ROUND**n  # parts as wide as in this round
             ends = share + np.arange(1, CUTS_PER_ROUND + 1) / parts_of_segment
             holds = self._hold(program, x + dx * ends, y + dy * ends)
             inside = holds.all(axis=0)

@@ -136,7 +136,7 @@ class PlaneSearch:
         """Begin without any cell."""
         self.cells: list[PlaneCell] = []
         self.regions: list[int] = []
-        self._region_of: dict[tuple[Any, ...], int] = {}  # by signature
+        self._region_of: dict[tuple[Any, ...], int] = {}  # region of each signature
         self._row = row
         self._names = names
         self._axes = axes
@@ -184,7 +184,7 @@ class PlaneSearch:
             if i in inside:
                 cells[inside] = len(self.cells)
                 self._add(cell)
-            else:  # in floats its own cell does not contain the point
+            else:  # its own cell does not contain the point, in floats
                 cells[i] = UNDECIDED
         self._points_done = min(self._points_done + len(points), ALL_POINTS)
         return cells

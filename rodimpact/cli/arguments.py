@@ -120,7 +120,7 @@ class Arguments(argparse.Namespace):
             yield
         except (ValueError, LargeFile) as error:
             problems = []
-            unnamed = [("", str(error))]  # of an error other than InvalidModel
+            unnamed = [("", str(error))]  # an error other than InvalidModel
             for path, message in getattr(error, "problems", unnamed):
                 name = every
                 if name == "":

@@ -140,7 +140,7 @@ class Collision(NamedTuple):
     """A collision of the box."""
 
     title: str
-    names: tuple[str, str]  # of the bodies
+    names: tuple[str, str]  # names of the bodies
     bodies: list[Rod | Wall]
 
 

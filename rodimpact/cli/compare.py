@@ -43,9 +43,9 @@ class Comparison(NamedTuple):
 
     measured: Signal
     predicted: Signal
-    misfit: Misfit  # with shift and gain of the prediction
+    misfit: Misfit  # it has shift and gain of the prediction, too
     measured_pulse: Pulse | None  # None if the record has no whole pulse
-    predicted_pulse: Pulse | None  # of the shifted prediction, while the record lasts
+    predicted_pulse: Pulse | None  # pulse of the shifted prediction, during the record
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -126,7 +126,7 @@ def _as_key(match: re.Match[str]) -> str:
 
 def _as_option(match: re.Match[str]) -> str:
     """The option, with its value if the message gives one."""
-    if match[0] == "(until)":  # as in "lower the cap, or stop earlier (until)"
+    if match[0] == "(until)":  # an example: "lower the cap, or stop earlier (until)"
         return "(--until)"
     argument = _argument_in(match)
     option = option_of(OPTION_OF.get(argument, argument))

@@ -149,7 +149,7 @@ class StrikerSearch(NamedTuple):
         wanted force F the next step of area must reflect r = (F - F0)/(F1 - F0).
         """
         first_force = force[:1]
-        logarithms = self.matched(first_force)  # of the first segment
+        logarithms = self.matched(first_force)  # the first segment alone
         strongest = 1 - REFLECTION_MARGIN
         # A contact that never opens: the force, also below 0, is linear in reflections.
         bonded = self._replace(contact=Bonded())

@@ -215,7 +215,7 @@ def contact_curves(run: PageRun, stop: int) -> list[Any]:
             now = min(state.queue[1], stop)  # tick of the next event
         else:
             now = stop + 1
-        # to this tick; a log that is full stops it until the log is longer
+        # The run goes to this tick; a full log stops it until the log is longer.
         while events.advance(state, min(now, stop)) == Stop.FULL:
             state.log.extend(blank(len(state.log), FRONT))
     return curves

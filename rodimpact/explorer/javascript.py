@@ -513,7 +513,7 @@ class _Translator(ast.NodeVisitor):
                 filters += f".filter(({item})=>{self.truth(condition)})"
             items = f"Array.from({self.visit(loop.iter)}){filters}"
             text = f"{items}.{method}(({item})=>({text}))"
-            method = "flatMap"  # of all loops before the last
+            method = "flatMap"  # all loops before the last flatten
         return text
 
     visit_GeneratorExp = visit_ListComp  # noqa: N815 - a name of ast

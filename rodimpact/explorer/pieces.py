@@ -392,7 +392,7 @@ def largest_strain(row: Any, log: list[Any]) -> float:
     for piece in log:
         # Lines beyond those of the segments come from outside, or are histories.
         if piece.line < 2 * len(row.segments):
-            # of abs(a) or abs(b)
+            # The bound of abs(a) or abs(b)
             bound = sum(abs(c) for c in piece.coefficients)
             strains.append(bound / row.segments[piece.line // 2].wave_speed)
     strain: float = max(strains)

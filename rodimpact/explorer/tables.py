@@ -476,7 +476,7 @@ class PageSystem(NamedTuple):
     contacts: list[PageContact]
     gravity: float  # m/s^2
     ends: list[PageEnd]  # left, right
-    has_shaft: bool  # as that of `System`
+    has_shaft: bool  # `System` has this field, too
 
 
 class RunRequest(NamedTuple):

@@ -36,7 +36,7 @@ class Trial(NamedTuple):
     name: str  # "" without one
     fit: Fit
     objective: Objective
-    end: Any  # of the best search: scipy.optimize.OptimizeResult
+    end: Any  # end of the best search, a scipy.optimize.OptimizeResult
 
 
 def with_additions(base: Trial, trials: Sequence[Trial]) -> Fit:

@@ -138,7 +138,7 @@ def fit(
             "fit system[index]"
         )
         raise invalid_argument("system", message)
-    if options.until is None:  # as `Options` allows, but no fit
+    if options.until is None:  # `Options` allows it, a fit does not
         raise invalid_argument(
             "until", "is missing; give a time, s, at which all pulses have passed"
         )

@@ -27,7 +27,7 @@ class Place(NamedTuple):
     """Where the strain of a record is computed, and how."""
 
     body: int
-    x: float  # from the left end, m
+    x: float  # distance from the left end, m
     by_images: bool = False
     radius: float | None = None  # m, of the round bar for the images
 
@@ -63,7 +63,7 @@ class Place(NamedTuple):
         )
         frequencies = fft.rfftfreq(size, signal.dt)
         spectrum = np.zeros(len(frequencies), complex)
-        distances = (self.x, length - self.x)  # from both ends
+        distances = (self.x, length - self.x)  # distance from each end
         for side, distance in enumerate(distances):
             force = _force_on_end(solution, self.body, side, signal.times)
             if force is not None:

@@ -139,7 +139,7 @@ class Objective:
 
         self._system = system
         self._parameters = parameters
-        self.initial_shares = [  # from 0 to 1 between the bounds
+        self.initial_shares = [  # 0 to 1 between the bounds
             parameter.share(parameter.initial) for parameter in parameters
         ]
         places = [record.place for record in measured]
@@ -147,7 +147,7 @@ class Objective:
             compute_strains, options=options, places=places, interval=interval
         )
         self._map: Any = executor.map if executor else map
-        self._recent_signals: dict[bytes, list[Signal]] = {}  # by the bytes of shares
+        self._recent_signals: dict[bytes, list[Signal]] = {}  # keys: bytes of shares
         self.sample_counts: list[int] = []
         self._levels: list[float] = []
         scaled_records = []
@@ -251,7 +251,7 @@ class Objective:
         for index, shift in zip(shift_indices, best_shifts, strict=True):
             start = point.copy()
             start[shift_indices] = best_shifts
-            start[index] = shift  # for all records with this shift in common
+            start[index] = shift  # all records with this shift have it in common
             self._set_best_gains(curves, start)
             difference = self._predictions(curves, start) - self._recorded
             starts.append(Start(float(np.sum(difference**2)), start))

@@ -32,7 +32,7 @@ def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     is_free = objective.is_free
     # Range of each number: between its bounds, or its size if that is less.
     ranges = np.minimum(objective.high - objective.low, sizes)[is_free]
-    jacobian = best.jac * (ranges / sizes[is_free])  # with respect to shares of ranges
+    jacobian = best.jac * (ranges / sizes[is_free])  # derivatives by shares of ranges
     # covariance and standard errors of the numbers, each over its range
     relative = covariance(jacobian, best.fun, objective.sample_counts)
     relative_errors = np.sqrt(np.diag(relative))
@@ -45,7 +45,7 @@ def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     slopes = []
     for number, scaled_value in zip(varied, scaled_values, strict=True):
         slopes.append(number.slope(scaled_value))
-    own_ranges = ranges * slopes  # in the unit of each number
+    own_ranges = ranges * slopes  # ranges in the units of the numbers
     fitted = _fitted(varied, descents[0], relative_errors * own_ranges)
 
     ends_of_records = np.cumsum(objective.sample_counts)[:-1]

@@ -49,7 +49,7 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
     # The derivatives are J = Q R in the directions that are known.
     inverse_R = directions[:, is_known] / np.sqrt(information[is_known])
     unknown = directions[:, ~is_known]
-    spectra = []  # of the columns of Q, by record
+    spectra = []  # spectra of the columns of Q, by record
     for Q in np.split(jacobian @ inverse_R, ends):
         spectra.append(np.fft.rfft(Q, 2 * len(Q), axis=0))
     # Autocovariances of each record: of the residuals, and of the noise that the fit

@@ -25,11 +25,11 @@ from .sampling import middles
 from .scales import Scale, engineering, scale_of
 from .style import RISING, SMALL, colours, styled
 
-CELLS_PER_SIDE = 160  # at which the formulas are evaluated for colours
-MAX_FORMULAS = 3  # written below the picture
-MAX_LETTERS = 64  # of a formula
-FORMULA_WIDTH = 0.95  # of a line of a formula, in widths of the Axes
-ONE_ATOL = 1e-9  # of e: as good as 1
+CELLS_PER_SIDE = 160  # cells of e in the picture, along x and y
+MAX_FORMULAS = 3  # formulas that are written below the picture
+MAX_LETTERS = 64  # length at which a formula is cut off
+FORMULA_WIDTH = 0.95  # width of a line of formulas, in widths of the Axes
+ONE_ATOL = 1e-9  # difference of e from 1 that counts as none
 DERIVED_UNITS = {"transit_time": "s", "impedance": "kg/s"}
 
 OTHER_FORMULA = 0  # kinds of border: the formula alone changes,

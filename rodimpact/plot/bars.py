@@ -33,13 +33,13 @@ from .scales import Scale, largest_of
 from .style import SMALL, colours
 
 LEGEND = "thick: compressed, thin: stretched, thick line: pressing"
-THICKNESS = 0.5  # of the thickest bar, in distances between rows
+THICKNESS = 0.5  # thickness of the thickest bar, in distances between rows
 SWELLING = 0.25  # relative thickening at the largest strain
-MIN_THICKNESS = 0.35  # of the thinnest bar, in thicknesses of the thickest
-HALF_HEIGHT = 0.32  # of walls and marks at ends, in distances between rows
-MARK_HEIGHT = 0.4  # of the triangle at a front, above the middle of a bar
-MAX_PIECES = 16  # of a rod; of more, those of nearly equal velocity are drawn as one
-DRAWN_SPREAD = 0.1  # of velocities drawn as one, in ranges of the rod's velocities
+MIN_THICKNESS = 0.35  # thickness of the thinnest bar, over that of the thickest
+HALF_HEIGHT = 0.32  # half height of walls and marks at ends, in distances between rows
+MARK_HEIGHT = 0.4  # height of the triangle at a front above the middle of a bar
+MAX_PIECES = 16  # pieces of a rod; of more, those of like velocity are drawn as one
+DRAWN_SPREAD = 0.1  # spread of velocities drawn as one, in ranges of the rod's
 ONE_WAY_RTOL = 0.1  # difference of velocity and stretch across a front with a direction
 MIN_PIECE = (
     1e-9  # of a rod's length: fronts leave an end at no exact floating-point time

@@ -28,14 +28,14 @@ Cut: TypeAlias = Polygons | Raster
 """How the rods are cut: into polygons between fronts, or into a raster of cells."""
 Stretches: TypeAlias = list[Floats]  # paths [n, 2] of the picture
 
-WALL_DEPTH = 0.04  # in lengths of the row
+WALL_DEPTH = 0.04  # depth of a wall in the picture, in lengths of the row
 DRIVE_NAMES: dict[type, str] = {
     Pushed: "driven by a force",
     Moved: "driven at a velocity",
 }
 ARROWS_OF_DRIVE = 8
-MAX_POINTS = 1000  # of a path that is drawn point by point
-POINTS_OF_CENTRE = 101  # of the path of a centre of mass
+MAX_POINTS = 1000  # points of a path that is drawn point by point
+POINTS_OF_CENTRE = 101  # points of the path of a centre of mass
 
 
 class ContactLines(NamedTuple):

@@ -14,12 +14,12 @@ from .scales import with_minus_signs
 from .style import SMALL, ink_on
 
 MAX_LEVELS = 8
-NEAR_LEVEL = 0.002  # of a quantity's range: values that count as those of a level
-PLATEAU_ROWS = 3  # of points with equal values: no line follows such a plateau
+NEAR_LEVEL = 0.002  # part of the range: values as near to a level count as the level
+PLATEAU_ROWS = 3  # rows of equal values: no line follows such a plateau
 LABEL_GAP = 2.0  # points between a label and other labels, lines, and the frame
 STUB = 8.0  # points of a line between its label and the frame, rather than a dot
 LETTERS = SMALL + 1  # height, points
-POINTS_OF_LINE = 400  # at which the distance of a label from a line is looked at
+POINTS_OF_LINE = 400  # points at which the distance of a label from a line is measured
 
 
 def draw_contours(

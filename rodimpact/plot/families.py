@@ -46,19 +46,19 @@ from .panels import (
 from .scales import MINUS, NEGLIGIBLE_RTOL, Scale, engineering, scale_of
 from .style import COMPUTED, RISING, SMALL, centred, colours, styled
 
-MAX_MARKED_POINTS = 40  # of a curve
+MAX_MARKED_POINTS = 40  # points of a curve up to which each has a mark
 CLOSED_FORM = "closed form"
 """Name of the curve of a closed form in a legend."""
-MIN_THEORY_POINTS = 400  # of a curve of theory
-HISTOGRAM_WIDTH = 0.22  # in widths of the Axes
-EQUAL_RTOL_DIGITS = 12  # of the logarithm of a ratio that is 1
+MIN_THEORY_POINTS = 400  # points of a closed form's curve
+HISTOGRAM_WIDTH = 0.22  # width of a histogram, in widths of the Axes
+EQUAL_RTOL_DIGITS = 12  # decimals of the logarithm of a ratio
 
 
 class Equality(NamedTuple):
     """A line of a map on which a number of both rods is equal."""
 
     name: str
-    number: str  # of `PairTheory`
+    number: str  # name of a field of `PairTheory`
     dashes: Any
 
 
@@ -71,7 +71,7 @@ EQUALITIES = (
 class Quantity(NamedTuple):
     """What is drawn, in the unit of the scale."""
 
-    name: str  # of a column
+    name: str  # name of the column
     values: Floats
     scale: Scale
     is_count: bool
@@ -337,7 +337,7 @@ def _draw_law(
     members = axis.values
     if is_positive:
         members = np.log(members)
-    parts = math.ceil(MIN_THEORY_POINTS / intervals)  # of each interval
+    parts = math.ceil(MIN_THEORY_POINTS / intervals)  # steps of each interval
     fine = np.arange(intervals * parts + 1) / parts  # index of a member, with fractions
     wanted = np.interp(fine, np.arange(intervals + 1), members)
     family = theory.interpolated(members, wanted)

@@ -26,7 +26,7 @@ class FamilyAxis(NamedTuple):
     order: NDArray[np.intp]
     values: Floats
     scale: Scale
-    label: str  # with what varies along with it
+    label: str  # name and unit, and the name of what varies along with it
     is_ordered: bool  # whether all that varies along it rises or falls with the values
 
     @property

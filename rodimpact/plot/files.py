@@ -31,7 +31,7 @@ REPRODUCIBLE: Any = {
     "pdf.fonttype": 42,
 }
 """Settings with which the same picture gives the same bytes."""
-LONG_DECIMALS = rb"(?<=\.\d\d)\d+(?=[^<>]*>)"  # of a number in an SVG
+LONG_DECIMALS = rb"(?<=\.\d\d)\d+(?=[^<>]*>)"  # decimals beyond two, in an SVG
 OUTER_SPACES = rb"(?<=\n) +| (?=\n)"
 
 
@@ -67,7 +67,7 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     ...     os.listdir(folder)
     ['energy.svg']
     """
-    if hasattr(picture, "frames"):  # of an Animation
+    if hasattr(picture, "frames"):  # an Animation
         picture.save(path, force=force)
         return
     kind = format_of(path, FORMATS)

@@ -16,9 +16,9 @@ from PIL import Image
 from ..progress import ProgressReport, no_report
 from .files import format_of
 
-LAST_FRAME_MS = 1500  # that the last frame of a GIF stays, before it begins again
+LAST_FRAME_MS = 1500  # time for which a GIF stops before it begins again
 GIF_COLOURS = 255  # those of its last frame
-PAPER_TOLERANCE = 9  # of 255: shades nearer to the paper are taken for it
+PAPER_TOLERANCE = 9  # shades, of 255: nearer ones are taken for the paper
 
 
 def check_film(path: str | os.PathLike[str]) -> str:

@@ -16,8 +16,8 @@ from .scales import Scale, listed, time_scale, x_scale
 from .style import colours, styled
 
 MICROSTRAIN = Scale(1e6, "strain", "microstrain")
-MAX_BOLD_STEPS = 200  # of a record that is drawn with a bold line
-PULSE_RTOL = 0.01  # of the largest strain that a wave carries: less is no pulse
+MAX_BOLD_STEPS = 200  # steps of a record up to which its line is bold
+PULSE_RTOL = 0.01  # part of the largest strain of a wave: less is no pulse
 
 
 class _Pulse(NamedTuple):

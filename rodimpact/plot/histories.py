@@ -43,9 +43,9 @@ from .sampling import (
 from .scales import Scale, engineering, largest_of, time_scale, written
 from .style import DASHES, SMALL, colours, styled
 
-MAX_MARKED_EPISODES = 3  # of contact, whose ends are named
-MAX_NAMED_CONTACTS = 12  # in rows
-ROW_FILL = 0.85  # of the largest force, in distances between rows
+MAX_MARKED_EPISODES = 3  # episodes of a contact up to which their ends are named
+MAX_NAMED_CONTACTS = 12  # contacts that are drawn together, or named in rows
+ROW_FILL = 0.85  # height of the largest force, in distances between rows
 HEADROOM = 1.3  # upper limit of an axis, in largest values: words stand above the curve
 CAPTION_HEIGHT = 11  # points from one caption to the next
 CAPTION_GAP = 4.0  # points between a caption and its line

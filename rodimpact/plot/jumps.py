@@ -11,7 +11,7 @@ from .scales import NEGLIGIBLE_RTOL
 
 JUMP_NEIGHBOURS = 7  # differences about one, whose median is the usual difference there
 JUMP_FACTOR = 8.0  # usual differences that a jump surpasses
-MIN_JUMP = 0.02  # of a quantity's range: a smaller jump is not seen
+MIN_JUMP = 0.02  # part of a quantity's range: a smaller jump is not seen
 
 
 class Curve(NamedTuple):

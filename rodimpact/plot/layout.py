@@ -31,7 +31,7 @@ from .sampling import middles, pieces, properties, rods_of
 from .scales import Scale, largest_of, written
 
 MAGNIFICATIONS = "[1e-12, 1e15]"
-MIN_SPRING_LENGTH = 0.04  # of a spring at its shortest, in lengths of the row
+MIN_SPRING_LENGTH = 0.04  # length of a spring at its shortest, in lengths of the row
 TIMES_OF_MOTION = 101  # instants at which the motion of the bodies is looked at
 TIMES_OF_OVERLAP = 301  # instants at which the overlap of contacts is looked at
 POINTS_OF_STRAIN = 33  # points of a rod at which its strain is looked at

@@ -25,9 +25,9 @@ from .style import INK, SMALL, styled
 
 TIMES_WITH_RODS = 61  # energies bend like parabolas where a force acts
 TIMES_OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
-MAX_EVENTS = 6  # of contacts that are sampled too
-MAX_REGIONS = 500  # whose corners are sampled too
-NAME_PLACES = 60  # tried for the name of a band
+MAX_EVENTS = 6  # events of contacts that are sampled too
+MAX_REGIONS = 500  # regions whose corners are sampled too
+NAME_PLACES = 60  # places tried for the name of a band
 BANDS = {
     "kinetic": "#53659f",
     "vibrational_kinetic": "#f0dc78",

@@ -13,7 +13,7 @@ from ..results.solution import Solution
 from .labels import length_name
 from .sampling import evenly, is_smooth
 
-MIN_MOMENTS = 3  # of a solution in which nothing stands out
+MIN_MOMENTS = 3  # moments of a solution in which nothing stands out
 MIN_SPACING = 0.5  # least time between events on a time step, in even spacings
 SHORTEST_WAIT = 0.75  # least wait that is halved, in waits between reflections
 MAX_NAMED_TRIPS = 9  # whole round trips that are named

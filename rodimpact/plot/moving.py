@@ -49,16 +49,16 @@ from .style import NORMAL, SMALL, colours, styled
 MAX_FRAMES = 10_000
 MAX_FRAMES_PER_SECOND = 50
 DOTS_PER_INCH = 100
-MAX_CONTACTS = 5  # whose forces are shown
-FRAMES_OF_STRAIN = 100  # by whose largest strain bars swell
+MAX_CONTACTS = 5  # contacts whose forces are shown
+FRAMES_OF_STRAIN = 100  # frames from which the largest strain is taken
 MAX_CAPTION_LINES = 3
 MAX_APPROACH_FRAMES = 0.2  # largest share of the frames before contact
 MAX_APPROACH_WAY = 0.12  # largest part of the row that closes before contact
 NOW_LINE = 2  # pixels
 CLOCK_HEIGHT = 19.0  # points, of the line above the caption
-WORDS_BESIDE = 0.2  # of a film's width for a caption beside the row
-WORDS_ABOVE = 0.38  # of a narrow film's width for a caption above the row
-MIN_WIDE = 6.0  # inches, of a film with words beside the row
+WORDS_BESIDE = 0.2  # width of a caption beside the row, in widths of the film
+WORDS_ABOVE = 0.38  # width of a caption above the row, in widths of a narrow film
+MIN_WIDE = 6.0  # inches, width of a film with words beside the row
 MIN_HEIGHT = 5.4  # inches
 
 

@@ -23,11 +23,11 @@ PAGE = (11.7, 8.3)  # inches
 COLUMN_WIDTH = 4.3  # inches, of panels one below the other
 MIN_PAGE_WIDTH = 5.5  # inches; narrower pages are columns
 LAST_ROW_HEIGHT = 2.1  # inches, in a column
-DIAGRAM_HEIGHT = 1.5  # of the rows above the last, in heights of the last
-CONTACT_HEIGHT = 1.8  # of force and gap in a column
+DIAGRAM_HEIGHT = 1.5  # height of the rows above the last, in heights of the last
+CONTACT_HEIGHT = 1.8  # height of force and gap in a column, in the same unit
 MAX_GAPS = 3  # contacts with force and gap; of more only the forces are drawn
 MAX_NAMED_BODIES = 6  # whose velocities fit into the headline
-HEADLINE_WIDTH = 1.3  # of its large letters, in widths of normal letters
+HEADLINE_WIDTH = 1.3  # width of its large letters, in widths of normal letters
 KINDS = {
     Rod: ("rod", "rods"),
     RigidMass: ("rigid mass", "rigid masses"),

@@ -25,7 +25,7 @@ from ..units import shown
 from .labels import legend_above
 from .style import FONT, colours, wanted_width
 
-DOTS_PER_INCH = 90  # in a notebook
+DOTS_PER_INCH = 90  # resolution in a notebook
 LABEL_OVERHANG = 1.6  # width of a label below its Axes, in widths of the Axes, at most
 
 
@@ -79,7 +79,7 @@ def figure_of(drawn: Any) -> Any:
     """
     axes = getattr(drawn, "ax", drawn)
     figure = getattr(axes, "figure", axes)
-    figure = getattr(figure, "figure", figure)  # of a part of a figure
+    figure = getattr(figure, "figure", figure)  # a part of a figure has a figure
     if not isinstance(figure, Figure):
         raise invalid_argument(
             "picture",

@@ -43,7 +43,7 @@ class RodOnAxis(NamedTuple):
     """A rod on the axis of x."""
 
     body: int
-    left: float  # on the axis, in its unit
+    left: float  # position on the axis, in its unit
     right: float
     left_number: float  # material coordinate, in the same unit
     right_number: float

@@ -25,7 +25,7 @@ from .scales import NEGLIGIBLE_RTOL, digits
 from .style import SMALL, colours, ink_on
 
 FRONT_SPACING = 12.0  # least mean distance between the lines of fronts, points
-MIN_DARKNESS = 0.1  # of the line of a front, which is the square root of its jump
+MIN_DARKNESS = 0.1  # darkness of a front's line, the square root of its jump
 WORD_TO_NUMBER = 2.4  # least distance of a front with a word from a number, in heights
 WORD_TO_END = 3.0  # least distance of a word from the ends of its front, points
 ON_FRONT = 0.5  # how far a word may reach over a side of its region, points
@@ -190,7 +190,7 @@ class Polygons:
         The triangles of a region are a fan about its first corner: one for each side
         that does not touch this corner.
         """
-        corner = np.arange(self._first.size)  # with the side to the corner `_next`
+        corner = np.arange(self._first.size)  # each begins the side to its `_next`
         touches_first = (corner == self._first) | (self._next == self._first)
         inner = np.flatnonzero(~touches_first)
         fan = (self._first[inner], inner, self._next[inner])
@@ -230,7 +230,8 @@ class Polygons:
         start, stop = np.moveaxis(_in_points(ax, self._corners[fronts.sides]), 1, 0)
         lengths = np.hypot(*(stop - start).T)
         strongest = np.argsort(-fronts.strength, kind="stable")
-        room = math.prod(size_in_points(ax)) / FRONT_SPACING  # of lengths, points
+        # Sum of the lengths that have room, points
+        room = math.prod(size_in_points(ax)) / FRONT_SPACING
         crowded = np.cumsum(lengths[strongest]) > room
         crowded[:FEW_FRONTS] = False
         weakest = fronts.strength[strongest[crowded]].max(initial=MIN_DARKNESS)
@@ -267,7 +268,7 @@ class Polygons:
             word = "tension"
             if stress[after] < stress[before]:
                 word = "compression"
-            # from left to right, as the word is read
+            # The word is read from left to right.
             left, right = sorted(
                 (corners[first], corners[last]), key=lambda point: point[0]
             )

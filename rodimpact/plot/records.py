@@ -30,7 +30,7 @@ from .sampling import extreme_indices
 from .scales import engineering, largest_of, with_minus_signs, written
 from .style import SMALL, colours, styled
 
-RESIDUAL_RANGE = 1.9  # of the axis of the residual, in largest residuals
+RESIDUAL_RANGE = 1.9  # length of the axis of the residual, in largest residuals
 BAND_ALPHA = 0.25
 
 

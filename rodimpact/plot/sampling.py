@@ -17,8 +17,8 @@ from ..results.fields import Profile
 from ..results.solution import Solution
 
 PIECES_OF_ROW = 300
-EDGES_OF_SMOOTH_STEPS = 2001  # of steps that stand for a smooth curve
-INTERVALS = 1000  # of a long record: each is narrower than a pixel
+EDGES_OF_SMOOTH_STEPS = 2001  # edges of the steps that stand for a smooth curve
+INTERVALS = 1000  # intervals of a long record: each is narrower than a pixel
 
 
 def is_smooth(solution: Solution) -> bool:

@@ -25,14 +25,14 @@ FIELDS = {
     "energy": ("kinetic and strain energy per length", "J/m"),
 }
 """Names and units of the fields that a space-time diagram shows."""
-NEGLIGIBLE_RTOL = 1e-9  # of the largest value shown: smaller values are round-off
-APPROACH_RTOL = 1e-12  # of the largest velocity: slower approach is round-off
+NEGLIGIBLE_RTOL = 1e-9  # part of the largest value shown: smaller values are round-off
+APPROACH_RTOL = 1e-12  # part of the largest velocity: slower approach is round-off
 MINUS = "\N{MINUS SIGN}"
 SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
 RHO = "\N{GREEK SMALL LETTER RHO}"
-MIN_PREFIX_POWER = -15  # of ten
+MIN_PREFIX_POWER = -15  # power of ten
 MAX_PREFIX_POWER = 12
-MAX_DENOMINATOR = 12  # of a multiple that is written as a fraction
+MAX_DENOMINATOR = 12  # denominator of a multiple that is written as a fraction
 PLAIN_UNITS = ("1", "kg/m³", "m⁴", "m/s²", "s/m")  # without prefixes
 MIN_ROW_IN_METRES = 0.1  # m; smaller rows are shown in mm
 
@@ -72,7 +72,7 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
         SI unit; "" for strain, which is written in powers of ten.
     """
     largest = abs(largest)
-    exponent = 0  # of ten, a multiple of three
+    exponent = 0  # power of ten, a multiple of three
     if largest > 0:
         thousands = math.log10(largest * (1 + NEGLIGIBLE_RTOL)) / 3
         exponent = 3 * math.floor(thousands)
@@ -98,11 +98,11 @@ def scale_of(quantity: Quantity, largest: float) -> Scale:
     if unit in PLAIN_UNITS:
         return Scale(1.0, name, unit.removeprefix("1"))
     if unit == "kg":
-        scale = engineering(name, 1e3 * largest, "g")  # of values in g
+        scale = engineering(name, 1e3 * largest, "g")  # scale of values in g
         return scale._replace(factor=1e3 * scale.factor)
     if unit == "m":
         return x_scale(largest)._replace(name=name)
-    if unit == "m²":  # in mm² between 0.01 and 10 000 mm²
+    if unit == "m²":  # areas from 0.01 to 10 000 mm² are in mm²
         side = engineering(name, 10 * math.sqrt(largest), "m")
         return Scale(side.factor**2, name, f"{side.unit}²")
     return engineering(name, largest, unit)

@@ -51,13 +51,13 @@ from .scales import (
 from .style import SMALL, centred, colours, ink_on, styled
 
 LETTERS = SMALL + 1  # height of the letters of a row, points
-BESIDE = 0.36  # from the middle of a row to labels above or below a bar
-LABEL_SPREAD = 0.02  # of velocities with one label, in parts of the largest
-MAX_SHIFT = 0.75  # of a label from the middle of its piece, in widths of the label
-EVENT_WIDTH = 0.3  # of the events beside the rows, in widths of the figure
+BESIDE = 0.36  # distance of labels above or below a bar from its middle
+LABEL_SPREAD = 0.02  # spread of velocities with one label, in parts of the largest
+MAX_SHIFT = 0.75  # shift of a label from its piece, in widths of the label
+EVENT_WIDTH = 0.3  # width of the events beside the rows, in widths of the figure
 ROW_HEIGHT = 0.72  # inches
-MIN_ROW_HEIGHT = 0.55  # inches, of a narrow figure
-AROUND_ROWS = 0.9  # inches, of the axis below all rows
+MIN_ROW_HEIGHT = 0.55  # inches, in a narrow figure
+AROUND_ROWS = 0.9  # inches, height of the axis below all rows
 
 
 @styled
@@ -286,7 +286,7 @@ def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
         if not isinstance(body, RigidMass):
             is_above = False
             continue
-        side = -BESIDE  # from the middle of the row, upward
+        side = -BESIDE  # height above the middle of the row
         va = "top"
         if is_above:
             side = BESIDE
@@ -304,7 +304,7 @@ class _Label(NamedTuple):
     """Label of a piece that is too narrow to bear it."""
 
     x: float  # middle of the piece, or of the label when it has been moved
-    width: float  # of the label, in the unit of the axis
+    width: float  # width of the label, in the unit of the axis
     text: str
 
 

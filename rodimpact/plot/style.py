@@ -29,7 +29,7 @@ from ..units import shown
 FONT = "DejaVu Sans"
 NORMAL = 9.0  # height of letters, points
 SMALL = 7.0
-DASHES = ("-", "--", "-.", ":", (0, (6, 2, 1, 2, 1, 2)))  # of series of curves
+DASHES = ("-", "--", "-.", ":", (0, (6, 2, 1, 2, 1, 2)))  # one for each curve
 COMPUTED: dict[str, Any] = {
     "marker": "o",
     "markersize": 3.5,
@@ -101,7 +101,7 @@ LOOKS = {
     "light": _colours(SHEETS["light"], "#d9d9d9", "#33302e", ON_LIGHT),
     "dark": _colours(SHEETS["dark"], "#33373e", "#cfc8c0", ON_DARK),
 }
-INK = LOOKS["light"].ink  # on light fills, whatever the paper
+INK = LOOKS["light"].ink  # ink on light fills, whatever the paper
 FAINT = LOOKS["light"].faint
 SERIES = LOOKS["light"].series
 
