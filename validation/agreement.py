@@ -26,8 +26,8 @@ from .unit import rod
 PAIRS = 20
 RANDOM_ROWS = 100
 CELLS = (100, 200, 400)
-RTOL = 1e-10  # of characteristics
-END = 4.0  # of the runs on a grid
+RTOL = 1e-10  # relative accuracy of characteristics
+END = 4.0  # end of the runs on a grid
 ROWS_OF_RODS = {  # transit times
     "cradle of five": (1, 1, 1, 1, 1),
     "cradle, the first twice as long": (2, 1, 1, 1, 1),

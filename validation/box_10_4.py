@@ -34,7 +34,7 @@ DENSITY = 7850.0  # kg/m^3
 C = math.sqrt(200e9 / DENSITY)  # m/s
 AREA = 1e-4  # m^2
 SPEED = 2.0  # m/s
-LENGTHS = {  # of the short and the long rod, m
+LENGTHS = {  # lengths of the short and the long rod, m
     "0.1 : 0.3": (0.1, 0.3),
     "0.4 : 1": (0.4, 1.0),
     "0.3 : 0.7": (0.3, 0.7),

@@ -70,7 +70,7 @@ class Ends(NamedTuple):
 
     name: str
     conditions: tuple[ri.Free | ri.Fixed, ri.Free | ri.Fixed]
-    shape: Callable[[np.ndarray], np.ndarray]  # of k x
+    shape: Callable[[np.ndarray], np.ndarray]  # shape over k x
     shift: float  # k = (n - shift) pi
     crest: float  # k x of a largest velocity
 
@@ -173,7 +173,7 @@ def restitution_by_modes(tau: float) -> float:
     """
     k = np.arange(1, 4000) * math.pi / TOTAL
     rate = tau * k * k / 2
-    share = 2 / TOTAL * (np.sin(k * SHORT) / k) ** 2  # of the momentum, by mode
+    share = 2 / TOTAL * (np.sin(k * SHORT) / k) ** 2  # share of the momentum, by mode
     s = np.sqrt(rate * rate - k * k + 0j)
     fast = -rate - s  # the two roots of s^2 + 2 r s + k^2 = 0
     slow = -rate + s

@@ -35,13 +35,13 @@ C = STEEL.wave_speed
 AREA = 3e-4  # m^2
 BAR = ri.Rod(1.0, area=AREA, material=STEEL)
 Z = BAR.segments[0].impedance
-SPEED = 10.0  # of the striker, m/s
-DURATION = 100e-6  # of the pulse, s
-SEGMENTS = 10  # of a striker
+SPEED = 10.0  # speed of the striker, m/s
+DURATION = 100e-6  # duration of the pulse, s
+SEGMENTS = 10  # segments of a striker
 AREA_RATIO = (math.exp(-4.0), math.exp(1.5))  # limits of areas over that of the bar
 HIDDEN_STRIKERS = 20
-AREA_RTOL = 1e-6  # by which an area of a hidden striker may be off
-STRIKER_LENGTH = 0.2  # before a momentum trap, m
+AREA_RTOL = 1e-6  # error that an area of a hidden striker may have
+STRIKER_LENGTH = 0.2  # length of the striker before a momentum trap, m
 
 
 def run() -> Rows:
@@ -95,9 +95,9 @@ def glued_pulse(ratios: Floats, round_trips: int) -> Floats:
             forces.append(force)
         from_near_segment = ratios[:-1] * away[:-1]
         from_far_segment = ratios[1:] * towards[1:]
-        v = (from_near_segment + from_far_segment) / sums  # of each step
+        v = (from_near_segment + from_far_segment) / sums  # velocity of each step
         next_towards = np.append(2 * v - away[:-1], away[-1])  # the far end is free
-        reflected = towards[0] - 2 * force / ratios[0]  # by the bar
+        reflected = towards[0] - 2 * force / ratios[0]  # the wave that the bar reflects
         away = np.append(reflected, 2 * v - towards[1:])
         towards = next_towards
     return np.array(forces)

@@ -29,14 +29,14 @@ SOURCE = "Doyen, Ern and Piperno 2011"
 MATERIAL = ri.Material("bar", youngs_modulus=900.0, density=1.0)
 LENGTH = 10.0
 AREA = 1.0
-HEIGHT = 5.0  # of the lower end at the start
-SPEED = 10.0  # of the bar that is thrown
+HEIGHT = 5.0  # height of the lower end at the start
+SPEED = 10.0  # speed of the bar that is thrown
 GRAVITY = 10.0
-PERIOD = 16 / 3  # of the bar that is dropped, L/c being 1/3
+PERIOD = 16 / 3  # period of the bar that is dropped, L/c being 1/3
 PERIODS = 3
 FORCE_DURATION = 2 / 3  # 2 L/c
-IMPULSE = 800 / 3  # of one contact of the bar that is dropped
-STEP = 1 / 150  # between two times at which forces are compared, a 50th of L/c
+IMPULSE = 800 / 3  # impulse of one contact of the bar that is dropped
+STEP = 1 / 150  # step of the times at which forces are compared, a 50th of L/c
 
 
 def run() -> Rows:

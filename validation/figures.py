@@ -23,7 +23,7 @@ FOLDER = Path(__file__).parent / "figures"
 STEEL = ri.materials.steel
 AREA = 1e-4  # m^2
 OTHER_RATIOS = (0.1 / 0.3, 1 / math.e, math.sqrt(0.5))
-TICKS = (0.1, 0.2, 0.3, 0.5, 1, 2, 3, 4, 5, 10)  # of ratios in cradles
+TICKS = (0.1, 0.2, 0.3, 0.5, 1, 2, 3, 4, 5, 10)  # ticks of ratios in cradles
 
 
 def rods(*lengths: float) -> list[ri.Rod]:

@@ -25,7 +25,10 @@ from .table import Case, Rows
 from .unit import UNIT, rod
 
 ZERO = Fraction(0)
-FACTORS = [Fraction(98, 100), Fraction(101, 100)]  # on the numbers of the system
+FACTORS = [
+    Fraction(98, 100),
+    Fraction(101, 100),
+]  # factors of the numbers of the system
 T1, T2, T3, Z1, Z2, Z3 = sympy.symbols("T1:4 Z1:4", positive=True)
 
 

@@ -22,7 +22,7 @@ from .unit import rod
 
 SOURCE = "Dabaghi et al. 2014"
 PERIOD = 3.0
-PERIODS = 10  # of the run by characteristics
+PERIODS = 10  # periods of the run by characteristics
 SAMPLES_PER_TIME = 50  # times at which gap and force are compared
 X = np.linspace(0.0, 1.0, 41)
 

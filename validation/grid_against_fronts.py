@@ -52,10 +52,10 @@ def half_octaves(finest: int) -> tuple[int, ...]:
 CELLS = half_octaves(16)
 if not kernels.enabled():
     CELLS = half_octaves(8)  # plain Python takes too long for more
-SHOWN_CELLS = 800  # at which errors are shown
-SMOOTH_CELLS = (100, 200, 400)  # for systems in which everything is smooth
-PLACES = 3000  # in each rod, at which fields are compared
-STIFFNESS = 10.0  # of a Hertz contact
+SHOWN_CELLS = 800  # cells with which errors are shown
+SMOOTH_CELLS = (100, 200, 400)  # cells for systems in which everything is smooth
+PLACES = 3000  # places in each rod at which fields are compared
+STIFFNESS = 10.0  # stiffness of a Hertz contact
 
 
 def run() -> Rows:

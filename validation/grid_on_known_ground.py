@@ -22,7 +22,7 @@ from .table import Case, Rows
 from .unit import rod
 
 METHOD = "finite-difference"
-CELLS = (100, 200, 400)  # with which the loss at a contact is compared
+CELLS = (100, 200, 400)  # cells with which the loss at a contact is compared
 
 
 def run() -> Rows:

@@ -46,8 +46,8 @@ from .unit import rod
 SHORT = 0.4  # length of the first rod; that of the second is 1
 BY_DECADE = {-3: 1.0, 0: 0.944, 1: 0.617, 3: 0.411, 5: 0.4005}  # log10 kappa: e
 SPEEDS = (0.01, 1.0, 100.0)
-STEEL_DIAMETER = 0.01  # of steel rods 0.2 m and 0.5 m long, m
-RADII = {"5 mm": 0.005, "50 mm": 0.05, "1 m": 1.0, "20 m": 20.0}  # of the ends, m
+STEEL_DIAMETER = 0.01  # diameter of steel rods 0.2 m and 0.5 m long, m
+RADII = {"5 mm": 0.005, "50 mm": 0.05, "1 m": 1.0, "20 m": 20.0}  # radii of ends, m
 
 
 def solve_pair(k: float, V: float = 1.0) -> ri.Outcome:

@@ -44,16 +44,16 @@ TRANSMITTED_LENGTH = 1.0
 STIFFNESS = 1.5
 PULSE_DURATION = 2 * STRIKER_LENGTH  # D = 2 L/c
 RATE = 2 * STIFFNESS  # a = 2 k/Z
-END = 11.0  # before the reflected pulse is back at the specimen
+END = 11.0  # the reflected pulse is not yet back at the specimen
 GRAFF = "Graff"
 MEASURED = "measured, LANL HopPyBar"
 
 # Measured bars: moduli in Pa, densities in kg/m^3, lengths in m.
 TITANIUM_MODULUS = 109.3e9
 TITANIUM_DENSITY = 4416.0
-CALIBRATED_WAVE_SPEED = 4865.9  # of titanium, m/s
+CALIBRATED_WAVE_SPEED = 4865.9  # wave speed of titanium, m/s
 TITANIUM_STRIKER = 0.127
-TITANIUM_GAUGE = 0.381  # from the end of the bar
+TITANIUM_GAUGE = 0.381  # distance from the end of the bar
 ALUMINIUM_MODULUS = 71.7e9
 ALUMINIUM_DENSITY = 2810.0
 ALUMINIUM_STRIKER = 0.0254
@@ -197,7 +197,7 @@ class Delays(NamedTuple):
     """Times that the gauge of a bar shows, us."""
 
     pulse_length: float
-    reflection: float  # from the start of the pulse to that of its reflection
+    reflection: float  # time from the start of the pulse to that of its reflection
 
 
 def gauge_delays(material: ri.Material, striker_length: float, gauge: float) -> Delays:

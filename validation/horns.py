@@ -39,7 +39,7 @@ CELLS = 400
 LONGEST_STEP = 0.999 / CELLS  # L/c; waves disperse least with it
 SAMPLES = np.linspace(0.0, 1.0, 8001)  # places at which areas and velocities are given
 APEX = 0.5  # distance of the apex of a cone from its smaller end, s0/L
-BETA = 4.0  # of the exponential horn whose modes are compared, 1/L
+BETA = 4.0  # taper of the exponential horn whose modes are compared, 1/L
 MODES = (1, 2, 3)
 
 Area = Callable[[np.ndarray], np.ndarray]
@@ -162,7 +162,7 @@ class Mode(NamedTuple):
     ends: str
     conditions: tuple[ri.Free, ri.Free] | tuple[ri.Fixed, ri.Fixed]
     shape: np.ndarray  # velocity over exp(-beta x)
-    x: float  # where the velocity is read, a belly of the mode
+    x: float  # place where the velocity is read, a belly of the mode
 
 
 def free_mode(n: int) -> Rows:

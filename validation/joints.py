@@ -70,8 +70,8 @@ class Method(NamedTuple):
     frequency: float
     stretch: float  # over the largest stretch
     stretch_with_mass: float
-    impulse: float  # of a dashpot
-    loss: float  # in a dashpot
+    impulse: float  # bound for the impulse of a dashpot
+    loss: float  # bound for the loss in a dashpot
 
 
 METHODS = (
@@ -94,7 +94,7 @@ METHODS = (
         loss=2e-2,
     ),
 )
-ENERGY_BOUND = 1e-12  # on what is missing in the balance of energy, by any method
+ENERGY_BOUND = 1e-12  # energy that may be missing in the balance, by any method
 
 
 def run() -> Rows:
@@ -147,7 +147,8 @@ def mode_frequencies(count: int) -> np.ndarray:
     for _ in range(BISECTIONS):
         w = (low + high) / 2
         cotangents = 1 / (Z * np.tan(w * T))
-        rising = w / STIFFNESS - cotangents.sum(0)  # from -inf to inf between poles
+        # This rises from -inf to inf between two poles.
+        rising = w / STIFFNESS - cotangents.sum(0)
         is_below = rising < 0
         low = np.where(is_below, w, low)
         high = np.where(is_below, high, w)
@@ -245,8 +246,8 @@ class Junction(NamedTuple):
     """A dashpot at the end of rod 1."""
 
     name: str
-    body: ri.Rod | ri.Wall  # beyond the dashpot
-    impedance: float  # of that body
+    body: ri.Rod | ri.Wall  # body beyond the dashpot
+    impedance: float  # impedance of that body
     damping: float  # c of the dashpot
     end: ri.Absorbing | ri.Free  # condition at the far end of that body
 

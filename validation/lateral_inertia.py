@@ -41,9 +41,9 @@ GYRATION = RADIUS / math.sqrt(2)  # kappa, m
 BAR_LENGTH = 8.2  # m
 CELLS_PER_METRE = 400
 ROUND_VALUES = {1: 7.9, 2: 9.7, 4: 12.4, 8: 15.2}  # distance, m: rise, us
-LOW = 0.1  # of the step, where a rise begins
-HIGH = 0.9  # of the step, where a rise ends
-UNIT_RADIUS = 0.1 / math.pi  # of the bar of length 1 with standing waves
+LOW = 0.1  # part of the step at which a rise begins
+HIGH = 0.9  # part of the step at which a rise ends
+UNIT_RADIUS = 0.1 / math.pi  # radius of the bar of length 1 with standing waves
 UNIT_CELLS = 200
 
 
@@ -214,7 +214,7 @@ def front(x: float, t: float) -> float:
     The rule is the trapezoidal one, on the line k = (u - i) x^(-1/3) with steps of 1/6
     of u from -8 to 8.
     """
-    depth = 1 / float(np.cbrt(x))  # of the line below the real axis, and its scale
+    depth = 1 / float(np.cbrt(x))  # depth of the line below the real axis, its scale
     k = depth * (np.arange(-48, 49) / 6 - 1j)
     omega = k / np.sqrt(1 + k * k)
     waves = np.exp(1j * (omega * t - k * x)) / (k * (1 + k * k))

@@ -40,7 +40,7 @@ STEEL = ri.materials.steel
 BRASS = ri.materials.brass
 AREA = 1e-4  # m^2
 LINK = 0.2  # m, length of one rod of a chain
-BODY_IMPEDANCE = 10.0  # of the heavy body behind a nose
+BODY_IMPEDANCE = 10.0  # impedance of the heavy body behind a nose
 BODY_LENGTH = 20.0
 
 

@@ -40,23 +40,23 @@ class FirstContact(NamedTuple):
     duration: float  # L/c
     struck_stress: float  # peak stress at the struck end, rho c V
     fixed_stress: float  # peak stress at the fixed end, rho c V
-    velocity: float  # of the mass after the contact, V
+    velocity: float  # velocity of the mass after the contact, V
 
 
 class LastContact(NamedTuple):
     """The last contact of the same mass."""
 
     number: int  # contacts in all
-    velocity: float  # of the mass after it, V
+    velocity: float  # velocity of the mass after it, V
 
 
-FIRST_CONTACTS = {  # by the mass ratio M/m, right to half of the last digit
+FIRST_CONTACTS = {  # keys: mass ratios M/m; right to half of the last digit
     1.0: FirstContact(3.068, 2.1353, 2.2707, -0.6876),
     2.0: FirstContact(4.709, 2.3679, 2.7358, -0.9252),
     4.0: FirstContact(5.900, 2.9744, 3.2131, -0.8169),
     6.0: FirstContact(7.408, 3.4688, 3.5045, -0.9297),
 }
-LAST_CONTACTS = {  # by the mass ratio M/m
+LAST_CONTACTS = {  # keys: mass ratios M/m
     1.0: LastContact(2, -0.69888),
     2.0: LastContact(1, -0.92525),
     4.0: LastContact(2, -0.95927),
@@ -183,7 +183,7 @@ def first_contact(mass_ratio: float) -> FirstContact:
     contact = solution.contacts[0]
     end = contact.episodes[0].force_end
     force = contact.force(peak_times(end))
-    wave_arrives = end + 1  # at the fixed end
+    wave_arrives = end + 1  # the last arrival at the fixed end
     stress = -solution.stress(1, 1.0, peak_times(wave_arrives))
     velocity = float(solution.velocity(0, 0.0, end))
     return FirstContact(end, force.max(), stress.max(), velocity)

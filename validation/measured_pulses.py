@@ -66,16 +66,16 @@ import rodimpact as ri
 from .table import FOLDER, Case, Rows
 
 EXACT_MODE_DISTANCE = 2.0  # diameters from the struck end, where the exact mode begins
-TIME_FREEDOM = 6.0  # by which a pulse at the specimen may be later or earlier, us
-GAIN_FREEDOM = 0.06  # by which it may be larger or smaller, relative
-SECTION_FREEDOM = 0.2  # by which diameter or area of the striker may differ, relative
+TIME_FREEDOM = 6.0  # shift that a pulse at the specimen may have, us
+GAIN_FREEDOM = 0.06  # change of size that it may have, relative
+SECTION_FREEDOM = 0.2  # change that diameter or area of the striker may have, relative
 LENGTH = "bodies.0.length"
 STIFFNESS = "contacts.0.stiffness"
 SPEED = "materials.bar.wave_speed"
 BLUR = "records.0.blur"
 ENDS = {STIFFNESS: (1e7, 1e12)}  # N/m^1.5
 CHAIN = {BLUR: (0.0, 1e-5)}  # s
-CELLS_PER_RADIUS = 3.8  # where waves run in a theory of lateral inertia
+CELLS_PER_RADIUS = 3.8  # cells of runs with a theory of lateral inertia
 MISFIT_OF_PULSE = "misfit of the incident pulse, %"
 MISFIT_OF_FORCES = "misfit of the forces at the specimen, %"
 
@@ -97,11 +97,11 @@ class Shot(NamedTuple):
     source: str
     density: float  # kg/m^3
     bar: ri.waves.Bar
-    to_gauge: float  # from the struck end, m
-    to_specimen: tuple[float, float]  # from the gauges of either bar, m
+    to_gauge: float  # distance from the struck end, m
+    to_specimen: tuple[float, float]  # distance from the gauge of either bar, m
     windows: Windows
-    length: tuple[float, float]  # of the striker, m
-    side: float | None = None  # of square bars, m
+    length: tuple[float, float]  # bounds of the striker's length, m
+    side: float | None = None  # side of square bars, m
 
 
 TITANIUM = Shot(
@@ -171,7 +171,7 @@ MODELS: dict[str, dict[str, Any]] = {  # arguments of `fitted`
         "exact": False,
     },
 }
-BOUNDS = {  # of the misfit, %, one a model
+BOUNDS = {  # bounds of the misfit, %, one a model
     "titanium": (8.6, 6.9, 2.1, 1.5, 1.8, 1.5, 3.4, 1.3, 1.5),
     "mini aluminium": (7.9, 7.1, 3.8, 3.7, 3.8, 3.7, 3.7, 3.2, 3.5),
     "steel 945": (9.0, 7.2, 3.5, 3.0, 3.5, 3.2, 2.7, 3.0, 2.4),
@@ -307,7 +307,7 @@ class FittedModel(NamedTuple):
     model: str
     fit: ri.Fit
     seconds: float  # processor time of the fit
-    bound: float  # on the misfit, %
+    bound: float  # bound of the misfit, %
 
     @property
     def name(self) -> str:

@@ -45,10 +45,10 @@ from .table import Case, Rows, largest
 MINDLIN_HERRMANN = "mindlin-herrmann"
 RAYLEIGH_LOVE = "rayleigh-love"
 CELLS_PER_RADIUS = 25
-CELLS_PER_METRE = 960  # of the bars that are brought to speed
-UNIT_RADIUS = 0.05  # of the bar of length 1 with standing waves
+CELLS_PER_METRE = 960  # cells of the bars that are brought to speed
+UNIT_RADIUS = 0.05  # radius of the bar of length 1 with standing waves
 RISE = 4 * RADIUS / C  # duration in which an end is brought to speed, s
-PULSE_RADIUS = 8e-3  # of the bar through which pulses and steps run, m
+PULSE_RADIUS = 8e-3  # radius of the bar through which pulses and steps run, m
 RADII_OVER_WAVELENGTH = np.linspace(0.0, 0.6, 2001)
 
 
@@ -184,7 +184,7 @@ class Branch(NamedTuple):
     """A branch of the waves in a bar."""
 
     phase_velocity: np.ndarray  # over c, [wave number]
-    share: np.ndarray  # of the motion, [wave number]
+    share: np.ndarray  # share of the motion, [wave number]
 
 
 Branches = Callable[[np.ndarray], list[Branch]]

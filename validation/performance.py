@@ -47,14 +47,14 @@ from rodimpact.methods.states import Stop
 from .unit import rod
 
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
-LAST_RATIOS = Path(__file__).parent / "performance.json"  # to the leapfrog, last time
+LAST_RATIOS = Path(__file__).parent / "performance.json"  # kept ratios
 SLOWDOWN = 1.25  # ratio over that of last time from which a figure is called slower
 STEEL = ri.materials.steel
 AREA = 1e-4  # m^2
-EVENTS = 500_000  # of a run in which the time of an event is measured
+EVENTS = 500_000  # events of a run in which the time of one is measured
 ENDLESS = 1e6  # end of such a run, which it does not reach, s
 MEMORY_LIMIT = 100  # MB
-RUNS_IN_PLAIN_PYTHON = 10  # at most, of a Hertz pair: 1.5 s, where 0.5 s are enough
+RUNS_IN_PLAIN_PYTHON = 10  # runs of a Hertz pair at most: 1.5 s, where 0.5 s are enough
 SHORT = 0.4  # length of the first rod of the yardsticks; that of the second is 1
 
 
@@ -153,7 +153,7 @@ def godunov(v: Any, sigma: Any, first_cells: int, steps: int) -> float:
     gap = 0.0
     impulse = 0.0
     for _ in range(steps):
-        left_v = v[0] + sigma[0]  # at the left edge of the cell
+        left_v = v[0] + sigma[0]  # velocity at the left edge of the cell
         left_sigma = 0.0
         for i in range(cells):
             # Velocity and stress at the right edge of the cell.
@@ -163,7 +163,7 @@ def godunov(v: Any, sigma: Any, first_cells: int, steps: int) -> float:
             else:
                 edge_v = (v[i] + v[i + 1] + sigma[i + 1] - sigma[i]) / 2
                 edge_sigma = (sigma[i] + sigma[i + 1] + v[i + 1] - v[i]) / 2
-            next_v = edge_v  # beyond the edge: another one at an open contact
+            next_v = edge_v  # velocity beyond the edge: another one at an open contact
             if i == first_cells - 1:
                 if gap > 0 or edge_sigma > 0:
                     edge_v = v[i] - sigma[i]

@@ -20,7 +20,7 @@ from rodimpact import rigid
 from .table import Case, Rows, largest
 
 DRAWS = 10_000  # random collisions
-BOUNCES = 400  # that are followed one by one
+BOUNCES = 400  # bounces that are followed one by one
 GRAVITY = 9.81  # m/s^2; heights of bounces do not depend on it
 BALL_MASS = 0.3  # kg; beside the infinite mass of the ground any value will do
 
@@ -209,7 +209,7 @@ class Bounces(NamedTuple):
 
     time: np.ndarray  # s
     path: np.ndarray  # m
-    last_height: np.ndarray  # to which the last bounce rises, m
+    last_height: np.ndarray  # height to which the last bounce rises, m
     failed_rises: int  # bounces after which a ball no longer rises
 
 

@@ -41,8 +41,8 @@ from rodimpact import rigid
 from .table import Case, Rows
 from .unit import UNIT, rod
 
-DRAWS = 200  # of each kind of system
-RESTITUTION_ATOL = 1e-12  # by which round-off may take e out of 0 to 1
+DRAWS = 200  # random systems of each kind
+RESTITUTION_ATOL = 1e-12  # round-off of e outside 0 to 1
 STEEL = ri.materials.steel
 BRASS = ri.materials.brass
 STEPPED = {  # impedances of the struck and the far piece: e

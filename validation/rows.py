@@ -21,7 +21,7 @@ from .table import Case, Rows, largest
 
 STEEL = ri.materials.steel
 AREA = 1e-4  # m^2
-RODS = 5  # of a cradle
+RODS = 5  # rods of a cradle
 
 
 def run() -> Rows:

@@ -37,7 +37,7 @@ BY_HAND = {  # impedances (Z1, Z2) and transit times (T1, T2): e
     ((5, 1), (3, 10)): Fraction(409, 486),
 }
 PAIRS = 2000
-NEGLIGIBLE_WAVE_RATIO = 2.0**-46  # below it the solver may end the force early
+NEGLIGIBLE_WAVE_RATIO = 2.0**-46  # the solver may end the force early below it
 
 
 def run() -> Rows:

@@ -28,18 +28,18 @@ from .measured_pulses import TITANIUM, record
 from .table import Case, Rows
 
 BAR = TITANIUM.bar
-GAUGE_DISTANCE = TITANIUM.to_gauge  # from the specimen, m
-START = -20e-6  # of the incident pulse, s
+GAUGE_DISTANCE = TITANIUM.to_gauge  # distance from the specimen, m
+START = -20e-6  # start of the incident pulse, s
 STOP = 115e-6
-WINDOW = (120e-6, 235e-6)  # of the reflected and the transmitted pulse, s
-PLATEAU_VOLTAGE = 2.5  # above which samples belong to the plateau, V
+WINDOW = (120e-6, 235e-6)  # span of the reflected and the transmitted pulse, s
+PLATEAU_VOLTAGE = 2.5  # least voltage of samples of the plateau, V
 GAUGE_FACTOR = 2.061
 EXCITATION = 8.0  # V
 GAIN = 200
 STRAIN_PER_VOLT = 4 / (GAUGE_FACTOR * EXCITATION * GAIN)
 UNTIL = 3e-4  # s
-DISPERSION_MARGIN = 1e-4  # of zeros before and after a pulse that is dispersed, s
-DISPERSED_TAIL = 6e-5  # by which a dispersed pulse lasts longer, s
+DISPERSION_MARGIN = 1e-4  # zeros before and after a pulse that is dispersed, s
+DISPERSED_TAIL = 6e-5  # time that a dispersed pulse lasts longer, s
 YIELDING_BOUNDS = {
     "contacts.0.stiffness": (3e7, 1e10),  # N/m
     "contacts.0.yield_force": (1e3, 2e4),  # N
@@ -51,10 +51,10 @@ SPRING_BOUNDS = {"contacts.0.stiffness": (1e6, 1e10)}  # N/m
 class BarModel(NamedTuple):
     """How the pulses get from the gauges to the specimen and back."""
 
-    pulse: ri.Signal  # that comes in through the end of the incident bar, V
-    interval: float  # of its samples, s
-    distance: float  # by which signals of the model are dispersed, m
-    shift: float  # of the clock of the records, s
+    pulse: ri.Signal  # pulse that enters the end of the incident bar, V
+    interval: float  # interval of its samples, s
+    distance: float  # distance over which signals of the model are dispersed, m
+    shift: float  # shift of the clock of the records, s
 
 
 def without_dispersion(incident: ri.Signal) -> BarModel:

@@ -40,7 +40,7 @@ STEEL = ri.Material(
 )
 LENGTH = 0.5  # m
 DIAMETER = 0.02  # m
-RADIUS = 0.05  # of the spherical end, m
+RADIUS = 0.05  # radius of the spherical end, m
 SPEED = 2.0  # m/s
 
 

@@ -253,7 +253,7 @@ def _contact_times(
     """
     times: dict[int, list[TracedFraction]] = {node: [] for node in nodes}
     for change in simulation.changes:
-        node = change.next_row  # where a change, unlike a front, has its node
+        node = change.next_row  # this field of a change, unlike a front, is its node
         times_at_node = times[node]  # starts and ends in turn
         is_pressing = change.value == Status.PRESS
         was_pressing = len(times_at_node) % 2 == 1

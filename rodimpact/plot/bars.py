@@ -41,9 +41,7 @@ MARK_HEIGHT = 0.4  # height of the triangle at a front above the middle of a bar
 MAX_PIECES = 16  # pieces of a rod; of more, those of like velocity are drawn as one
 DRAWN_SPREAD = 0.1  # spread of velocities drawn as one, in ranges of the rod's
 ONE_WAY_RTOL = 0.1  # difference of velocity and stretch across a front with a direction
-MIN_PIECE = (
-    1e-9  # of a rod's length: fronts leave an end at no exact floating-point time
-)
+MIN_PIECE = 1e-9  # part of a rod's length; a front leaves its end at a rounded time
 SPRING_TURNS = 8
 _ZIGZAG = 0.12 * np.resize([1.0, -1.0], SPRING_TURNS)
 SPRING_HEIGHT = np.concatenate([[0.0, 0.0], _ZIGZAG, [0.0, 0.0]])

@@ -26,7 +26,7 @@ LAST_ROW_HEIGHT = 2.1  # inches, in a column
 DIAGRAM_HEIGHT = 1.5  # height of the rows above the last, in heights of the last
 CONTACT_HEIGHT = 1.8  # height of force and gap in a column, in the same unit
 MAX_GAPS = 3  # contacts with force and gap; of more only the forces are drawn
-MAX_NAMED_BODIES = 6  # whose velocities fit into the headline
+MAX_NAMED_BODIES = 6  # bodies whose velocities fit into the headline
 HEADLINE_WIDTH = 1.3  # width of its large letters, in widths of normal letters
 KINDS = {
     Rod: ("rod", "rods"),

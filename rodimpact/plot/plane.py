@@ -154,7 +154,8 @@ class Plane:
         letters = 1.3
         if self.across:
             letters = 3.0
-        least = letters * NORMAL * (high - low) / length  # in units of the axis
+        # The same distance in units of the axis
+        least = letters * NORMAL * (high - low) / length
 
         marks: dict[float, str] = {}
         for t, name in round_trips(self.layout.solution).items():
@@ -202,7 +203,7 @@ class Plane:
         letters = 5 * LETTER  # least distance of two ticks, in heights of the letters
         if self.across:
             letters = 1.5
-        least = letters * NORMAL * per_point  # in units of the axis
+        least = letters * NORMAL * per_point  # least distance in units of the axis
         last = max(rod.right_number for rod in rods)
         numbers: dict[float, str] = {}
         for rod in rods:
