@@ -255,7 +255,7 @@ class Bars:
 
     def draw_walls(self) -> list[patches.Rectangle]:
         """Draw a hatched block beyond the face of each wall and fixed end."""
-        depth = WALL_DEPTH * self.layout.row * self.x_scale.factor
+        depth = WALL_DEPTH * self.layout.row_length * self.x_scale.factor
         blocks: list[patches.Rectangle] = []
         for body, is_right in self.layout.walls():
             faces = self.end(body, is_right)
@@ -268,7 +268,7 @@ class Bars:
 
     def draw_masses(self) -> list[patches.Rectangle]:
         """Draw a block for each rigid mass."""
-        width = self.layout.block * self.x_scale.factor
+        width = self.layout.mass_width * self.x_scale.factor
         blocks: list[patches.Rectangle] = []
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, RigidMass):

@@ -170,7 +170,7 @@ class Borders:
 
     def walls(self) -> list[patches.Polygon]:
         """Draw hatched bands beyond the faces of walls and fixed ends."""
-        depth = WALL_DEPTH * self.layout.row
+        depth = WALL_DEPTH * self.layout.row_length
         times = np.array(self.plane.span)
         bands = []
         for body, is_right in self.layout.walls():

@@ -185,7 +185,9 @@ def draft_spacetime(
         ax = axes_or_new(ax, width=6.6, height=4.4)
     else:
         ax = axes_or_new(ax, width=5.6, height=5.2)
-    scales = axis_scales(solution, dimensionless, duration=stop, width=layout.row)
+    scales = axis_scales(
+        solution, dimensionless, duration=stop, width=layout.row_length
+    )
     plane = Plane(ax, layout, scales, Span(start, stop), across)
     norm = centred([low * scale.factor, high * scale.factor], reference)
     regions = cut.draw(plane, values * scale.factor, norm)

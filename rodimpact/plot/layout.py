@@ -68,11 +68,11 @@ class PictureLayout:
         first rod is 0.
     widths : array
         Of each body in the picture before it moves, m.
-    apart : array
+    initial_offsets : array
         Shift of the left end of each body by gaps and strain at t = 0, m.
-    block : float
+    mass_width : float
         Width of a rigid mass in the picture, m; 0 if there is none.
-    free : array
+    spring_lengths : array
         Length of the spring at each contact before it is pressed, m; 0 without one.
     """
 
@@ -81,12 +81,12 @@ class PictureLayout:
     frame: float
     left: Floats
     widths: Floats
-    apart: Floats
-    block: float
-    free: Floats
+    initial_offsets: Floats
+    mass_width: float
+    spring_lengths: Floats
 
     @property
-    def row(self) -> float:
+    def row_length(self) -> float:
         """Length of all rods, blocks and springs together, m."""
         return float(self.left[-1] + self.widths[-1] - self.left[0])
 
@@ -101,7 +101,7 @@ class PictureLayout:
         self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any
     ) -> Floats:
         """Position X, m, of points x (m) of bodies at t (s), displaced (m)."""
-        moved = self.apart[body] + displacement - self.frame * np.asarray(t)
+        moved = self.initial_offsets[body] + displacement - self.frame * np.asarray(t)
         X: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
         return X
 
@@ -173,12 +173,12 @@ class PictureLayout:
         """
         paths = []
         for i, contact in enumerate(self.solution.contacts):
-            if not self.free[i]:
+            if not self.spring_lengths[i]:
                 continue
             left = self.end(i, is_right=True, t=times)
             right = self.end(i + 1, is_right=False, t=times)
             if contact.law.opens:
-                right = np.minimum(right, left + self.free[i])
+                right = np.minimum(right, left + self.spring_lengths[i])
             paths.append(SpringPath(contact, left, right))
         return paths
 
@@ -195,10 +195,10 @@ class PictureLayout:
             label += ", rods laid end to end, gaps left out"
         elif self.frame:
             label += f" in a frame moving at {written(self.frame, 'm/s')}"
-        if self.block:
-            width = f"{self.block * x.factor:g} {x.unit}".rstrip()
+        if self.mass_width:
+            width = f"{self.mass_width * x.factor:g} {x.unit}".rstrip()
             label += f", masses drawn {width} wide"
-        if self.free.any():
+        if self.spring_lengths.any():
             label += ", springs drawn long"
         if self.magnification:
             label += f", {self.scale}"
@@ -234,41 +234,41 @@ def choose_layout(
 
     # What is measured: how far the bodies move, and how much they strain.
     lengths = _lengths(solution)
-    begin = np.cumsum([0.0, *lengths[:-1]])
-    apart = np.array(solution.fields.positions) - begin
+    material_starts = np.cumsum([0.0, *lengths[:-1]])
+    initial_offsets = np.array(solution.fields.positions) - material_starts
     times = np.linspace(start, stop, TIMES_OF_MOTION)
-    moved = _motion_of_ends(solution, apart, times)
-    slowest = _reference_velocity(solution)
-    relative = float(np.ptp(moved - slowest * times))
-    reach = float(np.ptp(moved))
+    displacements = _motion_of_ends(solution, initial_offsets, times)
+    reference_velocity = _reference_velocity(solution)
+    relative_reach = float(np.ptp(displacements - reference_velocity * times))
+    reach = float(np.ptp(displacements))
 
     # How the picture is scaled.
-    row = sum(lengths)
-    if row == 0:  # the scale of masses alone is how far they move
-        row = reach
-    if row == 0:
-        row = 1.0
+    row_length = sum(lengths)
+    if row_length == 0:  # the scale of masses alone is how far they move
+        row_length = reach
+    if row_length == 0:  # masses that do not move
+        row_length = 1.0
     frame = 0.0
-    if drifts(reach, relative):
-        frame = slowest
+    if drifts(reach, relative_reach):
+        frame = reference_velocity
     if still:
         magnification = 0.0
     elif magnification is None:
         strain = _largest_strain(solution, times)
-        magnification = magnified(row, reach, relative, strain)
+        magnification = magnified(row_length, reach, relative_reach, strain)
 
     # Where the bodies stand.
     is_mass = np.array([isinstance(b, RigidMass) for b in solution.system.bodies])
-    block = 0.0
+    mass_width = 0.0
     if is_mass.any():
-        block = round_down(BLOCK * row)
-    widths = np.where(is_mass, block, lengths)
+        mass_width = round_down(BLOCK * row_length)
+    widths = np.where(is_mass, mass_width, lengths)
     masses_to_the_left = np.cumsum(is_mass) - is_mass
-    left = begin + block * masses_to_the_left
+    left = material_starts + mass_width * masses_to_the_left
     shortest = MIN_SPRING_LENGTH * (left[-1] + widths[-1])
     times = np.linspace(start, stop, TIMES_OF_OVERLAP)
-    free = _spring_lengths(solution, times, magnification, shortest)
-    left = left + np.cumsum([0.0, *free])
+    spring_lengths = _spring_lengths(solution, times, magnification, shortest)
+    left = left + np.cumsum([0.0, *spring_lengths])
     rods = rods_of(solution.system)
     if rods:
         left = left - left[rods[0]]
@@ -278,9 +278,9 @@ def choose_layout(
         frame=frame,
         left=left,
         widths=widths,
-        apart=apart,
-        block=block,
-        free=free,
+        initial_offsets=initial_offsets,
+        mass_width=mass_width,
+        spring_lengths=spring_lengths,
     )
 
 
@@ -295,7 +295,9 @@ def _lengths(solution: Solution) -> list[float]:
     return lengths
 
 
-def _motion_of_ends(solution: Solution, apart: Floats, times: Floats) -> Floats:
+def _motion_of_ends(
+    solution: Solution, initial_offsets: Floats, times: Floats
+) -> Floats:
     """Displacement of both ends of each body from the unstrained row without gaps, m.
 
     [end, time]: left and right end of each body in turn.
@@ -303,7 +305,7 @@ def _motion_of_ends(solution: Solution, apart: Floats, times: Floats) -> Floats:
     moved = []
     for body, length in enumerate(_lengths(solution)):
         for x in (0.0, length):
-            moved.append(apart[body] + solution.displacement(body, x, times))
+            moved.append(initial_offsets[body] + solution.displacement(body, x, times))
     return np.array(moved)
 
 
@@ -344,12 +346,12 @@ def _spring_lengths(
     It is 0 where no spring is drawn: at rigid contacts and bonds, and everywhere if
     displacements are not magnified.
     """
-    free = np.zeros(len(solution.contacts))
+    lengths = np.zeros(len(solution.contacts))
     if magnification <= 1:  # true to scale, or at rest: no spring is drawn
-        return free
+        return lengths
     for contact in solution.contacts:
         if not isinstance(contact.law, Rigid | Bonded):
             least_gap = float(np.min(contact.gap(times)))
             overlap = max(0.0, -least_gap)
-            free[contact.index] = shortest + magnification * overlap
-    return free
+            lengths[contact.index] = shortest + magnification * overlap
+    return lengths

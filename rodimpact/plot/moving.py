@@ -100,7 +100,7 @@ class Animation:
         start = float(shown[0])
         stop = float(shown[-1])
         scales = axis_scales(
-            solution, dimensionless=False, duration=stop, width=layout.row
+            solution, dimensionless=False, duration=stop, width=layout.row_length
         )
         self._time = scales.time
 
@@ -190,7 +190,7 @@ class Animation:
         for body in range(len(layout.left)):
             start = layout.end(body, is_right=False, t=self.times[0])
             starts.append(float(start))
-        start = min(starts) - 0.02 * layout.row
+        start = min(starts) - 0.02 * layout.row_length
         left = start * self._bars.x_scale.factor
         ax.set_xlim(left=min(ax.get_xlim()[0], left))
 
@@ -448,7 +448,7 @@ def _approach_frames(
         return 0
     if min(closing) < 0:
         return 0
-    way = MAX_APPROACH_WAY * layout.row / layout.magnification
+    way = MAX_APPROACH_WAY * layout.row_length / layout.magnification
     duration = way / max(closing)
     # All frames have one step, so n of them before 0 take the share n/(frames - 1) of
     # the whole film. This share is at most duration/(stop + duration).

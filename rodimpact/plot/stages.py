@@ -126,7 +126,7 @@ def snapshots(
     solution.fields.to_ticks(when)  # refuses times outside the solution
     stop = float(when.max())
     layout = choose_layout(solution, 0.0, stop, magnification=magnification)
-    x = x_scale(layout.row)
+    x = x_scale(layout.row_length)
 
     height = AROUND_ROWS + ROW_HEIGHT * when.size
     least_height = AROUND_ROWS + MIN_ROW_HEIGHT * when.size

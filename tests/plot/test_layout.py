@@ -66,7 +66,7 @@ def row(solution):
 def test_the_page_magnifies_as_figures_do_in_the_same_frame(layout, row):
     assert row["magnification"] == layout.magnification
     assert row["frame"] == layout.frame
-    assert layout.block in (0, row["mass_width"])
+    assert layout.mass_width in (0, row["mass_width"])
     note = ", ".join(row["notes"])
     assert layout.scale in note
     assert ("frame" in note) == (layout.frame != 0)
@@ -90,7 +90,7 @@ def test_films_magnify_by_the_same_factor(solution, layout):
 
 
 def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution, layout, row):
-    tolerance = 1e-6 * layout.row
+    tolerance = 1e-6 * layout.row_length
     for t in np.linspace(0.0, solution.t_end, 5):
         for i in range(len(solution.system.bodies)):
             u = float(solution.displacement(i, 0.0, t))
