@@ -24,7 +24,7 @@ from .plane import Plane, Span
 from .polygons import Polygons
 from .raster import Raster
 from .sampling import is_smooth
-from .scales import FIELDS, Scale, axis_scales, field_scale, written
+from .scales import FIELDS, Scale, axis_scales, field_scale, quantity_text
 from .style import centred, styled
 
 
@@ -259,5 +259,5 @@ def _with_frame(scale: Scale, field: str, layout: PictureLayout) -> Scale:
     """
     if not layout.frame or field not in ("displacement", "energy"):
         return scale
-    frame = written(layout.frame, "m/s")
+    frame = quantity_text(layout.frame, "m/s")
     return scale._replace(name=f"{scale.name}\nin a frame moving at {frame}")

@@ -68,7 +68,7 @@ EQUALITIES = (
 )
 
 
-class Quantity(NamedTuple):
+class ShownQuantity(NamedTuple):
     """What is drawn, in the unit of the scale."""
 
     name: str  # name of the column
@@ -184,7 +184,7 @@ def sweep(
     if measured.unit == "m":  # a set or a displacement, in mm as in tables
         scale = engineering(measured.name, largest, "m")
     is_count = column.dtype.kind in "iub"
-    shown = Quantity(quantity, values * scale.factor, scale, is_count)
+    shown = ShownQuantity(quantity, values * scale.factor, scale, is_count)
     theory = None
     if quantity in COLUMNS:
         closed_form = pair_theory(result.system)
@@ -239,7 +239,7 @@ def _why_no_map(result: SweepResult, dimension: int) -> str:
 def _draw_curve(
     ax: Axes,
     axis: FamilyAxis,
-    shown: Quantity,
+    shown: ShownQuantity,
     theory: PairTheory | None,
     label: str | None,
 ) -> Picture:
@@ -325,7 +325,7 @@ def _named(ax: Axes) -> list[artist.Artist]:
 
 
 def _draw_law(
-    ax: Axes, axis: FamilyAxis, shown: Quantity, theory: PairTheory
+    ax: Axes, axis: FamilyAxis, shown: ShownQuantity, theory: PairTheory
 ) -> Line2D:
     """Draw the closed form as a wide line, also between the values of the family.
 
@@ -358,7 +358,7 @@ def _draw_law(
     return law
 
 
-def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: Quantity) -> Picture:
+def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: ShownQuantity) -> Picture:
     """Draw members in no order as points, and beside them a histogram of values."""
     format_family_axis(ax.xaxis, axis)
     (points,) = ax.plot(
@@ -391,7 +391,7 @@ def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: Quantity) -> Picture:
 
 
 def _draw_map(
-    ax: Axes, axes: list[FamilyAxis], shown: Quantity, theory: PairTheory | None
+    ax: Axes, axes: list[FamilyAxis], shown: ShownQuantity, theory: PairTheory | None
 ) -> Picture:
     """Draw values over two axes as cells, the first axis to the right.
 
@@ -445,7 +445,7 @@ class _MapColours(NamedTuple):
     norm: colors.Normalize
 
 
-def _map_colours(shown: Quantity) -> _MapColours:
+def _map_colours(shown: ShownQuantity) -> _MapColours:
     """Colours and limits: one colour a count, symmetric about 0 where signs differ.
 
     Numbers of one sign run from the least to the largest; equal ones, from or to 0.
@@ -474,7 +474,7 @@ def _map_colours(shown: Quantity) -> _MapColours:
 def _draw_equality(
     ax: Axes,
     axes: list[FamilyAxis],
-    shown: Quantity,
+    shown: ShownQuantity,
     theory: PairTheory,
     equality: Equality,
 ) -> contour.QuadContourSet | None:
@@ -514,7 +514,7 @@ def _equality_line(equality: Equality) -> Line2D:
     )
 
 
-def _set_count_ticks(axis: Axis, shown: Quantity) -> None:
+def _set_count_ticks(axis: Axis, shown: ShownQuantity) -> None:
     """Set ticks at whole numbers, or at each count its meaning in words."""
     if shown.words:
         axis.set_ticks(range(len(shown.words)), shown.words)

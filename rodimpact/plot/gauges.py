@@ -12,7 +12,7 @@ from ..results.gauges import Gauge
 from .labels import legend_above
 from .panels import Draft, Picture, axes_or_new, draw_zero, finish, format_axes
 from .sampling import steps_until, thinned
-from .scales import Scale, listed, time_scale, x_scale
+from .scales import Scale, joined_by_and, time_scale, x_scale
 from .style import colours, styled
 
 MICROSTRAIN = Scale(1e6, "strain", "microstrain")
@@ -144,7 +144,7 @@ def gauge(
     for each in records:
         places.append(f"{each.name} at {x_scale(each.x).write(each.x)}")
     lines = (strain, rightward, leftward, beyond, *windows.values())
-    title = f"gauge on {listed(places)}"
+    title = f"gauge on {joined_by_and(places)}"
     legend_above(ax, lines, title=title)
     picture = Picture(
         ax=ax,

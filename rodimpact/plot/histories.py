@@ -40,7 +40,7 @@ from .sampling import (
     steps_until,
     thinned,
 )
-from .scales import Scale, engineering, largest_of, time_scale, written
+from .scales import Scale, engineering, largest_of, quantity_text, time_scale
 from .style import DASHES, SMALL, colours, styled
 
 MAX_MARKED_EPISODES = 3  # episodes of a contact up to which their ends are named
@@ -309,7 +309,7 @@ class ContactCurves:
             if _has_impacts(history):
                 force = self._mean_force(history)
                 step = max(solution.fields.step, self.end / INTERVALS)
-                mean = f",\nmean over {written(step, 's')}"
+                mean = f",\nmean over {quantity_text(step, 's')}"
             else:
                 times, values, _ = history.breakpoints()
                 is_smooth = history.push.size > 1

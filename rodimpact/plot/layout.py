@@ -28,7 +28,7 @@ from ..results.solution import Solution
 from ..units import TIMES, format_factor
 from .labels import break_label
 from .sampling import middles, pieces, properties, rods_of
-from .scales import Scale, largest_of, written
+from .scales import Scale, largest_of, quantity_text
 
 MAGNIFICATIONS = "[1e-12, 1e15]"
 MIN_SPRING_LENGTH = 0.04  # length of a spring at its shortest, in lengths of the row
@@ -194,7 +194,7 @@ class PictureLayout:
             label = x._replace(name=name).label
             label += ", rods laid end to end, gaps left out"
         elif self.frame:
-            label += f" in a frame moving at {written(self.frame, 'm/s')}"
+            label += f" in a frame moving at {quantity_text(self.frame, 'm/s')}"
         if self.mass_width:
             width = f"{self.mass_width * x.factor:g} {x.unit}".rstrip()
             label += f", masses drawn {width} wide"

@@ -20,7 +20,13 @@ from .layout import choose_layout
 from .moments import contact_event_times
 from .panels import Draft, Picture, axes_or_new, finish, format_axes, units_per_point
 from .sampling import is_smooth, rods_of
-from .scales import NEGLIGIBLE_RTOL, engineering, listed, time_scale, written
+from .scales import (
+    NEGLIGIBLE_RTOL,
+    engineering,
+    joined_by_and,
+    quantity_text,
+    time_scale,
+)
 from .style import INK, SMALL, styled
 
 TIMES_WITH_RODS = 61  # energies bend like parabolas where a force acts
@@ -125,7 +131,7 @@ def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
     )
     frame = ""
     if energies.frame:
-        frame = f" in a frame moving at {written(energies.frame, 'm/s')}"
+        frame = f" in a frame moving at {quantity_text(energies.frame, 'm/s')}"
     top = 1.08 * max(energies.total, float(energies.supplied.max())) * scale.factor
     format_axes(
         ax,
@@ -142,7 +148,7 @@ def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
             color=INK,
             linewidth=1.2,
             linestyle="--",
-            label=f"initial energy and work of {listed(energies.workers)}",
+            label=f"initial energy and work of {joined_by_and(energies.workers)}",
         )
     picture = Picture(ax=ax, bands=bands, labels=[], work=work)
     start = np.zeros((1, x.size))

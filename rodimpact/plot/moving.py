@@ -43,7 +43,7 @@ from .moments import contact_event_times, events_at
 from .page import headline
 from .panels import format_axes, lay_out, new_figure, size_in_points
 from .polygons import drawn_until
-from .scales import axis_scales, with_minus_signs, written
+from .scales import axis_scales, quantity_text, with_minus_signs
 from .style import NORMAL, SMALL, colours, styled
 
 MAX_FRAMES = 10_000
@@ -176,7 +176,7 @@ class Animation:
         self._captions = [first]
         for t in self._event_times:
             events = events_at(solution, t).splitlines()
-            lines = [f"{written(t, 's')}:"]
+            lines = [f"{quantity_text(t, 's')}:"]
             for event in events:
                 lines += wrap_words(event, room).split("\n")
             caption = "\n".join(lines[:MAX_CAPTION_LINES])
@@ -205,9 +205,8 @@ class Animation:
             number = rounded.replace(",", "\N{NARROW NO-BREAK SPACE}")
             lines.append(f"slowed down {number} times")
         if stop < solution.t_end:
-            lines.append(
-                f"first {written(stop, 's')} of {written(solution.t_end, 's')}"
-            )
+            end = quantity_text(solution.t_end, "s")
+            lines.append(f"first {quantity_text(stop, 's')} of {end}")
         lines.append(LEGEND.replace(", ", ",\n"))
         position: dict[str, Any] = {"x": 0.0, "y": 0.0, "va": "baseline"}
         if self._is_narrow():

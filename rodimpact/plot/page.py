@@ -16,7 +16,14 @@ from .ledger import draft_energy
 from .panels import Draft, lay_out, new_figure
 from .polygons import drawn_until
 from .sampling import rods_of
-from .scales import closing_speed, digits, engineering, listed, time_scale, written
+from .scales import (
+    closing_speed,
+    engineering,
+    joined_by_and,
+    number_text,
+    quantity_text,
+    time_scale,
+)
 from .style import NORMAL, SMALL, styled, wanted_width
 
 PAGE = (11.7, 8.3)  # inches
@@ -148,7 +155,7 @@ def _notes(solution: Solution, stop: float) -> list[str]:
         notes.append(solution.status)
     if stop < solution.t_end:
         notes.append(
-            f"The upper pictures show the first {written(stop, 's')}; "
+            f"The upper pictures show the first {quantity_text(stop, 's')}; "
             "a longer interval would have too many regions to be legible."
         )
     return notes
@@ -164,11 +171,11 @@ def headline(solution: Solution) -> str:
     parts = [_bodies(solution)]
     speed = closing_speed(solution)
     if speed:
-        parts.append(f"closing speed {written(speed, 'm/s')}")
+        parts.append(f"closing speed {quantity_text(speed, 'm/s')}")
     if not outcome.why_no_restitution():
         parts.append(f"restitution e = {outcome.restitution:.4g}")
-        parts.append(f"impulse {written(outcome.impulse, 'N s')}")
-        parts.append(f"force duration {written(outcome.duration, 's')}")
+        parts.append(f"impulse {quantity_text(outcome.impulse, 'N s')}")
+        parts.append(f"force duration {quantity_text(outcome.duration, 's')}")
     elif solution.final and not any(c.episodes for c in outcome.contacts):
         parts.append("nothing collides")
     elif len(solution.system.bodies) <= MAX_NAMED_BODIES:
@@ -185,7 +192,7 @@ def _bodies(solution: Solution) -> str:
             parts.append(f"1 {singular}")
         elif count > 1:
             parts.append(f"{count} {plural}")
-    return listed(parts)
+    return joined_by_and(parts)
 
 
 def _velocities(solution: Solution) -> str:
@@ -195,6 +202,6 @@ def _velocities(solution: Solution) -> str:
     scale = engineering("", largest, "m/s")
     values = []
     for velocity in velocities:
-        values.append(digits(velocity * scale.factor, largest * scale.factor))
+        values.append(number_text(velocity * scale.factor, largest * scale.factor))
     when = "after" if solution.final else "at the end"
     return f"velocities {when} {', '.join(values)} {scale.unit}"

@@ -26,7 +26,7 @@ from .layout import PictureLayout
 from .moments import round_trips
 from .panels import format_axes, room_below, size_in_points
 from .sampling import rods_of
-from .scales import AxisScales, digits
+from .scales import AxisScales, number_text
 from .style import NORMAL
 
 NUMBER_COLUMN = 26.0  # points beside the axis of x, if it is upright, for its numbers
@@ -169,7 +169,7 @@ class Plane:
         numbers: dict[float, str] = {}
         for x in locator.tick_values(low, high):
             if low <= x <= high and _is_clear(x, marks, least):
-                numbers[x] = digits(x, high)
+                numbers[x] = number_text(x, high)
         ticks = numbers | marks
         labels = list(ticks.values())
         self.time_axis.set_ticks(list(ticks), labels=labels)
@@ -212,7 +212,7 @@ class Plane:
                 (rod.right, rod.right_number),
             ):
                 if _is_clear(x, numbers, least):
-                    numbers[x] = digits(number, last)
+                    numbers[x] = number_text(number, last)
         labels = list(numbers.values())
         self.x_axis.set_ticks(list(numbers), labels=labels)
 
@@ -238,7 +238,7 @@ class Plane:
         labels = []
         for rod, name in zip(rods, names, strict=True):
             symbol = length_name(system, rod.body)
-            number = digits(rod.right_number, rod.right_number)
+            number = number_text(rod.right_number, rod.right_number)
             free = (rod.right - rod.left) / per_point - text_width(number, size)
             needed = text_width(symbol, size) + NAME_GAP
             is_below = symbol == name  # the rod is named by the symbol already

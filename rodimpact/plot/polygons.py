@@ -21,7 +21,7 @@ from .labels import LETTER
 from .panels import size_in_points
 from .plane import Plane
 from .sampling import is_smooth
-from .scales import NEGLIGIBLE_RTOL, digits
+from .scales import NEGLIGIBLE_RTOL, number_text
 from .style import SMALL, colours, ink_on
 
 FRONT_SPACING = 12.0  # least mean distance between the lines of fronts, points
@@ -332,7 +332,7 @@ class Polygons:
         reach = (high - low) / 2
         # Three digits of differences: more where all values lie far from 0.
         count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
-        texts = [digits(value, reach, count) for value in self._numbers.tolist()]
+        texts = [number_text(value, reach, count) for value in self._numbers.tolist()]
         half_sizes = []
         for text in texts:
             half_sizes.append((0.35 * SMALL * len(text) + 1.0, 0.6 * SMALL + 1.0))

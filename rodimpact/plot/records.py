@@ -27,7 +27,7 @@ from .panels import (
     two_axes_or_new,
 )
 from .sampling import extreme_indices
-from .scales import engineering, largest_of, with_minus_signs, written
+from .scales import engineering, largest_of, quantity_text, with_minus_signs
 from .style import SMALL, colours, styled
 
 RESIDUAL_RANGE = 1.9  # length of the axis of the residual, in largest residuals
@@ -201,7 +201,7 @@ def _predicted(misfit: Misfit, measured: Signal, predicted: Signal) -> str:
     name = "predicted"
     if misfit.shift:
         direction = "later" if misfit.shift > 0 else "earlier"
-        name += f", {written(abs(misfit.shift), 's')} {direction}"
+        name += f", {quantity_text(abs(misfit.shift), 's')} {direction}"
         if "shift" in misfit.at_limit:
             name += " (at its limit)"
     if misfit.scale != 1:

@@ -54,8 +54,8 @@ class Scale(NamedTuple):
         return with_minus_signs(f"{value * self.factor:.3g} {self.unit}").strip()
 
 
-def written(value: float, unit: str) -> str:
-    """Write an SI value to three digits in its engineering unit."""
+def quantity_text(value: float, unit: str) -> str:
+    """An SI value as a text, to three digits in its engineering unit."""
     return engineering("", value, unit).write(value)
 
 
@@ -113,10 +113,11 @@ def largest_of(values: Floats) -> float:
     return float(np.abs(values).max())
 
 
-def digits(value: float, largest: float, count: int = 3) -> str:
-    """Write a number to some digits; round-off beside the largest number shown is 0.
+def number_text(value: float, largest: float, count: int = 3) -> str:
+    """A number as a text; round-off beside the largest number shown is 0.
 
-    A half is rounded away from 0, also if round-off makes it a little smaller.
+    `count` is the number of significant digits. A half is rounded away from 0, also if
+    round-off makes it a little smaller.
     """
     if abs(value) <= NEGLIGIBLE_RTOL * largest:
         return "0"
@@ -152,8 +153,8 @@ def multiple(value: float, unit: str) -> str:
     return text
 
 
-def listed(names: Sequence[str]) -> str:
-    """Write names as a list: a, b and c."""
+def joined_by_and(names: Sequence[str]) -> str:
+    """Names as a list in a sentence: a, b and c."""
     if len(names) == 1:
         return names[0]
     return f"{', '.join(names[:-1])} and {names[-1]}"

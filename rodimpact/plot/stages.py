@@ -40,12 +40,12 @@ from .panels import (
 from .sampling import rods_of
 from .scales import (
     closing_speed,
-    digits,
     engineering,
     first_rod,
     largest_of,
     multiple,
-    written,
+    number_text,
+    quantity_text,
     x_scale,
 )
 from .style import SMALL, centred, colours, ink_on, styled
@@ -158,7 +158,9 @@ def snapshots(
             fraction=0.03,
             aspect=50,
             shrink=0.6,
-            format=lambda value, _: digits(value * velocity.scale.factor, largest=0.0),
+            format=lambda value, _: number_text(
+                value * velocity.scale.factor, largest=0.0
+            ),
         )
     picture = Picture(
         ax=ax,
@@ -229,7 +231,7 @@ class _VelocityLabels:
         self._is_smooth = bars.is_smooth
         self.scale = engineering("velocity", self._largest, "m/s")
         if self._closing:
-            self.unit = f"closing speed v = {written(self._closing, 'm/s')}"
+            self.unit = f"closing speed v = {quantity_text(self._closing, 'm/s')}"
         else:
             self.unit = f"velocities ({self.scale.unit})"
 
@@ -248,7 +250,7 @@ class _VelocityLabels:
         if self._closing:
             return multiple(part, "v")
         largest = self._largest * self.scale.factor
-        return digits(part * self._largest * self.scale.factor, largest)
+        return number_text(part * self._largest * self.scale.factor, largest)
 
 
 def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
