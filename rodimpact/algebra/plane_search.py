@@ -214,7 +214,7 @@ class PlaneSearch:
     # Borders
 
     def _lattice_edges(self) -> Edges:
-        """Edges of the lattice, first those along x."""
+        """Edges of the lattice, first those along x, with the cells of their nodes."""
         shares = np.arange(LATTICE + 1) / LATTICE
         mesh = np.stack(np.meshgrid(shares, shares, indexing="ij"), axis=-1)
         nodes = _rounded(mesh.reshape(-1, 2))

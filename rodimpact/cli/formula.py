@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Formulas in the cell of the case, and in the cells beside a border."""
+    """Formulas in the cell of the case and in cells beside a border: text or LaTeX."""
     case = read_case(args.case)
     symbols = args.symbols.replace(" ", "").split(",")
     try:

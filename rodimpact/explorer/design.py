@@ -35,7 +35,8 @@ def with_gauges(case: Case) -> Case:
         raise InvalidModel([("bodies", "needs at least one rod")])
     if case.gauges:
         return case
-    return replace(case, gauges=(GaugePlace(rods[-1], 0.5),))
+    middle = GaugePlace(rods[-1], fraction=0.5)
+    return replace(case, gauges=(middle,))
 
 
 def tables_of(case: Case) -> dict[str, Any]:

@@ -223,7 +223,7 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     if "problem" in solution:
         path, message = solution["problem"]
         raise invalid_argument(path, f"{message} {solution['advice']}".strip())
-    # The solution does not tell which limit its run hit, so it is run once more.
+    # The solution does not tell which limit its run hit, so the page's run is repeated.
     collision = new_run(lay_out_family(build_row(system)))
     run = run_to_end(request, run_past_proof=True, run=collision).record
     is_cap_of_page = request.max_events < case.solve.get("max_events", MAX_EVENTS)

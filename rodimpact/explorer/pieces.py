@@ -327,7 +327,10 @@ def outcome_of(run: Any, errors: list[float], status: str) -> Any:
 
 
 def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
-    """Motion of the bodies at t = 0; each has one velocity and one strain."""
+    """Motion of the bodies at t = 0; each has one velocity and one strain.
+
+    Velocities of parts are those in the moving frame of the clock.
+    """
     velocities = []  # one for each group of bonded bodies
     for part in ended.parts:
         if part.part_count > 0:  # the first part of a group, which has its motion
@@ -347,8 +350,8 @@ def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
 def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
     """Motion of the bodies of a row at its last measurement.
 
-    The vibration energies are those of the parts. The kinetic energy is not measured,
-    so it is NaN.
+    The vibration energies are those of the parts, whose velocities are those in the
+    moving frame of the clock. The kinetic energy is not measured, so it is NaN.
     """
     velocities = []  # one for each group of bonded bodies
     vibration = []

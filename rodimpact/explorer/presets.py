@@ -29,20 +29,20 @@ def presets() -> list[Preset]:
             "identical",
             "Identical rods",
             "They swap velocities: e = 1, and nothing is left to vibrate.",
-            case_of([steel_rod(1.0, 1.0), steel_rod(1.0)], gauges=[1]),
+            case_of([steel_rod(1.0, velocity=1.0), steel_rod(1.0)], gauges=[1]),
         ),
         Preset(
             "wall",
             "A rod on a rigid wall",
             "The wave runs to the free end and back; the rod leaves as fast as it "
             "came.",
-            case_of([steel_rod(1.0, 1.0), Wall()], gauges=[0]),
+            case_of([steel_rod(1.0, velocity=1.0), Wall()], gauges=[0]),
         ),
         Preset(
             "unequal",
             "Rods of different length",
             "The short rod stops dead, the long one keeps vibrating: e = l₁/l₂.",
-            case_of([steel_rod(0.4, 1.0), steel_rod(1.0)], gauges=[1]),
+            case_of([steel_rod(0.4, velocity=1.0), steel_rod(1.0)], gauges=[1]),
         ),
         Preset(
             "equal-transits",
@@ -51,7 +51,7 @@ def presets() -> list[Preset]:
             "impedances are.",
             case_of(
                 [
-                    steel_rod(1.0, 1.0),
+                    steel_rod(1.0, velocity=1.0),
                     Rod(0.5, area=3 * AREA, material=HALF_SPEED_METAL),
                 ],
                 gauges=[1],
@@ -63,21 +63,22 @@ def presets() -> list[Preset]:
             "A striker sends a pulse twice its length through the incident and the "
             "transmission bar, past a gauge on each.",
             case_of(
-                [steel_rod(0.2, 10.0), steel_rod(1.0), steel_rod(1.0)], gauges=[1, 2]
+                [steel_rod(0.2, velocity=10.0), steel_rod(1.0), steel_rod(1.0)],
+                gauges=[1, 2],
             ),
         ),
         Preset(
             "chain",
             "Chain of five",
             "Equal rods hand the velocity on; the last one leaves with all of it.",
-            case_of([steel_rod(0.2, 1.0), *[steel_rod(0.2)] * 4], gauges=[2]),
+            case_of([steel_rod(0.2, velocity=1.0), *[steel_rod(0.2)] * 4], gauges=[2]),
         ),
     ]
 
 
 def case_of(bodies: list[Rod | Wall], gauges: list[int]) -> Case:
     """Case of these bodies, with a gauge in the middle of each rod in `gauges`."""
-    places = tuple(GaugePlace(body, 0.5) for body in gauges)
+    places = tuple(GaugePlace(body, fraction=0.5) for body in gauges)
     return Case(System(bodies), gauges=places)
 
 

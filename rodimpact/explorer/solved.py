@@ -63,6 +63,8 @@ def scene_of(
 def scene_of_solution(system: Any, gauges: Any, solution: Any) -> Any:
     """All that the page shows of a solved collision.
 
+    The solution gets two more entries for `page_data`, ``exact`` and ``gauges``.
+
     Parameters
     ----------
     system : System
