@@ -188,8 +188,8 @@ class Animation:
         """Widen the axis of x so that bodies are inside before they touch."""
         starts = []
         for body in range(len(layout.left)):
-            start = layout.end(body, is_right=False, t=self.times[0])
-            starts.append(float(start))
+            left_end = layout.end(body, is_right=False, t=self.times[0])
+            starts.append(float(left_end))
         start = min(starts) - 0.02 * layout.row_length
         left = start * self._bars.x_scale.factor
         ax.set_xlim(left=min(ax.get_xlim()[0], left))
