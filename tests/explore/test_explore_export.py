@@ -90,6 +90,7 @@ def page(case, tmp_path):
 
 
 def test_no_element_of_the_page_asks_for_an_address(page):
+    assert page.elements
     for tag, attributes in page.elements:
         assert not {"src", "srcset", "action", "data"} & set(attributes), tag
         assert attributes.get("href", "data:") in ("data:", "data:,"), tag

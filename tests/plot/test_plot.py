@@ -142,6 +142,8 @@ def test_rods_never_overlap_and_gaps_are_drawn_to_the_same_scale(solved, name):
     bodies = solution.system.bodies
     rods = [i for i, body in enumerate(bodies) if isinstance(body, ri.Rod)]
     times = np.linspace(0, solution.t_end, 50)
+    # The right end of each rod but the last, and the left end of the next one: the
+    # contact between them has the number of the first.
     for right, left, k in zip(paths[1:-1:2], paths[2::2], rods, strict=False):
         right_end = np.interp(times, right[:, 1] / scale, right[:, 0])
         left_end = np.interp(times, left[:, 1] / scale, left[:, 0])
