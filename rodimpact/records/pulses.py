@@ -195,7 +195,8 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
 
     It is the zero of the parabola through the rise, from a twentieth to 0.6 of the
     plateau. The bar has lost the first moments of the rise; most of the rest of it is
-    known. A steep pulse begins at its `line_onset`.
+    known. A steep pulse, and one whose parabola has no zero before the end of the rise,
+    begins at its `line_onset`.
     """
     relative = np.sign(pulse.plateau) * values / abs(pulse.plateau)
     # The rise has the samples from `begin` to `end` - 1.
@@ -208,6 +209,7 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
         return line_onset(times, values, pulse)
     rise_times = times[begin:end] - pulse.start
     parabola = np.polyfit(rise_times, relative[begin:end], 2)
+    # The begin is the zero that lies nearest to the first sample of the rise.
     zeros = np.roots(parabola)
     real_zeros = zeros[np.isreal(zeros)].real
     earlier = real_zeros[real_zeros < rise_times[-1]]

@@ -390,6 +390,9 @@ class Signal(Frozen):
     ) -> Signal:
         """Return a computed signal as a gauge and its amplifier would record it.
 
+        The gauge averages first; then the amplifier filters, scales and shifts the
+        signal.
+
         Parameters
         ----------
         gauge_length : float
