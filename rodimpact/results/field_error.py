@@ -77,7 +77,7 @@ def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> Fie
     FieldError
         With q(h) a value on the finer mesh and q(g) that on a coarser one, the largest
         of share abs(q(g) - q(h)) over all rods, points, coarser meshes, and times near
-        t; see `Coarser`.
+        t; see `Coarser`. Velocity and stress are inf where waves are steep.
     """
     errors: dict[str, Floats] = {}
     for name in FieldError._fields:

@@ -63,7 +63,10 @@ class PairTheory(NamedTuple):
         """
 
         def between(values: Floats) -> Floats:
-            """Values of the members, interpolated at those that are wanted."""
+            """Values of the members, interpolated by logarithms at the wanted ones.
+
+            Values that have no logarithm are interpolated themselves.
+            """
             if (values <= 0).any() or np.isinf(values).any():  # without logarithms
                 return np.interp(wanted, members, values)
             logarithms = np.interp(wanted, members, np.log(values))
