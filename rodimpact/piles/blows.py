@@ -240,7 +240,7 @@ def check_pile(system: Any) -> PileRow:
         system.ends == (FREE, FREE), "ends", "must be free; a wall stands below the toe"
     )
     bodies = system.bodies
-    wall_message = "must end with a Wall, the ground far below the toe"
+    wall_message = "must end with a wall, the ground far below the toe"
     demand(len(bodies) >= 3 and isinstance(bodies[-1], Wall), "bodies", wall_message)
     ram_message = "must be the ram: a RigidMass or Rod with a velocity to the right"
     is_body = isinstance(bodies[0], Rod | RigidMass)

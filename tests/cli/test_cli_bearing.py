@@ -129,4 +129,4 @@ def test_a_wrong_number_is_refused_by_its_option(argv, message, refuses):
 
 @pytest.mark.usefixtures("case")
 def test_a_case_that_is_no_pile_is_refused(refuses):
-    refuses(bearing(*GRID), "bodies: must end with a Wall")
+    refuses(bearing(*GRID), "bodies: must end with a wall")

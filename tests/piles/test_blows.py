@@ -317,7 +317,7 @@ def test_a_pile_of_two_rods_has_set_and_tension_of_one_rod():
 
 
 REFUSED = [
-    (ri.System([RAM, PILE]), "bodies: must end with a Wall"),
+    (ri.System([RAM, PILE]), "bodies: must end with a wall"),
     (
         ri.System(
             [RAM.replace(velocity=-1.0), PILE, ri.Wall()], contacts=[CUSHION, TOE]
