@@ -373,9 +373,9 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     w = x1 - x0
     if law == Law.POWER:
         F, dF = mean_power(k, link.exponent, x0, x1)
-    elif law == Law.YIELD and x1 > link.yield_force / k:
+    elif law == Law.YIELD and w > 0 and x1 > link.yield_force / k:
+        # x0 is at most the overlap at which it yields, but for round-off.
         end_force, work, _ = load_plastically(link, x0, x1)
-        # Here w > 0: x0 is at most the overlap at which it yields, and x1 is more.
         F = work / w
         # The derivative of work/w is this, as that of the work is the force at its end.
         dF = max((end_force - F) / w, 0.0)

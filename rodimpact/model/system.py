@@ -47,6 +47,11 @@ GAP = QuantityField("m", "non-negative", "gap", default=0.0)
 """Gap of a contact that cannot begin pressed."""
 GAP_OR_OVERLAP = QuantityField("m", label="gap")
 """Gap of a compliant contact: minus the overlap where it begins pressed."""
+ELASTIC_RTOL = 1e-9
+"""Relative round-off by which an overlap may be beyond that at which a contact yields.
+
+It is computed from a force, and the force from an overlap.
+"""
 LOSSLESS = {"viscosity": 0, "damping": 0, "restitution": 1}
 """Numbers of a motion without losses, which can be reversed in time."""
 _BODIES = get_args(Body)
@@ -527,6 +532,8 @@ def _check_contact(
         frozen.require(problems, is_closed, f"gaps.{i}", message, gap)
     elif isinstance(law, Rigid):
         _check_rigid(problems, i, law, pair)
+    elif isinstance(law, Plastic):
+        _check_elastic_overlap(problems, i, law, gap)
 
 
 def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
@@ -606,3 +613,22 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
 def _class_names(classes: tuple[type, ...]) -> str:
     """Names of classes with commas between them."""
     return ", ".join(kind.__name__ for kind in classes)
+
+
+def _check_elastic_overlap(
+    problems: Problems, i: int, law: Plastic, gap: Number
+) -> None:
+    """Add a problem of contact i if it begins pressed farther than where it yields.
+
+    Its overlap counts from the yielded faces: it is elastic, and the force is no more
+    than the yield force.
+    """
+    least_gap = -np.divide(law.yield_force, law.stiffness)
+    is_elastic = np.greater_equal(gap, least_gap * (1 + ELASTIC_RTOL))
+    message = (
+        "must be {0!r} m or more, minus the overlap at which the contact yields, got "
+        "{1!r}; a contact that was pressed farther is law.hardened(force), with the "
+        "gap -force/stiffness"
+    )
+    shown_gap = np.round(least_gap, 12) + 0.0  # 0.0 for a cushion, which yields at once
+    frozen.require(problems, is_elastic, f"gaps.{i}", message, shown_gap, gap)

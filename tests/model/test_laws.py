@@ -431,3 +431,45 @@ def test_points_of_a_table_may_have_units_in_a_case_file():
     wrong = text.replace("2000.0]", '"2 mm"]')
     with pytest.raises(ValueError, match=r"contacts\.0\.force\.1"):
         ri.parse_case(wrong)
+
+
+# Contacts that begin pressed ----------------------------------------------------------
+
+
+def pressed_cushion(law, gap):
+    """A mass at rest that presses a rod through a law, with minus the overlap as gap."""
+    mass = ri.RigidMass(500.0)
+    bar = ri.Rod(1.0, area=9.4e-3, material=ri.materials.steel)
+    return ri.System([mass, bar], contacts=[law], gaps=[gap])
+
+
+@pytest.mark.parametrize(
+    ("law", "least_gap"),
+    [
+        (ri.Cushion(1e9, restitution=0.8), "0.0"),
+        (ri.Yielding(1e9, 1e4, hardening=1e8), "-1e-05"),
+        (ri.SmithToe(1e5, 2.5e-3), "-0.0025"),
+    ],
+)
+def test_an_overlap_beyond_that_of_yielding_is_refused(law, least_gap):
+    with pytest.raises(
+        ri.InvalidModel, match=f"^gaps.0: must be {least_gap} m or more"
+    ):
+        pressed_cushion(law, -1e-2)
+
+
+@pytest.mark.parametrize("excess", [0.0, 1e-10])
+def test_a_cushion_that_begins_pressed_at_rest_pushes_alike_by_both_methods(excess):
+    """Round-off may put its overlap just beyond that at which it yields."""
+    law = ri.Cushion(1e9, restitution=0.8).hardened(1e4)
+    system = pressed_cushion(law, -1e4 / law.stiffness * (1 + excess))
+
+    by_waves = ri.solve(system, until=1e-3, method="characteristics").outcome
+    on_grid = ri.solve(
+        system, until=1e-3, method="finite-difference", cells=200
+    ).outcome
+
+    assert on_grid.velocities_after == pytest.approx(
+        by_waves.velocities_after, rel=5e-3
+    )
+    assert by_waves.contacts[0].peak_force == pytest.approx(1e4, rel=1e-6)
