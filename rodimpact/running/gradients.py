@@ -793,7 +793,9 @@ def _per(unit: str, other: str) -> str:
         _multiply(powers, unit, 1)
         _multiply(powers, other, -1)
     except ValueError:
-        return f"{unit or 1}/({other})"
+        if not unit:
+            unit = "1"
+        return f"{unit}/({other})"
     above = [_power(symbol, n) for symbol, n in powers.items() if n > 0]
     below = [_power(symbol, -n) for symbol, n in powers.items() if n < 0]
     text = " ".join(above)
@@ -816,9 +818,12 @@ def _multiply(powers: dict[str, float], unit: str, sign: int) -> None:
     above, _, below = unit.partition("/")
     for product, direction in ((above, sign), (below, -sign)):
         for factor in product.split():
-            symbol, _, power = factor.partition("^")
+            symbol, has_power, exponent = factor.partition("^")
+            power = 1.0
+            if has_power:
+                power = float(exponent)
             if symbol != "1":
-                powers[symbol] = powers.get(symbol, 0.0) + direction * float(power or 1)
+                powers[symbol] = powers.get(symbol, 0.0) + direction * power
 
 
 def _power(symbol: str, power: float) -> str:
