@@ -14,10 +14,8 @@ import numpy as np
 from scipy.fft import dct
 from scipy.optimize import brentq
 
-MODES = 400
-FREE_MODES = (
-    4096  # of which there are more, as the rod is bent at the wall when it opens
-)
+MODES = 400  # while the rod presses
+FREE_MODES = 4096  # afterwards: the strain at the wall is not 0 when the rod opens
 
 
 class Fields(NamedTuple):
@@ -50,9 +48,9 @@ class Modes(NamedTuple):
         fast_share = (v0 - slow * u0) / (fast - slow + (w == 0))
         slow_share = u0 - fast_share
         q = fast_share * np.exp(fast * t) + slow_share * np.exp(slow * t)
-        rate = fast_share * fast * np.exp(fast * t) + slow_share * slow * np.exp(
-            slow * t
-        )
+        fast_rate = fast_share * fast * np.exp(fast * t)
+        slow_rate = slow_share * slow * np.exp(slow * t)
+        rate = fast_rate + slow_rate
         q = np.where(w == 0, u0 + v0 * t, q).real
         rate = np.where(w == 0, v0 + 0 * t, rate).real
         return q, rate
@@ -66,7 +64,7 @@ class Modes(NamedTuple):
 
 
 def pressing_modes():
-    """The rod from its touching on."""
+    """Modes of the rod from its touching on, as it has unit velocity everywhere."""
     half_orders = np.arange(MODES) + 0.5
     frequency = half_orders * math.pi
     velocity = 2 * (-1.0) ** np.arange(MODES) / frequency

@@ -77,15 +77,16 @@ def random_linear_row(seed):
     joints = []
     for i in range(count):
         after_mass = i > 0 and pieces[-1].units == 0
-        velocity = (
-            float(rng.uniform(-1, 1)) if jumping or i == 0 else pieces[0].velocity
-        )
+        if jumping or i == 0:
+            velocity = float(rng.uniform(-1, 1))
+        else:
+            velocity = pieces[0].velocity
         joint = None
         if i > 0 and rng.random() < 0.4:
             joint = (float(rng.uniform(0.5, 20)), float(rng.choice([0.0, 0.3])))
         if i > 0 and rng.random() < 0.3 and not after_mass:
-            if joint is None:
-                velocity = pieces[-1].velocity if not jumping else velocity
+            if joint is None and not jumping:
+                velocity = pieces[-1].velocity
             pieces.append(Piece(float(rng.uniform(0.1, 2)), 0, velocity))
         else:
             pieces.append(
@@ -101,12 +102,15 @@ def random_linear_row(seed):
             continue
         rate = float(rng.uniform(1, 4))
         size = float(rng.uniform(-0.7, 0.7))
-        start = pieces[side].velocity if kind == "velocity" and not jumping else 0.0
+        start = 0.0
+        if kind == "velocity" and not jumping:
+            start = pieces[side].velocity
         drives.append((str(kind), _sine(start, size, rate)))
     return LinearRow(pieces, joints, drives)
 
 
 def _sine(start, size, rate):
+    """A drive as a function of time, s."""
     return lambda t: start + size * np.sin(rate * t)
 
 

@@ -174,17 +174,15 @@ def _terms(row, slope, k, until):
 
 
 class _Solved(NamedTuple):
-    P: np.ndarray
+    """One contact over one interval, at the points and at the end."""
+
+    P: np.ndarray  # impulse
     force: np.ndarray
-    Q: np.ndarray
+    Q: np.ndarray  # derivative of the impulse
     P_end: float
     Q_end: float
-    change: (
-        float  # share of the interval after which the contact opens or closes; else 1
-    )
-    tail: (
-        float  # last coefficients of the polynomial of the force, or of its derivative
-    )
+    change: float  # share of the interval after which it opens or closes; else 1
+    tail: float  # last coefficients of the force, or of its derivative
 
 
 def _contact(row, slope, k, terms, begin, h, P0, Q0, edges, history):

@@ -27,22 +27,24 @@ from numpy.polynomial import chebyshev, legendre
 
 import rodimpact as ri
 
-STAGES = 14
+STAGES = 14  # points of collocation in a cell
 GAUSS, WEIGHTS = legendre.leggauss(STAGES)
 CHECKS = np.cos(np.pi * np.arange(40, -1, -1) / 40)  # -1 to 1, closer at both ends
 PLACES = np.sort(np.concatenate((GAUSS, CHECKS)))
 IS_GAUSS = np.isin(PLACES, GAUSS)
 FROM_VALUES = np.linalg.inv(chebyshev.chebvander(GAUSS, STAGES - 1))
+"""Matrix from values at the Gauss points to Chebyshev coefficients."""
 AT_CHECKS = chebyshev.chebvander(CHECKS, STAGES - 1) @ FROM_VALUES
+"""Matrix from values at the Gauss points to those at the checks."""
 CHECK_SERIES = np.linalg.pinv(chebyshev.chebvander(CHECKS, 2 * STAGES))
+"""Matrix from values at the checks to Chebyshev coefficients of twice the degree."""
 
 
 def evaluate(coefficients, places):
     """Sum of the Chebyshev series at places from -1 to 1: c_k cos(k arccos(y))."""
     angles = np.arccos(np.minimum(1.0, np.maximum(-1.0, places)))
-    return (
-        np.cos(np.multiply.outer(angles, np.arange(len(coefficients)))) @ coefficients
-    )
+    orders = np.arange(len(coefficients))
+    return np.cos(np.multiply.outer(angles, orders)) @ coefficients
 
 
 def integration_matrix(points):
@@ -92,14 +94,14 @@ class Line:
         self.reading = 0
 
     def known_until(self):
+        """Time until which what arrives is known, s."""
         return self.cells[-1].stop + self.transit
 
     def move_on(self, time):
         """Let reading begin with the cell that arrives just after `time`."""
         last = len(self.cells) - 1
-        while self.reading < last and self.cells[self.reading].stop <= time - (
-            self.transit
-        ):
+        sent_at = time - self.transit
+        while self.reading < last and self.cells[self.reading].stop <= sent_at:
             self.reading += 1
 
     def next_break(self, time, end):
@@ -113,6 +115,7 @@ class Line:
         return end
 
     def breaks_at(self, time):
+        """Whether a breakpoint arrives just at `time`."""
         cell = self.cells[self.reading]
         return cell.breaks and cell.start + self.transit == time
 
@@ -184,6 +187,7 @@ class Link:
         return top / (1 + np.abs(elastic) * self.damping * self.mobility)
 
     def overlap_rate(self, closing, force):
+        """Rate of the overlap, m/s, from the closing rate without the own force."""
         if self.rigid and self.state == PRESSED:
             return np.zeros_like(closing)
         rate = closing - self.mobility * force
@@ -218,6 +222,7 @@ class Link:
         return [left]
 
     def change_to(self, state, time, force):
+        """Take on a state at `time`, at which the force is this one, N."""
         if self.state == PLASTIC:
             self.strength = force
         if state == OPEN:
@@ -242,14 +247,20 @@ class Node:
         self.broken = True  # whether a breakpoint is at `time`
 
     def moving(self):
+        """Indices of the bodies of the chain that are masses."""
         return [i for i, mass in enumerate(self.masses) if mass is not None]
 
     def state(self):
+        """Overlaps of the links, then velocities of the masses."""
         overlaps = [link.overlap for link in self.links]
         return np.array(overlaps + [self.speeds[i] for i in self.moving()])
 
     def unpack(self, states, waves):
-        """Overlaps, closing rates without own forces, and forces of all links."""
+        """Closing rates without own forces, and forces of all links, each [time].
+
+        `states` is [time, overlap or velocity], `waves` what comes in from the left and
+        from the right.
+        """
         count = len(self.links)
         moving = self.moving()
         velocities = []
@@ -269,6 +280,7 @@ class Node:
         return closings, forces
 
     def rates(self, states, waves):
+        """Derivatives of the states by time, [time, overlap or velocity]."""
         closings, forces = self.unpack(states, waves)
         rates_of_state = np.empty_like(states)
         for i, link in enumerate(self.links):
@@ -425,14 +437,16 @@ class Row:
             force = solved.forces_at_checks[node.links.index(link)][-1]
             link.change_to(state, stop, float(force))
             node.broken = True
-        growth = 3.0 if solved.defect < 0.02 * self.tolerance * self.speed else 1.3
-        node.length = (
-            growth * (stop - start)
-            if stop < end
-            else max(node.length, growth * (stop - start))
-        )
+        growth = 1.3
+        if solved.defect < 0.02 * self.tolerance * self.speed:
+            growth = 3.0
+        next_length = growth * (stop - start)
+        if stop == end:  # a breakpoint cut this cell short
+            next_length = max(node.length, next_length)
+        node.length = next_length
 
     def _solve(self, node, start, stop):
+        """Solve one cell of a node: `Solved`, whether it is accepted or not."""
         half = 0.5 * (stop - start)
         times = start + half * (1 + PLACES)
         at_gauss = [None, None]
@@ -562,8 +576,9 @@ class Row:
         node.time = stop
 
     def totals(self):
+        """Outcome so far: `Totals`. Rods have the velocities of their momenta."""
         impulses = [link.impulse for link in self.links]
-        pushes = [0.0, *impulses, 0.0]
+        pushes = [0.0, *impulses, 0.0]  # on the left of each body, and of the last
         velocities = []
         for i, body in enumerate(self.system.bodies):
             gained = 0.0

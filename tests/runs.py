@@ -18,10 +18,12 @@ MAKERS = {FrontRun: fronts.make_run, GridRun: grid.make_run}
 
 
 def tracked(system, until=None, max_events=MAX_EVENTS):
+    """A run by fronts, before a `Run` is made of it."""
     return fronts.run_fronts(build_row(system), until, max_events)
 
 
 def solution_of(run, until=None):
+    """The solution that a run by fronts or on a grid makes."""
     return Solution(MAKERS[type(run)](run, until), Options(until))
 
 
@@ -29,15 +31,11 @@ def bits_of(system, until, compiling, max_events=4000):
     """All that a run by fronts leaves, bit for bit."""
     with kernels.forced(compiling):
         run = tracked(system, until, max_events)
-    left = run.batch
-    assert left.is_compiled == compiling
-    return [
-        run.log.tobytes(),
-        *(
-            left.array(name).tobytes()
-            for name in ("runs", "segments", "nodes", "lines")
-        ),
-    ]
+    assert run.batch.is_compiled == compiling
+    bits = [run.log.tobytes()]
+    for name in ("runs", "segments", "nodes", "lines"):
+        bits.append(run.batch.array(name).tobytes())
+    return bits
 
 
 def records_of(run):
@@ -54,8 +52,8 @@ def records_of(run):
 
 
 def group_of(run, contact, right):
-    """Motion of the bonded group on one side of a contact, and bounds of its end, by
-    the proof.
+    """Record of the bonded group on one side of a contact, the right one or not, with
+    its mean motion and the bounds of its end by the proof.
     """
     k = run.layout.contacts[contact]
     for find in (finality.find_mean_motions, finality.bound_deviations):
