@@ -174,8 +174,8 @@ def blocks(kind):
     cases = []
     for page in sorted((ROOT / "docs").glob("*.md")):
         text = page.read_text("utf-8")
-        found = re.findall(rf"^```{kind}\n(.*?)^```", text, re.S | re.M)
-        for i, block in enumerate(found):
+        blocks_of_page = re.findall(rf"^```{kind}\n(.*?)^```", text, re.S | re.M)
+        for i, block in enumerate(blocks_of_page):
             cases.append(pytest.param(block, id=f"{page.stem} {i}"))
     return cases
 

@@ -75,8 +75,8 @@ def each_page(find):
     """Cases for `parametrize`: what a function finds in the text of each page."""
     cases = []
     for page in PAGES:
-        for found in sorted(set(find(page.read_text("utf-8")))):
-            cases.append(pytest.param(found, id=f"{page.stem}: {found}"[:80]))
+        for mention in sorted(set(find(page.read_text("utf-8")))):
+            cases.append(pytest.param(mention, id=f"{page.stem}: {mention}"[:80]))
     return cases
 
 
@@ -100,13 +100,13 @@ def test_names_of_the_package_exist(path):
 
 def attributes_of_objects(text):
     """Texts like `solution.outcome`, of the variables in `OBJECTS`."""
-    found = []
+    attributes = []
     variables = "|".join(OBJECTS)
     for span in spans(text):
         if span.startswith("["):  # a table of a case file
             continue
-        found += re.findall(rf"\b((?:{variables})\.[a-z_]+)", span)
-    return found
+        attributes += re.findall(rf"\b((?:{variables})\.[a-z_]+)", span)
+    return attributes
 
 
 @pytest.mark.parametrize("path", each_page(attributes_of_objects))
@@ -119,13 +119,13 @@ def test_attributes_of_objects_exist(path):
 
 def files(text):
     """Names of files and folders, in code and in links."""
-    found = []
+    names = []
     for span in spans(text):
         if re.fullmatch(rf"[\w./-]+\.({SUFFIXES})|[\w.-]+(/[\w.-]+)*/", span):
-            found.append(span)
+            names.append(span)
     links = re.findall(r"\]\(([^)#\s]+)", text)
-    found += [link for link in links if "://" not in link]
-    return found
+    names += [link for link in links if "://" not in link]
+    return names
 
 
 @pytest.mark.parametrize("name", each_page(files))

@@ -180,7 +180,7 @@ CASES = [  # a text of a case file, what stands in its place, and the answer
 
 
 @pytest.fixture(scope="module")
-def known():
+def names():
     """Names that the guesses use."""
     steel = ri.materials.steel
     rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
@@ -204,9 +204,9 @@ def known():
 
 
 @pytest.mark.parametrize(("guess", "remedy"), NAMES + UNITS + KEYWORDS + SHAPES)
-def test_a_wrong_guess_in_python_is_answered_by_a_remedy(guess, remedy, known):
+def test_a_wrong_guess_in_python_is_answered_by_a_remedy(guess, remedy, names):
     with pytest.raises((AttributeError, LookupError, TypeError, ValueError)) as caught:
-        eval(guess, dict(known))
+        eval(guess, dict(names))
     assert remedy in str(caught.value)
 
 
@@ -278,13 +278,13 @@ def test_a_missing_record_names_a_file_that_is_there(tmp_path):
         ri.read_signals(tmp_path / "shots.csv")
 
 
-def test_results_that_an_object_does_not_have_are_missing_attributes(known):
+def test_results_that_an_object_does_not_have_are_missing_attributes(names):
     """So `hasattr`, and tools that ask for all attributes, get an answer."""
-    rod = known["rod"]
+    rod = names["rod"]
     row = ri.System([rod, rod.replace(velocity=0.0), ri.Wall()])
     solution_of_two_contacts = ri.solve(row)
     outcome = solution_of_two_contacts.outcome
-    family = known["family"]
+    family = names["family"]
 
     assert not hasattr(family, "dissipated")
     assert getattr(family, "sets", None) is None
@@ -295,8 +295,8 @@ def test_results_that_an_object_does_not_have_are_missing_attributes(known):
         assert copy.copy(result) is not result
 
 
-def test_private_names_and_those_that_python_asks_for_get_no_hint(known):
-    solution = known["solution"]
+def test_private_names_and_those_that_python_asks_for_get_no_hint(names):
+    solution = names["solution"]
     assert not hasattr(solution, "__array__")
     with pytest.raises(AttributeError) as caught:
         _ = solution._private
