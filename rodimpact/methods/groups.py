@@ -146,8 +146,9 @@ def fill_bonds(
     """Return the forces of all contacts, also those between bonded rigid bodies.
 
     By Newton's law the force on the right of a rigid body is that on its left less m
-    dv/dt. Forces between a wall on the left and the first rod follow from the right, as
-    what pushes a wall is not known; `pushed` is not used then.
+    dv/dt. Forces between a wall on the left and the first contact whose force is known
+    follow from the right, as what pushes a wall is not known. `pushed` counts without
+    such a wall, or if no force is known.
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ def link_of_contact(law: Any, gap: Any) -> Any:
     A rigid contact with a restitution is an impact (IMPACT). The page has this as
     JavaScript.
     """
-    link = link_of(KINDS[law.law])
+    link = link_of(KINDS[law.law])  # law.law is the name of its kind
     link.gap = gap
     for name in FILLED[law.law]:
         setattr(link, name, getattr(law, name))

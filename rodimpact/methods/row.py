@@ -97,6 +97,7 @@ class Row:
         ("outside", side), ("mass", m) or ("segment", s).
         """
         stands = [("outside", 0)]  # all that stands in the row, from left to right
+        # Node k has the masses from `start` to `stop` - 1; segment k + 1 follows it.
         for k, (start, stop) in enumerate(pairwise(self.first_mass)):
             for m in range(start, stop):
                 stands.append(("mass", m))

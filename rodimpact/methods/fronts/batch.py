@@ -58,7 +58,8 @@ class RunRequest(NamedTuple):
     def store(self, run: Run) -> None:
         """Store the request in the record of a run; flags become 0 or 1.
 
-        No end becomes -1, which is one default horizon: -until is the share of it.
+        An `until` of the record below 0 stands for -until default horizons: without an
+        end it is -1, one of them.
         """
         run.until = -1.0 if self.until is None else self.until
         run.max_events = self.max_events
@@ -159,9 +160,9 @@ class FrontBatch(Batch[State]):
 
 
 def expected_events(run: Run) -> int | None:
-    """Estimated number of events of a run to a given time; None where a proof ends it.
+    """Estimated number of events of a run to a given time, at most its `max_events`.
 
-    It is None, too, as long as the run is at t = 0.
+    It is None where a proof ends the run, and as long as the run is at t = 0.
     """
     if run.end_tick <= 0 or run.now <= 0:  # NONE is below 0
         return None

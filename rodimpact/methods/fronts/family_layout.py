@@ -150,9 +150,9 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
         strain = 0.0
         if body.kind == "rod":
             strain = body.strain
-        elif i == 0:  # a wall is what lies outside: on the left
+        elif i == 0:  # a wall on the left, which is what lies outside there
             first = 0
-        else:  # or on the right
+        else:  # a wall on the right
             first = outside
         profile = append_profile(
             values, first, body.velocity, strain, BoundaryKind.STEADY.value

@@ -162,9 +162,10 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
 def measure_waves(state: State, s: int, now: int) -> None:
     """Set mean velocity and velocity bounds of the group of segment s from its waves.
 
-    The mean velocity is momentum over mass: sum of (1/Y) integral(a + b) over the sum
-    of 2 T/Y. The bounds are those of all its waves; they bound its end if it is a
-    single segment.
+    The velocity is (a + b)/2. So the mean velocity, momentum over mass, is the sum of
+    (1/Y) integral(a + b) over the sum of 2 T/Y. The bounds are those of all its waves:
+    a free end has the velocity of the wave that arrives there. They bound the end of
+    the group if it is a single segment.
     """
     segments = state.segments
     lines = state.lines
@@ -173,7 +174,7 @@ def measure_waves(state: State, s: int, now: int) -> None:
     first = group.group_first
     last = group.group_last
     # Both are summed over either wave: twice the mass, and twice the momentum
-    mass = 0 * lines[2 * first].incoming_wave
+    mass = 0 * lines[2 * first].incoming_wave  # 0 of the same kind of number
     momentum = mass
     lowest = lines[2 * first].incoming_wave
     highest = lowest
@@ -190,8 +191,9 @@ def measure_waves(state: State, s: int, now: int) -> None:
             highest = max(highest, wave)
             while r != NONE:
                 front = log[r]
-                momentum += impedance * wave * (edge - now + front.tick)
-                edge = now - front.tick
+                low = now - front.tick  # ticks since this wave was last sent
+                momentum += impedance * wave * (edge - low)
+                edge = low
                 wave = front.value
                 lowest = min(lowest, wave)
                 highest = max(highest, wave)
@@ -218,7 +220,7 @@ def bound_deviations(state: State, k: int, now: int) -> None:
     at the far end gives way by Y p, p the momentum that it has taken; as
     p <= sqrt(2 m U), m Y^2 is added to the integral, the `compliance_integral`. The
     results are stored in the segments k and k + 1, where `find_mean_motions` has stored
-    the mean velocities. A side without a row has 0.
+    the mean velocities. A side outside the row has 0.
     """
     for s in range(k, k + 2):
         segment = state.segments[s]

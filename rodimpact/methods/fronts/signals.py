@@ -127,7 +127,7 @@ def mobility_at(clock: Clock, k: int) -> float:
 def gaps_at_starts(
     ticks: Array, gap_rate: Array, changes: Array, first_gap: float
 ) -> Array:
-    """Gap at each of `ticks` as if the contact were open, velocity times ticks.
+    """Gap at each of `ticks` as if the contact were open, in velocity times ticks.
 
     `gap_rate` is that from each tick to the next. At each of `changes`, which are some
     of the ticks, the gap is 0; before the first one it began as `first_gap`. So it is
@@ -136,7 +136,7 @@ def gaps_at_starts(
     steps = gap_rate[:-1] * np.diff(ticks)
     travelled = np.concatenate(([0.0], np.cumsum(steps)))  # way since t = 0
     at_changes = travelled[np.searchsorted(ticks, changes)]
-    # What was travelled where the gap was 0, first before any change
+    # [i]: what was travelled where the gap was 0, after i changes
     zeros = np.concatenate(([-first_gap], at_changes))
     changes_so_far = np.searchsorted(changes, ticks, "right")
     return np.asarray(travelled - zeros[changes_so_far])

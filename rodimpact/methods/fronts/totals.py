@@ -60,6 +60,9 @@ def motion_of(
 ) -> Motion:
     """Motion of the bodies, from that of the segments; the page has this as JavaScript.
 
+    It has the mean velocity and the vibration energy of each body, and the kinetic
+    energy of all mean motions together, J.
+
     Parameters
     ----------
     clock : Clock

@@ -30,9 +30,9 @@ def largest_force(force: Floats) -> float:
 
     It is that in the step of the largest mean. The curve is the parabola with the means
     of this step and of both neighbours. Where these span a jump or a kink, it is the
-    parabola through this step and two steps before or behind it. That one must have
-    much less curvature, and be smooth: its curvature is less than its slope, or the
-    force is constant.
+    parabola through this step and two steps before or behind it, the less curved of
+    both. That one must have much less curvature than the first parabola, and be smooth:
+    its curvature is less than its slope, or the force is constant.
     """
     if np.max(force, initial=0.0) <= 0:  # no force presses
         return 0.0
@@ -42,25 +42,24 @@ def largest_force(force: Floats) -> float:
     # The curve is value + slope t + curve t^2, t in steps; at t = 0 the first of its
     # three steps begins.
     value, slope, curve = _parabola(before, F, after)
-    begin = 1  # begin of the top step, in steps behind that of the first of the three
+    top_begin = 1  # t where the top step begins, the second of the three
     largest = F
-    least_curvature = abs(curve)
+    # A parabola beside the top step is taken if its curvature is less than this.
+    max_curvature = abs(curve) / KINK_CURVATURE_RATIO
     # Time is counted away from the top step on either side.
     for second, third in ((after, later), (before, earlier)):
         a, b, c = _parabola(F, second, third)
-        # Its curvature 2 c is less than its slope in the first step, or it is flat.
+        # Its curvature 2 c is less than the fall of its mean in a step, or it is flat.
         is_smooth = abs(c) < abs(F - second) / 2 or abs(c) <= FLAT_RTOL * F
-        if KINK_CURVATURE_RATIO * abs(c) < least_curvature and is_smooth:
+        if abs(c) < max_curvature and is_smooth:
             value = a
             slope = b
             curve = c
-            begin = 0
-            # The other side, in its turn,
-            # is taken if it is much less curved than this one.
-            least_curvature = KINK_CURVATURE_RATIO * abs(c)
+            top_begin = 0  # the top step is the first of these three
+            max_curvature = abs(c)  # the other side is taken if it is less curved
             largest = max(a, a + b + c)  # values at both ends of the step
     # If the vertex lies in the top step it is the largest force.
-    if curve < 0 and begin < -slope / (2 * curve) < begin + 1:
+    if curve < 0 and top_begin < -slope / (2 * curve) < top_begin + 1:
         largest = value - slope * slope / (4 * curve)
     return float(largest)
 

@@ -111,12 +111,14 @@ def add_joints(
             cell = right - first - 1  # its place among the cells of the group
             k = float(run.row.links[link].stiffness)
             if k > 0:
+                # m; the grid divides lengths by the step. A dashpot beside this spring
+                # gives way to no force that lasts.
                 stretch[cell] = run.grid.links["gap"][column] * run.step
                 compliance[cell] = 1 / k
                 energy += k * stretch[cell] ** 2 / 2
             else:
-                # A dashpot c yields by g (change of momentum)/c:
-                # twice the largest momentum.
+                # A dashpot c yields by g/c times the change of momentum, at most twice
+                # the largest momentum.
                 shift_by_momentum += 2 * g[cell] / float(run.row.links[link].damping)
     return energy, shift_by_momentum
 

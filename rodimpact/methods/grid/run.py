@@ -115,10 +115,11 @@ class GridRun:
         start.slow_down(mesh, step, self.grid, kick)
 
     def _plan_states(self, snapshots: int | tuple[float, ...] | None) -> None:
-        """Set how many states are kept at most, or after which steps.
+        """Set how many states are kept, after which steps, and whether in threes.
 
         `snapshots` is their number, or their times, s; without it their number follows
-        from the memory that they may take.
+        from the memory that they may take. In threes, a state is kept with those one
+        step before and after, from which states of damped rods are smoothed.
         """
         mesh = self.mesh
         self._stride = 1  # steps between two states
@@ -137,8 +138,7 @@ class GridRun:
             self._chosen_steps = np.concatenate(
                 (np.floor(steps), np.ceil(steps), [0.0])
             )
-            self._max_states = 3 * len(self._chosen_steps)
-        # States of damped rods are smoothed with the states one step before and after.
+            self._max_states = 3 * len(self._chosen_steps)  # room for threes
         is_damped = bool(mesh.viscous.any())
         self._in_threes = is_damped and self._max_states >= MIN_STATES_IN_THREES
 
@@ -363,7 +363,7 @@ class GridRun:
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
-        """Force and gap of a contact, which is not bonded.
+        """Force and gap of a contact that is not bonded.
 
         Returns
         -------
@@ -373,7 +373,8 @@ class GridRun:
             Gap at the ends of steps, from t = 0 on, m [steps + 1].
         """
         link = self.row.contact_link[contact]
-        gap = self.recorded(link, "gap") * self.step  # m, at the ends of steps
+        # m, at the ends of steps; the grid divides lengths by the step.
+        gap = self.recorded(link, "gap") * self.step
         first_gap = float(initial_gap(self.row.links[link]))
         return self.recorded(link, "force"), np.append(first_gap, gap)
 

@@ -103,7 +103,8 @@ def _velocities(mesh: Mesh, elongation: Array) -> Array:
     momentum = np.zeros(len(mesh.mass))  # kg m/s [node]
     for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
         left = 0.0
-        for s in range(start, stop + 1):
+        for s in range(start, stop + 1):  # none of a wall or a mass
+            # Segments count from 1; cell i is on the left of node i.
             first = mesh.first[s]
             last = mesh.last[s]
             L = float(row.segments[s - 1].length)

@@ -225,8 +225,8 @@ def measures_of(ended: Ended) -> list[list[float]]:
 def differences(fine: Ended, coarse: Ended) -> list[float]:
     """Largest relative difference of two runs in each of the `MEASURES`, [measure].
 
-    It is relative to the largest value. Differences of velocities are over the velocity
-    scale. It is 0 where all values are 0.
+    It is relative to the largest value of the finer run, and 0 where all its values are
+    0. Differences of velocities are over the velocity scale.
     """
     relative = []
     coarse_values = measures_of(coarse)

@@ -118,13 +118,14 @@ def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
 def find_crossing(node: Node, j: int) -> float:
     """Return the place at which an event function falls below 0 before point j.
 
-    `node.scratch_values` has its values at the points; the first negative one is that
-    at point j. If the function is 0 or less at the point before, and does not rise
-    above 0 behind it, that point is returned: the start of the piece, -1, if j = 1.
+    `node.scratch_values` has its values at the points, and gets its series into
+    `node.scratch_series`; the first negative value is that at point j. If the function
+    is 0 or less at the point before, and does not rise above 0 behind it, that point is
+    returned: the start of the piece, -1, if j = 1.
     """
     series.set_series(node.scratch_values, node.scratch_series)
     low = X[j - 1]
-    zero = X[j - 1]
+    zero = X[j - 1]  # unless it rises above 0 behind that point
     if node.scratch_values[j - 1] <= 0:  # its sign shows a little behind the point
         low += FIRST_RISE * (X[j] - X[j - 1])
     if series.value(node.scratch_series, low) > 0:

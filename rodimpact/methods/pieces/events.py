@@ -304,7 +304,8 @@ def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
     The contact is compliant; the time ends now. `touch` is what it did in the last
     piece, of `ticks`. A force that starts smoothly is faint at first; once it presses,
     it has begun when the contact closed. A force that stays faint for long is
-    round-off: then NONE is returned until the contact opens.
+    round-off: then NONE is returned until the contact opens or presses. It is 0 if no
+    compliant contact is closed.
     """
     faint = link.faint_ticks
     # From SPRING on a law is that of an overlap, from PRESS on a contact has a force.
@@ -334,13 +335,15 @@ def log_contact_change(
     elif link.logged_status == Status.PRESS:
         link.last_force_tick = tick
         if link.status >= Status.PRESS:  # the force has become faint
-            link.cut_ticks += link.fading_ticks
+            link.cut_ticks += (
+                link.fading_ticks
+            )  # its last piece, which counts no longer
     if touch == Status.OPEN:
         # It pressed in this episode, and its force was faint in the end.
         is_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
         if is_faint and link.law >= Law.SPRING and link.damping == 0:
             # A compliant contact without damping presses until it opens: its last force
-            # was logged too early by this time.
+            # was logged too early by this time. Its fading was cut when it was logged.
             link.cut_ticks += tick - link.last_force_tick - link.fading_ticks
         link.starts_episode = 1
         link.last_opening_tick = tick
@@ -349,7 +352,7 @@ def log_contact_change(
     change.tick = tick
     change.link = i
     change.status = touch
-    change.impulse = 0.0
+    change.impulse = 0.0  # those of an impact are set where bodies strike
     change.mean_closing = 0.0
     run.contact_event_count += 1
 

@@ -76,8 +76,8 @@ class InitialLine(NamedTuple):
 def piece_of(start: Any, stop: Any, values: Any) -> Any:
     """Record of a piece from tick `start` to `stop`.
 
-    It has these first coefficients of its series. The others are 0. It is on no line
-    yet, and no piece follows it.
+    It has these first coefficients of its series. The others are 0. Its break is
+    SMOOTH; its `line` is still to be set, and no piece follows it.
     """
     piece = blank(1, PIECE)[0]
     piece.start = start

@@ -456,8 +456,8 @@ def send_outgoing(
 
     `left_order` and `right_order` are the orders of the breaks that arrive from both
     sides. A wave that leaves breaks with the one that arrives on its side, or with the
-    force of the first link there. Each link, and each mass between links, makes breaks
-    smoother on their way.
+    force of the first link there. Compliant links without damping, and masses between
+    links, make breaks smoother on their way.
 
     The waves of an averaging node are replaced by their nearest parabolas, and may
     jump.
@@ -468,6 +468,7 @@ def send_outgoing(
     # the link that they have passed last
     from_left = left_order
     from_right = right_order
+    # Both ways at once: `link` from the left, `opposite` from the right
     for q in range(node.link_count):
         if q > 0:
             # The mass before this link integrates the force of the link before:
@@ -482,6 +483,7 @@ def send_outgoing(
         if node.outgoing_lines[side] == NONE:
             continue
         nodes.set_outgoing(links, node, side)
+        # What arrived is sent back, and what has passed all links from the other side.
         if side == 0:
             order = min(left_order, from_right)
         else:

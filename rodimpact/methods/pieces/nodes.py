@@ -444,11 +444,11 @@ def forbid_pulling(links: Links, node: Node) -> None:
         smallest = series.smallest(link.force)
         # If the force is well above 0 at all points, it has no zero between them.
         may_swing = smallest < series.POSITIVE_RTOL * largest
-        # From PRESS on a contact has a force: it presses, yields or rests.
+        # From PRESS on: a contact that presses, yields or rests, and no bond or joint
         if link.status >= Status.PRESS and may_swing:
             # This sets `scratch_series` to the coefficients of the force.
             series.set_series(link.force, node.scratch_series)
-            # A minimum above 0 makes `swing` negative: the force stays as it is.
+            # A minimum well above 0 makes `swing` negative: the force stays as it is.
             deepest = -series.minimum(node.scratch_series)
             swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
             impulse = series.integral(link.force)
@@ -515,7 +515,7 @@ def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
     """Return the largest `series.remainder` of the waves of a piece, m/s.
 
     They are those that arrive and leave. The remainder is an estimate of their error,
-    or of the error of their integrals if `integrated`.
+    or of the error of their integrals if `integrated`. `node.outgoing` is overwritten.
     """
     largest = 0.0
     for side in range(2):

@@ -187,8 +187,8 @@ def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
     """Whether an edge borders the constant stretch at the start or at the end, [edge].
 
     Changes in an interval up to `round_off` count as none. A signal that never changes
-    has no such border; the first edge is none, the last one is if the signal changes up
-    to it.
+    has no such border. The first edge is never one, the last one is if the signal
+    changes up to it.
     """
     series = signal.cut(edges[:-1], int(edges[-1])).coefficients
     changing = np.flatnonzero(np.abs(series[:, 1:]).sum(axis=1) > round_off)
@@ -196,7 +196,7 @@ def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
     if len(changing):
         first = changing[0]  # interval, whose edges are `first` and `first` + 1
         last = changing[-1]
-        borders[first] = first > 0
+        borders[first] = first > 0  # there is no stretch before the first edge
         borders[last + 1] = True
     return borders
 

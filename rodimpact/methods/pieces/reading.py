@@ -13,7 +13,8 @@ def waves_of(log: Any, count: int) -> list[Any]:
     """The pieces of each of `count` lines of a log, as a table by line.
 
     Each table has the ``log``, and lists by piece: ``piece``, its ``place`` in the log,
-    its ``start``, tick, and ``passed``, the integrals of `passed_by` up to the start.
+    its ``start``, tick, and ``passed``, what `passed_by` gives up to the start: the
+    integrals of the wave and of its square.
     """
     waves: list[Any] = [
         {"log": log, "piece": [], "place": [], "start": [], "passed": []}
