@@ -151,6 +151,14 @@ UNITS: dict[str, UnitFactors] = {
 The value is a fraction or its text.
 """
 
+BASE_UNITS = {
+    "N": {"m": 1, "kg": 1, "s": -2},
+    "J": {"m": 2, "kg": 1, "s": -2},
+    "Pa": {"m": -1, "kg": 1, "s": -2},
+    "Hz": {"s": -1},
+}
+"""Powers of m, kg and s in the derived units of the SI."""
+
 DIMENSION_OF_UNIT: dict[str, str] = {}
 """Dimension of each unit."""
 for _dimension, _units in UNITS.items():
@@ -445,6 +453,66 @@ def si_unit(dimension: str) -> str:
         if factor == "1":  # the unit is that of the SI
             return unit
     return ""
+
+
+def multiply_unit(powers: dict[str, float], unit: str, sign: int) -> None:
+    """Multiply by a unit such as N s/m^2, or divide by it if the sign is -1.
+
+    `powers` are those of the symbols of the product so far; they are changed.
+    ValueError if a power of the unit is no number.
+    """
+    above, _, below = unit.partition("/")
+    for product, direction in ((above, sign), (below, -sign)):
+        for factor in product.split():
+            symbol, has_power, exponent = factor.partition("^")
+            power = 1.0
+            if has_power:
+                power = float(exponent)
+            if symbol != "1":
+                powers[symbol] = powers.get(symbol, 0.0) + direction * power
+
+
+def written_unit(powers: dict[str, float]) -> str:
+    """Unit of a product, from the powers of its symbols; "" for a pure number.
+
+    Examples
+    --------
+    >>> written_unit({"N": 1, "s": 1, "m": -2})
+    'N s/m^2'
+    """
+    above = [_power(symbol, n) for symbol, n in powers.items() if n > 0]
+    below = [_power(symbol, -n) for symbol, n in powers.items() if n < 0]
+    text = " ".join(above)
+    if not below:
+        return text
+    if not above:
+        text = "1"
+    divisor = " ".join(below)
+    if len(below) > 1:
+        divisor = f"({divisor})"
+    return f"{text}/{divisor}"
+
+
+def _power(symbol: str, power: float) -> str:
+    """A symbol to a power: m^1.5, or m for the power 1."""
+    if power == 1:
+        return symbol
+    return f"{symbol}^{power:g}"
+
+
+def in_base_units(powers: dict[str, float]) -> dict[str, float]:
+    """Powers of m, kg, s and V of a unit, from those of any symbols of the SI.
+
+    Examples
+    --------
+    >>> in_base_units({"N": 1, "m": -1})
+    {'kg': 1, 's': -2}
+    """
+    base: dict[str, float] = {}
+    for symbol, power in powers.items():
+        for base_symbol, base_power in BASE_UNITS.get(symbol, {symbol: 1}).items():
+            base[base_symbol] = base.get(base_symbol, 0) + base_power * power
+    return {symbol: power for symbol, power in base.items() if power != 0}
 
 
 def _spelt(unit: str) -> str:

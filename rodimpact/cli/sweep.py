@@ -5,7 +5,7 @@ rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
 
 A grid is start:stop:count, start:stop:count:log for equal ratios, or a list. A number
 may have a unit. The first --vary is the first axis. A number may be tied to another one
-that varies, or to a variable, by factors; it has no axis of its own:
+that varies, or to a variable, by factors whose units give its own; it has no axis:
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 

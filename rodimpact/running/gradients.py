@@ -32,7 +32,7 @@ from ..model.paths import (
 from ..progress import Progress, ProgressFunction, ProgressReport, check_progress
 from ..results.labels import quantity_of_column, quantity_of_parameter
 from ..results.outcome import UndefinedRestitution
-from ..units import shown
+from ..units import multiply_unit, shown, written_unit
 from .columns import ENDED
 from .differences import Estimate, Sides, sides_of
 from .solving import solve
@@ -790,44 +790,10 @@ def _per(unit: str, other: str) -> str:
     """
     powers: dict[str, float] = {}
     try:
-        _multiply(powers, unit, 1)
-        _multiply(powers, other, -1)
+        multiply_unit(powers, unit, 1)
+        multiply_unit(powers, other, -1)
     except ValueError:
         if not unit:
             unit = "1"
         return f"{unit}/({other})"
-    above = [_power(symbol, n) for symbol, n in powers.items() if n > 0]
-    below = [_power(symbol, -n) for symbol, n in powers.items() if n < 0]
-    text = " ".join(above)
-    if not below:
-        return text
-    if not above:
-        text = "1"
-    divisor = " ".join(below)
-    if len(below) > 1:
-        divisor = f"({divisor})"
-    return f"{text}/{divisor}"
-
-
-def _multiply(powers: dict[str, float], unit: str, sign: int) -> None:
-    """Multiply by a unit such as N s/m^2, or divide by it if the sign is -1.
-
-    `powers` are those of the symbols of the product so far; they are changed.
-    ValueError if a power of the unit is no number.
-    """
-    above, _, below = unit.partition("/")
-    for product, direction in ((above, sign), (below, -sign)):
-        for factor in product.split():
-            symbol, has_power, exponent = factor.partition("^")
-            power = 1.0
-            if has_power:
-                power = float(exponent)
-            if symbol != "1":
-                powers[symbol] = powers.get(symbol, 0.0) + direction * power
-
-
-def _power(symbol: str, power: float) -> str:
-    """A symbol to a power: m^1.5, or m for the power 1."""
-    if power == 1:
-        return symbol
-    return f"{symbol}^{power:g}"
+    return written_unit(powers)

@@ -36,7 +36,7 @@ from ..model.soil import DAMPING_LAWS, RESISTANCE_PER_LENGTH, Soil
 from ..units import shown
 from .case import CASE_SCHEMA, Case, GaugePlace
 from .case_tables import Reading, Table
-from .grids import read_grids, variables_of
+from .grids import Tie, read_grids, variables_of
 from .saved_result import read_result
 
 DAMPING = {
@@ -535,6 +535,15 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     return GaugePlace(body, fraction, name)
 
 
+def note_wrong_units(top: Table) -> None:
+    """Note numbers that are tied to another quantity; all numbers have been read."""
+    for path, tie in top.reading.grids.items():
+        if isinstance(tie, Tie) and tie.source.varied is not None:
+            mistake = tie.wrong_unit()
+            if mistake:
+                top.note_mistake(path, mistake)
+
+
 def check_grids(top: Table, system: System | None) -> None:
     """Note grids of unknown numbers, and grids that change nothing.
 
@@ -562,6 +571,7 @@ def check_grids(top: Table, system: System | None) -> None:
     for grid in grids:
         if grid.path in variables:
             grid.varied = grid.amounts()
+    note_wrong_units(top)
     shape = system.shape
     if not shape:  # nothing varies: every grid changes nothing
         shape = (0,) * len(grids)

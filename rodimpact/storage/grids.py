@@ -97,15 +97,19 @@ class Tie:
         self.path = path
         self.source = source
         self._text = text
+        self._dimension = ""  # that of the tied number, once it is read
+        parts = _split_at(text, source.path)
+        assert parts is not None
+        self._parts = parts
 
-    def array(self, dimension: str) -> Number:  # noqa: ARG002
+    def array(self, dimension: str) -> Number:
         """Values along the axis of the source: its values times and over the factors.
 
-        They are in SI units; the dimension is not checked here. ValueError for a factor
+        They are in SI units; `wrong_unit` checks the dimension. ValueError for a factor
         that cannot be read, or a divisor of 0.
         """
-        parts = _split_at(self._text, self.source.path)
-        assert parts is not None
+        self._dimension = dimension
+        parts = self._parts
         values = self.source.amounts().values
         if parts.factor:
             values = values * units.read_amount(parts.factor).value
@@ -117,6 +121,47 @@ class Tie:
                 raise ValueError(f"divides by 0, got {shown(self._text)}")
             values = values / divisor
         return self.source.along_axis(values)
+
+    def wrong_unit(self) -> str:
+        """Sentence on a unit that the tied number cannot have; "" if it can.
+
+        The numbers must have been read. A variable without unit may stand for any
+        quantity, as any bare number of a case.
+        """
+        assert self.source.varied is not None
+        source_unit = self.source.varied.unit
+        if source_unit == "" and VARIABLE.fullmatch(self.source.path):
+            return ""
+        wanted_unit = units.si_unit(self._dimension)
+        powers: dict[str, float] = {}
+        wanted: dict[str, float] = {}
+        try:
+            units.multiply_unit(powers, source_unit, 1)
+            units.multiply_unit(wanted, wanted_unit, 1)
+        except ValueError:  # a unit such as N/m^p
+            return ""
+        parts = self._parts
+        if parts.factor:
+            units.multiply_unit(powers, units.read_amount(parts.factor).unit, 1)
+        if parts.operand:
+            sign = 1
+            if parts.operator == "/":
+                sign = -1
+            units.multiply_unit(powers, units.read_amount(parts.operand).unit, sign)
+        if units.in_base_units(powers) == units.in_base_units(wanted):
+            return ""
+        return (
+            f"is {_in_unit(wanted_unit)}, but {shown(self._text)} is "
+            f"{_in_unit(units.written_unit(powers))}; tie it to such a quantity, or "
+            "give the factor its unit, as in R/2.5mm for a stiffness"
+        )
+
+
+def _in_unit(unit: str) -> str:
+    """Words of a sentence on a quantity: "in m/s", or "a pure number"."""
+    if unit == "":
+        return "a pure number"
+    return f"in {unit}"
 
 
 class TieParts(NamedTuple):

@@ -568,7 +568,7 @@ def test_a_number_follows_another_one_by_a_factor():
 
 @pytest.mark.parametrize(
     ("force", "stiffness"),
-    [("R", "R/2.5mm"), ("1*R", "400 * R"), ("R*1", "1 * R / 2.5 mm")],
+    [("R", "R/2.5mm"), ("1*R", "1 * R / 2.5 mm"), ("R*1", "1 mm * R / 2.5 mm^2")],
 )
 def test_several_numbers_follow_a_variable(force, stiffness):
     vary = {
@@ -638,6 +638,44 @@ def test_several_numbers_follow_a_variable(force, stiffness):
 )
 def test_mistakes_of_ties_are_named(vary, path, said):
     assert said in problems(PILE, vary)[path]
+
+
+@pytest.mark.parametrize(
+    ("vary", "path", "said"),
+    [
+        (
+            {"h": "500mm:1500mm:3", "bodies.0.velocity": "h"},
+            "bodies.0.velocity",
+            "is in m/s, but 'h' is in m; tie it to such a quantity",
+        ),
+        (
+            {"R": "200kN:1MN:3", "contacts.1.stiffness": "R*2.5mm"},
+            "contacts.1.stiffness",
+            "is in N/m, but 'R*2.5mm' is in N m; tie it to such a quantity, or give "
+            "the factor its unit, as in R/2.5mm for a stiffness",
+        ),
+        (
+            {"R": "200kN:1MN:3", "contacts.1.stiffness": "400*R"},
+            "contacts.1.stiffness",
+            "is in N/m, but '400*R' is in N",
+        ),
+        (
+            {"bodies.1.length": "1:2:3", "contacts.1.stiffness": "bodies.1.length"},
+            "contacts.1.stiffness",
+            "is in N/m, but 'bodies.1.length' is in m",
+        ),
+    ],
+)
+def test_ties_to_another_quantity_are_refused_with_both_units(vary, path, said):
+    assert said in problems(PILE, vary)[path]
+
+
+def test_a_variable_without_unit_stands_for_any_quantity():
+    vary = {"x": "1,2", "bodies.0.velocity": "x", "bodies.1.length": "0.5*x"}
+
+    (axis,) = parse_case(PILE, vary=vary).varied
+
+    assert axis.unit == ""
 
 
 def test_32_numbers_may_vary_and_33_are_refused():
