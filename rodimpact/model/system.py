@@ -170,7 +170,7 @@ class System(FrozenDataclass):
         return NamedItems(varied)
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Parts with their paths.
+        """Parts as those of every frozen class, with the paths of case files.
 
         Gaps stand with their contacts, and ends have the names of their sides.
         """
