@@ -364,8 +364,8 @@ class Segment(FrozenDataclass):
         theory = self.lateral_inertia
         moment = self.polar_moment
         has_diameter = self.diameter is not None
-        is_number = not isinstance(moment, str | None)
-        if is_number and (has_diameter or self.tapered):
+        is_given_number = not isinstance(moment, str | None)  # neither a word nor None
+        if is_given_number and (has_diameter or self.tapered):
             message = (
                 f'must be "{CIRCULAR}" along a taper and with a diameter, or left out'
             )

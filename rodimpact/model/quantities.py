@@ -109,11 +109,13 @@ def number_of(unit: str) -> str:
 def _strip_units(value: Any, unit: str) -> Any:
     """Numbers of a value in a unit: as they are, as a list, or as an array.
 
-    TypeError if the value is not numeric, ValueError if its unit does not convert.
+    TypeError if the value is not numeric or a truth value. ValueError if its unit does
+    not convert, or if it would lose a mask, an index or named dimensions.
     """
     if type(value) in _BARE_TYPES:
         return value
     if isinstance(value, list | tuple):
+        # If all items are bare, they need no look at each.
         if _BARE_TYPES.issuperset(map(type, value)):
             return value
         return [_strip_units(item, unit) for item in value]

@@ -170,7 +170,7 @@ class System(FrozenDataclass):
         return NamedItems(varied)
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Parts with their paths.
+        """Parts as those of every frozen class, with the paths of case files.
 
         Gaps stand with their contacts, and ends have the names of their sides.
         """
@@ -615,13 +615,11 @@ def _class_names(classes: tuple[type, ...]) -> str:
     return ", ".join(kind.__name__ for kind in classes)
 
 
-def _check_elastic_overlap(
-    problems: Problems, i: int, law: Plastic, gap: Number
-) -> None:
+def _check_elastic_overlap(problems: Problems, i: int, law: Any, gap: Number) -> None:
     """Add a problem of contact i if it begins pressed farther than where it yields.
 
-    Its overlap counts from the yielded faces: it is elastic, and the force is no more
-    than the yield force.
+    The law is `Plastic`. Its overlap counts from the yielded faces: it is elastic, and
+    the force is no more than the yield force.
     """
     least_gap = -np.divide(law.yield_force, law.stiffness)
     is_elastic = np.greater_equal(gap, least_gap * (1 + ELASTIC_RTOL))

@@ -222,15 +222,17 @@ class _Records(NamedTuple):
 def _reduce_two_bars(
     records: _Records, limit: float, report: ProgressReport
 ) -> Reduction:
-    """Reduce a shot whose gauges separate all waves.
+    """Reduce a shot whose gauges separate all waves, and judge its equilibrium.
 
-    With a limit above 0, s, the waves are aligned within it first.
+    With a limit above 0, s, the waves are aligned within it first. The error of the
+    strain is that of velocities at rest, as an error of its rate.
     """
     recorded = records.bars
     input_bar = recorded.input
     # The curve lasts from the arrival at the specimen while waves are separated.
     end = min(separated_until(bar) for bar in recorded)
-    times = _times_between(records.arrival, end, input_bar.dt, "input_gauges")
+    times = _times_between(records.arrival, end, input_bar.dt, blamed="input_gauges")
+    # Strains are multiplied by the gains of the gauges.
     shot = TwoBarShot(records.corrected, records.specimen, times)
     alignment = None
     if limit:
@@ -251,6 +253,7 @@ def _reduce_two_bars(
         calibration=records.calibration,
         shifts=shot.shifts,
         alignment=alignment,
+        # An error of a level at rest is an error of the rate that lasts.
         strain_error=STANDARD_ERRORS * rate_error * (times - times[0]),
     )
 
@@ -272,7 +275,7 @@ def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Redu
         raise invalid_argument("input_gauges", message)
     input_bar = recorded.input
     end = min(float(recorded.output.known_until[0]), float(input_bar.times[-1]))
-    times = _times_between(records.arrival, end, input_bar.dt, "output_gauges")
+    times = _times_between(records.arrival, end, input_bar.dt, blamed="output_gauges")
     shot = EqualForceShot(records.corrected, records.specimen, times)
     curve = shot.curve()
     # Clocks agree to a sample; each passage of the input bar adds this error.
@@ -301,7 +304,7 @@ def _reduce_direct_impact(
     the first velocity v1 of the input face: it joins the band of the strain.
     """
     start = start_of_impact(bar)
-    times = _times_between(start, separated_until(bar), bar.dt, "output_gauges")
+    times = _times_between(start, separated_until(bar), bar.dt, blamed="output_gauges")
     shot = DirectImpactShot(bar, striker, specimen, times)
     curve = shot.curve()
     strain_error = curve.input_velocity[0] * timing_error_of(bar) / specimen.length
@@ -316,10 +319,10 @@ def _reduce_direct_impact(
     )
 
 
-def _times_between(start: float, end: float, dt: float, name: str) -> Floats:
+def _times_between(start: float, end: float, dt: float, *, blamed: str) -> Floats:
     """Times of a curve from `start` on, at steps of `dt`, before `end`, all in s.
 
-    InvalidModel if they are too few; it names the argument `name`.
+    InvalidModel if they are too few; it names the argument `blamed`.
     """
     count = int((end - start) / dt)
     if count < MIN_CURVE_SAMPLES:
@@ -328,7 +331,7 @@ def _times_between(start: float, end: float, dt: float, name: str) -> Floats:
             "the records do not separate the waves; use longer records or bars, and "
             "check the distances"
         )
-        raise invalid_argument(name, message)
+        raise invalid_argument(blamed, message)
     times: Floats = start + dt * np.arange(count, dtype=float)
     return times
 

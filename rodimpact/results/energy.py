@@ -224,7 +224,8 @@ def stored_energy(law: Any, gap: Floats) -> Floats:
     energy.
     """
     compression = -gap
-    if law.opens:  # a joint does not open: it stores energy in tension, too
+    # An open contact stores nothing; a joint stores energy in tension, too.
+    if law.opens:
         compression = np.maximum(compression, 0.0)
     if not hasattr(law, "stored"):
         return np.zeros(compression.shape)

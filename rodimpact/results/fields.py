@@ -107,13 +107,14 @@ class Fields(Protocol):
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
         """Keep the arguments, and find what the fields need of the run.
 
-        They need the motion, the shortest time that is resolved, and the rods.
+        They need the motion, the shortest time that is resolved, and the rods. `end` is
+        in ticks.
         """
         self.clock = clock
         self.end = end
         self.signals = signals
         self.motion = signals.motion
-        self.step = clock.tick * self.resolution
+        self.step = clock.tick * self.resolution  # of the class, in ticks
         self.rods = {}
         for i, body in enumerate(clock.system.bodies):
             if isinstance(body, Rod):
@@ -147,12 +148,13 @@ class Fields(Protocol):
         """Mean velocity and strain at points x, m [point], between times t, s.
 
         They are the differences of displacements, and of integrals of the strain, over
-        durations. The n times increase, and have n - 1 intervals: the means are [point,
-        interval].
+        durations. The n times are rounded to ticks and increase, and have n - 1
+        intervals: the means are [point, interval].
         """
         ticks = self.to_ticks(t)
         displacement = self.displacement(body, x[:, None], t)  # [point, time]
-        strain_integral = self.strain_integral(body, x, ticks)  # ticks [point, time]
+        # Strain times ticks, [point, time]
+        strain_integral = self.strain_integral(body, x, ticks)
         durations = np.diff(ticks)
         velocity = np.diff(displacement) / (durations * self.clock.tick)
         strain = np.diff(strain_integral) / durations

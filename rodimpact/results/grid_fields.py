@@ -107,12 +107,14 @@ class GridFields(Fields):
         Columns, whole numbers or a slice, and ticks broadcast.
         """
         states = self.state_ticks
-        last = len(states) - 1  # 0 where nothing moves: there is one state
+        last = len(states) - 1
+        if last == 0:  # nothing moves: there is one state
+            return np.asarray(values[np.zeros_like(ticks), columns])
         # Index of the state before a tick
         before = np.searchsorted(states, ticks, side="right") - 1
-        before = np.clip(before, 0, max(last - 1, 0))
-        after = np.minimum(before + 1, last)
-        duration = np.maximum(states[after] - states[before], 1)  # 0 of a single state
+        before = np.clip(before, 0, last - 1)
+        after = before + 1
+        duration = states[after] - states[before]
         # After the last state its values stay.
         share = np.minimum((ticks - states[before]) / duration, 1.0)
         value_before = values[before, columns]
@@ -328,7 +330,8 @@ class GridFields(Fields):
         return PassingWaves(
             rightward=Pieces.through(ticks, v - c_strain),
             leftward=Pieces.through(ticks, v + c_strain),
-            difference=Pieces.through(ticks, 2 * c_strain),  # B - A
+            # B - A, without the round-off of a difference
+            difference=Pieces.through(ticks, 2 * c_strain),
             wave_speed=c,
         )
 

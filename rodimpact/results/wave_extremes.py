@@ -323,7 +323,7 @@ def _exceeds_sliver(signal: Pieces) -> Mask:
 def _candidates(signal: Pieces, chosen: Mask) -> Samples:
     """Edges and turning points of the chosen pieces, in order of time.
 
-    Slivers are left out.
+    Slivers, pieces up to `SLIVER_TICKS` that rounding has made, are left out.
     """
     chosen = chosen & _exceeds_sliver(signal)
     edges = _edges(signal, chosen)

@@ -220,6 +220,7 @@ def row_of(solution: Solution, readings: RequestedReadings) -> Columns:
     Each is one value, but that of "strain" is an array, [gauge, time].
     """
     row: Columns = {}
+    # By column: its quantity, and the number of its body or contact
     sources = columns_of(solution.system, (*ALWAYS, *readings.also))
     for column, source in sources.items():
         row[column] = COLUMNS[source.name].read(solution, source.owner_index)

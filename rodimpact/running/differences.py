@@ -66,6 +66,8 @@ class Sides(NamedTuple):
 def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     """Derivatives and values of a function at a point, extrapolated from both sides.
 
+    The central derivative is there as well. Each has an error.
+
     Parameters
     ----------
     below, above : [step, ...] array
@@ -83,6 +85,7 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     central_slopes = (above - below) / (2 * steps)
     # A slope has the noise of two values, over their distance.
     amplification = 2 / between
+    central_amplification = 1 / steps
     ones = np.ones_like(steps)
     return Sides(
         below=limit(slopes_below, amplification, noise, ratio=2),
@@ -90,7 +93,7 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
         value_below=limit(below, ones, noise, ratio=2),
         value_above=limit(above, ones, noise, ratio=2),
         # The error of a central slope is a series of even powers: it falls by 4.
-        central=limit(central_slopes, 1 / steps, noise, ratio=4),
+        central=limit(central_slopes, central_amplification, noise, ratio=4),
     )
 
 

@@ -675,8 +675,8 @@ def _column(sides: Sides, defined: Any) -> _Column:
 def lasting_bodies(system: System) -> set[int]:
     """Indices of the bodies that have a velocity after the collision.
 
-    An absorbing end slows the bodies that are bonded to it down for ever: they have
-    none.
+    An absorbing end slows the bodies that are bonded or joined to it down for ever:
+    they have none.
     """
     last = len(system.bodies) - 1
     radiating = set()

@@ -139,7 +139,7 @@ class Table:
         return self.has(key) or varying is not None
 
     def given_numbers(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
-        """Numbers of a class that are given, and of those that must be, by key.
+        """Numbers of a class that are given, varied, or must be given, by key.
 
         A number that must be given and is not is nan, and noted. Those named in
         `without` are left out.
@@ -148,8 +148,9 @@ class Table:
         for key, field in kind.fields.items():
             if key in without:
                 continue
-            present = self.has(key)
-            if not field.many:  # of a list, items may vary
+            if field.many:
+                present = self.has(key)  # its items vary, not the list
+            else:
                 present = self.has_or_varies(key)
             if present or field.default is REQUIRED:
                 numbers[key] = self.number(key, field)
@@ -158,8 +159,8 @@ class Table:
     def number(self, key: str, field: QuantityField) -> Any:
         """A number, an array where it varies, a list, a profile, or a word.
 
-        The field tells which of these may be there. The result is nan, and a mistake is
-        noted, if the entry is missing or none of these.
+        The field tells which of these may be there, and whether infinity may. The
+        result is nan, and a mistake is noted, if the entry is missing or none of these.
         """
         if field.many:
             return self.number_list(key, field.dimension)

@@ -59,7 +59,7 @@ def format_case(case: Case | System) -> str:
             f"a family of shape {system.shape} is no single case; write system[index]"
         )
         raise invalid_argument("system", message)
-    system.check_file()
+    system.check_file()  # no law is a function
     parts = _system_tables(system)
     for gauge in case.gauges:
         entries = gauge._asdict()
