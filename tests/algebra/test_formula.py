@@ -5,6 +5,7 @@ import sys
 from fractions import Fraction
 
 import pytest
+from exhaustive import few_of
 
 import rodimpact as ri
 from rodimpact.algebra import rational_functions, traced_fraction
@@ -173,7 +174,7 @@ def test_a_bond_has_an_average_impulse_which_has_a_formula():
 
     collision = ri.exact(system)
     momentum_lost = Fraction(15, 2) * (1 - collision.velocities_after[0])
-    assert count_agreements(form, system, form.symbols, rng, 3) > 0
+    assert count_agreements(form, system, form.symbols, rng, 1) > 0
     assert collision.impulses[0] == momentum_lost
 
 
@@ -316,7 +317,7 @@ def check_formula_at_its_system(form, collision):
     ("bodies", "rows"),
     [
         (2, 8),
-        (3, 2),
+        pytest.param(3, 2, marks=pytest.mark.exhaustive),
         pytest.param(2, 16, marks=pytest.mark.exhaustive),
         pytest.param(3, 4, marks=pytest.mark.exhaustive),
     ],

@@ -120,7 +120,7 @@ def sensitivity(ratios):
     return singular_values[-1]
 
 
-@pytest.mark.parametrize("seed", few_of([*range(10), 82], (0, 82)))
+@pytest.mark.parametrize("seed", few_of([*range(10), 82], [0]))
 def test_a_hidden_striker_is_found_as_well_as_its_pulse_tells(seed):
     rng = np.random.default_rng(seed)
     smallest, largest = np.log(WIDE)

@@ -84,7 +84,7 @@ def test_stated_errors_bound_those_against_a_fine_mesh(seed):
     share = float(rng.uniform(0.0, 0.9))
 
     (stated,) = ri.bearing_graph(system, resistance, shaft_share=share, cells=40).points
-    (fine,) = ri.bearing_graph(system, resistance, shaft_share=share, cells=240).points
+    (fine,) = ri.bearing_graph(system, resistance, shaft_share=share, cells=160).points
 
     # Stated errors are relative to the stated values.
     set_error = abs(stated.set - fine.set)

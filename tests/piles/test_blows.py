@@ -104,7 +104,7 @@ def hammer_size(run):
 
 
 @needs_compiler
-@pytest.mark.parametrize("seed", few_of(range(40), range(4)))
+@pytest.mark.parametrize("seed", few_of(range(40), [1, 2]))
 def test_a_blow_that_is_over_makes_no_soil_yield_later(seed):
     system = random_pile(seed)
     (blow,) = ri.blows(system, 1, cells=24)
@@ -222,7 +222,7 @@ def test_sets_of_blows_grow_as_those_of_a_chain_of_lumped_masses_and_get_steady(
 
 
 @needs_compiler
-@pytest.mark.parametrize("gravity", [0.0, 9.81])
+@pytest.mark.parametrize("gravity", few_of([0.0, 9.81], [9.81]))
 def test_a_pile_is_at_rest_between_blows(gravity):
     system = WITH_HELMET
     if gravity:

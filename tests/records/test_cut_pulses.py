@@ -74,7 +74,7 @@ def test_cut_pulses_with_the_times_of_the_records_give_stress_and_strain(shot, r
 
 def test_the_band_of_cut_pulses_covers_90_percent_of_the_stress(shot):
     covered = []
-    for seed in range(8):
+    for seed in range(count):
         pulses = ri.CutPulses(*cut_pulses(shot, seed=seed))
         result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
         strain = shot.strain(result.times)

@@ -128,6 +128,7 @@ def test_the_verdict_names_the_time_to_equilibrium_if_the_wave_speed_is_known(sh
     assert "it takes some 14.3 us, 4 transit times" in text
 
 
+@pytest.mark.exhaustive
 def test_an_offset_is_taken_out(shot):
     """The level at rest is subtracted, so an offset of the amplifier changes
     nothing.
@@ -152,7 +153,7 @@ def test_the_law_of_a_direct_impact_is_found_and_bands_contain_it(is_rigid):
     """A specimen that yields at 133 MPa and hardens, hit by a rod or by a rigid
     mass.
     """
-    shot = shots.direct_impact_on_law(is_rigid)
+    shot = shots.direct_impact_on_law(is_rigid=is_rigid)
     striker = STRIKER
     if is_rigid:
         striker = ri.RigidMass(STRIKER.mass, velocity=12.0)
@@ -172,7 +173,7 @@ def test_the_law_of_a_direct_impact_is_found_and_bands_contain_it(is_rigid):
 
 def test_a_striker_that_is_a_rod_gives_the_strain_and_a_mass_in_its_place_not():
     """The wave in a striker of 0.4 m goes to and fro in 159 us."""
-    shot = shots.direct_impact_on_law()
+    shot = shots.direct_impact_on_law(is_rigid=False)
     mass = ri.RigidMass(STRIKER.mass, velocity=12.0)
     gauge = shot.gauge(0.5)
 

@@ -143,7 +143,7 @@ def part_within_band(values, true_values, band):
     return np.mean(np.abs(values - true_values) <= band)
 
 
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("sign", few_of([-1.0, 1.0], [-1.0]))
 def test_a_known_specimen_is_found_through_bars_that_disperse(shot, sign):
     compression = "positive"
     if sign < 0:
@@ -292,6 +292,7 @@ def test_forces_and_strain_between_unlike_bars_are_those_of_characteristics():
     assert strain_error < 2e-3 * strain.max()
 
 
+@pytest.mark.exhaustive
 def test_two_gauges_see_the_wave_that_comes_back_in_the_output_bar():
     steel = ri.Material("steel", youngs_modulus=2e11, density=8000)
     striker = ri.Rod(0.3, area=1e-4, material=steel, velocity=12.0)
@@ -573,13 +574,14 @@ def test_a_record_that_just_holds_the_returned_pulse_is_enough():
     speed_from_record_until(float(needed))
 
 
-def test_stated_errors_of_gains_contain_the_true_ones():
+@pytest.mark.parametrize("seed", few_of([0, 1], [0]))
+def test_stated_errors_of_gains_contain_the_true_ones(seed):
     """A striker and bars of Mindlin and Herrmann on a grid: the plateau of the pulse
     rings.
     """
     shot = shots.calibration_shot()
-    cases = itertools.product([0.0, 0.002, 0.01], [None, 12.0], range(2))
-    for noise, speed, seed in cases:
+    cases = itertools.product([0.0, 0.002, 0.01], [None, 12.0])
+    for noise, speed in cases:
         first = shot.gauge(1, 0.75, noise, seed=2 * seed + 1)
         second = shot.gauge(2, 0.75, noise, seed=2 * seed + 2)
 

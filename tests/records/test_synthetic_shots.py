@@ -33,7 +33,6 @@ MIN_STRAIN = 0.01
 MAX_ERROR = 0.01
 RECORDS = 25
 ARRANGEMENTS = ["two gauges", "one gauge", "three pulses", "direct impact"]
-USUAL = ["one gauge", "direct impact"]
 
 
 class Reduced(NamedTuple):
@@ -143,7 +142,7 @@ def reduce_cut_pulses(on_input, on_output):
     return ri.reduce(pulses=pulses, bars=THIN_BAR, specimen=THIN_SPECIMEN)
 
 
-@pytest.mark.parametrize("arrangement", few_of(ARRANGEMENTS, USUAL))
+@pytest.mark.parametrize("arrangement", few_of(ARRANGEMENTS, ["direct impact"]))
 def test_stress_and_strain_are_within_1_percent_from_1_percent_of_strain_on(
     arrangement,
 ):

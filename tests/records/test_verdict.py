@@ -76,7 +76,7 @@ def test_good_shots_raise_no_doubt(shot):
 def test_a_shot_out_of_equilibrium_has_no_strain_of_equilibrium():
     """Waves need 50 us to cross a soft long specimen; the pulse is over after 60 us."""
     soft = ri.Material("soft", youngs_modulus=1e8, density=1000.0, poisson_ratio=0.3)
-    shot = shots.pressure_bar_shot(duration=30e-6, rise=20e-6, material=soft)
+    shot = shots.pressure_bar_shot(duration=30e-6, rise=20e-6, material=soft, cells=450)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ri.DoubtfulReduction)
         result = reduced(shot)
@@ -88,13 +88,13 @@ def test_a_shot_out_of_equilibrium_has_no_strain_of_equilibrium():
 
 def test_a_soft_specimen_cannot_be_judged():
     soft = ri.Material("soft", youngs_modulus=3e8, density=1100.0, poisson_ratio=0.3)
-    shot = shots.pressure_bar_shot(material=soft)
+    shot = shots.pressure_bar_shot(material=soft, cells=450)
     verdict = reduced(shot).verdict
     assert verdict.in_equilibrium is None
     assert "equilibrium cannot be judged: F1 is the difference" in str(verdict)
 
 
-@pytest.mark.parametrize("factor", few_of([0.92, 0.97, 1.03, 1.1], [0.97, 1.1]))
+@pytest.mark.parametrize("factor", few_of([0.92, 0.97, 1.03, 1.1], [0.97]))
 def test_a_modulus_that_contradicts_the_echo_is_doubted(shot, factor):
     """The remedy is taken: with the modulus that the doubt names there is none."""
     with pytest.warns(ri.DoubtfulReduction):
