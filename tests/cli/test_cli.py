@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from case_texts import UNEQUAL_RODS as CASE
 from cli.processes import ENVIRONMENT, ROOT, python, started
+from exhaustive import few_of
 
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main, verify
@@ -250,6 +251,7 @@ def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(
     assert bool(expected) == (status == 0)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
 @pytest.mark.usefixtures("case", "children_hear_signals")
 def test_ctrl_c_while_a_file_is_written_leaves_nothing(tmp_path):
@@ -416,16 +418,23 @@ def test_file_names_that_are_no_text_are_used_and_names_of_gauges_refused(
 ):
     name = os.fsdecode(b"\xff")
     case.rename(f"{name}.toml")
-    outputs = ["--save", f"{name}.saved.toml", "--plot", f"{name}.svg"]
     gauges = ["--gauges", "g.csv", "--gauge", f"{name}=1:0.5"]
 
-    assert main(["run", f"{name}.toml", *outputs]) == 0
+    assert main(["run", f"{name}.toml", "--save", f"{name}.saved.toml"]) == 0
     assert main(["export", f"{name}.toml", "-o", f"{name}.html"]) == 0
 
     page = Path(f"{name}.html").read_text("utf-8")
     assert ri.load(f"{name}.saved.toml").final
     assert "<title>\N{REPLACEMENT CHARACTER}</title>" in page
     refuses(["run", f"{name}.toml", *gauges], "a column is named by letters")
+
+
+@pytest.mark.exhaustive
+@pytest.mark.skipif(os.name == "nt", reason="names are text there")
+def test_a_figure_whose_name_is_no_text(case):
+    name = os.fsdecode(b"\xff.svg")
+    assert main(["run", str(case), "--plot", name]) == 0
+    assert Path(name).exists()
 
 
 def test_run_prints_the_table(case, capsys):
@@ -452,9 +461,10 @@ def test_run_prints_json_in_full_precision(case, output_of):
     ("command", "unwanted"),
     [
         (["run", "--save", "a.toml"], "matplotlib numba scipy"),
-        (
+        pytest.param(
             ["sweep", "--vary", "bodies.0.length=50 mm:1 m:5", "--save", "a.npz"],
             "matplotlib",
+            marks=pytest.mark.exhaustive,
         ),
     ],
 )
@@ -507,6 +517,7 @@ def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(
     assert ri.load("a.toml").stopped_by == "max_events"
 
 
+@pytest.mark.exhaustive
 def test_a_film_of_a_run_that_stops_early_ends_with_3(case, output_of):
     case.write_text(f"{ENDLESS}solve.max_events = 40\n")
 
@@ -702,7 +713,7 @@ def test_verify_ends_with_4_if_a_number_is_off(
     assert second["passed"] is (status == 0)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", few_of(METHODS, {"characteristics"}))
 def test_a_wrong_solver_is_noticed(monkeypatch, method):
     right = verify.solve
 
@@ -778,6 +789,13 @@ def box_text(no_figures, tmp_path, output_of):
     return output_of("box", "-o", str(tmp_path))
 
 
+def test_box_draws_the_law(tmp_path):
+    path = tmp_path / "restitution.png"
+    draw([], RATIOS, [path], force=False)
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.exhaustive
 def test_box_draws_each_collision_and_the_law(tmp_path):
     rods = [ri.Rod(1.0, area=1e-4, material=ri.materials.steel) for _ in range(2)]
     solution = ri.solve(ri.System([rods[0].replace(velocity=1.0), rods[1]]))

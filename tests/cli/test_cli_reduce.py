@@ -299,6 +299,7 @@ def test_mistakes_of_equal_forces_are_named_by_option(options, sentence, refuses
     refuses(["reduce", "bars.toml", RECORD, *options], sentence)
 
 
+@pytest.mark.exhaustive
 def test_a_planned_shot_is_reduced_with_its_own_case(capsys):
     ideal = BARS.replace("poisson_ratio = 0.33\n", "")  # bars that do not disperse
     Path("plan.toml").write_text(

@@ -73,10 +73,11 @@ def printed_by(capsys, text, command, *options):
         (UNEQUAL, ["run", "--max-events", "3"], "Raise --max-events"),
         (HIT, ["run", "--until", "1 ns"], "Leave out --until"),
         (HIT + "[solve]\nuntil = 1e-9", ["run", "--json"], "Leave out solve.until"),
-        (
+        pytest.param(
             UNEQUAL + CAPPED,
             ["animate", "-o", "film.gif", "--frames", "2"],
             "Raise solve.max_events",
+            marks=pytest.mark.exhaustive,
         ),
         (
             UNEQUAL,

@@ -6,13 +6,13 @@ import json
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from explore.scenes import shown
 
 import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.presets import presets
 from rodimpact.explorer.solved import restitution_of_case, scene_of
-from rodimpact.explorer.tables import MAX_PAGE_EVENTS
 from rodimpact.storage.case_reading import case_from
 
 STEEL = ri.materials.steel
@@ -179,7 +179,8 @@ STEPPED = ri.Rod(
 )
 
 
-def test_fronts_that_multiply_are_not_for_the_page():
+def test_fronts_that_multiply_are_not_for_the_page(monkeypatch):
+    monkeypatch.setattr("rodimpact.explorer.tables.MAX_PAGE_EVENTS", 500)
     system = ri.System([ri.Wall(), STEPPED, ri.Wall()])
     case = ri.Case(system, {"until": 10.0, "max_events": MAX_PAGE_EVENTS + 10_000})
     message = f"^solve: the page follows {MAX_PAGE_EVENTS} arr"  # arrivals

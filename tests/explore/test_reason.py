@@ -157,6 +157,7 @@ def test_numbers_of_the_reason_are_those_of_the_solution(seed):
     assert vibration_percent == pytest.approx(100 * vibration / energy, rel=0.01)
 
 
+@pytest.mark.exhaustive
 def test_the_weak_tail_of_a_stiff_contact_is_told_from_its_impulse():
     """Nearly flat ends press weakly until they open; the impulse came with the first
     wave.

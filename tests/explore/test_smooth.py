@@ -136,6 +136,7 @@ def test_random_rows_on_the_page_are_those_of_solve_within_the_stated_errors(blo
         check_energies(scene["outcome"], solution.outcome)
 
 
+@pytest.mark.exhaustive
 @needs_node
 def test_late_contacts_on_the_page_are_rounded_within_their_stated_error():
     """Rounded transit times of the page's clock have added up there."""

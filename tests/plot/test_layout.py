@@ -82,6 +82,7 @@ def test_figures_magnify_by_the_same_factor_in_the_same_frame(solution, layout):
         assert ("in a frame moving" in label) == (layout.frame != 0)
 
 
+@pytest.mark.exhaustive
 def test_films_magnify_by_the_same_factor(solution, layout):
     film = plot.animation(solution, frames=2)
 

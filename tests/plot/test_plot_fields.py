@@ -5,6 +5,7 @@ rest.
 import numpy as np
 import pytest
 from drawing import STEEL, axes, corners, rod
+from exhaustive import few_of
 from matplotlib.collections import TriMesh
 
 import rodimpact as ri
@@ -33,7 +34,7 @@ SYSTEMS = {
 }
 ENDS = {"stepped": 1e-3, "wall": 8e-4}  # s
 FRAME_VELOCITIES = {"drifting": 100.0}  # m/s
-every_row = pytest.mark.parametrize("name", SYSTEMS)
+some_rows = pytest.mark.parametrize("name", few_of(SYSTEMS, {"drifting", "wall"}))
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +101,7 @@ def energy_in_frame(solution, t, frame):
 # Energy
 
 
-@every_row
+@some_rows
 def test_energy_per_length_sums_up_to_the_energy_of_the_solution(solved, name):
     solution = solved[name]
     frame = FRAME_VELOCITIES.get(name, 0.0)
@@ -131,7 +132,7 @@ def starts_of_bodies(system):
     return np.cumsum([0.0, *lengths])
 
 
-@every_row
+@some_rows
 def test_displacements_are_those_of_the_solution_and_linear_between(solved, name):
     solution = solved[name]
     frame = FRAME_VELOCITIES.get(name, 0.0)
@@ -224,7 +225,7 @@ def assert_on_its_side(upright, across):
         assert b[:, ::-1] == pytest.approx(a)
 
 
-@every_row
+@some_rows
 def test_time_across_is_the_same_picture_on_its_side(solved, name):
     upright = plot.spacetime(solved[name], axes(), "stress", across=False)
     across = plot.spacetime(solved[name], axes(), "stress", across=True)

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from drawing import STEEL, axes, legend, render, rod, texts_of, top_of, vector_file
+from drawing import STEEL, axes, legend, render, rod, texts_of, top_of
 from exhaustive import few_of
 from matplotlib.collections import QuadMesh
 
@@ -143,7 +143,7 @@ def places_of_cells(name, length, count):
 
 FIELDS = ["velocity", "stress", "strain"]
 CASES = list(itertools.product(SYSTEMS, FIELDS))
-USUAL = [("hertz", "velocity"), ("pushed", "stress"), ("stepped", "strain")]
+USUAL = [("pushed", "stress"), ("stepped", "strain")]
 
 
 @pytest.mark.parametrize("case", few_of(CASES, USUAL))
@@ -207,7 +207,7 @@ BORDERS = {
 }
 
 
-@pytest.mark.parametrize("name", BORDERS)
+@pytest.mark.parametrize("name", few_of(BORDERS, {"hopkinson", "driven"}))
 def test_borders_are_named_in_the_legend(solved, name):
     picture = plot.spacetime(solved[name], axes())
 
@@ -220,7 +220,9 @@ def test_an_end_driven_by_a_force_is_named_in_the_legend(solved):
     assert "driven by a force" in legend(picture)
 
 
-@pytest.mark.parametrize("method", ["fronts", "characteristics"])
+@pytest.mark.parametrize(
+    "method", few_of(["fronts", "characteristics"], ["characteristics"])
+)
 def test_a_fixed_end_is_hatched_like_a_wall(method):
     ends = (ri.Free(), ri.Fixed())
     system = ri.System([rod(0.4, 1.0), rod()], ends=ends)
@@ -272,8 +274,9 @@ def test_a_diagram_from_start_to_stop_shows_that_interval(solved):
 
 
 def test_cells_stay_pixels_so_that_vector_files_are_small(solved, tmp_path):
-    file = vector_file(lambda: plot.spacetime(solved["hertz"]), tmp_path)
+    plot.save(plot.spacetime(solved["hertz"]).ax.figure, tmp_path / "a.svg")
 
+    file = (tmp_path / "a.svg").read_bytes()
     assert file.count(b"<image") == 2  # cells and colour bar
     assert len(file) < 500_000
 
@@ -384,6 +387,7 @@ def test_a_joint_is_not_drawn_as_pressing(joined):
     assert pressing[:, 0].max() < x_of_joint.min()
 
 
+@pytest.mark.exhaustive
 def test_a_joint_is_a_line_in_places_of_the_bodies(joined):
     line = joint_patch(plot.spacetime(joined))
 
@@ -391,6 +395,7 @@ def test_a_joint_is_a_line_in_places_of_the_bodies(joined):
     assert line.get_linewidth() > 0.5
 
 
+@pytest.mark.exhaustive
 def test_a_joint_is_pressed_together_and_drawn_out_in_snapshots(joined):
     lines = plot.snapshots(joined).ax.lines
 
@@ -466,7 +471,8 @@ def test_bands_reach_the_initial_energy_and_the_work_from_outside(solved, name):
 # Page
 
 
-@pytest.mark.parametrize("name", few_of(SYSTEMS, {"masses"}))
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", SYSTEMS)
 def test_every_picture_renders(solved, name):
     solution = solved[name]
 
@@ -482,7 +488,7 @@ def driven_pile():
     return ri.solve(ri.System([hammer, pile]), 0.02, "characteristics")
 
 
-@pytest.mark.parametrize("coordinates", ["body", "lab"])
+@pytest.mark.parametrize("coordinates", few_of(["body", "lab"], ["lab"]))
 def test_a_mass_in_front_leaves_the_pile_at_its_place(driven_pile, coordinates):
     picture = plot.spacetime(driven_pile, coordinates=coordinates)
 
@@ -497,6 +503,7 @@ def test_ticks_beside_a_mass_are_material_coordinates(driven_pile):
     assert texts_of(ax.get_xticklabels()) == ["0", "18"]
 
 
+@pytest.mark.exhaustive
 def test_ticks_beyond_a_mass_are_material_coordinates(solved):
     ax = plot.spacetime(solved["pushed"]).ax
 
