@@ -27,7 +27,18 @@ PARTS = [
     for part in pkgutil.iter_modules(rodimpact.__path__)
     if part.name[0] != "_"
 ]
-LONG = {"design", "explorer", "fitting", "piles", "plot", "records", "results"}
+LONG = {
+    "design",
+    "explorer",
+    "fitting",
+    "methods",
+    "model",
+    "piles",
+    "plot",
+    "records",
+    "results",
+    "running",
+}
 QUICK = [part for part in PARTS if part not in LONG]
 
 

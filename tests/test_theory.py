@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 

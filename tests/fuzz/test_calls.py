@@ -72,6 +72,13 @@ def check_spoilt(call, parameter, label):
         check_sentence(error, where)
 
 
+@pytest.mark.exhaustive
+def test_good_arguments_are_parameters_of_what_they_are_for():
+    for call in CALLS:
+        unknown = {*call.arguments()} - {*call.parameters}
+        assert not unknown, call.name
+
+
 def test_every_public_name_has_good_arguments():
     """A class has instances, too, to call their methods."""
     # `replace` takes no argument to be good.

@@ -69,7 +69,7 @@ def test_a_front_loses_half_of_the_rate_of_a_whole_rod():
     rod = ri.Rod(2.0, area=1.0, material=SOFT, shaft=ri.Drag(2 * damping))
     system = ri.System([rod], ends=(ri.Pushed(1.0), ri.Free()))
 
-    solution = ri.solve(system, until=1.5, cells=2000)
+    solution = ri.solve(system, until=1.5, cells=1000)
 
     just_behind = 1.5 - 0.02  # m; the front has run 1.5 m
     force = -solution.axial_force(0, just_behind, 1.5)
@@ -197,6 +197,7 @@ def test_members_of_a_family_have_drags_of_their_own():
     assert family.columns["velocity_after.0"][1] < 0.1  # it was 1 in the beginning
 
 
+@pytest.mark.exhaustive
 def test_a_drag_coefficient_is_found_from_a_record():
     rod = standing_wave(ri.Drag(2.0), mean_velocity=1.0)
     record = ri.solve(ri.System([rod]), until=1.0, cells=60).gauge(0, 0.5)

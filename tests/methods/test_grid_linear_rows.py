@@ -61,7 +61,7 @@ def test_the_stated_error_of_a_driven_row_without_a_contact_is_none_too_small(ma
     assert "Stated relative error: velocity" in solution.status
 
 
-@pytest.mark.parametrize("seed", few_of(range(16), range(4)))
+@pytest.mark.parametrize("seed", few_of(range(16), [1, 2]))
 def test_stated_errors_of_bodies_and_joints_are_not_too_small(seed):
     row = random_linear_row(seed)
     until = INTERVALS * UNIT_TIME

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from grid_rows import matrices
 from scipy.linalg import eigh
 

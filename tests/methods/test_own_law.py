@@ -73,6 +73,7 @@ def test_a_contact_does_not_pull_where_the_force_is_negative():
     assert solution.contacts[0].force(times).min() >= 0
 
 
+@pytest.mark.exhaustive
 def test_members_of_a_family_are_single_runs():
     speeds = np.array([1.0, 3.0])
     striker = BAR.replace(length=0.4, velocity=speeds)

@@ -8,6 +8,7 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from mistakes import refused
 
 import rodimpact as ri

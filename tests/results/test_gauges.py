@@ -229,7 +229,9 @@ def quadratic_spline(steps):
     [
         {"until": 2e-4},
         {"until": 4e-5, "method": "finite-difference", "cells": 16, "snapshots": 9},
-        {"law": ri.Spring(1e8), "until": 2e-4},
+        pytest.param(
+            {"law": ri.Spring(1e8), "until": 2e-4}, marks=pytest.mark.exhaustive
+        ),
     ],
     ids=["fronts", "grid", "characteristics"],
 )
@@ -272,7 +274,7 @@ def test_strains_of_a_grid_run_straight_between_its_states():
     ("method", "dt"),
     [
         ("fronts", None),
-        ("characteristics", None),
+        pytest.param("characteristics", None, marks=pytest.mark.exhaustive),
         ("finite-difference", 5e-7),
     ],
 )

@@ -180,9 +180,9 @@ def test_a_gap_of_0_has_a_derivative_above_and_none_below():
 @pytest.mark.parametrize(
     ("quantity", "by_size", "by_area", "by_speed"),
     [
-        ("velocity_after.0", 0, 0, 1),
+        pytest.param("velocity_after.0", 0, 0, 1, marks=pytest.mark.exhaustive),
         ("impulse.0", 1, 1, 1),
-        ("duration.0", 1, 0, 0),
+        pytest.param("duration.0", 1, 0, 0, marks=pytest.mark.exhaustive),
     ],
 )
 def test_a_quantity_grows_by_powers_of_all_lengths_areas_and_velocities(
@@ -220,10 +220,10 @@ def test_derivatives_of_families_are_those_of_members_compiled_and_in_plain_pyth
     with kernels.forced(True):
         compiled = ri.gradient(family, wrt=BY)
 
-    assert np.asarray(plain).shape == (2, 3, 4)
+    assert np.asarray(plain).shape == (len(struck_lengths), 4)
     assert np.array_equal(plain, compiled, equal_nan=True)
-    assert "6 members" in str(plain)
-    for index in np.ndindex(2, 3):
+    assert f"{len(struck_lengths)} members" in str(plain)
+    for index in range(len(struck_lengths)):
         alone = ri.gradient(family[index], wrt=BY)
         for path in BY:
             sides = [side[index] for side in plain.one_sided[path]]
@@ -289,7 +289,7 @@ def test_one_sided_derivatives_beside_a_fixed_end_are_those_of_the_mirrored_row(
     assert sides == pytest.approx(mirrored.one_sided["bodies.1.area"], rel=1e-9)
 
 
-@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("mirrored", few_of([False, True], [True]))
 @pytest.mark.parametrize("area", few_of([1e-4, 1.7e-4], [1.7e-4]))
 def test_derivatives_of_a_striker_on_an_endless_bar_are_those_of_its_formula(
     area, mirrored
@@ -468,7 +468,7 @@ COMPLIANT_NUMBERS = {
 """Paths of rods of unit wave speed and density, by the fields of `Row`."""
 
 
-@pytest.mark.parametrize("seed", few_of(range(20), range(3)))
+@pytest.mark.parametrize("seed", few_of(range(20), range(2)))
 def test_stated_errors_of_compliant_rows_bound_the_difference_from_another_solver(seed):
     name = list(COMPLIANT_NUMBERS)[seed % len(COMPLIANT_NUMBERS)]
     varied = COMPLIANT_NUMBERS[name]

@@ -341,8 +341,8 @@ def chain():
     return ri.System([striker, *struck], gaps=[1e-4] * 9)
 
 
-@pytest.mark.parametrize("seed", few_of(range(20), [1, 2, 4]))
-@pytest.mark.parametrize("until", [None, 0.0, 1.4e-4, 1.86e-3])
+@pytest.mark.parametrize("seed", few_of(range(20), [1, 4]))
+@pytest.mark.parametrize("until", few_of([None, 0.0, 1.4e-4, 1.86e-3], [None, 1.4e-4]))
 def test_members_of_random_rows_equal_one_at_a_time(seed, until):
     system = random_family(seed, driven=until is not None)
     options = {"until": until, "max_events": 2000, "method": "fronts"}

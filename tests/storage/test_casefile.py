@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from case_texts import A_ROD, HEAD, ROD, STEEL
+from exhaustive import few_of
 from grid_rows import random_row
 
 import rodimpact as ri

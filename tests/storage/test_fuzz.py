@@ -167,9 +167,10 @@ def spoil_directory(rng, folder, other):
             first.write_bytes(spoil(rng, data))
 
 
+@pytest.mark.parametrize("damages", few_of([6, DAMAGES], [6]))
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
-    tmp_path, monkeypatch, seed
+    tmp_path, monkeypatch, seed, damages
 ):
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
     # Waiting for the disk would take most of the time.
@@ -183,7 +184,7 @@ def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
     other = next((tmp_path / "other").iterdir())
     refusals = []
     gone_on = 0
-    for _ in range(DAMAGES):
+    for _ in range(damages):
         shutil.copytree(whole, folder)
         spoil_directory(rng, folder, other)
         with warnings.catch_warnings():
