@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from exhaustive import few_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 

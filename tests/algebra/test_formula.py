@@ -91,7 +91,7 @@ def test_the_formula_for_a_longer_rod_of_higher_impedance_is_saint_venants():
     assert form.contact_times == (((0, 2 * T1),),)
 
 
-@pytest.mark.parametrize("K", [1, 2, 4])
+@pytest.mark.parametrize("K", few_of([1, 2, 4], [2]))
 def test_the_formula_for_a_longer_rod_of_lower_impedance_is_saint_venants(K):
     # T1 = 2 s and T2 = 2 K + 1 s: K round trips of the first rod fit into the second.
     form = ri.closed_form(row([2, 2 * K + 1], [2, 1]))

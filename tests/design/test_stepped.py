@@ -145,7 +145,8 @@ def root_mean_square(values):
     return np.sqrt(np.mean(values**2))
 
 
-@pytest.mark.parametrize("shape", few_of(SHAPES, {"trapezoid"}))
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("shape", SHAPES)
 def test_shapes_are_met_within_the_limits_by_the_misfit_that_is_stated(shape):
     wanted, misfit_percent = SHAPES[shape]
 

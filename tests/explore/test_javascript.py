@@ -390,7 +390,7 @@ def test_the_page_solves_rows_as_solve_does(seeds):
             error = abs(page["restitution"] - outcome.restitution)
             assert error <= 1e-9
             assert error <= page["error"] + 1e-12  # Python rounds transit times, too
-    assert n_exact >= 50  # at least half of the rows hold the narrow bound
+    assert n_exact >= len(seeds) / 2  # at least half hold the narrow bound
 
 
 # The scene

@@ -237,7 +237,7 @@ PICTURES = {
 
 
 @needs_node
-@pytest.mark.parametrize("name", few_of(PICTURES, {"ends", "blow"}))
+@pytest.mark.parametrize("name", few_of(PICTURES, {"ends"}))
 def test_grids_paths_and_curves_of_the_page_are_those_of_the_solution(name):
     options = {}
     if name == "ends":

@@ -521,7 +521,7 @@ def test_fits_of_other_numbers_cannot_be_compared():
         of_length.against(of_velocity)
 
 
-@pytest.mark.parametrize("seed", few_of(range(20), range(2)))
+@pytest.mark.parametrize("seed", few_of(range(20), [0]))
 def test_a_shift_is_found_wherever_a_window_of_a_record_lies_or_bounds_are_noted(seed):
     """Random steps of strain run along a bar and back; its length is varied as well.
 

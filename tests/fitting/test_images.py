@@ -68,6 +68,7 @@ def test_without_dispersion_images_are_the_waves_of_characteristics(body):
     assert relative_difference(images, strain) < 5e-4
 
 
+@pytest.mark.exhaustive
 def test_images_follow_a_theory_of_dispersion_better_than_undispersed_waves():
     """The theory is Mindlin and Herrmann's, on a grid; the images use its forces."""
     theory = {"lateral_inertia": "mindlin-herrmann"}
@@ -103,6 +104,7 @@ def test_the_first_passage_is_the_propagated_force():
     assert np.abs(difference).max() < 2e-6
 
 
+@pytest.mark.exhaustive
 def test_a_fit_of_all_passages_finds_the_striker_and_one_of_the_first_misfits():
     """The record holds three passages."""
     true_row = shot(0.3)

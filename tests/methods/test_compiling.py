@@ -246,7 +246,10 @@ def test_a_full_disk_is_no_failure(cache, monkeypatch):
 
 
 # The index of a kernel (nbi) names the files of its machine code (nbc).
-@pytest.mark.parametrize(("kind", "share"), [("nbi", 0.5), ("nbc", 0.99)])
+@pytest.mark.parametrize(
+    ("kind", "share"),
+    [("nbi", 0.5), pytest.param("nbc", 0.99, marks=pytest.mark.exhaustive)],
+)
 def test_files_half_written_are_told_of_and_made_anew(cache, kind, share):
     assert cache_hits(new_kernel()) == 0
     (path,) = cache.rglob(f"*.{kind}")

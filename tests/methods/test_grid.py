@@ -307,7 +307,7 @@ def largest_difference(solution, exact, times):
     return np.abs(differences).max()
 
 
-@pytest.mark.parametrize("name", COMPLIANT)
+@pytest.mark.parametrize("name", few_of(COMPLIANT, USUAL))
 def test_rows_converge_to_characteristics_and_keep_the_balances(name):
     """Second order where all is smooth, between one and two where forces have kinks."""
     system = COMPLIANT[name]

@@ -80,12 +80,12 @@ def test_the_memory_asked_for_bounds_what_is_taken_and_is_8_times_as_much_at_mos
     ],
 )
 def test_snapshots_that_are_too_many_are_refused_before_they_take_memory(
-    until, snapshots
+    snapshots,
 ):
     def solve():
         message = r"snapshots: .*needs .* GB of memory, .* GB; "
         with pytest.raises(memory.TooLong, match=message):
-            ri.solve(PAIR, until, "finite-difference", cells=100, snapshots=snapshots)
+            ri.solve(PAIR, 1.0, "finite-difference", cells=100, snapshots=snapshots)
 
     assert peak_bytes(solve) < 1e8
 
@@ -179,6 +179,6 @@ def test_members_larger_than_the_share_of_a_thread_run_in_turn_and_as_alone(
     monkeypatch.setattr(memory, "limit_to_share", limit_to_tiny_share)
     monkeypatch.setattr(chunks, "Solution", watched)
     result = ri.sweep(family, "finite-difference", cells=200, workers=4)
-    assert has_turn == [True] * 20
+    assert has_turn == [True] * 8
     assert not memory._turn.locked()
     assert result.restitution.tobytes() == without_threads.restitution.tobytes()

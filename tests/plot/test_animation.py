@@ -269,7 +269,8 @@ def forces_of(film):
 MODES = dict.fromkeys(SYSTEMS, "light") | {"walls": "dark", "masses": "dark"}
 
 
-@pytest.mark.parametrize("name", few_of(SYSTEMS, {"masses"}))
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", SYSTEMS)
 def test_every_row_moves_on_the_paper_of_its_look_beside_its_forces(solved, name):
     mode = MODES[name]
     with plot.look(mode):
@@ -291,7 +292,8 @@ LENGTHS = list(itertools.product([2, 3, 5, 20, 61], [1.0, 300.0, None]))
 """Numbers of frames, and magnifications."""
 
 
-@pytest.mark.parametrize("case", few_of(LENGTHS, [(2, None), (61, 300.0)]))
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("case", LENGTHS)
 def test_a_film_has_as_many_frames_as_asked_for_few_of_them_before_contact(
     solved, case
 ):

@@ -241,7 +241,7 @@ def test_time_across_is_the_same_picture_on_its_side(solved, name):
     assert across.ax.get_xlim() == pytest.approx(upright.ax.get_ylim())
 
 
-@every_row
+@some_rows
 def test_in_material_coordinates_nothing_moves(solved, name):
     picture = plot.spacetime(solved[name], axes(), coordinates="body")
 

@@ -51,19 +51,18 @@ def both_records(bar, noise=0.0, seed=0, factor=1.0):
 def test_speed_and_poisson_ratio_are_found_within_their_errors(poisson_ratio, seed):
     """Noise of 0.1 %: within 0.5 m/s and 0.001, and within the stated errors."""
     true_bar = ri.waves.Bar(SPEED, poisson_ratio, RADIUS)
-    for seed in range(2):
-        records = both_records(true_bar, 1e-3, seed)
+    records = both_records(true_bar, 1e-3, seed)
 
-        calibration = ri.calibrate_bar(*records, 2.0, guess())
+    calibration = ri.calibrate_bar(*records, 2.0, guess())
 
-        assert calibration.wave_speed == pytest.approx(SPEED, abs=0.5)
-        assert calibration.poisson_ratio == pytest.approx(poisson_ratio, abs=1e-3)
-        assert abs(calibration.wave_speed - SPEED) < 3 * calibration.wave_speed_error
-        error = abs(calibration.poisson_ratio - poisson_ratio)
-        assert error < 3 * calibration.poisson_ratio_error
-        assert calibration.wave_speed_error < 0.2
-        assert calibration.poisson_ratio_error < 5e-4
-        assert abs(calibration.gain - 1.0) < 4 * calibration.gain_error
+    assert calibration.wave_speed == pytest.approx(SPEED, abs=0.5)
+    assert calibration.poisson_ratio == pytest.approx(poisson_ratio, abs=1e-3)
+    assert abs(calibration.wave_speed - SPEED) < 3 * calibration.wave_speed_error
+    error = abs(calibration.poisson_ratio - poisson_ratio)
+    assert error < 3 * calibration.poisson_ratio_error
+    assert calibration.wave_speed_error < 0.2
+    assert calibration.poisson_ratio_error < 5e-4
+    assert abs(calibration.gain - 1.0) < 4 * calibration.gain_error
 
 
 @pytest.mark.exhaustive

@@ -89,6 +89,7 @@ def test_overlapping_waves_are_separated_by_equal_forces_and_not_without(
     assert result.doubts == ()
 
 
+@pytest.mark.exhaustive
 def test_bands_cover_93_percent_of_the_truth_of_overlapping_waves(shot):
     covered = []
     for seed in range(0, 12, 2):  # `reduced` takes the odd seeds, too

@@ -350,7 +350,13 @@ def peak_of(call):
 
 
 @pytest.mark.parametrize(
-    ("digits", "wrong_end"), [(2, ""), (2, "1x"), (4, "1,2,3,4"), (8, "")]
+    ("digits", "wrong_end"),
+    [
+        (2, ""),
+        (2, "1x"),
+        pytest.param(4, "1,2,3,4", marks=pytest.mark.exhaustive),
+        pytest.param(8, "", marks=pytest.mark.exhaustive),
+    ],
 )
 def test_memory_is_bounded_by_four_times_the_file(
     tmp_path, monkeypatch, digits, wrong_end
@@ -385,6 +391,7 @@ def test_memory_is_bounded_by_four_times_the_file(
     assert peak < 4 * path.stat().st_size
 
 
+@pytest.mark.exhaustive
 def test_a_large_table_takes_up_to_four_times_its_size_and_reports_progress(
     read, tmp_path
 ):

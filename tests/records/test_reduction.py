@@ -176,6 +176,7 @@ def test_without_dispersion_the_stress_of_the_same_shot_is_off(shot):
     assert "without dispersion" in str(result)
 
 
+@pytest.mark.exhaustive
 def test_at_a_noise_of_1_percent_bands_cover_the_truth_and_errors_are_below_1_percent(
     shot,
 ):

@@ -579,7 +579,7 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
     readings = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
     serial_readings = ri.sweep(system, executor=SerialExecutor(), **readings)
     spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(2, mp_context=spawn) as pool:
+    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
         for runner in ({"workers": 1}, {"workers": 5}, {"executor": pool}):
             result = ri.sweep(system, **runner)
             result_with_readings = ri.sweep(system, **readings, **runner)
