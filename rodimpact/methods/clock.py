@@ -198,8 +198,8 @@ def count_ticks(
 ) -> tuple[int, list[int]]:
     """Ticks of the longest transit, and of all durations, on the clock of one member.
 
-    `durations` and the `longest` transit are times, s; the clock must count to `end`,
-    s. If it cannot, 0 and an empty list are returned.
+    They are rounded to whole ticks. `durations` and the `longest` transit are times, s;
+    the clock must count to `end`, s. If it cannot, 0 and an empty list are returned.
     """
     bits = rule.clock_bits(end / longest)
     if bits < rule.MIN_TRANSIT_BITS:
@@ -209,7 +209,7 @@ def count_ticks(
         counted[i].time = durations[i]
     longest_ticks = 1 << bits
     if len(counted) > 0:
-        longest_ticks = rule.assign_ticks(counted, bits)
+        longest_ticks = rule.assign_ticks(counted, bits)  # this sets `ticks` of each
     return longest_ticks, [duration.ticks for duration in counted]
 
 

@@ -100,6 +100,7 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
         return own_force(link, d, closing)
     if is_nonlinear(link):  # a power, or what yields with damping
         return power_force(link, d, closing)
+    # A spring, or what yields along straight lines
     return spring_force(link, d, closing)
 
 
@@ -452,7 +453,7 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
 
     x0 is at most the overlap at which it yields, x1 is more. The force rises with the
     stiffness k to the yield force, then with the slope `hardening_share` k to the next
-    force of `knots`, and behind knots[i] with the slope shares[i] k. The link is not
+    force of `knots`, and after knots[i] with the slope shares[i] k. The link is not
     changed.
 
     Returns

@@ -60,8 +60,8 @@ def max_numbers() -> float:
 def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
     """Raise TooLong where so many numbers of 8 bytes are too much.
 
-    Wait if they are a large share. A thread that is limited to a share, see
-    `limit_to_share`, waits here for its turn.
+    A thread that is limited to a share, see `limit_to_share`, waits here for its turn
+    if it needs more than that.
 
     Parameters
     ----------

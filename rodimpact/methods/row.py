@@ -124,12 +124,10 @@ class Row:
         return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 
     def boundary_name(self, side: int) -> str:
-        """What acts on the left (0) or right (1) end.
+        """Name of what acts on the left (0) or right (1) end.
 
-        It is ``"wall"``, ``"absorbing"`` or ``"drive"``.
-
-        This is the `kind` of its `BoundaryAction`. A free end has none: do not ask for
-        its name.
+        It is ``"wall"``, ``"absorbing"`` or ``"drive"``, and becomes the `kind` of a
+        `BoundaryAction`. Nothing acts on a free end; its name, "drive", means nothing.
         """
         if side == 0:
             body = self.system.bodies[0]

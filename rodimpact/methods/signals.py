@@ -182,7 +182,7 @@ class Pieces:
         return np.maximum(self.ticks.searchsorted(ticks, side) - 1, 0)
 
     def _own_time(self, i: Ints, ticks: Ints) -> Floats:
-        """Variable y of pieces i at these ticks; -1 before a piece, 1 behind it."""
+        """Variable y of pieces i at these ticks; -1 before a piece, 1 after it."""
         return np.clip((ticks - self.ticks[i]) / self.widths[i] * 2 - 1, -1.0, 1.0)
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
@@ -192,7 +192,7 @@ class Pieces:
         """
         ticks = np.asarray(ticks)
         i = self.piece(ticks, side)
-        if self.size == 1:
+        if self.size == 1:  # one coefficient a piece: it is constant
             return self.values[i]
         return _polynomials(self.coefficients, i, self._own_time(i, ticks))
 
@@ -307,7 +307,7 @@ class Pieces:
         The pieces of the result have `size` coefficients.
 
         It is computed at as many points of each interval between breaks of either. The
-        last interval has no length, and holds the constant values behind both signals.
+        last interval has no length, and holds the constant values after both signals.
         """
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])

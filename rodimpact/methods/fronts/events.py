@@ -254,7 +254,7 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 def receive(line: Line, log: Log, transit: int) -> None:
     """Take the front that arrives, of which there must be one, off a line.
 
-    Its value is the incoming wave from now on, m/s. The front behind it is next; it
+    Its value is the incoming wave from now on, m/s. The front after it is next; it
     arrives a transit time after it was sent.
     """
     front = log[line.next_row]
@@ -270,7 +270,7 @@ def send(
 ) -> None:
     """Enter the front of a wave that leaves on line l in a row of the log.
 
-    It comes behind the last one of the line, which must have one. When it arrives is
+    It comes after the last one of the line, which must have one. When it arrives is
     left to the caller.
     """
     front: Front = log[log_row]

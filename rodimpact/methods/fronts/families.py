@@ -135,7 +135,7 @@ def body_columns(
     """Velocities of the bodies, m/s, [body][member], from those of their groups.
 
     `name` is the field of the velocities; `group_segments` are the first segments of
-    the groups. A refused member has nan.
+    the groups; a wall has its own velocity. A refused member has nan.
     """
     shape = row.system.shape
     group_velocities = [results.fields[name, s].reshape(shape) for s in group_segments]

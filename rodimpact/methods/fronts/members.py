@@ -94,7 +94,7 @@ def run_to_end(state: State) -> int:
 def find_horizon(run: Run) -> int:
     """Tick at which a run ends, as far as is known.
 
-    It is `end_tick` where an end was asked for; else `ticks_after_proof` behind the
+    It is `end_tick` where an end was asked for; else `ticks_after_proof` after the
     proof; the last tick of the clock as long as there is no proof.
     """
     if run.end_tick != NONE:
@@ -117,12 +117,14 @@ def try_proof(state: State, stop: int) -> None:
         now = max(run.now, run.next_proof_tick)
     else:
         now = run.now
+    # `now` if the collision is final, else a later tick at which it may be
     tick = finality.finality_tick(state, now)
     if tick == now:
         run.proved_tick = now
         run.next_proof_event = IDLE  # no further proof
     elif stop == Stop.CHECK:
         run.next_proof_tick = tick
+        # Proofs are rarer in a longer run, so that they take a part of its time only.
         run.next_proof_event = run.events + node_count + run.events // 8
 
 

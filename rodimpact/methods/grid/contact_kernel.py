@@ -29,7 +29,7 @@ EPS = 1 / (1 << 52)
 UNSOLVED_RTOL = 1 / (1 << 24)
 """Change of closings, over the largest speed, at which a chain has no solution."""
 NEWTON_RTOL = 1 / (1 << 27)
-"""Relative Newton step behind which the next one is round-off.
+"""Relative Newton step after which the next one is round-off.
 
 Convergence is quadratic.
 """
@@ -192,7 +192,7 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
     """
     for i in range(first, last + 1):
         link = links[i]
-        before = links[i - 1]
+        before = links[i - 1]  # its coupling with the first link is 0
         s = link.force_slope
         # Slope -1: the closing is fixed, mobility F = closing without F - max_closing.
         # Else (1 + s mobility) F = F0 + s (closing without F - overlap - gap).
@@ -278,16 +278,19 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
 def updated_gap(link: Link, w: float, tolerance: float) -> float:
     """Return the gap of a link at the end of a step in which it closes by w.
 
+    A grid counts time in steps and lengths in m/s: w is also the mean closing velocity.
     Set what else has changed: whether a rigid contact is closed, and yield force and
-    hardening of one that yields. Closing velocities within `tolerance` are 0. The gap
-    in the link stays that at the start of the step.
+    hardening of one that yields. A closed rigid contact opens with more than
+    `tolerance`, m/s, and an impact rests with less. The gap in the link stays that at
+    the start of the step.
     """
     gap: float
     if link.law == Law.RIGID or link.law == Law.IMPACT:  # these have no overlap
         gap = link.gap - w
     else:
         gap = -link.overlap
-    final_closing = 2 * w - link.initial_closing  # velocity, as w is a mean
+    final_closing = 2 * w - link.initial_closing  # as w is the mean of both
+    # Of bodies that an impact has left at rest
     is_at_rest = link.force <= 0 and link.gap <= 0 and abs(w) <= tolerance
     if link.law == Law.RIGID:
         if link.is_closed == 0:

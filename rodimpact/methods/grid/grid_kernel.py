@@ -146,7 +146,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         soil_kernel.solve_equations(run, lower, inverse_diagonal, upper, by_last)
         soil_kernel.renew_mobilities(run, links, by_first, by_last)
         if run.is_implicit > 0:
-            find_implicit_forces(v, force, viscous, old_velocity, change)
+            set_right_side(v, force, viscous, old_velocity, change)
             soil_kernel.pull_back(run, soil, v, change)
             prescribe_changes(v, change, ends)
             elimination.substitute(lower, inverse_diagonal, upper, change)
@@ -343,9 +343,7 @@ def kick(v: Any, force: Any, inverse_mass: Any) -> None:
         v[i] += inverse_mass[i] * (force[i + 1] - force[i])
 
 
-def find_implicit_forces(
-    v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any
-) -> None:
+def set_right_side(v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any) -> None:
     """Set x, the right side of the equations of a step.
 
     It has the elastic and viscous forces on the nodes. The viscous force is eta A/dx
@@ -503,6 +501,6 @@ def dissipate(v: Any, old_velocity: Any, viscous: Any, lost: Any) -> None:
     It is eta A/dx times the square of the mean rate of elongation.
     """
     for i in range(1, len(v)):
-        # Mean of the rates behind and before the step
+        # Mean of the rates after and before the step
         rate = (v[i] - v[i - 1] + (old_velocity[i] - old_velocity[i - 1])) / 2
         lost[i] += viscous[i] * rate * rate

@@ -30,7 +30,7 @@ def largest_force(force: Floats) -> float:
 
     It is that in the step of the largest mean. The curve is the parabola with the means
     of this step and of both neighbours. Where these span a jump or a kink, it is the
-    parabola through this step and two steps before or behind it, the less curved of
+    parabola through this step and two steps before or after it, the less curved of
     both. That one must have much less curvature than the first parabola, and be smooth:
     its curvature is less than its slope, or the force is constant.
     """
@@ -81,7 +81,7 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
     at the ends of steps, with one entry more than `force`. A gap has opened once it
     passes `open_gap`, m. A time that does not come is nan.
     """
-    # Steps in which forces begin, and those behind their last ones, in turn
+    # Steps in which forces begin, and those after their last ones, in turn
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
     wide = np.flatnonzero(gap > open_gap)  # step ends at which the gap is open
     # Step in which the next force begins:

@@ -212,7 +212,7 @@ def round_off_of(run: GridRun) -> float:
 
 
 def velocities_of(run: GridRun) -> Array:
-    """Scale of velocities, and behind it velocities at the end of a run, m/s.
+    """Scale of velocities, and after it velocities at the end of a run, m/s.
 
     Errors are relative to the largest entry, so to the scale at least. The velocities
     are the means of groups of joined bodies none of which is driven: these last after

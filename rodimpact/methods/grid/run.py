@@ -133,7 +133,7 @@ class GridRun:
                 count = max(64, MAX_STATES_BYTES // state_bytes)
             self._max_states = max(count, 3)
         else:
-            # States at the step ends before and behind each time, and at t = 0
+            # States at the step ends before and after each time, and at t = 0
             steps = np.array(snapshots) / self.step
             self._chosen_steps = np.concatenate(
                 (np.floor(steps), np.ceil(steps), [0.0])

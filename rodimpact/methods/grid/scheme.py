@@ -291,13 +291,14 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
 
 
 def boundary_velocity(row: Row, step: float, value: Any, t: Array) -> Array:
-    """Velocity in the frame of a wall or a driven end, m/s.
+    """Velocity of a wall or a driven end in the frame, which falls, m/s.
 
-    It is averaged over a step about each time. Times t, s, are a step apart. Before
-    t = 0 the value is that at t = 0.
+    It is averaged over a step about each time; about t = 0 over the half step after it,
+    as there is no value before. Times t, s, are a step apart.
     """
     edges = np.append(t - step / 2, t[-1:] + step / 2)
-    # Behind their last border polynomials in time are constant.
+    # Duration of the value. After their last border polynomials in time are constant:
+    # any time after it would do.
     end = max(edges.max(initial=0.0), 2 * latest_border(value))
     velocity = averages(value, np.maximum(edges, 0.0), end)
     return np.asarray(velocity - row.frame - row.system.gravity * t)

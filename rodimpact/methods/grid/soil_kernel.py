@@ -67,7 +67,7 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
 
     They are the force of the soil on each rod, and its power. The force on a node is
     -(R + c u), u its mean velocity against the ground in the step, from `old_velocity`
-    before the step and `v` behind it; its power is that force times u.
+    before the step and `v` after it; its power is that force times u.
     """
     ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
     first = (run.step - run.first_step) * run.shafts  # first entry of this step

@@ -1,6 +1,6 @@
 """The state of motion at t = 0 on a grid.
 
-Velocities are known at t = 0, forces of cells half a step before and behind. So the
+Velocities are known at t = 0, forces of cells half a step before and after. So the
 first kick by the forces at t = 0 decides how far cells have come half a step before.
 """
 
@@ -26,12 +26,13 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     """Store the state at t = 0 in a grid: velocities then, forces half a step before.
 
     Displacements of pieces, radial strains, the resistance of soil, waves from endless
-    bars and contacts that are closed are set too.
+    bars and contacts that are closed are set too. A grid counts time in steps and
+    lengths in m/s, see `records`.
 
     Returns
     -------
     array
-        Velocities that half a kick by the forces at t = 0 gives, m/s [node].
+        Changes of velocity by half a kick of the forces at t = 0, m/s [node].
     """
     v = grid.velocity
     elongation = np.zeros(len(grid.force))
@@ -43,7 +44,7 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     grid.radial_strain[:] = radial / step
     tension = mesh.stiffness * elongation + cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
-    # Half a step behind t = 0 the tension is T + k (v + kick)/2, by differences of
+    # Half a step after t = 0 the tension is T + k (v + kick)/2, by differences of
     # neighbours. As the first drift adds k v, it is T + k (kick - v)/2 half a step
     # before.
     stretching = np.diff(kick - v, prepend=0.0, append=0.0)
@@ -61,8 +62,8 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
 def _begin_soil(grid: Grid, kick: Array) -> None:
     """Move the static resistance of soil to half a step before t = 0.
 
-    The tension of cells is there, too. `kick` are the velocities by half a kick at
-    t = 0.
+    The tension of cells is there, too. `kick` are the changes of velocity by half a
+    kick at t = 0.
     """
     soil = grid.soil
     # Against the ground: the velocity at t = 0, and its change by half a kick
@@ -274,7 +275,7 @@ def _late_overlaps(mesh: Mesh, step: float, grid: Grid, kick: Array) -> Array:
     closing = v[left] - v[right]
     # Velocity at which the forces at t = 0 part the ends
     parting = kick[right] - kick[left]
-    # Overlap at the first kick, half a step behind t = 0
+    # Overlap at the first kick, half a step after t = 0
     overlap = (closing - parting) / 2 - links["gap"]
     is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
     is_late &= links["self_mobility"] > 0  # one of the ends can move

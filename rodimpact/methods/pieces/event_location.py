@@ -20,7 +20,7 @@ ROUND_OFF = 1e-13
 FIRST_RISE = 1e-3
 """Part of the way to the next point where a function that starts at 0 has a sign."""
 NOWHERE = 2.0
-"""Place behind the end of a piece: there is no event."""
+"""Place after the end of a piece: there is no event."""
 
 
 class Event(NamedTuple):
@@ -75,7 +75,7 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
         for which in range(contact_laws.guard_count(links[i])):
             status = set_guard_values(run, links[i], node, which, h)
             zero = find_event(run, links[i], node, which, h)
-            # A place behind 1 means that there is no event; one at 1 itself counts.
+            # A place after 1 means that there is no event; one at 1 itself counts.
             if zero <= 1 and (first == NONE or zero < position):
                 position = zero
                 first = i
@@ -100,7 +100,7 @@ def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
         ignored_depth = max(ignored_depth, graze / guard_length(run, h))
     # A dip below 0 that is less deep may be the truncation error of the piece.
     dip_depth = max(ignored_depth, run.tolerance / run.velocity_scale)
-    j = 1  # becomes the first point behind the start at which the guard is negative
+    j = 1  # becomes the first point after the start at which the guard is negative
     while j < POINTS and node.scratch_values[j] >= -ignored_depth:
         j += 1
     # A guard of velocities or forces may start negative, and rise again before the next
@@ -120,13 +120,13 @@ def find_crossing(node: Node, j: int) -> float:
 
     `node.scratch_values` has its values at the points, and gets its series into
     `node.scratch_series`; the first negative value is that at point j. If the function
-    is 0 or less at the point before, and does not rise above 0 behind it, that point is
+    is 0 or less at the point before, and does not rise above 0 after it, that point is
     returned: the start of the piece, -1, if j = 1.
     """
     series.set_series(node.scratch_values, node.scratch_series)
     low = X[j - 1]
-    zero = X[j - 1]  # unless it rises above 0 behind that point
-    if node.scratch_values[j - 1] <= 0:  # its sign shows a little behind the point
+    zero = X[j - 1]  # unless it rises above 0 after that point
+    if node.scratch_values[j - 1] <= 0:  # its sign shows a little after the point
         low += FIRST_RISE * (X[j] - X[j - 1])
     if series.value(node.scratch_series, low) > 0:
         zero = series.first_zero(node.scratch_series, low, X[j])

@@ -32,7 +32,7 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     The order of the break that this makes is set. A contact that closes starts with
     overlap 0. Rigid bodies that close strike, which decides their status anew. What
     stops to yield gets the yield force that it has reached; what starts to, or comes to
-    a knot of its table, gets exactly the overlap there, and the hardening behind a
+    a knot of its table, gets exactly the overlap there, and the hardening after a
     knot.
     """
     run = state.runs[0]
@@ -279,6 +279,7 @@ def raise_peak(link: Link, node: Node) -> None:
     The bound is the peak and what the polynomial and the search for its maximum may
     miss.
     """
+    # A maximum below the peak so far is not looked for.
     peak = series.maximum(link.force, node.scratch_series, link.peak_force)
     error = series.error_at(link.force, peak.place) + peak.miss
     link.peak_force = max(link.peak_force, peak.value)

@@ -113,7 +113,7 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
         # A compliant contact counts as pressed until
         # it opens; a rigid one while it has a force.
         has_force = link.force[N] * link.effective_mobility > run.graze_velocity
-        is_compliant = link.law > Law.IMPACT  # a spring, or a law behind it
+        is_compliant = link.law > Law.IMPACT  # a spring, or a law after it
         is_pressed = link.status != Status.OPEN and (is_compliant or has_force)
         is_over = is_over and time == 0 and not is_pressed
         if link.status == Status.OPEN and time < math.inf:

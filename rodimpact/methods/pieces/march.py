@@ -323,6 +323,7 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
         # that begins with it.
         for side in range(2):
             source = node.incoming_lines[side]
+            # The lower the order of a break, the harder it is.
             if lines.order_at(all_lines, log, source, tick) <= HARD:
                 piece = log[all_lines[source].read_piece]
                 end = min(end, tick + 2 * (piece.end - piece.start))
@@ -355,7 +356,7 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
 
     An event at the start of the piece happens before the piece begins: the status of
     its link is changed, and the piece is solved anew. So the event of the result is
-    behind the start. Without a solution on a piece of one tick the result has 0 ticks.
+    after the start. Without a solution on a piece of one tick the result has 0 ticks.
     After MAX_STATUS_CHANGES at the start it has no event.
     """
     run = state.runs[0]

@@ -269,7 +269,7 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     v/c + g T/(2 c). The smaller bound is taken.
     """
     row = clock.row
-    waves = log[log["line"] < 2 * len(row.segments)]
+    waves = log[log["line"] < 2 * len(row.segments)]  # two lines a segment come first
     wave_speeds = np.zeros(len(row.segments))
     transit_times = np.zeros(len(row.segments))
     for s, segment in enumerate(row.segments):
@@ -299,7 +299,7 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
 def _struck_together(row: Row) -> str:
     """Sentence of the status on rigid bodies that touch at t = 0.
 
-    It is empty if no two contacts do.
+    It is empty if no two neighbouring contacts do.
     """
     touching = []
     for i, link in enumerate(row.links):
@@ -434,7 +434,7 @@ def _columns_of(family: Members, refused: Any) -> Columns:
         row.system,
         before=[zero_or_nan + velocity for velocity in before],
         after=[zero_or_nan + velocity for velocity in after],
-        vibration=sum(vibration_of(family), zero_or_nan),
+        vibration=sum(vibration_of(family), zero_or_nan),  # of all bodies together
         contacts=_contact_columns(family, zero_or_nan),
         final=final,
         status=status_column(refused, final, is_capped, family.request.until),

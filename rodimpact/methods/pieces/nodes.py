@@ -120,7 +120,7 @@ def start_forces(links: Links, node: Node) -> int:
 
 
 def integrate(rate: Values, h: float, f: MutableValues) -> None:
-    """Set f behind f[0] to f[0] plus the integral of a rate.
+    """Set f after f[0] to f[0] plus the integral of a rate.
 
     The piece has the duration h, s. f and the rate are values at the points; that of
     the rate at the start is not used.

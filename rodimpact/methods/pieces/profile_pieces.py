@@ -128,7 +128,7 @@ def in_pieces(
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
     round_off = min(ROUND_OFF, largest_miss) * np.abs(signal.coefficients).max()
-    # Differences of the values before and behind each edge but the first
+    # Differences of the values before and after each edge but the first
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
     jumps = changes > CONTINUITY_RTOL * break_size + round_off
     borders = _borders_of_rest(signal, edges, round_off)  # [edge]
@@ -204,7 +204,7 @@ def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
 def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> Fit:
     """Fit pieces of 2^n intervals without a jump inside.
 
-    Those that miss too much are halved. `jumps` says for each edge behind the first
+    Those that miss too much are halved. `jumps` says for each edge after the first
     whether no piece may reach across it; `tolerance` is the largest miss. An interval
     by itself keeps the series of the signal. The pieces are in order of time.
     """

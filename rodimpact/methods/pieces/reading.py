@@ -43,7 +43,7 @@ def place_of(wave: Any, tick: float) -> int:
 def share_of(piece: Any, tick: float) -> float:
     """Place of a tick in a piece, from -1 to 1.
 
-    It is -1 at its start, and 1 at its end and behind it.
+    It is -1 at its start, and 1 at its end and after it.
     """
     return min(1.0, 2 * ((tick - piece.start) / (piece.end - piece.start)) - 1)
 

@@ -325,9 +325,9 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
         if f[j] > f[best]:
             best = j
     before = max(best - 1, 0)
-    behind = min(best + 1, N)
+    after = min(best + 1, N)
     low = X[before]
-    high = X[behind]
+    high = X[after]
     set_series(f, c)
     reach = c[0]  # no value is larger
     for m in range(1, POINTS):
@@ -346,7 +346,7 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
     most = value(c, low)
     if most <= f[best]:  # no value between the points is larger
         return Maximum(f[best], X[best], 0.0)
-    rise = most - min(f[before], f[behind])  # from the lower neighbour
+    rise = most - min(f[before], f[after])  # from the lower neighbour
     return Maximum(most, low, EXTREMUM_RTOL * rise)
 
 
