@@ -76,7 +76,7 @@ class Progress:
         self._progress = progress
         self._name = name
         self._unit = unit
-        self._is_outermost = False
+        self._is_outermost = False  # whether no other call shows its progress
         self._bar: Any = None
         self._showwarning: Any = None  # `warnings.showwarning` without the bar
         self._began = math.inf  # s, time.time(); inf: no bar will appear

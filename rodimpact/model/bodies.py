@@ -281,8 +281,10 @@ class Segment(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Set the area, and refuse numbers that do not go together.
 
-        The area is that of a diameter, or sampled if it is a function. A taper is
-        refused if a uniform segment of its smallest or largest area would be.
+        The area is that of a diameter, or sampled if it is a function. The material is
+        checked, and so are impedance, transit time and mass, which may not be extreme.
+        A taper is refused if a uniform segment of its smallest or largest area would
+        be. All mistakes so far are raised here.
         """
         area = self._checked_area(problems)
         self._set(area=area)
@@ -296,6 +298,7 @@ class Segment(FrozenDataclass):
                 Segment(self.length, extreme, self.material)
             return
         if self._varies:
+            # This raises an error if arrays do not broadcast, or make too many members.
             frozen.family_shape(self._numbers())
         self._check_magnitudes(area)
 
@@ -831,8 +834,8 @@ def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ..
 def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments between the jumps of an area that is `Steps`.
 
-    InvalidModel with all mistakes. The shape are the arguments of `Segment`. All
-    segments have them, but for length and area.
+    InvalidModel with all mistakes. `shape` holds the arguments of `Segment`, which all
+    segments have in common but for length and area.
     """
     area = shape["area"]
     problems: Problems = []

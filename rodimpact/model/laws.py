@@ -925,8 +925,8 @@ class Law(_Law, law="own"):
     def _check(self, problems: Problems) -> None:
         """Refuse a force that is no function, or has unsound values.
 
-        The values are those at `TRIAL_STATES`; none may be less than the one before.
-        InvalidModel if the function fails there; other mistakes are added to
+        The values are those at `TRIAL_STATES`, of growing d and then d': they must be
+        finite, 0 without overlap, and none less than the one before. InvalidModel if the function fails there; other mistakes are added to
         `problems`.
         """
         force: Any = self.force

@@ -123,13 +123,15 @@ def _instrumented_bar(
 
     The records are sampled at the same times, positive in compression, and begin from a
     level of 0 at rest. The gauges come in the order in which the first pulse arrives at
-    them.
+    them. Records of an output bar that begin too late are preceded by more rest, see
+    `_from_arrival_at_face`.
     """
     checked = _checked_gauges(name, gauges, rod)
     signals = [gauge.strain for gauge in checked]
     times = _common_times(name, signals)
     records = []
     for gauge, signal in zip(checked, signals, strict=True):
+        # The last time may lie beyond the end by round-off.
         strain = np.asarray(signal.at(np.minimum(times.values, times.end)))
         compressive = SIGN_OF_COMPRESSION[compression] * strain
         pulse = _first_pulse(name, times.values, compressive, compression)

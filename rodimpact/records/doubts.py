@@ -290,7 +290,7 @@ def _onset(times: Floats, strain: Floats, pulse: Pulse) -> _Onset:
     At `pulse.start` it has a tenth of its plateau. It takes no longer up to there than
     `FOOT_TIME_RATIO` of the time from a tenth to a fifth.
     """
-    fifth = 2 * START_RATIO * abs(pulse.plateau)
+    fifth = 2 * START_RATIO * abs(pulse.plateau)  # the ratio is a tenth
     is_above = (times > pulse.start) & (np.abs(strain) >= fifth)
     until_fifth = float(times[np.argmax(is_above)]) - pulse.start
     return _Onset(pulse.start - FOOT_TIME_RATIO * until_fifth, pulse.start)
@@ -306,7 +306,7 @@ class _Delay(NamedTuple):
 
     least: float
     most: float
-    middle: float  # between the times at which both reach a tenth of their plateaus
+    at_tenth: float  # between the times at which both reach a tenth of their plateaus
 
     def contradicts(self, travel: float, later: float = 0.0) -> bool:
         """Whether no onsets are apart by the travel time, s, or up to `later`, s, more.
@@ -320,15 +320,16 @@ class _Delay(NamedTuple):
 
 
 def _delay(before: _Onset, after: _Onset) -> _Delay:
-    """Time from the onset of one pulse to that of a later one: least, most and middle.
+    """Time from the onset of one pulse to that of a later one.
 
     The earlier one may have begun at any time from `earliest` to `latest`, and so may
-    the later one.
+    the later one. At `latest` both have a tenth of their plateaus: pulses of one shape
+    have their onsets as far apart as these.
     """
     return _Delay(
         least=after.earliest - before.latest,
         most=after.latest - before.earliest,
-        middle=after.latest - before.latest,
+        at_tenth=after.latest - before.latest,
     )
 
 
@@ -343,11 +344,11 @@ def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
     delay = _delay(_first_onset(bar, 0), _first_onset(bar, 1))
     if delay.contradicts(apart / bar.speed):
         yield (
-            f"the pulse takes {format_si(delay.middle, 's', 3)} from the first gauge "
+            f"the pulse takes {format_si(delay.at_tenth, 's', 3)} from the first gauge "
             f"of the {_bar_name(bar)} to the second; their distance, "
             f"{format_si(apart, 'm', 3)}, and the bar speed, {bar.speed:.0f} m/s, say "
             f"{format_si(apart / bar.speed, 's', 3)}; check both distances (the delay "
-            f"fits {format_si(delay.middle * bar.speed, 'm', 3)} between the gauges) "
+            f"fits {format_si(delay.at_tenth * bar.speed, 'm', 3)} between the gauges) "
             "and the bar speed"
         )
 
@@ -366,9 +367,9 @@ def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
     travel = 2 * distance / bar.speed
     delay = _delay(_first_onset(bar), reflected)
     if delay.contradicts(travel):
-        fitting = delay.middle * bar.speed / 2
+        fitting = delay.at_tenth * bar.speed / 2
         yield (
-            f"the reflected wave arrives {format_si(delay.middle, 's', 3)} after the "
+            f"the reflected wave arrives {format_si(delay.at_tenth, 's', 3)} after the "
             "incident wave; the distance of the input gauge, "
             f"{format_si(distance, 'm', 3)}, and the bar speed, {bar.speed:.0f} m/s, "
             f"say {format_si(travel, 's', 3)}; check the distance (the delay fits "
@@ -418,7 +419,7 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
     # The specimen makes the wave late only, by its own travel time at most.
     if delay.contradicts(travel, length / SLOWEST_SPECIMEN_SPEED):
         yield (
-            f"the transmitted wave arrives {format_si(delay.middle, 's', 3)} after the "
+            f"the transmitted wave arrives {format_si(delay.at_tenth, 's', 3)} after the "
             "incident wave; the distances of the gauges from the specimen, "
             f"{format_si(before, 'm', 3)} and {format_si(behind, 'm', 3)}, and the bar "
             f"speeds, {input_speed:.0f} m/s and {output_speed:.0f} m/s, say "
@@ -457,10 +458,12 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
     with its sign turned, is shifted against the record. It is not seen if the record is
     too short, or what comes back does not fit it.
     """
+    # Distances are those from the specimen.
     path = 2 * (float(bar.rod.length) - float(bar.distances[0]))
     travel = path / bar.speed
     slack = ECHO_SEARCH_RTOL * travel
     pulse = bar.first_pulse
+    # The width is that at half height: both feet take up to a rise time more.
     pulse_end = pulse.start + pulse.width + 2 * pulse.rise
     # The echo comes between these times.
     start = pulse.start + travel - slack

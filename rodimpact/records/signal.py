@@ -680,7 +680,7 @@ def _number_of_steps(name: str, duration: Any, step: float) -> int:
     if not 0 <= count < filters.MAX_SAMPLES:
         message = f"must be 0 or more, and at most {filters.MAX_SAMPLES} samples"
         raise invalid_argument(name, f"{message}, got {duration}")
-    return math.ceil(count * (1 - 1e-12))  # round-off makes no step more
+    return math.ceil(count * (1 - 1e-12))  # so that round-off does not add a step
 
 
 def bounds_of(name: str, bounds: Any, unit: str) -> Range | None:

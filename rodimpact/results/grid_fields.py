@@ -315,8 +315,8 @@ class GridFields(Fields):
     def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves A = v - c strain and B = v + c strain at the point x, m.
 
-        Velocity v and strain are interpolated to the point in every state, and the
-        waves are lines between states.
+        Velocity v, in the frame of the clock, and strain are interpolated to the point
+        in every state. The waves are lines between states.
         """
         segment = int(self.locate(body, x).segment)
         c = self.clock.wave_speed[segment]
@@ -358,6 +358,7 @@ class GridFields(Fields):
         step_number = tick // STEP_TICKS
         state = int(np.searchsorted(self.motion.when, step_number))
         in_frame = self.motion.velocity[state, span.nodes]
+        # The frame moves with its own velocity, and falls.
         v = in_frame + clock.frame + clock.gravity * tick * clock.tick - velocity
         energies = self.motion.energies(span.nodes, span.mass, state, v, self.step)
         return RodEnergy(*energies)
@@ -425,7 +426,10 @@ class GridFields(Fields):
     # Extreme stress -------------------------------------------------------------------
 
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """The largest stresses, from kept states and from the forces on ends."""
+        """The largest stresses, from kept states and from the forces on ends.
+
+        They are `NO_STRESS` where there is no tension, or no compression.
+        """
         tensions = []
         compressions = []
         for peak in (*self._state_peaks(body), *self._end_peaks(body)):

@@ -177,17 +177,17 @@ class _BodyNumbers(NamedTuple):
 def _body_numbers(body: Body) -> _BodyNumbers | None:
     """Numbers that the closed forms take of a body.
 
-    None if it is a rod that is not uniform, has initial strain, or whose velocity is a
-    profile along it.
+    None if it is a rod that is not uniform, has damping or lateral inertia, has initial
+    strain, or whose velocity is a profile along it.
     """
     if not isinstance(body, Rod):
         mass = getattr(body, "mass", np.inf)  # a wall has none
         return _BodyNumbers(np.inf, 0.0, mass, body.velocity)
     segment = body.segments[0]
-    is_uniform = len(body.segments) == 1 and segment.ideal
+    is_ideal = len(body.segments) == 1 and segment.ideal
     moves_as_one = isinstance(body.velocity, float | np.ndarray)
-    is_strained = np.any(body.strain != 0)
-    if not is_uniform or not moves_as_one or is_strained:
+    is_strained = np.any(body.strain != 0)  # a profile is strain, too
+    if not is_ideal or not moves_as_one or is_strained:
         return None
     return _BodyNumbers(
         segment.impedance, segment.transit_time, segment.mass, body.velocity

@@ -159,8 +159,9 @@ class WaveFields(Fields):
     ) -> Floats:
         """Values of a field just after ("right") or before `ticks`.
 
-        x in m and ticks broadcast. A formula gives values of that side. On a grid,
-        those of the right side are found faster.
+        x in m and ticks broadcast. `formula` must give values of that side. If x is a
+        column and ticks are a row, values of waves that are constant between fronts are
+        found faster, front by front.
         """
         # A field that is constant between fronts has a front's value from it on.
         holds_from_fronts = side == "right" and self.constant_between_fronts

@@ -109,7 +109,8 @@ def run_jobs(
 def members_of(system: System, start: int, stop: int) -> System:
     """Members `start` to `stop - 1` of a family in C order, as a smaller family.
 
-    All members are the family itself.
+    All members are the family itself. Whole rows of it keep its axes; else the members
+    stand along a single axis.
     """
     if stop - start == math.prod(system.shape):
         return system
@@ -171,6 +172,7 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     """
     system = chunk.system
     readings = chunk.readings
+    # Snapshots that no reading needs are not kept.
     options = _without_unread_states(chunk.options, readings)
     columns = _empty_columns(system, readings)
 

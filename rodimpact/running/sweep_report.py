@@ -169,13 +169,14 @@ def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextCo
 def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
     """Columns of text on contact k, from numbers by column [member].
 
-    It is the only contact that can open.
+    It is the only contact that can open, so that the restitution of the collision is
+    its own.
     """
     impulses = numbers[f"impulse.{k}"]
     episode_counts = numbers[f"episodes.{k}"]
     episodes = []
     for impulse, episode_count in zip(impulses, episode_counts, strict=True):
-        if math.isnan(impulse):
+        if math.isnan(impulse):  # a refused member
             episodes.append("-")
         else:
             episodes.append(str(episode_count))

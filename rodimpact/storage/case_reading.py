@@ -512,9 +512,10 @@ def read_output(table: Table) -> dict[str, str]:
 
 
 def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
-    """A strain gauge on one of the rods; mistakes are noted, and its entries stay.
+    """A strain gauge on one of the rods; mistakes are noted.
 
-    The fraction of a gauge without one is nan.
+    Wrong entries stay, but a fraction that is missing or no number becomes nan, and is
+    a mistake too.
     """
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
     body = table.get("body")
@@ -525,7 +526,7 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     fraction = table.get("fraction", math.nan)
     if table.has("fraction"):
         fraction = table.quantity("fraction", fraction, "dimensionless")
-    if not 0 <= fraction <= 1:
+    if not 0 <= fraction <= 1:  # nan is not either
         message = "give the place over the length of the rod, from 0 to 1"
         table.note_mistake("fraction", message)
     name = table.get("name", "")

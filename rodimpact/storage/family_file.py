@@ -70,7 +70,8 @@ class _Describer:
     def describe_object(self, value: Frozen) -> dict[str, Any]:
         """Description of an object of the model: its class and its parameters.
 
-        The parameters are those that make the object.
+        The parameters are the arguments of its constructor. InvalidModel if a law of a
+        system is a function.
         """
         if isinstance(value, System):
             value.check_file()  # raises for a law that is a function
