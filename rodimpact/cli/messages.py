@@ -51,6 +51,9 @@ PHRASES = {
         "give cut pulses, --incident, --reflected and --transmitted"
     ),
     r" alone, ri\.BarGauge\(\w+, distance\)": " alone",
+    r"reverse it by BarGauge\(\.\.\., gain=-1\)": (
+        "reverse the numbers of this channel in the record"
+    ),
     r"which ri\.calibrate measures": "which a shot with the bars together measures",
     r"\(ri\.calibrate finds gains from a shot with the bars together\)": (
         "(a shot with the bars together shows gains)"

@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         specimen,
         "--length",
         "length",
-        "length of the specimen before the shot",
+        "length of the specimen before the shot; a number without a unit is in m",
         required=True,
     )
     add_number(specimen, "--diameter", "length", "diameter of a round specimen")

@@ -268,8 +268,9 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
         (other,) = SIGN_OF_COMPRESSION.keys() - {compression}
         raise invalid_argument(
             name,
-            "must begin with a compression; give "
-            f'compression="{other}" if the signs differ',
+            "must begin with a compression; if the signs of all gauges differ, give "
+            f'compression="{other}"; if that of this one alone does, '
+            "reverse it by BarGauge(..., gain=-1)",
         )
     below = np.flatnonzero(smooth[first:] <= 0)
     stop = len(values)  # index behind the last sample of the pulse

@@ -1,14 +1,15 @@
 """Doubts about a reduction: where the records contradict what was said about the shot.
 
-Four things are checked: gauges of one bar agree, each wave arrives when distances and
-wave speeds say, no alignment ends at the limit of its search, and the forces on both
-faces of the specimen balance. A doubt is a sentence with its number, its limit and a
-remedy. The curve stays as it is.
+Five things are checked: the specimen fits between the bars, gauges of one bar agree,
+each wave arrives when distances and wave speeds say, no alignment ends at the limit of
+its search, and the forces on both faces of the specimen balance. A doubt is a sentence
+with its number, its limit and a remedy. The curve stays as it is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -21,11 +22,17 @@ from .comparison import TimeSeries, misfit_of
 from .curve import Curve
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .pulses import FOOT_TIME_RATIO, PLATEAU_RATIO, START_RATIO, Pulse, first_part
+from .specimen import Specimen
 from .two_bar_shot import Shifts
 
 MIN_COMPARED_SAMPLES = 16
 """Samples at which two records of a pulse are compared, at least."""
 
+MAX_SECTION_RATIO = 1.02
+"""Largest section of a specimen over that of the bars, which load it whole.
+
+Areas that are rounded differ by some percent.
+"""
 MIN_OPPOSITE_RATIO = 0.6
 """Bounds the strain of a gauge over that of the opposite gauge, averaged over a pulse.
 
@@ -123,6 +130,7 @@ def doubts_of(
     The bars hold the strains as recorded, without the gains of a calibration.
     """
     doubts: list[str] = []
+    doubts += _oversized_specimen(curve.specimen, bars)
     for bar in bars:
         doubts += _unlike_opposite_gauges(bar)
         doubts += _unlike_stations(bar)
@@ -137,23 +145,28 @@ def doubts_of(
     return tuple(doubts)
 
 
-def doubts_of_equal_forces(bars: InstrumentedBars, length: float) -> tuple[str, ...]:
+def doubts_of_equal_forces(
+    bars: InstrumentedBars, specimen: Specimen
+) -> tuple[str, ...]:
     """Sentences on all doubts about a shot with one gauge a bar and equal forces.
 
-    `length` is that of the specimen, m. The waves overlap, so nothing is said about the
-    reflected one.
+    The waves overlap, so nothing is said about the reflected one.
     """
     doubts: list[str] = []
+    doubts += _oversized_specimen(specimen, bars)
     for bar in bars:
         doubts += _unlike_opposite_gauges(bar)
-    doubts += _transmitted_wave_off_time(bars, length)
+    doubts += _transmitted_wave_off_time(bars, specimen.length)
     doubts += _echo_off_time(bars.output)
     return tuple(doubts)
 
 
-def doubts_of_direct_impact(bar: InstrumentedBar) -> tuple[str, ...]:
-    """Sentences on all doubts about the gauges of an output bar alone."""
+def doubts_of_direct_impact(
+    bar: InstrumentedBar, specimen: Specimen
+) -> tuple[str, ...]:
+    """Sentences on all doubts about a specimen and the gauges of its output bar."""
     doubts: list[str] = []
+    doubts += _oversized_specimen(specimen, [bar])
     doubts += _unlike_opposite_gauges(bar)
     doubts += _unlike_stations(bar)
     doubts += _second_gauge_off_time(bar)
@@ -174,6 +187,36 @@ def _percent(ratio: float) -> str:
 
 
 # Gauges of one bar that disagree
+
+
+def _oversized_specimen(
+    specimen: Specimen, bars: Iterable[InstrumentedBar]
+) -> Iterator[str]:
+    """A doubt each if the specimen is longer than a bar, or its section is larger.
+
+    Millimetres that are given as metres make it so.
+    """
+    shortest = math.inf
+    smallest_section = math.inf
+    for bar in bars:
+        segment = bar.rod.segments[0]  # the only one
+        shortest = min(shortest, float(bar.rod.length))
+        section = float(np.asarray(segment.area))
+        smallest_section = min(smallest_section, section)
+    remedy = "numbers without a unit are in metres, and 5 mm are 0.005"
+    if specimen.length > shortest:
+        yield (
+            f"the specimen is {format_si(specimen.length, 'm', 3)} long, longer than "
+            f"a bar of {format_si(shortest, 'm', 3)}; {remedy}"
+        )
+    if specimen.section > MAX_SECTION_RATIO * smallest_section:
+        thickness = math.sqrt(4 * specimen.section / math.pi)
+        bar_thickness = math.sqrt(4 * smallest_section / math.pi)
+        yield (
+            f"the specimen is {format_si(thickness, 'm', 3)} thick (as a circle of "
+            f"its area), thicker than a bar of {format_si(bar_thickness, 'm', 3)}; "
+            f"{remedy}"
+        )
 
 
 def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:

@@ -285,7 +285,7 @@ def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Redu
         curve,
         bars=list(recorded),
         verdict=verdict_of_equal_forces(curve, shot.method_sentence()),
-        doubts=doubts_of_equal_forces(recorded, records.specimen.length),
+        doubts=doubts_of_equal_forces(recorded, records.specimen),
         report=report,
         calibration=records.calibration,
         strain_error=later.strain - curve.strain,
@@ -313,7 +313,7 @@ def _reduce_direct_impact(
         curve,
         bars=[bar],
         verdict=verdict_of_equal_forces(curve, shot.method_sentence()),
-        doubts=doubts_of_direct_impact(bar),
+        doubts=doubts_of_direct_impact(bar, specimen),
         report=report,
         strain_error=strain_error,
     )

@@ -24,6 +24,12 @@ EQUILIBRIUM_RTOL = 0.05
 """Bounds abs(F1 - F2) over the mean of both forces, in equilibrium."""
 MIN_BALANCED_RATIO = 0.5
 """Least part of the plateau with balanced forces for equilibrium of a shot."""
+MAX_UNSTEADY_RATIO = 0.5
+"""Median departure of F1 - F2 from its median over the plateau, over their size.
+
+A smaller one is a difference of one sign and nearly constant. Waves that still run in
+the specimen make it swing or fade.
+"""
 SMOOTHING_RATIO = 0.25
 """Duration of the means of compared forces, over the rise time of the incident wave."""
 SMALLEST_SHOWN_RATIO = 1e-4
@@ -139,9 +145,16 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
         sentence = (
             f"equilibrium is not reached: |F1 - F2| is {_percent(imbalance)} of the "
             f"mean force on the plateau, and stays below {_percent(EQUILIBRIUM_RTOL)} "
-            "for less than half of it; use a shorter specimen or a slower rise of the "
-            "pulse"
+            "for less than half of it; "
         )
+        signed = balance.difference[plateau]
+        unsteadiness = float(np.median(np.abs(signed - np.median(signed))))
+        if unsteadiness < MAX_UNSTEADY_RATIO * imbalance:
+            sentence += (
+                "the difference is nearly constant there, as wrong gains or distances "
+                "of gauges make it: check them first, then "
+            )
+        sentence += "use a shorter specimen or a slower rise of the pulse"
     return _with_numbers(
         curve,
         plateau,
@@ -230,7 +243,8 @@ def _plateau(curve: Curve) -> Bools:
 class _Balance(NamedTuple):
     """Balance of the forces over time."""
 
-    imbalance: Floats  # |F1 - F2| over the mean force
+    difference: Floats  # F1 - F2 over the mean force
+    imbalance: Floats  # its absolute value
     is_equal: Bools  # whether it is within the bound, while loading
 
 
@@ -245,10 +259,11 @@ def _balance(curve: Curve, rise: float) -> _Balance:
     difference = np.convolve(curve.input_force - curve.output_force, window, "same")
     mean = np.convolve(curve.input_force + curve.output_force, window, "same") / 2
     with np.errstate(divide="ignore", invalid="ignore"):
-        imbalance = np.abs(difference / mean)
+        relative = difference / mean
+    imbalance = np.abs(relative)
     is_equal = (imbalance <= EQUILIBRIUM_RTOL) & (mean > 0)
     is_equal[curve.loading.stop :] = False
-    return _Balance(imbalance, is_equal)
+    return _Balance(relative, imbalance, is_equal)
 
 
 def _resolution(curve: Curve, plateau: Bools, impedance: float) -> float:

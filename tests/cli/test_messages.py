@@ -153,7 +153,8 @@ def test_a_message_names_options_and_entries_and_nothing_of_python(
         "3.2 s); use resampled(dt)",
         "use .resampled(times=...) with the times of one of them",
         "record earlier, or give cut pulses, ri.reduce(pulses=...)",
-        'must begin with a compression; give compression="positive" if the signs differ',
+        'if the signs of all gauges differ, give compression="positive"; if that of '
+        "this one alone does, reverse it by BarGauge(..., gain=-1)",
         'give clock="own" if each pulse has a time of its own',
         "or give the record of `signal` alone, ri.BarGauge(signal, distance)",
         "check gains (ri.calibrate finds gains from a shot with the bars together)",

@@ -3,6 +3,7 @@ gauges.
 """
 
 import itertools
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -799,6 +800,46 @@ def test_forces_out_of_balance_are_doubted(shot, gain, limit):
     assert has([doubt], "forces on the two faces differ by 60 %", f"at most {limit}")
 
 
+@pytest.mark.parametrize(
+    ("specimen", "part"),
+    [
+        (
+            ri.Specimen(3.204, diameter=6.34e-3),
+            "the specimen is 3.2 m long, longer than a bar of 762 mm; numbers without "
+            "a unit are in metres",
+        ),
+        (
+            ri.Specimen(3.204e-3, diameter=6.34),
+            "the specimen is 6.34 m thick (as a circle of its area), thicker than a "
+            "bar of 9.47 mm; numbers without a unit are in metres",
+        ),
+    ],
+)
+def test_a_specimen_in_millimetres_given_as_metres_is_doubted(specimen, part):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ri.DoubtfulReduction)
+        found = ri.reduce(*measured_gauges(), BAR, specimen, compression="positive")
+
+    assert has(found.doubts, part)
+
+
+def test_one_reversed_gauge_is_told_from_a_reversed_sign():
+    input_gauge, output_gauge = measured_gauges()
+    gauges = (input_gauge, output_gauge.replace(gain=-1))
+
+    with pytest.raises(ri.InvalidModel, match=r"reverse it by BarGauge\(..., gain=-1"):
+        ri.reduce(*gauges, BAR, SPECIMEN, compression="positive")
+
+
+def test_a_constant_imbalance_points_to_gains_and_distances():
+    input_gauge, output_gauge = measured_gauges()
+    gauges = (input_gauge, output_gauge.replace(gain=1.15))
+
+    found = ri.reduce(*gauges, BAR, SPECIMEN, compression="positive")
+
+    assert "nearly constant there, as wrong gains or distances" in str(found.verdict)
+
+
 def test_good_records_are_not_doubted(shot):
     assert reduced(shot, noise=0.02).doubts == ()
     result = ri.reduce(*measured_gauges(), BAR, SPECIMEN, compression="positive")
@@ -843,12 +884,12 @@ def test_good_records_are_not_doubted(shot):
 def test_measured_records_of_other_bars_are_not_doubted(
     file, distances, bar, compression, gain
 ):
-    """No doubt depends on the size of the specimen, which is not known of these."""
+    """The specimen, whose size is not known of these, counts as one that fits."""
     record = ri.read_signals(f"validation/records/{file}")
     to_input, to_output = distances
     first = ri.BarGauge(record["incident"], to_input, gain=gain)
     second = ri.BarGauge(record["transmitted"], to_output, gain=gain)
-    specimen = ri.Specimen(3e-3, diameter=5e-3)
+    specimen = ri.Specimen(1e-3, diameter=2e-3)
 
     result = ri.reduce(first, second, bar, specimen, compression=compression)
 
