@@ -926,8 +926,8 @@ class Law(_Law, law="own"):
         """Refuse a force that is no function, or has unsound values.
 
         The values are those at `TRIAL_STATES`, of growing d and then d': they must be
-        finite, 0 without overlap, and none less than the one before. InvalidModel if the function fails there; other mistakes are added to
-        `problems`.
+        finite, 0 without overlap, and none less than the one before. InvalidModel if
+        the function fails there; other mistakes are added to `problems`.
         """
         force: Any = self.force
         if not is_function(force):

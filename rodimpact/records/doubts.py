@@ -462,7 +462,8 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
     # The specimen makes the wave late only, by its own travel time at most.
     if delay.contradicts(travel, length / SLOWEST_SPECIMEN_SPEED):
         yield (
-            f"the transmitted wave arrives {format_si(delay.at_tenth, 's', 3)} after the "
+            "the transmitted wave arrives "
+            f"{format_si(delay.at_tenth, 's', 3)} after the "
             "incident wave; the distances of the gauges from the specimen, "
             f"{format_si(before, 'm', 3)} and {format_si(behind, 'm', 3)}, and the bar "
             f"speeds, {input_speed:.0f} m/s and {output_speed:.0f} m/s, say "
