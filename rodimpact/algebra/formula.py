@@ -419,8 +419,13 @@ class ClosedForm:
     # Display
 
     def __str__(self) -> str:
-        """The formula, where it holds, and the formulas that it meets here."""
+        """The formula, where it holds, and the formulas that it meets here.
+
+        Of stepped rods the symbols come first: which segment has which number.
+        """
         lines = []
+        if any(".segments." in path for path in self.symbols.values()):
+            lines += self._lines_of_symbols()
         for name, value in shown_results(self._results):
             lines.append(f"{name} = {value}")
         lines.append(self.where(".cell has all"))
@@ -431,6 +436,10 @@ class ClosedForm:
                 "There are more cells, left out by max_events or by the cap on cells."
             )
         return "\n".join(lines)
+
+    def _lines_of_symbols(self) -> list[str]:
+        """Lines that tell for which number each symbol stands."""
+        return [f"{name}: {path}" for name, path in self.symbols.items()]
 
     def _lines_of_sides(self) -> list[str]:
         """Lines that tell where other formulas meet this one, and which they are."""

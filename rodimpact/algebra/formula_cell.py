@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from . import rational_functions
 from .conditions import cell_conditions
 from .exact_results import Exact, map_numbers, numbers_of
 from .exact_run import ExactRun
@@ -51,7 +52,9 @@ class FormulaCell:
 
         They are the factors of its conditions, without those that others imply.
         """
-        factors = self._algebra.factors(self._conditions, self._values)
+        factors = self._algebra.factors(
+            self._conditions, self._values, rational_functions.MAX_CONDITION_TERMS
+        )
         return self._algebra.without_implied(factors)
 
     @cached_property

@@ -5,9 +5,9 @@ but velocities stand for positive numbers. Polynomials are split into factors, a
 that others imply are left out.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +23,15 @@ MAX_FACTORED_TERMS = 400
 """Longer polynomials are not factored."""
 MAX_PRODUCT_TERMS = 10**6
 """Largest number of terms in a product of two rational functions, or in their sum."""
+MAX_CONDITION_TERMS = 100_000
+"""Largest number of terms that are multiplied for the conditions of a cell.
+
+That takes some seconds; without a bound, stepped rods take hours.
+"""
+CONDITIONS_REFUSAL = (
+    "the conditions under which the formula holds are too long: name fewer numbers, or "
+    "some by their whole paths, such as bodies.0.length"
+)
 MAX_COMPARED_TERMS = 40
 """Whether others imply a polynomial is not tried for longer ones."""
 MAX_SHARE_DENOMINATOR = 10**6
@@ -106,14 +115,19 @@ class RationalFunctions:
 
     # Rational functions and their signs
 
-    def functions_of(self, numbers: Iterable[TracedFraction]) -> list[Any]:
+    def functions_of(
+        self, numbers: Iterable[TracedFraction], max_terms: float = math.inf
+    ) -> list[Any]:
         """Numbers of a run as rational functions.
+
+        `max_terms` bounds the terms that all steps together multiply.
 
         Raises
         ------
         FormulaTooLong
             If they become too long.
         """
+        multiplied = 0  # terms so far
 
         def constant(x: Fraction) -> Any:
             """A fraction as a rational function."""
@@ -124,13 +138,19 @@ class RationalFunctions:
 
             def count_and_check(left: Any, right: Any) -> None:
                 """Count an operation, and check the lengths of its operands."""
+                nonlocal multiplied
                 self._count_step(report)
-                check_length(left, right)
+                multiplied += check_length(left, right)
+                if multiplied > max_terms:
+                    raise FormulaTooLong([("symbols", CONDITIONS_REFUSAL)])
 
             return program(self._generators, before_operation=count_and_check)
 
     def factors(
-        self, numbers: Iterable[TracedFraction], point: Mapping[str, Fraction]
+        self,
+        numbers: Iterable[TracedFraction],
+        point: Mapping[str, Fraction],
+        max_terms: float = math.inf,
     ) -> list[Any]:
         """Factors whose signs decide the signs of numbers, each once.
 
@@ -138,7 +158,7 @@ class RationalFunctions:
         it is positive at a point. Factors of a sure sign are left out.
         """
         factors: dict[Any, None] = {}  # the keys are the factors, in order
-        for f in self._counted(self.functions_of(numbers)):
+        for f in self._counted(self.functions_of(numbers, max_terms)):
             for factor in _odd_factors(f):
                 if definite(factor) or definite(-factor):
                     continue
@@ -174,7 +194,7 @@ class RationalFunctions:
         total = Fraction(0)
         for powers, c in p.terms():
             coefficient = Fraction(int(c.numerator), int(c.denominator))
-            monomial = prod(x**n for x, n in zip(point, powers, strict=True) if n)
+            monomial = math.prod(x**n for x, n in zip(point, powers, strict=True) if n)
             total += coefficient * monomial
         return total
 
@@ -232,8 +252,10 @@ class RationalFunctions:
         return shown_smaller < shown_larger
 
 
-def check_length(left: Any, right: Any) -> None:
-    """Raise FormulaTooLong before two long rational functions are combined.
+def check_length(left: Any, right: Any) -> int:
+    """Number of terms that are multiplied if two rational functions are combined.
+
+    FormulaTooLong is raised if they are too many.
 
     The greatest common divisor of the result would take minutes.
     """
@@ -247,6 +269,7 @@ def check_length(left: Any, right: Any) -> None:
             "whole paths, such as bodies.0.length"
         )
         raise FormulaTooLong([("symbols", message)])
+    return terms
 
 
 def definite(p: Any) -> bool:

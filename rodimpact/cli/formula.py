@@ -4,7 +4,8 @@ rodimpact formula CASE.toml --symbols length,area
 
 A symbol stands for a number of the case. It is named by its path, such as
 bodies.0.length, or by the last word of a path: length names all lengths. The symbols
-transit_time and impedance replace the lengths, areas and materials of rods.
+transit_time and impedance replace the lengths, areas and materials of rods. Stepped
+rods with many symbols take minutes; fewer --symbols make it faster.
 """
 
 import argparse

@@ -431,6 +431,39 @@ def test_a_formula_says_if_its_conditions_are_too_long(monkeypatch):
         _ = form.cell
 
 
+STEPPED_PAIR = ri.System(
+    [
+        ri.Rod(
+            segments=[
+                ri.Segment(0.3, area=2e-4, material=STEEL),
+                ri.Segment(0.3, area=1e-4, material=STEEL),
+            ],
+            velocity=1.0,
+        ),
+        ri.Rod(1.5, area=1e-4, material=STEEL),
+    ]
+)
+
+
+def test_conditions_of_a_stepped_rod_are_not_worked_on_without_bound(monkeypatch):
+    """Those of three segments in all take more than ten minutes."""
+    monkeypatch.setattr(rational_functions, "MAX_CONDITION_TERMS", 500)
+    form = ri.closed_form(STEPPED_PAIR, ["area"])
+
+    assert "\nwhere conditions hold that are too long to print: fewer" in str(form)
+    with pytest.raises(
+        ri.InvalidModel, match=r"conditions .* are too long: name fewer"
+    ):
+        _ = form.cell
+
+
+def test_a_printed_formula_of_a_stepped_rod_tells_its_symbols_apart():
+    printed = str(ri.closed_form(STEPPED_PAIR, ["area"])).splitlines()
+
+    assert printed[0] == "A1: bodies.0.segments.0.area"
+    assert printed[2] == "A3: bodies.1.area"
+
+
 def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
     steps = []
     totals = set()
