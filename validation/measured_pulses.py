@@ -73,8 +73,8 @@ LENGTH = "bodies.0.length"
 STIFFNESS = "contacts.0.stiffness"
 SPEED = "materials.bar.wave_speed"
 BLUR = "records.0.blur"
-ENDS = {STIFFNESS: (1e7, 1e12)}  # N/m^1.5
-CHAIN = {BLUR: (0.0, 1e-5)}  # s
+STIFFNESS_BOUNDS = {STIFFNESS: (1e7, 1e12)}  # of the rounded ends, N/m^1.5
+BLUR_BOUNDS = {BLUR: (0.0, 1e-5)}  # of the measuring chain, s
 CELLS_PER_RADIUS = 3.8  # cells of runs with a theory of lateral inertia
 MISFIT_OF_PULSE = "misfit of the incident pulse, %"
 MISFIT_OF_FORCES = "misfit of the forces at the specimen, %"
@@ -100,7 +100,7 @@ class Shot(NamedTuple):
     to_gauge: float  # distance from the struck end, m
     to_specimen: tuple[float, float]  # distance from the gauge of either bar, m
     windows: Windows
-    length: tuple[float, float]  # bounds of the striker's length, m
+    length_bounds: tuple[float, float]  # of the striker's length, m
     side: float | None = None  # side of square bars, m
 
 
@@ -112,7 +112,7 @@ TITANIUM = Shot(
     to_gauge=0.381,
     to_specimen=(0.381, 0.381),
     windows=Windows((-20e-6, 120e-6), (130e-6, 275e-6), (130e-6, 275e-6)),
-    length=(0.115, 0.135),
+    length_bounds=(0.115, 0.135),
 )
 ALUMINIUM_SIDE = 2.11e-3  # m
 ALUMINIUM = Shot(
@@ -124,7 +124,7 @@ ALUMINIUM = Shot(
     to_gauge=0.102,
     to_specimen=(0.10202, 0.10135),
     windows=Windows((-10e-6, 30e-6), (35e-6, 75e-6), (35e-6, 75e-6)),
-    length=(0.020, 0.030),
+    length_bounds=(0.020, 0.030),
     side=ALUMINIUM_SIDE,
 )
 STEEL = Shot(
@@ -135,7 +135,7 @@ STEEL = Shot(
     to_gauge=1.08,
     to_specimen=(1.02, 0.77),
     windows=Windows((-50e-6, 260e-6), (360e-6, 540e-6), (300e-6, 540e-6)),
-    length=(0.18, 0.22),
+    length_bounds=(0.18, 0.22),
 )
 SHOTS = {"titanium": TITANIUM, "mini aluminium": ALUMINIUM, "steel 945": STEEL}
 TITANIUM_SPEED_FROM_MODULI = 4975.0  # (E/rho)^(1/2), m/s
@@ -147,26 +147,30 @@ BLUR_OF_CHAIN = "blur of the chain"
 MODELS: dict[str, dict[str, Any]] = {  # arguments of `fitted`
     "flat ends, waves that keep their shape": {"exact": False},
     "flat ends, exact mode in the bar": {},
-    "Hertz, Rayleigh-Love": {"vary": ENDS, "theory": RAYLEIGH_LOVE, "exact": False},
+    "Hertz, Rayleigh-Love": {
+        "vary": STIFFNESS_BOUNDS,
+        "theory": RAYLEIGH_LOVE,
+        "exact": False,
+    },
     "Hertz, Mindlin-Herrmann": {
-        "vary": ENDS,
+        "vary": STIFFNESS_BOUNDS,
         "theory": MINDLIN_HERRMANN,
         "exact": False,
     },
-    HERTZ_AND_EXACT_MODE: {"vary": ENDS},
+    HERTZ_AND_EXACT_MODE: {"vary": STIFFNESS_BOUNDS},
     "Hertz, Mindlin-Herrmann, exact mode from 2 diameters": {
-        "vary": ENDS,
+        "vary": STIFFNESS_BOUNDS,
         "theory": MINDLIN_HERRMANN,
     },
-    "flat ends, blur, exact mode in the bar": {"vary": CHAIN},
+    "flat ends, blur, exact mode in the bar": {"vary": BLUR_BOUNDS},
     f"Hertz, Mindlin-Herrmann, {STRIKER_SECTION}": {
-        "vary": ENDS,
+        "vary": STIFFNESS_BOUNDS,
         "theory": MINDLIN_HERRMANN,
         "exact": False,
         "free_section": True,
     },
     f"Hertz, Mindlin-Herrmann, {BLUR_OF_CHAIN}": {
-        "vary": ENDS | CHAIN,
+        "vary": STIFFNESS_BOUNDS | BLUR_BOUNDS,
         "theory": MINDLIN_HERRMANN,
         "exact": False,
     },
@@ -221,7 +225,7 @@ def row_of(
     )
     section = section_of(shot, theory)
     striker = ri.Rod(
-        sum(shot.length) / 2,
+        sum(shot.length_bounds) / 2,
         velocity=10.0,
         material=material,
         lateral_inertia=theory,
@@ -269,7 +273,7 @@ def fitted(
     free_section : bool
         Whether the section of the striker is found, up to SECTION_FREEDOM.
     """
-    unknown = {LENGTH: shot.length}
+    unknown = {LENGTH: shot.length_bounds}
     if free_section:
         unknown.update(section_bounds(shot))
     if vary is not None:
@@ -396,7 +400,7 @@ def run() -> Rows:
 
 def titanium_by_moduli() -> Rows:
     """The wave speed of titanium is that of E and rho."""
-    fit = fitted(TITANIUM, ENDS, speed=TITANIUM_SPEED_FROM_MODULI)
+    fit = fitted(TITANIUM, STIFFNESS_BOUNDS, speed=TITANIUM_SPEED_FROM_MODULI)
     misfit = 100 * fit.misfits[0]
     length = 1e3 * fit.values[LENGTH]
     name = f"titanium, {HERTZ_AND_EXACT_MODE}, 4975 m/s"
@@ -408,7 +412,7 @@ def titanium_by_moduli() -> Rows:
 def titanium_with_free_speed() -> Rows:
     """The wave speed of titanium is found."""
     vary = {SPEED: (4200.0, 5400.0)}
-    fit = fitted(TITANIUM, ENDS | vary, starts=3)
+    fit = fitted(TITANIUM, STIFFNESS_BOUNDS | vary, starts=3)
     misfit = 100 * fit.misfits[0]
     calibrated = TITANIUM.bar.wave_speed
     name = f"titanium, {HERTZ_AND_EXACT_MODE}, wave speed free"
@@ -425,7 +429,7 @@ def forces(name: str, shot: Shot, bound: float) -> Rows:
 
 def main() -> None:
     """Print misfits and lengths of the striker, with the time of each fit."""
-    fitted(TITANIUM, ENDS)  # compiles, so that no time below contains that
+    fitted(TITANIUM, STIFFNESS_BOUNDS)  # compiles, so that no time below contains that
     print("misfit, % | CPU time, s | striker, mm | bars, model")
     for fitted_model in fitted_models():
         misfit = f"{fitted_model.misfit:9.2f}"
