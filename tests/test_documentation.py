@@ -126,7 +126,7 @@ def public_names():
         yield name, public
 
 
-def test_every_public_name_has_an_example():
+def test_every_name_of_the_manual_has_an_example():
     without_example = []
     for name, public in public_names():
         docstring = inspect.getdoc(public) or ""

@@ -18,7 +18,7 @@ FOLDERS = ("rodimpact", "docs", "tests", "validation")
 FILES = ("README.md", "pyproject.toml")
 LISTS = (
     "tests/test_documentation.py::test_the_manual_lists_every_public_name",
-    "tests/test_documentation.py::test_every_public_name_has_an_example",
+    "tests/test_documentation.py::test_every_name_of_the_manual_has_an_example",
     "tests/fuzz/test_calls.py::test_every_public_name_has_good_arguments",
     "tests/test_layers.py",
 )

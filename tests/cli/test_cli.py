@@ -780,6 +780,7 @@ def test_doctor_says_why_it_compiles_nothing(monkeypatch, output_of):
 
 @pytest.fixture
 def no_figures(monkeypatch):
+    """`rodimpact box` draws nothing, which saves time; its page is written."""
     monkeypatch.setattr("rodimpact.cli.box.draw", lambda *_: [])
 
 

@@ -318,7 +318,10 @@ def rows(seeds):
 
 
 def stretch_segments(body, rng):
-    """Make the segments of a body longer; profiles are bound to their length."""
+    """Make the segments of a body up to a tenth longer, in place.
+
+    A body whose velocity has steps is left as it is.
+    """
     if isinstance(body["velocity"], dict):
         return
     for segment in body.get("segments", [body]):

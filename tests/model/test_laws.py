@@ -370,12 +370,12 @@ def test_the_force_of_a_step_is_the_mean_force_of_any_yielding_table():
         assert pytest.approx(mean, rel=1e-6, abs=error) == F, seed
 
 
-def test_a_table_that_has_yielded_loads_again_to_where_it_was_and_goes_on():
+def test_a_table_hardened_by_a_peak_force_is_elastic_up_to_it_and_then_goes_on():
     law = ri.Tabulated([1.0, 2.0, 3.0], [1.0, 1.5, 3.5], unloading=4.0)
     assert law.hardened(0.0) == law
 
-    # The table was loaded to 1.25, halfway along its first line: at a compression of
-    # 1.5, 0.5 before the next point.
+    # A force of 1.25 is halfway along the second line, from (1, 1) to (2, 1.5): at a
+    # compression of 1.5, 0.5 before the next point.
     hardened = law.hardened(1.25)
     elastic = 1.25 / 4  # compression by that force along the unloading line
     np.testing.assert_allclose(
@@ -384,13 +384,14 @@ def test_a_table_that_has_yielded_loads_again_to_where_it_was_and_goes_on():
     assert hardened.force == (1.25, 1.5, 3.5)
     assert hardened.hardened(1.0) == hardened
 
+    # Beyond the last point, (3, 3.5), the last line goes on, with its slope of 2.
     beyond_the_table = law.hardened(5.5)
     np.testing.assert_allclose(beyond_the_table.slopes, [4.0, 2.0])
 
 
 @pytest.fixture(params=["yielding", "tabulated"])
 def yielding_family(request):
-    """A family of two members whose law yields."""
+    """A family of two members whose law yields, at 1 kN or at 1.5 kN."""
     if request.param == "yielding":
         law = ri.Yielding(1e8, [1e3, 1.5e3], 1e7)
     else:
@@ -407,7 +408,7 @@ def test_members_of_a_yielding_family_are_those_alone_and_yield(yielding_family)
         peak_force = outcome.contacts[0].peak_force
         assert swept.restitution[i] == outcome.restitution
         assert swept.peak_force[i] == peak_force
-        assert peak_force > 1e3  # it yields
+        assert peak_force > 1.5e3  # N, the yield force or more
         assert swept.sets[0][i] > 0
     assert swept.restitution[0] != swept.restitution[1]
 
@@ -437,7 +438,7 @@ def test_points_of_a_table_may_have_units_in_a_case_file():
 
 
 def pressed_cushion(law, gap):
-    """A mass at rest that presses a rod through a law, with minus the overlap as gap."""
+    """A mass at rest that presses a rod through a law; the gap is minus the overlap."""
     mass = ri.RigidMass(500.0)
     bar = ri.Rod(1.0, area=9.4e-3, material=ri.materials.steel)
     return ri.System([mass, bar], contacts=[law], gaps=[gap])

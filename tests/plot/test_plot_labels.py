@@ -295,7 +295,7 @@ def test_no_dot_of_a_contour_is_left_between_its_label_and_the_frame():
 # Members in no order
 
 
-def scattered(shape):
+def random_family(shape):
     """A family of random lengths and areas."""
     rng = np.random.default_rng(1)
     lengths = rng.uniform(0.3, 0.7, shape)
@@ -304,7 +304,7 @@ def scattered(shape):
 
 
 def test_members_in_no_order_are_points_beside_a_histogram():
-    result = ri.sweep(scattered(60))
+    result = ri.sweep(random_family(60))
 
     picture = plot.sweep(result)
 
@@ -327,15 +327,15 @@ def test_numbers_that_rise_together_are_a_curve():
 
 
 def test_a_map_of_members_in_no_order_is_refused_with_a_remedy_that_works():
-    first = scattered((9, 1)).bodies[0]
-    second = rod(area=np.array([1e-4, 2e-4, 4e-4]))
-    family = ri.System([first, second])
+    random_rods = random_family((9, 1)).bodies[0]
+    rods_in_order = rod(area=np.array([1e-4, 2e-4, 4e-4]))
+    family = ri.System([random_rods, rods_in_order])  # no order along axis 0 alone
 
     with pytest.raises(ValueError, match=r"no order along axis 0.*system\[:, 0\]"):
         plot.sweep(ri.sweep(family))
     picture = plot.sweep(ri.sweep(family[:, 0]))
 
-    assert picture.histogram is not None
+    assert picture.histogram is not None  # as of all members in no order
 
 
 # Windows

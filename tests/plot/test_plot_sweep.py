@@ -66,7 +66,10 @@ SYSTEMS = {
 
 @pytest.fixture(scope="module")
 def swept():
-    """{name: result} of the families `SYSTEMS`."""
+    """{name: result} of the families `SYSTEMS`.
+
+    No sweep may divide by zero, overflow or take an invalid operation on the way.
+    """
     results = {}
     with np.errstate(all="raise", under="ignore"):
         for name, system in SYSTEMS.items():

@@ -305,7 +305,7 @@ def test_nothing_is_said_of_grids_of_a_law_or_an_end_that_is_unknown():
     assert list(messages) == ["contacts.0.law", "ends.left.kind"]
 
 
-def test_a_diameter_varies_the_area():
+def test_a_diameter_in_metres_varies_the_area():
     vary = {"bodies.1.diameter": "1 cm:2 cm:3"}
 
     case = parse_case(PROFILES_AND_SEGMENTS, vary=vary)
@@ -333,7 +333,7 @@ def test_the_first_to_vary_is_the_first_axis():
     assert case.system[2, 1, 1].bodies[1].segments[0].area == math.pi / 4
 
 
-def test_a_file_is_one_collision_without_a_grid_and_a_family_with_one(tmp_path):
+def test_a_file_read_with_a_grid_is_a_family_and_without_one_a_collision(tmp_path):
     path = tmp_path / "case.toml"
     path.write_text(PROFILES_AND_SEGMENTS)
 
