@@ -75,7 +75,7 @@ def check_spoilt(call, parameter, label):
 @pytest.mark.exhaustive
 def test_good_arguments_are_parameters_of_what_they_are_for():
     for call in CALLS:
-        unknown = {*call.arguments()} - {*call.parameters}
+        unknown = set(call.arguments()) - set(call.parameters)
         assert not unknown, call.name
 
 
@@ -85,9 +85,6 @@ def test_every_public_name_has_good_arguments():
     names = {name for name in NAMES if not name.endswith(".replace")}
     classes = set(good_calls.public_classes())
     assert names == set(good_calls.CALLS)
-    for call in CALLS:
-        unknown = set(call.arguments()) - set(call.parameters)
-        assert not unknown, call.name
     assert set(good_calls.INSTANCES) | good_calls.EXCEPTIONS == classes
     assert classes > good_calls.RETURNED
     assert len(NAMES) > 200  # names are found at all

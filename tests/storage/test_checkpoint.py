@@ -177,6 +177,7 @@ def let_go(process):
     process.stdin.flush()
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 @pytest.mark.parametrize("seed", range(2))
 def test_a_killed_process_goes_on_to_the_same_bytes(tmp_path, seed):
