@@ -13,7 +13,7 @@ from rodimpact import format_case, parse_case
 from rodimpact.methods.run import MEASURES
 from rodimpact.model.bodies import BODIES
 from rodimpact.model.ends import ENDS
-from rodimpact.model.laws import CONTACT_LAWS
+from rodimpact.model.laws import CONTACT_LAWS, Plastic
 from rodimpact.storage.saved_result import SavedResult, names_of_numbers
 
 
@@ -152,7 +152,7 @@ LAWS = {
         st.builds(ri.Hertz, sizes()),
         st.builds(
             lambda radius, material: ri.Hertz.from_radii(
-                radius, np.inf, material, None
+                radius, np.inf, material, right_material=None
             ),
             sizes(),
             MATERIALS.filter(lambda material: material.poisson_ratio is not None),
@@ -202,7 +202,11 @@ def laws_between(draw, left, right):
         gap = draw(sizes(-9, 0))
     may_overlap = law.law not in ("rigid", "bonded", "joint")
     if may_overlap and draw(st.booleans()):
-        gap = -gap
+        overlap = gap
+        if isinstance(law, Plastic):
+            # A contact begins pressed no farther than where it yields.
+            overlap = min(overlap, law.yield_force / law.stiffness)
+        gap = 0 - overlap
     return law, gap
 
 
