@@ -21,10 +21,12 @@ A_GUM = "[materials.x]\nyoungs_modulus = 1\ndensity = 1\n"
 
 
 def with_area(area):
+    """A rod with another area."""
     return A_ROD.replace("1e-4", area)
 
 
 def problems(text, vary=None):
+    """{path: message} of the mistakes of a case file."""
     with pytest.raises(ri.InvalidModel) as caught:
         parse_case(text, vary=vary)
     paths = [path for path, _ in caught.value.problems]

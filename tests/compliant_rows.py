@@ -39,6 +39,7 @@ def random_contact(rng, kind):
 
 
 def random_body(rng, speed):
+    """A uniform rod of random length, section and material."""
     return ri.Rod(
         length=float(rng.uniform(0.3, 1.0)),
         area=between(rng, 0.3, 3.0),
@@ -47,7 +48,7 @@ def random_body(rng, speed):
     )
 
 
-def random_row(kind, seed):
+def random_compliant_row(kind, seed):
     """A row of a kind, and the time to which to run it, s.
 
     Bodies on the left are faster, so that something meets.

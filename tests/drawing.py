@@ -12,22 +12,26 @@ from rodimpact.plot.panels import figure_of
 
 
 def axes():
+    """An empty Axes."""
     return Figure(figsize=(5, 5)).add_subplot()
 
 
 def render(drawn):
+    """Draw a figure without a display."""
     figure = figure_of(drawn)
     figure.set_dpi(50)
     FigureCanvasAgg(figure).draw()
 
 
 def settings():
+    """All settings of matplotlib but its backend."""
     return {
         name: value for name, value in mpl.rcParams.copy().items() if name != "backend"
     }
 
 
 def corners(picture):
+    """Corners of each region [corner, 2]."""
     return [path.vertices[:-1] for path in picture.regions.get_paths()]
 
 
@@ -38,6 +42,7 @@ def top_of(band):
 
 
 def legend(drawn):
+    """Texts of the legend, none if there is none."""
     shown = getattr(drawn, "ax", drawn).get_legend()
     return [] if shown is None else [text.get_text() for text in shown.get_texts()]
 
@@ -95,4 +100,5 @@ def collisions(drawn, dpi=100):
 
 
 def texts_of(artists):
+    """Texts of these artists."""
     return [artist.get_text() for artist in artists]

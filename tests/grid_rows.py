@@ -75,6 +75,7 @@ def matrices(mesh):
     between_cells = np.diff(np.eye(n - 1), axis=0)
 
     def of_cells(name):
+        """A property of the cells, as a column to weight their rows [cell, 1]."""
         return getattr(cells, name)[1:n, None]
 
     lateral = between_nodes.T @ (of_cells("lateral_inertia") * between_nodes)
@@ -94,11 +95,12 @@ def matrices(mesh):
 
 
 def grid_run(system, room, snapshots=None, step=STEP):
-    """A run that has not begun."""
+    """A run of at most `room` steps that has not begun."""
     plan = build_row(system)
-    counts, step = mesh_size(plan, None, step, None)
+    counts, step = mesh_size(plan, cells=None, dt=step, until=None)
     return GridRun(Mesh(plan, counts), step, snapshots, room)
 
 
 def run_row(system, until=SECONDS, step=STEP):
-    return run_grid(build_row(system), until, 10**9, dt=step)
+    """A run on a grid, with as many events as it takes."""
+    return run_grid(build_row(system), until, max_events=10**9, dt=step)

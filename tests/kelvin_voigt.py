@@ -76,6 +76,7 @@ def opening_time(viscosity):
     modes = pressing_modes()
 
     def stress(t):
+        """Stress at the wall."""
         return float(modes.fields([1.0], np.array([t]), viscosity).stress[0, 0])
 
     return brentq(stress, 0.9, 2.5, xtol=1e-13)

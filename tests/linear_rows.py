@@ -144,7 +144,7 @@ def system_of(row, until):
 
 
 def solve_linear_row(row, intervals):
-    """Solve a row over so many unit intervals.
+    """Solve a row over so many intervals of `UNIT_TIME`.
 
     Every interval is one set of linear equations: for the velocities of both faces of
     each piece, and the forces between and outside them, at all points.
@@ -165,10 +165,12 @@ def solve_linear_row(row, intervals):
         equation = 0
 
         def face(piece, side, n=n):
+            """Columns of the velocities of a piece's left (0) or right (1) face."""
             start = (2 * piece + side) * n
             return slice(start, start + n)
 
-        def force(link, n=n):  # tension in front of piece `link`
+        def force(link, n=n):
+            """Columns of the tensions to the left of piece `link`."""
             start = (2 * count + link) * n
             return slice(start, start + n)
 

@@ -3,7 +3,8 @@
 Nothing here comes from the package. With P_k(t) the impulse of contact k so far, waves
 in rods are delays of these impulses, and its overlap is
 
-    d_k(t) = (v_k - v_(k+1)) t - gap_k - c_k P_k(t) + sum of w P_j(t - tau),   P_k' = K d_k^p,
+    d_k(t) = (v_k - v_(k+1)) t - gap_k - c_k P_k(t) + sum of w P_j(t - tau),
+    P_k' = K d_k^p,
 
 c_k = 1/Z_k + 1/Z_(k+1), with w = +-2/Z and tau a number of transits of a rod. On
 intervals that are shorter than the shortest transit the sum is known, and each contact

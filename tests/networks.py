@@ -23,7 +23,7 @@ def logarithmic(rng, low, high):
 
 
 def random_state(rng, length, scale):
-    """A number, jumps or samples."""
+    """A profile along a rod: a number, steps at 32nds of its length, or samples."""
     kind = rng.random()
     if kind < 0.5:
         return float(scale * rng.uniform(-1, 1))
@@ -37,6 +37,7 @@ def random_state(rng, length, scale):
 
 
 def random_segment(rng):
+    """A segment whose length is a multiple of `STEP` in half of the cases."""
     if rng.random() < 0.5:
         length = rng.integers(4, 33) / 32
     else:
@@ -47,6 +48,7 @@ def random_segment(rng):
 
 
 def random_rod(rng):
+    """A rod of one to three segments with a profile of velocity, perhaps of strain."""
     n_segments = rng.choice([1, 1, 1, 2, 3])
     segments = [random_segment(rng) for _ in range(n_segments)]
     length = sum(segment.length for segment in segments)
@@ -71,6 +73,7 @@ def random_joint(rng):
 
 
 def random_law(rng, left, right):
+    """A random contact law that may stand between these two bodies."""
     between_walls = isinstance(left, ri.Wall) and isinstance(right, ri.Wall)
     if rng.random() < 0.12 and not between_walls:
         return ri.Bonded()
@@ -144,6 +147,7 @@ def move_together(bodies, contacts):
 
 
 def random_body(rng):
+    """A rod or a rigid mass."""
     if rng.random() < 0.4:
         mass = logarithmic(rng, 0.02, 20)
         return ri.RigidMass(mass, velocity=float(rng.uniform(-1, 1)))
@@ -179,10 +183,12 @@ def random_network(seed, *, bodies=5, driven=False):
 
 
 def shifted_body(body, v):
+    """A body that is faster by v, m/s."""
     return body.replace(velocity=shifted_profile(body.velocity, v))
 
 
 def shifted_end(end, v):
+    """An end of a row that is faster by v, m/s, if its velocity is given at all."""
     if isinstance(end, ri.Fixed):
         return ri.Moved(v)
     if isinstance(end, ri.Moved):
@@ -191,6 +197,7 @@ def shifted_end(end, v):
 
 
 def shifted_profile(profile, v):
+    """A velocity, steps or samples of it, greater by v, m/s."""
     if isinstance(profile, ri.Steps):
         return ri.Steps([value + v for value in profile.values], profile.at)
     if isinstance(profile, ri.Samples):

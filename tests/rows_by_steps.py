@@ -5,18 +5,20 @@ No code of the package is used here. A rod is two delay lines. Between two rods 
 node: a chain of links with masses between them. In the node an ordinary differential
 equation holds for the overlaps d of the links and the velocities v of the masses,
 
-    d' = velocity on the left - velocity on the right,    m v' = force on the left - on the right,
+    d' = velocity on the left - velocity on the right,
+    m v' = force on the left - force on the right,
 
 where the end of a rod moves with its incoming wave minus or plus F/Z. The equation is
 solved cell by cell, by collocation at Gauss points, with three rules that make the
 solution a reference:
 
-* **Defect.** A cell is accepted if the equation holds at 41 further points, to `tolerance` of the
-  velocity scale. So the solution is exact for a system that is perturbed by no more
-  than that.
-* **Events.** A change of a law (touch, opening, yielding) is found as a root, and ends the cell.
-* **Breakpoints.** What an event or the start changes at a tick is sent along as a breakpoint. No
-  cell of any node reaches across a breakpoint of an incoming wave.
+* **Defect.** A cell is accepted if the equation holds at 41 further points, to
+  `tolerance` of the velocity scale. So the solution is exact for a system that is
+  perturbed by no more than that.
+* **Events.** A change of a law (touch, opening, yielding) is found as a root, and ends
+  the cell.
+* **Breakpoints.** What an event or the start changes at a tick is sent along as a
+  breakpoint. No cell of any node reaches across a breakpoint of an incoming wave.
 """
 
 from itertools import pairwise
@@ -90,7 +92,7 @@ class Line:
         coefficients = np.zeros(STAGES)
         coefficients[0] = value
         self.transit = transit
-        self.cells = [Cell(-transit, 0.0, coefficients, False)]
+        self.cells = [Cell(-transit, 0.0, coefficients, breaks=False)]
         self.reading = 0
 
     def known_until(self):
@@ -163,6 +165,7 @@ class Link:
 
     @property
     def rigid(self):
+        """Whether the law is rigid contact, with or without restitution."""
         return self.kind == "Rigid"
 
     def force(self, overlap, closing):
@@ -342,6 +345,7 @@ class Row:
         self.mobility = max(max(node.mobility) for node in self.nodes)
 
     def _make_nodes(self):
+        """Nodes and delay lines of the row, from left to right."""
         self.nodes = []
         self.lines = []
         masses = []
@@ -368,6 +372,7 @@ class Row:
                 node.links[-1].mobility += node.mobility[1]
 
     def _lines_of(self, rod):
+        """Its line to the right, its line to the left, and its mobility, m/s/N."""
         (segment,) = rod.segments
         speed = segment.material.wave_speed
         transit = segment.length / speed
@@ -378,6 +383,7 @@ class Row:
         return to_right, to_left, 1 / impedance
 
     def _join(self, node, before, behind):
+        """Append a node between two rods, whose lines and mobilities these are."""
         if before:
             node.incoming[0], node.leaving[0], node.mobility[0] = before
         if behind:

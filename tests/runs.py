@@ -52,7 +52,7 @@ def records_of(run):
 
 
 def group_of(run, contact, right):
-    """Record of the bonded group on one side of a contact, the right one or not, with
+    """Record of the bonded group on the right of a contact, or else on its left, with
     its mean motion and the bounds of its end by the proof.
     """
     k = run.layout.contacts[contact]
@@ -62,7 +62,7 @@ def group_of(run, contact, right):
 
 
 def step_ends(solution):
-    """Times of the ends of all steps of a run on a grid, s, from t = 0 on [step + 1]."""
+    """Ends of all steps of a run on a grid, s, from t = 0 on [step + 1]."""
     ends = solution.run.signals.edges * solution.fields.clock.tick
     return np.minimum(ends, solution.t_end)
 

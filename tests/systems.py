@@ -17,11 +17,12 @@ STEEL = ri.materials.steel
 
 
 def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **more):
+    """A rod of steel, 1 m long and 1 cm^2 thick, at rest, if nothing else is said."""
     return ri.Rod(length, area=area, material=material, velocity=velocity, **more)
 
 
 def random_profile(rng, length, scale):
-    """A number or steps at sixteenths of a length."""
+    """A number, mostly, or steps at sixteenths of a length."""
     if rng.random() < 0.7:
         return scale * rng.uniform(-1, 1)
     n_jumps = rng.integers(1, 3)
@@ -32,19 +33,25 @@ def random_profile(rng, length, scale):
 
 
 def random_segment(rng, unit):
+    """A segment with a length of one to eight units."""
     material = MATERIALS[rng.integers(len(MATERIALS))]
     length = float(unit * rng.integers(1, 9))
     area = float(rng.uniform(0.3, 3) * 1e-4)
     return ri.Segment(length, area, material)
 
 
-def random_rod(rng, unit, vibrating, stepped):
+def random_rod(rng, unit, may_vibrate, may_have_segments):
+    """A rod whose segments are whole numbers of units long.
+
+    It may have up to three segments, and may start with profiles of velocity and
+    strain.
+    """
     count = 1
-    if stepped and rng.random() < 0.3:
+    if may_have_segments and rng.random() < 0.3:
         count = rng.integers(1, 4)
     segments = [random_segment(rng, unit) for _ in range(count)]
     length = sum(segment.length for segment in segments)
-    if not vibrating or rng.random() < 0.6:
+    if not may_vibrate or rng.random() < 0.6:
         return ri.Rod(segments=segments, velocity=float(rng.uniform(-1, 1)))
     velocity = random_profile(rng, length, 1.0)
     strain = 0.0
@@ -53,9 +60,10 @@ def random_rod(rng, unit, vibrating, stepped):
     return ri.Rod(segments=segments, velocity=velocity, strain=strain)
 
 
-def random_wall(rng, slowest, fastest, moving):
+def random_wall(rng, slowest, fastest, may_move):
+    """A wall at rest, or with a velocity between two, m/s."""
     velocity = 0.0
-    if rng.random() < 0.5 and moving:
+    if rng.random() < 0.5 and may_move:
         velocity = float(rng.uniform(slowest, fastest))
     return ri.Wall(velocity)
 
@@ -71,7 +79,11 @@ def random_system(
     bonded=True,
     unit=0.05,
 ):
-    """A row of rods, some of them bonded, between walls or not."""
+    """A row of rods.
+
+    The flags say what it may have, by chance: walls, which may move; vibration at the
+    start; segments; bonds. Lengths are whole numbers of `unit`, m.
+    """
     rng = np.random.default_rng(seed)
     fewest = 1 if walls else 2
     row = []
@@ -101,7 +113,7 @@ def horizon(system, transits=40.0):
 
 
 def random_drive(rng, scale, time):
-    """A number, or steps at sixteenths of a time."""
+    """A number, or steps at sixteenths of a time, before four times it."""
     if rng.random() < 0.3:
         return float(scale * rng.uniform(-1, 1))
     n_jumps = rng.integers(1, 5)

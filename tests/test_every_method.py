@@ -18,14 +18,17 @@ SEEDS = st.integers(0, 10**6)
 
 
 def row_for_fronts(seed, driven):
+    """A random row of rods and walls, as fronts carry it."""
     return with_ends(seed, driven, moving_walls=driven)
 
 
 def row_for_characteristics(seed, driven):
+    """A random row of all bodies and laws."""
     return random_network(seed, bodies=4, driven=driven)
 
 
 def row_for_a_grid(seed, driven):
+    """A random row, some of whose rods are damped, tapered or have lateral inertia."""
     return random_row(seed, bodies=4, driven=driven)
 
 

@@ -66,7 +66,7 @@ def test_a_bar_tells_the_call_how_much_and_how_fast_and_leaves_an_empty_line(
     monkeypatch,
 ):
     terminal = watched(monkeypatch)
-    with Progress(True, "sweep", "collisions") as report:
+    with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(0, 50)
         report(10, 50)
         (line,) = terminal.lines()
@@ -79,7 +79,7 @@ def test_a_bar_tells_the_call_how_much_and_how_fast_and_leaves_an_empty_line(
 def test_a_call_of_less_than_two_seconds_shows_nothing(monkeypatch):
     terminal = watched(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
-    with Progress(True, "sweep", "collisions") as report:
+    with Progress(progress=True, name="sweep", unit="collisions") as report:
         for i in range(50):
             report(i, 50)
     assert terminal.getvalue() == ""
@@ -88,7 +88,7 @@ def test_a_call_of_less_than_two_seconds_shows_nothing(monkeypatch):
 def test_two_seconds_count_from_the_start_of_the_call(monkeypatch):
     terminal = watched(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
-    with Progress(True, "sweep", "collisions") as report:
+    with Progress(progress=True, name="sweep", unit="collisions") as report:
         progress._outermost._began -= 1.0  # as if a second had passed
         report(1, 50)
         assert terminal.getvalue() == ""
@@ -101,7 +101,7 @@ def test_members_from_a_checkpoint_do_not_count_for_the_time_that_remains(monkey
     """After 900 that were read, 10 members took 10 s: 90 take 90 s."""
     terminal = watched(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
-    with Progress(True, "sweep", "collisions") as report:
+    with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(900, 1000)
         progress._outermost._began -= 10.0  # as if 10 s had passed
         report(910, 1000)
@@ -113,7 +113,7 @@ def test_members_from_a_checkpoint_do_not_count_for_the_time_that_remains(monkey
 
 def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
     terminal = watched(monkeypatch)
-    with Progress(True, "formula", "steps") as report:
+    with Progress(progress=True, name="formula", unit="steps") as report:
         report(1, None)
         assert terminal.lines()[0].startswith("formula: 1 steps [00:00, ")
         report(123_456, None)
@@ -122,7 +122,7 @@ def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
 
 def test_a_total_that_was_too_low_is_raised_to_what_is_done(monkeypatch):
     terminal = watched(monkeypatch)
-    with Progress(True, "solve", "events") as report:
+    with Progress(progress=True, name="solve", unit="events") as report:
         report(90, 100)
         report(120, 100)
         assert "120/120" in terminal.lines()[0]
@@ -130,7 +130,7 @@ def test_a_total_that_was_too_low_is_raised_to_what_is_done(monkeypatch):
 
 def test_a_finer_mesh_begins_anew(monkeypatch):
     terminal = watched(monkeypatch)
-    with Progress(True, "solve", "steps") as report:
+    with Progress(progress=True, name="solve", unit="steps") as report:
         report(100, 100)
         report(10, 200)
         (line,) = terminal.lines()
@@ -143,7 +143,7 @@ def test_nothing_appears_where_standard_error_is_no_terminal(monkeypatch):
     monkeypatch.setattr(progress, "APPEARS_AFTER", 0.0)
     for stderr in (silent, None):
         monkeypatch.setattr(sys, "stderr", stderr)
-        with Progress(True, "sweep", "collisions") as report:
+        with Progress(progress=True, name="sweep", unit="collisions") as report:
             report(1, 50)
     assert silent.getvalue() == ""
 
@@ -151,7 +151,7 @@ def test_nothing_appears_where_standard_error_is_no_terminal(monkeypatch):
 def test_nothing_appears_in_worker_processes(monkeypatch):
     terminal = watched(monkeypatch)
     monkeypatch.setattr("multiprocessing.process.parent_process", lambda: object())
-    with Progress(True, "sweep", "collisions") as report:
+    with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(1, 50)
     assert terminal.getvalue() == ""
 
@@ -174,17 +174,17 @@ def test_nothing_appears_in_worker_threads_where_functions_are_called(monkeypatc
 
 def test_only_the_outermost_call_has_a_bar(monkeypatch):
     terminal = watched(monkeypatch)
-    with Progress(True, "fit", "collisions") as outer:
+    with Progress(progress=True, name="fit", unit="collisions") as outer:
         outer(1, 10)
-        with Progress(True, "sweep", "collisions") as inner:
+        with Progress(progress=True, name="sweep", unit="collisions") as inner:
             inner(5, 7)
         outer(2, 10)
-        with Progress(True, "fit", "collisions") as again:
+        with Progress(progress=True, name="fit", unit="collisions") as again:
             again(3, 10)
         assert "fit:  30%" in terminal.getvalue()
     assert "sweep" not in terminal.getvalue()
     assert terminal.lines() == [""]
-    with Progress(True, "sweep", "collisions") as later:
+    with Progress(progress=True, name="sweep", unit="collisions") as later:
         later(5, 7)
         assert "sweep:  71%" in terminal.lines()[0]
 
@@ -194,7 +194,7 @@ def test_calls_inside_a_silent_call_are_silent(monkeypatch, wanted):
     terminal = watched(monkeypatch)
     with Progress(wanted, "fit", "collisions") as outer:
         outer(1, 10)
-        with Progress(True, "sweep", "collisions") as inner:
+        with Progress(progress=True, name="sweep", unit="collisions") as inner:
             inner(5, 7)
     assert terminal.getvalue() == ""
 
@@ -205,7 +205,7 @@ def test_an_error_takes_the_bar_away(monkeypatch, error):
     before = warnings.showwarning
 
     def work():
-        with Progress(True, "sweep", "collisions") as report:
+        with Progress(progress=True, name="sweep", unit="collisions") as report:
             report(1, 50)
             raise error
 
@@ -223,7 +223,7 @@ def test_warnings_and_messages_stand_above_the_bar(monkeypatch):
     )
     with (
         warnings.catch_warnings(),
-        Progress(True, "sweep", "collisions") as report,
+        Progress(progress=True, name="sweep", unit="collisions") as report,
     ):
         warnings.simplefilter("always")
         report(10, 50)
@@ -240,7 +240,7 @@ def test_warnings_that_are_recorded_stay_recorded(monkeypatch):
     terminal = watched(monkeypatch)
 
     def work():
-        with Progress(True, "sweep", "collisions") as report:
+        with Progress(progress=True, name="sweep", unit="collisions") as report:
             report(10, 50)
             warnings.warn("the word", UserWarning, stacklevel=1)
 
@@ -252,7 +252,7 @@ def test_warnings_that_are_recorded_stay_recorded(monkeypatch):
 def test_compiling_is_told_above_the_bar(monkeypatch):
     terminal = watched(monkeypatch)
     kernels._tell.cache_clear()
-    with Progress(True, "sweep", "collisions") as report:
+    with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(10, 50)
         kernels._tell("")
         first, bar = terminal.lines()
@@ -265,7 +265,7 @@ def test_a_bar_of_the_user_stays_above_ours(monkeypatch):
     from tqdm import tqdm
 
     for _ in tqdm(range(2), desc="mine", file=sys.stderr):
-        with Progress(True, "sweep", "collisions") as report:
+        with Progress(progress=True, name="sweep", unit="collisions") as report:
             report(1, 50)
     assert terminal.lines()[0].startswith("mine: 100%|")
     assert terminal.lines()[1:] == [""]
@@ -308,7 +308,7 @@ import sys
 from rodimpact import progress
 sys.stderr.isatty = lambda: True
 progress.APPEARS_AFTER = 0.0
-with progress.Progress(True, "sweep", "collisions") as report:
+with progress.Progress(progress=True, name="sweep", unit="collisions") as report:
     report(1, 50)
     report(2, 50)
 """
@@ -342,7 +342,7 @@ from rodimpact import progress
 progress.APPEARS_AFTER = 0.0
 progress.REDRAWN_AFTER = 0.0
 assert progress.is_watched()
-with progress.Progress(True, "sweep", "collisions") as report:
+with progress.Progress(progress=True, name="sweep", unit="collisions") as report:
     report(1, 50)
     report(2, 60)
     bar = progress._outermost._bar

@@ -266,6 +266,6 @@ def test_compiled_and_interpreted_runs_are_bit_identical(row, count):
     for seed in range(count):
         system = row(seed, bodies=4)
         until = horizon(system, 4)
-        plain = bits_of(system, until, False)
-        compiled = bits_of(system, until, True)
+        plain = bits_of(system, until, compiling=False)
+        compiled = bits_of(system, until, compiling=True)
         assert plain == compiled

@@ -22,9 +22,7 @@ RESTITUTION = st.floats(0, 1)
 
 
 def size_and_momentum(m1, v1, m2, v2):
-    """Sum of the magnitudes of both momenta, for the scale of round-off, and the momentum
-    of both.
-    """
+    """Sum of the magnitudes of both momenta, which scales round-off, and their sum."""
     return m1 * abs(v1) + m2 * abs(v2), m1 * v1 + m2 * v2
 
 

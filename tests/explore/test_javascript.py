@@ -59,6 +59,7 @@ def shifts(a, k):
 
 
 def of_numbers(x):
+    """Results of functions that JavaScript must compute as Python does."""
     return [
         math.frexp(x)[0],
         math.frexp(x)[1],
@@ -244,7 +245,7 @@ KERNEL = march.run_nodes
 
 def state_of(system, until):
     """The state of a system on the clock of the page, of lists of objects."""
-    request = layout.RunRequest(until, 1e-8, 400, True)
+    request = layout.RunRequest(until, tolerance=1e-8, limit=400, keep=True)
     members = driver.Members(build_row(system), request)
     members.batch.to_lists()
     for _ in range(2):

@@ -46,6 +46,7 @@ sync_api.expect.set_options(timeout=20_000)  # ms
 
 @pytest.fixture(scope="module")
 def browser():
+    """Chromium, if there is one."""
     with sync_api.sync_playwright() as playwright:
         program = BROWSER or playwright.chromium.executable_path
         if not Path(program).is_file():
@@ -364,6 +365,7 @@ def test_pointing_reads_the_velocity_of_the_solution_or_that_no_rod_is_there(vis
 
 
 def turn_the_wheel_on_the_diagram(page):
+    """Zoom in by the wheel of the mouse."""
     page.hover("#diagram")
     page.mouse.wheel(0, -400)
     # The mouse leaves, since its reading would change the picture.
@@ -993,18 +995,18 @@ def test_rigid_ends_are_the_end_of_the_slider_of_round_ends(visit, solved):
     assert page.locator("#ends").input_value() == "4"
 
 
-def round_ends(page, kappa):
-    """Move the slider of the ends to a decadic logarithm of kappa, or to rigid ends.
+def round_ends(page, log_kappa):
+    """Move the slider of the ends to a decadic logarithm of kappa; None: rigid ends.
 
     Return the draft of e while the slider moves: {value, error}.
     """
     return page.evaluate(
-        """(kappa) => {
-            byId("ends").value = kappa ?? byId("ends").max;
+        """(logKappa) => {
+            byId("ends").value = logKappa ?? byId("ends").max;
             byId("ends").dispatchEvent(new Event("input"));
             return sceneOf(design, true).scene.restitution;
         }""",
-        kappa,
+        log_kappa,
     )
 
 
@@ -1028,7 +1030,7 @@ def test_a_slider_rounds_the_ends_and_drafts_of_e_state_their_error(visit):
         assert draft["value"] == pytest.approx(e, abs=error)
         restitutions.append(e)
     assert restitutions == sorted(restitutions, reverse=True)
-    round_ends(page, None)
+    round_ends(page, log_kappa=None)
     wait_for_e(page, "0.4")
 
 

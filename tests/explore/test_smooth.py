@@ -73,6 +73,7 @@ def random_body(rng, is_first):
 
 
 def random_segments(rng):
+    """One segment or two, with no common measure of transit times."""
     count = 1
     if rng.random() < 0.15:
         count = 2

@@ -641,8 +641,8 @@ def notes_of(*ends, relative_covariance=INDEPENDENT):
 
 
 def test_searches_that_end_elsewhere_are_noted():
-    best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, True)
-    equal_misfit = ri.Descent(0.02, {"a": 1.5, "b": 1.0}, True)
+    best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, complete=True)
+    equal_misfit = ri.Descent(0.02, {"a": 1.5, "b": 1.0}, complete=True)
     larger_misfit = equal_misfit._replace(misfit=0.04)
 
     (note_on_values,) = notes_of(best, equal_misfit)
@@ -655,7 +655,7 @@ def test_searches_that_end_elsewhere_are_noted():
 
 
 def test_numbers_with_correlated_errors_are_noted():
-    best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, True)
+    best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, complete=True)
     correlated = np.array([[1e-4, 0.99e-4], [0.99e-4, 1e-4]])
     (note,) = notes_of(best, relative_covariance=correlated)
     assert "a and b are hardly distinguishable" in note
@@ -673,7 +673,7 @@ def test_numbers_with_correlated_errors_are_noted():
     ],
 )
 def test_a_bound_is_as_near_as_the_scale_of_its_range_says(number, beginning):
-    end = ri.Descent(0.02, {number.name: number.value}, True)
+    end = ri.Descent(0.02, {number.name: number.value}, complete=True)
     notes = notes_on_numbers([number], np.array([[1e-4]]), [end])
     if beginning is None:
         assert notes == []

@@ -20,7 +20,7 @@ from rodimpact.results.saved import case_of
 TIMES = int(os.environ.get("RODIMPACT_FUZZ", "1"))  # factor of the numbers of examples
 SEED = int(os.environ.get("RODIMPACT_FUZZ_SEED", "0"))
 SEEDS = few_of(range(SEED, SEED + 3), [SEED])
-PATIENCE = 600  # s, for what takes milliseconds, or a minute where a busy machine has to compile
+PATIENCE = 600  # s, for what takes milliseconds, or a minute where it is compiled
 ROOT = str(Path(ri.__file__).parent)
 MOST_CHARACTERS = 2000  # of a message
 

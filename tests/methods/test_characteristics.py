@@ -641,7 +641,7 @@ def test_auto_takes_characteristics_for_a_tolerance_and_for_masses():
 def test_fronts_take_no_tolerance():
     pair = ri.System([unit_rod(velocity=1.0), unit_rod()])
     message = 'is for method "characteristics" or "finite-difference"'
-    assert refused(message, ri.solve, pair, None, "fronts", rtol=0.1) == ["rtol"]
+    assert refused(message, ri.solve, pair, method="fronts", rtol=0.1) == ["rtol"]
 
 
 # Restitution

@@ -25,8 +25,8 @@ def commensurate(seed):
         strain = ri.Steps(rng.uniform(-1, 1, 2).tolist(), [length / 2])
         area = float(rng.uniform(0.3, 3))
         rods.append(unit_rod(length, area, velocity=velocity, strain=strain))
-    left = random_end(rng, rods[0], 1.0, True)
-    right = random_end(rng, rods[-1], 1.0, True)
+    left = random_end(rng, rods[0], time=1.0, driven=True)
+    right = random_end(rng, rods[-1], time=1.0, driven=True)
     bonds = [ri.Bonded()] * (len(rods) - 1)
     return ri.System(rods, contacts=bonds, ends=(left, right))
 

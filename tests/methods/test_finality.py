@@ -34,8 +34,9 @@ class Part(NamedTuple):
 
 
 def parts_of(solution, bodies):
-    """The parts of a group of bodies at the end of a run, from left to right; walls have
-    none.
+    """Parts of a group of bodies at the end of a run, from left to right.
+
+    Walls have none.
     """
     fields = solution.fields
     parts = []
@@ -181,9 +182,9 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
     rods = [stretched(0.0, 0.02), stretched(drift, -0.01)]
     run = tracked(ri.System(rods, gaps=[gap]), 0.0)
     solution = solution_of(run, 0.0)
-    left = expected_sway(parts_of(solution, [0]), None)
+    left = expected_sway(parts_of(solution, [0]), wall_velocity=None)
     parts_to_gap = parts_of(solution, [1])[::-1]  # its left end is at the gap
-    right = expected_sway(parts_to_gap, None)
+    right = expected_sway(parts_to_gap, wall_velocity=None)
     # A deviation towards the gap narrows it, so the mean gap is wider by it.
     mean_gap = gap + left.deviation + right.deviation
     # sqrt(a) + sqrt(b) <= sqrt(2 (a + b))
@@ -361,7 +362,7 @@ PAIR = [
 ]
 SPRING = ri.Spring(0.5)
 RIGID_OPENING = 2.0
-"""The force of rigid rods ends at 0.8 s, and they touch to 2 s: a wave opens the gap."""
+"""When rigid rods part, s; from 0.8 s on, where their force ends, they only touch."""
 
 
 @pytest.mark.parametrize("until", [None, 3.0, 12.0, 40.0])

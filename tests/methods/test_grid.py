@@ -147,6 +147,7 @@ def test_velocities_and_impulses_of_rows_of_rods_are_near_the_exact_ones(system)
 
 
 def viscous_pair(first_length, second_length, viscosity):
+    """A rod at 1 m/s and one at rest, both with this viscosity, Pa s."""
     lossy = material(viscosity=viscosity)
     return [
         ri.Rod(first_length, area=1.0, material=lossy, velocity=1.0),
@@ -194,7 +195,7 @@ def test_an_opening_is_where_the_gap_begins(left, right):
     """Damped rods, `left` and `right` m long, part slowly: the gap is 0 there, and open
     from then on.
     """
-    solution = solve_row(viscous_pair(left, right, 0.01), None, 200)
+    solution = solve_row(viscous_pair(left, right, 0.01), cells=200)
 
     contact = solution.contacts[0]
     step = time_step(solution)
@@ -215,6 +216,7 @@ BARS = [unit_rod(), unit_rod(0.7, 0.5)]
 
 
 def chain_of_bonded_masses():
+    """A mass strikes a row of bonded masses and rods through a spring."""
     bodies = [
         ri.RigidMass(0.5, velocity=1.0),
         ri.RigidMass(0.2),
@@ -233,6 +235,7 @@ def row_between_walls():
 
 
 def bonds_between_driven_ends():
+    """A rod with a bonded mass, and another rod, between a moved and a pushed end."""
     mass = ri.RigidMass(0.5, velocity=WAVE.values[-1])
     return ri.System(
         [unit_rod(velocity=WAVE), mass, unit_rod(0.6, 2.0)],
@@ -620,6 +623,10 @@ def test_velocities_that_are_round_off_need_no_refinement(monkeypatch):
 
 
 def solve_with_snapshots(snapshots, until=3.0):
+    """A rod with a wave that strikes another through a spring.
+
+    With `snapshots` None all states are kept.
+    """
     bodies = [unit_rod(velocity=WAVE), unit_rod(0.7)]
     laws = [ri.Spring(2.0)]
     return solve_row(bodies, until, 40, contacts=laws, snapshots=snapshots)
@@ -627,7 +634,7 @@ def solve_with_snapshots(snapshots, until=3.0):
 
 @pytest.fixture(scope="module")
 def with_all_states():
-    return solve_with_snapshots(None)
+    return solve_with_snapshots(snapshots=None)
 
 
 def test_a_number_of_snapshots_is_kept_and_changes_no_outcome(with_all_states):
@@ -694,7 +701,7 @@ def rows_with_proofs(seeds):
         if len(system.bodies) < 2:
             continue
         solution = ri.solve(
-            system, None, METHOD, dt=1 / 32, max_events=1500, snapshots=2
+            system, method=METHOD, dt=1 / 32, max_events=1500, snapshots=2
         )
         collided = any(contact.episodes for contact in solution.outcome.contacts)
         if solution.final and collided:
@@ -722,7 +729,7 @@ def test_what_is_proved_final_has_no_further_contact_for_20_times_as_long():
 
 
 def test_rods_of_one_cell_collide_and_have_fields():
-    solution = solve_row([unit_rod(velocity=1.0), unit_rod()], None, 1)
+    solution = solve_row([unit_rod(velocity=1.0), unit_rod()], cells=1)
     assert solution.fields.motion.counts == [1, 1]
     assert solution.final
     assert 0 < solution.outcome.restitution < 1

@@ -138,9 +138,9 @@ def test_balances_of_random_rows_close_and_drag_gives_nothing(seed):
 def test_outcomes_of_random_rows_are_the_same_in_machine_code(seed):
     row = random_row(seed)
 
-    with kernels.forced(False):
+    with kernels.forced(compiling=False):
         plain = ri.solve(row, until=1.0, cells=16).outcome
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         compiled = ri.solve(row, until=1.0, cells=16).outcome
 
     assert plain.to_dict() == compiled.to_dict()

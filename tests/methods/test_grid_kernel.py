@@ -278,7 +278,7 @@ def test_40_steps_are_those_of_a_leapfrog_with_dense_matrices(seed, kind):
 
 
 def moving_mass(mesh):
-    """Mass that moves with a node, kg [node]; half cells on a driven end move with it."""
+    """Mass that moves with each node, kg; half cells on a driven end move with it."""
     mass = mesh.mass * (mesh.is_prescribed == 0)
     for node in np.flatnonzero(mesh.is_prescribed):
         mass[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2

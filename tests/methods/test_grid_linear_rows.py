@@ -19,8 +19,9 @@ INTERVALS = 48  # of UNIT_TIME, for which rows are run
 
 
 def velocity_of_driven_rod(t):
-    """Mean velocity at t of a unit rod of velocity 1 at first, whose right end is driven
-    with f(t) = -0.7 sin 2.8 t.
+    """Mean velocity at t of a unit rod with the velocity 1 at t = 0.
+
+    Its right end is driven with f(t) = -0.7 sin 2.8 t.
 
     The waves that leave the left and the right end are A(t) = B(t - 1) and
     B(t) = 2 f(t) - A(t - 1), by d'Alembert, so that B(t) = 2 f(t) - B(t - 2).

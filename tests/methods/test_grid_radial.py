@@ -23,11 +23,12 @@ UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3)
 def segment(length, radius=0.05, material=UNIT, theory=THEORY):
     """A round segment; without a `theory` it has no lateral inertia."""
     return ri.Segment(
-        length, None, material, diameter=2 * radius, lateral_inertia=theory
+        length, material=material, diameter=2 * radius, lateral_inertia=theory
     )
 
 
 def rod(*segments, **options):
+    """A rod of these segments."""
     return ri.Rod(segments=list(segments), **options)
 
 
@@ -97,7 +98,7 @@ def test_a_held_rod_strained_evenly_stays_at_rest():
     assert run.largest_strain == pytest.approx(1e-3, rel=1e-12)
 
 
-def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ideal_ones():
+def test_a_collision_of_thin_rods_is_proved_over_and_ends_like_that_of_ideal_ones():
     first = rod(segment(0.4, 0.01), velocity=1.0)
     second = rod(segment(1.0, 0.01))
 
@@ -112,9 +113,7 @@ def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ide
 
 LOSSY = UNIT.replace(viscosity=1e-3)
 SPEED_OF_LOWEST_MODE = float(ri.waves.mindlin_herrmann(0.05, 0.3)[0])
-"""Of waves of a rod of 1 m with a radius of 0.1 m: the radius over their length, 2 m, is
-0.05.
-"""
+"""Speed of waves 2 m long in a rod of 1 m; the radius, 0.1 m, is 0.05 of the length."""
 
 
 @pytest.mark.parametrize(
@@ -127,11 +126,14 @@ SPEED_OF_LOWEST_MODE = float(ri.waves.mindlin_herrmann(0.05, 0.3)[0])
             id="with lateral inertia",
         ),
         pytest.param(
-            [segment(0.2, 0.1, LOSSY, None)], math.pi / 0.2, 1.0, id="without"
+            [segment(0.2, 0.1, LOSSY, theory=None)], math.pi / 0.2, 1.0, id="without"
         ),
         # The strain energy of the lowest mode is the same in either half.
         pytest.param(
-            [segment(0.5, 0.1, UNIT, None), segment(0.5, 0.1, LOSSY, None)],
+            [
+                segment(0.5, 0.1, UNIT, theory=None),
+                segment(0.5, 0.1, LOSSY, theory=None),
+            ],
             math.pi,
             0.5,
             id="half of the material damps",

@@ -46,6 +46,7 @@ def random_resistance(rng, length):
 
 
 def random_rod_in_soil(rng):
+    """A rod of one segment, at random in soil of either law, and perhaps viscous."""
     length = float(rng.uniform(0.5, 2))
     soil = ri.Soil(
         random_resistance(rng, length),
@@ -81,7 +82,7 @@ def random_pile(seed):
 
 @pytest.mark.parametrize("resistance", [400e3, 800e3])
 def test_a_pile_with_a_toe_alone_is_set_by_the_limit_of_lumped_masses(resistance):
-    system = pile_in_soil(None, ri.SmithToe(resistance, QUAKE))
+    system = pile_in_soil(soil=None, toe=ri.SmithToe(resistance, QUAKE))
     # The sets of ever more lumped masses go to these, m.
     limit = {400e3: 65.726e-3, 800e3: 31.708e-3}[resistance]
 
@@ -136,9 +137,9 @@ def test_balances_of_random_soils_close(seed):
 def test_outcomes_of_random_soils_are_the_same_in_machine_code(seed):
     system = random_pile(seed)
 
-    with kernels.forced(False):
+    with kernels.forced(compiling=False):
         plain = ri.solve(system, until=2.0, cells=16).outcome
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         compiled = ri.solve(system, until=2.0, cells=16).outcome
 
     assert plain.to_dict() == compiled.to_dict()

@@ -151,7 +151,7 @@ def sides_of(system, steps):
     sides = []
     for step in steps:
         run.advance(step)
-        side = side_of(run, node, True, present(run))
+        side = side_of(run, node, right_end=True, state=present(run))
         sides.append((side.mean + run.row.frame, side.deviation, side.bound))
     return sides
 
@@ -252,7 +252,7 @@ def test_a_state_goes_on_with_its_stretch():
     stretch = second_part.system.contacts[0].stretch
     assert stretch == float(joint.gap(1.5))
     assert stretch != 0
-    # Jumps of the state became straight lines over two samples, so gaps change a little.
+    # Jumps of the state became straight lines over two samples: gaps change a little.
     rounding = 2e-6  # m
     times = np.linspace(0, 2.5, 40)
     gap = second_part.contacts[0].gap(times)

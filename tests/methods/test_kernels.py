@@ -26,7 +26,7 @@ from rodimpact.running import warming
 
 
 def ticks_of(durations):
-    """Ticks of some durations, and how many of them the longest would take unrounded."""
+    """Ticks of some durations, and how many the longest would take unrounded."""
     spans = blank(len(durations), DURATION)
     for span, duration in zip(spans, durations, strict=True):
         span.time = duration
@@ -183,12 +183,12 @@ def test_machine_code_on_disk_costs_the_start_of_numba_and_its_loading(fresh):
 
 
 def test_after_warming_every_run_of_the_process_is_compiled(fresh):
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         assert kernels.worth_compiling(0.0, PIECES)
     assert not kernels.worth_compiling(0.0, PIECES)
 
     def warm_one(name):
-        with kernels.forced(True):
+        with kernels.forced(compiling=True):
             kernels.worth_compiling(0.0, FRONTS)
 
     fresh.setattr(warming, "warm_method", warm_one)
@@ -218,7 +218,7 @@ def test_one_line_tells_who_watches_that_compiling_takes_long(fresh, capsys, wat
 def test_where_compiling_is_disabled_nothing_is(fresh):
     fresh.setenv("NUMBA_DISABLE_JIT", "1")
     assert not kernels.worth_compiling(60.0, FRONTS)
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         assert not kernels.worth_compiling(60.0, FRONTS)
     with pytest.warns(ri.NoCompiler, match="disabled by NUMBA_DISABLE_JIT"):
         assert ri.warm() == 0.0
@@ -232,7 +232,7 @@ def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
     ):
         assert not kernels.worth_compiling(60.0, FRONTS)
     assert not kernels.worth_compiling(60.0, FRONTS)
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         assert not kernels.worth_compiling(60.0, FRONTS)
     with pytest.warns(
         ri.NoCompiler, match="nothing can be compiled: numba is not installed"
@@ -291,7 +291,7 @@ from rodimpact.methods import kernels
 from rodimpact.methods.tick_rule import recognise
 
 def work():
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         kernels.worth_compiling(0.0, recognise)
         kernels.compiled(recognise)(0.5)
 

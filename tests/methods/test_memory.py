@@ -63,10 +63,10 @@ def test_the_memory_asked_for_bounds_what_is_taken_and_is_8_times_as_much_at_mos
 
     monkeypatch.setattr(memory, "MAX_BYTES", np.inf)
     monkeypatch.setattr(memory, "SHARE", np.inf)
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         solve_and_read(PAIR, until=1e-3)  # what is made once is made here
     monkeypatch.setattr("rodimpact.methods.grid.run.require_memory", note_memory)
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         peak = peak_bytes(lambda: solve_and_read(ROWS[name], until=0.06))
     assert peak <= max(bytes_asked_for) + 1e6
     assert max(bytes_asked_for) <= 8 * peak

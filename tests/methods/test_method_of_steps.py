@@ -6,7 +6,7 @@ import functools
 
 import numpy as np
 import pytest
-from compliant_rows import KINDS, random_row
+from compliant_rows import KINDS, random_compliant_row
 from exhaustive import few_of
 from networks import UNIT, unit_rod
 from rows_by_steps import solve_by_steps
@@ -36,7 +36,7 @@ def rows(count, usual):
 @functools.cache
 def solved_by_steps(kind, seed):
     """A random row, the end of its run, and its outcome by the method of steps."""
-    system, until = random_row(kind, seed)
+    system, until = random_compliant_row(kind, seed)
     until = min(until, LONGEST)
     outcome = solve_by_steps(system, until, 1e-11)
     return system, until, outcome
@@ -91,7 +91,7 @@ def test_two_runs_that_miss_a_peak_alike_do_not_hide_its_error(seed, rtol):
     """Peaks at which a wave jumps in a dashpot: both runs followed them by the same
     pieces.
     """
-    system, until = random_row("dashpot", seed)
+    system, until = random_compliant_row("dashpot", seed)
     solution = ri.solve(system, until, "characteristics", rtol=rtol)
     exact = ri.solve(system, until, "characteristics", rtol=1e-13)
     peaks = np.array([c.peak_force for c in solution.run.contacts])
@@ -162,7 +162,7 @@ def test_a_force_that_grows_slowly_begins_when_the_contact_closes():
     """The first waves of Hertz make an overlap that is round-off for a millionth of a
     second.
     """
-    system, until = random_row("dashpot", 4)
+    system, until = random_compliant_row("dashpot", 4)
     contact = ri.solve(system, until, "characteristics").run.contacts[1]
     (segment,) = system.bodies[1].segments
     arrival = segment.length / segment.material.wave_speed
@@ -172,7 +172,7 @@ def test_a_force_that_grows_slowly_begins_when_the_contact_closes():
 
 def test_a_contact_that_presses_for_a_moment_is_not_missed():
     """Two jumps arrive 7e-5 s apart: the dashpot presses between them."""
-    system, until = random_row("dashpot", 7)
+    system, until = random_compliant_row("dashpot", 7)
     solution = ri.solve(system, until, "characteristics")
     assert solution.run.contacts[0].last == pytest.approx(2.8365247256, abs=1e-9)
 
@@ -183,7 +183,7 @@ def test_a_contact_that_presses_for_a_moment_is_not_missed():
 
 @pytest.mark.parametrize("row", rows(20, 3))
 def test_no_contact_pulls_and_impulses_are_those_of_forces_and_of_momenta(row):
-    system, until = random_row(*row)
+    system, until = random_compliant_row(*row)
     solution = ri.solve(system, until, "characteristics")
 
     times = np.linspace(0.0, until, 20_001)
@@ -223,7 +223,7 @@ def test_the_end_of_a_rod_is_never_in_tension_where_it_touches(exponent):
 
 @pytest.mark.parametrize("row", rows(10, 1))
 def test_a_run_that_goes_on_is_as_exact_as_one_that_does_not_stop(row):
-    system, until = random_row(*row)
+    system, until = random_compliant_row(*row)
     half = until / 2
     whole = ri.solve(system, until, "characteristics", rtol=1e-10)
     first_part = ri.solve(system, half, "characteristics", rtol=1e-10)

@@ -133,7 +133,7 @@ def test_functions_that_numba_has_compiled_run_the_same_compiled(own_laws):
     laws = [ri.Law(function) for _, function in own_laws]
     row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=laws)
     plain = ri.solve(row, 1e-3).outcome
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         assert ri.solve(row, 1e-3).outcome.velocities_after == plain.velocities_after
 
 

@@ -121,8 +121,10 @@ def test_the_maximum_is_missed_by_no_more_than_it_says(seed):
 @pytest.mark.parametrize("fall", [0.05, 0.2, 0.5])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
-    """The estimate is two thirds of the error at least, and half of the estimates are
-    100 times the error at most; it is less at the points, where the polynomial is right.
+    """The estimate is two thirds of the error at least.
+
+    Half of the estimates are 100 times the error at most; the error is less near the
+    points, where the polynomial is right.
     """
     signs = np.sign(random_series(seed, 30))
     c = signs * fall ** np.arange(30)
@@ -215,7 +217,7 @@ BREAKS = (600, 1100)  # ticks at which the second and the third piece arrive
 
 
 def line_of_pieces():
-    """The line of `PIECES`, which arrive from tick 0 to 2000, in a list; and the log."""
+    """The line of `PIECES`, which arrive from tick 0 to 2000, as a list; the log."""
     _, line, log = line_of(*PIECES, delay=DELAY)
     return line, log
 

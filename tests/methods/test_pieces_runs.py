@@ -38,7 +38,7 @@ def test_a_run_that_starts_with_little_room_comes_to_the_same_numbers(
     monkeypatch, seed
 ):
     system = random_network(seed)
-    with kernels.forced(False):
+    with kernels.forced(compiling=False):
         expected = numbers_of(ri.solve(system, 2.0, METHOD))
         monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 4)
         monkeypatch.setattr(driver, "INITIAL_CONTACT_ROWS", 1100)
@@ -89,7 +89,7 @@ def test_members_are_the_same_in_threads_and_in_any_chunks(monkeypatch, swept):
 @needs_compiler
 @pytest.mark.parametrize("index", few_of([(0, 0), (1, 2)], [(1, 2)]))
 def test_members_are_single_solves(swept, index):
-    with kernels.forced(False):
+    with kernels.forced(compiling=False):
         outcome = ri.solve(family()[index]).outcome
     velocities = [column[index] for column in swept.velocities_after]
     assert tuple(velocities) == outcome.velocities_after
@@ -103,9 +103,9 @@ def test_members_are_single_solves(swept, index):
 def test_plain_python_runs_the_same_bits():
     for seed in range(2):
         system = random_network(seed, bodies=4, driven=seed % 2 == 1)
-        with kernels.forced(False):
+        with kernels.forced(compiling=False):
             plain = numbers_of(ri.solve(system, 2.0, METHOD))
-        with kernels.forced(True):
+        with kernels.forced(compiling=True):
             compiled = numbers_of(ri.solve(system, 2.0, METHOD))
         # Texts tell 0.0 from -0.0, and nan is as nan.
         assert repr(plain.tolist()) == repr(compiled.tolist()), seed

@@ -1,4 +1,4 @@
-"""Stiff and damped contacts by characteristics: what went wrong where time had steps."""
+"""Stiff and damped contacts by characteristics: faults of a clock that had steps."""
 
 import math
 

@@ -46,7 +46,7 @@ def test_proofs_are_tried_8_times_a_second_and_not_once_each_short_transit(
         update_groups(*arguments)
 
     monkeypatch.setattr(finality, "update_groups", counted)
-    with kernels.forced(False):
+    with kernels.forced(compiling=False):
         solution = ri.solve(row(0.01, kind), method="characteristics")
     assert solution.final
     runs = 2  # one at rtol, and one for the stated error
@@ -57,7 +57,7 @@ def test_proofs_are_tried_8_times_a_second_and_not_once_each_short_transit(
 def test_velocities_of_a_row_with_a_ratio_of_1e4_are_right_to_the_stated_error():
     pytest.importorskip("numba")
     system = row(1e-4, "rigid")
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         solution = ri.solve(system, method="characteristics")
     exact = ri.solve(system, method="fronts")
     stated = solution.accuracy["velocity"] * solution.fields.clock.scale
@@ -84,7 +84,13 @@ def run_of_page(system, options):
     case = ri.Case(system, options)
     tables = {"solve": {}} | tables_of(case)["case"]
     system_of_page = system_of(tables, LIBRARY)
-    return page.run_of(build_row(system_of_page), request_of(tables), 1e-8, True, None)
+    return page.run_of(
+        build_row(system_of_page),
+        request_of(tables),
+        tolerance=1e-8,
+        keep=True,
+        earlier=None,
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)

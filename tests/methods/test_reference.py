@@ -43,6 +43,7 @@ class Signal:
         return self.times[begun : begun + 1]
 
     def integral(self, start, stop):
+        """Integral from `start` to `stop`, exactly."""
         inside = [t for t in self.times if start < t < stop]
         total = Fraction(0)
         for begin, end in pairwise([start, *inside, stop]):
@@ -84,7 +85,7 @@ class Segment:
 
 
 class InitialState:
-    """Velocity and strain along a rod, as a function of x; `cuts` are where they jump."""
+    """Velocity and strain along a rod, by x; `cuts` are the places where they jump."""
 
     def __init__(self, rod):
         self.velocity = self.as_steps(rod.velocity)
@@ -137,6 +138,7 @@ class Reference:
         self.pressed = [Fraction(0)] * count  # duration of forces
 
     def add_rod(self, rod):
+        """Append the segments of a rod, which are bonded to each other."""
         left = Fraction(0)
         state = InitialState(rod)
         for part in rod.segments:
@@ -212,7 +214,7 @@ class Reference:
         return False
 
     def state(self, index, part, t):
-        """Velocity and strain in a segment, at a part of its length from the left end."""
+        """Velocity and strain in a segment, at a part of its length from its left."""
         segment = self.segments[index]
         a = segment.a.at(t - part * segment.T)
         b = segment.b.at(t - (1 - part) * segment.T)
@@ -308,6 +310,7 @@ def test_contacts_motion_and_fields_agree_with_brute_force(seed):
 
 
 def assert_contacts_agree(solution, reference):
+    """Impulses, gaps and, of rigid contacts, durations are those of the reference."""
     for contact, k in zip(solution.contacts, reference.contacts, strict=True):
         assert contact.impulse == near(reference.impulse[k])
         assert float(contact.gap(solution.t_end)) == near(reference.gap[k])
@@ -324,6 +327,7 @@ def rods_of(system, reference):
 
 
 def assert_motion_agrees(solution, reference):
+    """Mean velocities of the rods are those of the reference."""
     for body, first, rod in rods_of(solution.system, reference):
         velocity = float(solution.mean_velocity(body, solution.t_end))
         exact = reference.mean_velocity(first, first + len(rod.segments))

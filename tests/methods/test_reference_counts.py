@@ -99,6 +99,7 @@ def reference_counts(method):
 
 @pytest.fixture(scope="module", autouse=True)
 def newest_numba():
+    """Skip where no numba compiles, or one older than `NEWEST_NUMBA`."""
     if kernels.why_not():
         pytest.skip("nothing is compiled")
     version = compiling.compiler().__version__

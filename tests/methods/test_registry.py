@@ -75,7 +75,7 @@ ALL_WRONG = {
     ],
 )
 def test_all_mistakes_are_told_once_each(wrong):
-    """All of these are told but rtol, which is right, or only beside the others wrong."""
+    """All are told but rtol, which is right, or wrong only beside the others."""
     paths = refused("must|give", Options, **wrong)
     assert sorted(paths) == sorted(set(wrong) - {"rtol"})
 

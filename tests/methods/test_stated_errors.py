@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from compliant_rows import KINDS, random_row
+from compliant_rows import KINDS, random_compliant_row
 from exhaustive import few_of
 from networks import random_network, unit_rod
 
@@ -22,7 +22,7 @@ def row_of(kind, seed):
         return random_network(seed, bodies=4), 2.0
     if kind == "driven network":
         return random_network(seed, bodies=4, driven=True), 2.0
-    return random_row(kind, seed)
+    return random_compliant_row(kind, seed)
 
 
 def measures_of(solution):
@@ -78,7 +78,7 @@ def test_half_of_the_stated_errors_are_near_the_true_ones():
     ratios = {name: [] for name in MEDIANS}
     for kind in KINDS:
         for seed in range(40, 60):
-            system, until = random_row(kind, seed)
+            system, until = random_compliant_row(kind, seed)
             solution = ri.solve(system, until, METHOD)
             exact = ri.solve(system, until, METHOD, rtol=EXACT_RTOL)
             exact_measures = measures_of(exact)
@@ -134,7 +134,7 @@ def test_stated_errors_bound_those_of_random_rows(case):
 
 def test_a_spring_whose_force_ends_before_it_opens_states_the_difference():
     """Its last piece has a force that counts as none, for the overlap is too small."""
-    system, until = random_row("power", 34)
+    system, until = random_compliant_row("power", 34)
     solution = ri.solve(system, until, METHOD, rtol=EXACT_RTOL)
     end_of_force = solution.run.contacts[0].last
     opening = solution.contacts[0].episodes[-1].opening

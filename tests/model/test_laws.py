@@ -233,8 +233,10 @@ def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
 
 def test_a_rigid_face_makes_a_contact_of_like_faces_twice_as_stiff():
     both_elastic = ri.Hertz.from_radii(0.01, INF, STEEL, STEEL)
-    left_elastic = ri.Hertz.from_radii(0.01, INF, STEEL, None)
-    right_elastic = ri.Hertz.from_radii(0.01, INF, None, STEEL)
+    left_elastic = ri.Hertz.from_radii(0.01, INF, STEEL, right_material=None)
+    right_elastic = ri.Hertz.from_radii(
+        0.01, INF, left_material=None, right_material=STEEL
+    )
     twice = 2 * both_elastic.stiffness
     assert left_elastic.stiffness == pytest.approx(twice, rel=1e-15)
     assert right_elastic == left_elastic
@@ -252,7 +254,7 @@ def test_numbers_of_a_material_make_a_family():
     material = ri.Material(
         "m", youngs_modulus=[1e9, 2e9], density=1000, poisson_ratio=[[0.1], [0.2]]
     )
-    family = ri.Hertz.from_radii(0.01, 0.01, material, None)
+    family = ri.Hertz.from_radii(0.01, 0.01, material, right_material=None)
     assert family.stiffness.shape == (2, 2)
 
 

@@ -612,6 +612,7 @@ def test_objects_are_frozen_and_compare_by_value():
 
 
 def plain_row():
+    """A wall bonded to a rod with steps of velocity, and a stepped rod."""
     moving = rod(velocity=ri.Steps([1.0, 0.0], [0.25]), strain=1e-4)
     thin = ri.Segment(0.2, 1e-4, steel)
     thick = ri.Segment(0.3, 2e-4, glass)
@@ -984,7 +985,7 @@ OF_EACH_CLASS = [
     steel,
     ri.Segment(0.4, 1e-4, steel, **ROUND_LOVE),
     ri.Segment(0.4, ri.Samples([1e-4, 2e-4]), steel),
-    ri.Segment(0.4, None, steel, diameter=0.01, **MINDLIN_HERRMANN),
+    ri.Segment(0.4, material=steel, diameter=0.01, **MINDLIN_HERRMANN),
     rod(velocity=ri.Steps([1.0, 0.0], [0.1])),
     ri.Rod(segments=[SEGMENT, SEGMENT], strain=1e-4),
     ri.RigidMass(2.0, velocity=1.0),

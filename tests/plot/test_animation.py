@@ -29,6 +29,7 @@ def between_walls():
 
 
 def with_masses():
+    """Two masses and two rods; the last rod goes on for ever."""
     mass = ri.RigidMass(0.1, velocity=2.0)
     bodies = [mass, rod(0.4), ri.RigidMass(0.2), rod(0.2)]
     contacts = [ri.Hertz(1e10), ri.Bonded(), ri.Rigid()]

@@ -97,7 +97,7 @@ def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution, layou
             u = float(solution.displacement(i, 0.0, t))
             movement = row["offsets"][i] + u - row["frame"] * t
             left = layout.left[i] + row["magnification"] * movement
-            drawn = float(layout.end(i, False, t))
+            drawn = float(layout.end(i, is_right=False, t=t))
             assert left == pytest.approx(drawn, abs=tolerance)
 
 
@@ -112,8 +112,8 @@ def test_bodies_move_no_farther_than_a_part_of_the_row(solution, layout):
     for i, body in enumerate(solution.system.bodies):
         left = layout.left[i]
         width = layout.widths[i]
-        movements.append(layout.end(i, False, times) - left)
-        movements.append(layout.end(i, True, times) - left - width)
+        movements.append(layout.end(i, is_right=False, t=times) - left)
+        movements.append(layout.end(i, is_right=True, t=times) - left - width)
         if isinstance(body, ri.Rod):
             length += width
 

@@ -115,6 +115,7 @@ def test_long_records_are_thinned():
 
 
 def solved_rods(**contacts):
+    """The run of a short rod that strikes a longer one at 10 m/s."""
     steel = ri.materials.steel
     first = ri.Rod(0.3, area=1e-4, material=steel, velocity=10.0)
     second = ri.Rod(1.0, area=1e-4, material=steel)

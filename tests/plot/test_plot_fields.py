@@ -15,6 +15,7 @@ AREA = 1e-4  # m^2, of `rod`
 
 
 def stepped_pair():
+    """A rod that strikes one of two segments."""
     thin = ri.Segment(0.3, AREA, STEEL)
     thick = ri.Segment(0.4, 3 * AREA, ri.materials.aluminium)
     struck = ri.Rod(segments=[thin, thick])

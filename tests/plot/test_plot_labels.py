@@ -27,6 +27,7 @@ def ten_rods():
 
 
 def stepped_pair():
+    """A rod that strikes one of two segments."""
     thin = ri.Segment(0.3, 1e-4, STEEL)
     thick = ri.Segment(0.4, 3e-4, ri.materials.aluminium)
     struck = ri.Rod(segments=[thin, thick])
@@ -34,6 +35,7 @@ def stepped_pair():
 
 
 def driven_pile():
+    """A hammer that strikes a long pile of concrete."""
     hammer = ri.RigidMass(500.0, velocity=3.0)
     pile = ri.Rod(18.0, area=0.06, material=CONCRETE)
     ends = [ri.Free(), ri.Absorbing()]

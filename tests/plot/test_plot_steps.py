@@ -36,6 +36,7 @@ def mass_on_fixed_rod():
 
 
 def pushed():
+    """A rod pushed for 0.1 ms, with a mass bonded to it, and a rod that is held."""
     pulse = ri.Steps([2e3, 0.0], at=[1e-4])
     return ri.System(
         [rod(0.5), ri.RigidMass(0.2), rod(0.3)],
@@ -51,6 +52,7 @@ def driven():
 
 
 def mass_on_stepped_rod():
+    """A mass that strikes a rod of two segments."""
     thin = ri.Segment(0.3, 1e-4, STEEL)
     thick = ri.Segment(0.2, 3e-4, ri.materials.aluminium)
     stepped = ri.Rod(segments=[thin, thick])
@@ -482,6 +484,7 @@ def test_every_picture_renders(solved, name):
 
 @pytest.fixture(scope="module")
 def driven_pile():
+    """The run of a hammer that strikes a pile of concrete."""
     concrete = ri.Material("concrete", youngs_modulus=30e9, density=2400)
     pile = ri.Rod(18.0, area=0.06, material=concrete)
     hammer = ri.RigidMass(500.0, velocity=3.0)

@@ -581,6 +581,7 @@ def test_every_quantity_of_every_family_is_drawn(swept, name):
 
 
 def rods_and_masses():
+    """Three masses between two rods, with each kind of number in laws and ends."""
     mass = ri.RigidMass(1.0)
     contacts = [
         ri.SpringDashpot(1e8, 1e3),

@@ -22,6 +22,7 @@ def read(tmp_path):
     path = tmp_path / "shot.txt"
 
     def signals(text, encoding="utf-8", **options):
+        """Signals of a file with this text."""
         if isinstance(text, bytes):
             path.write_bytes(text)
         else:

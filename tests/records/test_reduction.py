@@ -222,7 +222,7 @@ def test_two_gauges_tell_waves_apart_that_overlap(long_shot, apart):
     assert covered > 0.9
 
 
-def test_one_gauge_must_lie_where_the_incident_wave_is_over_as_the_reflected_one_comes():
+def test_one_gauge_must_lie_where_the_incident_wave_is_over_as_the_reflected_comes():
     """The end of a pulse is its start at a tenth, its width, and half its rise; just so
     is enough.
 

@@ -46,7 +46,7 @@ ROW = ri.System(
     gravity=-0.4,
     ends=(ri.Moved(ri.Samples([0.5, 1.0, -0.5], step=1.0)), ri.Pushed(0.2)),
 )
-"""All that a grid knows: body 2 is damped, tapered and stepped, both ends are driven."""
+"""All that a grid knows: a damped, tapered and stepped body, and two driven ends."""
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +138,7 @@ def test_fields_of_the_mirrored_row_are_those_of_the_row(
 
 
 def orders(errors):
-    """Orders of convergence of errors [mesh, place] from mesh to mesh [mesh - 1, place].
+    """Orders of convergence from mesh to mesh of errors [mesh, place].
 
     Each mesh has twice the cells of the one before.
     """

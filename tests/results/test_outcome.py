@@ -215,20 +215,25 @@ def test_a_restitution_of_round_off_is_0_and_a_small_one_stays():
     parting = np.array([-1e-3, -6e-14, 0.0, 6e-14, 5e-12, 0.4])
     before = (np.ones(6), np.zeros(6))
     after = (np.zeros(6), parting)
-    e = effective_restitution(True, 1, before, after)
+    e = effective_restitution(final=True, episodes=1, before=before, after=after)
     assert e.tolist() == [0.0, 0.0, 0.0, 0.0, 5e-12, 0.4]
 
 
 def test_a_restitution_of_the_round_off_of_a_common_velocity_is_0():
     before = (1e4 + 0.125, 1e4)
     after = (1e4, math.nextafter(1e4, 2e4))
-    assert float(effective_restitution(True, 1, before, after)) == 0.0
+    assert (
+        float(effective_restitution(final=True, episodes=1, before=before, after=after))
+        == 0.0
+    )
 
 
 def test_bodies_that_have_not_parted_have_no_restitution():
     before = (1.0, 0.0)
     after = (0.0, -1e-14)
-    assert np.isnan(effective_restitution(False, 1, before, after))
+    assert np.isnan(
+        effective_restitution(final=False, episodes=1, before=before, after=after)
+    )
 
 
 # Vibration before

@@ -199,7 +199,7 @@ def test_a_quantity_grows_by_powers_of_all_lengths_areas_and_velocities(
     areas = paths_of(system, "area")
     speeds = [*paths_of(system, "velocity", "strain"), *gaps]
     paths = list(dict.fromkeys([*sizes, *areas, *speeds]))  # gaps are in two lists
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         g = ri.gradient(system, quantity, paths)
     assert not g.kinks.keys()
     for paths, power in ((sizes, by_size), (areas, by_area), (speeds, by_speed)):
@@ -218,9 +218,9 @@ def test_derivatives_of_families_are_those_of_members_compiled_and_in_plain_pyth
 ):
     family = pair(0.4, np.array(struck_lengths))
 
-    with kernels.forced(False):
+    with kernels.forced(compiling=False):
         plain = ri.gradient(family, wrt=BY)
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         compiled = ri.gradient(family, wrt=BY)
 
     assert np.asarray(plain).shape == (len(struck_lengths), 4)

@@ -48,6 +48,7 @@ class Cluster(Executor):
         self.durations = []
 
     def submit(self, run, chunk):
+        """Do the job at once; its result is kept until a worker would have it."""
         start = max(self.now, heapq.heappop(self.free))
         self.clock.now = start
         result = run(chunk)

@@ -58,8 +58,10 @@ CONTACT_TOTALS = ("impulse", "peak_force", "duration", "episodes")
 
 
 def assert_equal_to_one_at_a_time(result, **options):
-    """Compare each member with a run of its own: the columns of its outcome bit for bit,
-    the energy left in vibration to round-off.
+    """Compare each member with a run of its own.
+
+    The columns of its outcome are equal bit for bit, the energy left in vibration to
+    round-off.
 
     A contact that presses for ever has no totals, and a system that swings for ever has
     no vibration after the collision: these are left out.
@@ -81,6 +83,7 @@ def assert_equal_to_one_at_a_time(result, **options):
 
 
 def assert_same_totals(member, contacts):
+    """Columns of a member are bit for bit the totals of the contacts of a run."""
     for k, contact in enumerate(contacts):
         for name in CONTACT_TOTALS:
             expected = getattr(contact, name)
@@ -88,6 +91,7 @@ def assert_same_totals(member, contacts):
 
 
 def assert_same_vibration(member, outcome):
+    """The column of vibration energy is the sum over the bodies of a run."""
     energy_before = outcome.kinetic_before + sum(outcome.vibration_before)
     vibration = sum(outcome.vibration_after)
     round_off = 1e-14 * energy_before
@@ -218,14 +222,14 @@ def family_of_network(seed):
 def test_members_of_characteristics_equal_one_at_a_time_compiled_and_plain(seed):
     system = family_of_network(seed)
     options = {"method": "characteristics", "until": 1.5, "rtol": 1e-2}
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         result = ri.sweep(system, **options)
         assert_equal_to_one_at_a_time(result, **options)
 
     # Plain Python takes long: these runs are shorter.
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         compiled = ri.sweep(system, "characteristics", until=0.5)
-    with kernels.forced(False):
+    with kernels.forced(compiling=False):
         plain = ri.sweep(system, "characteristics", until=0.5, workers=1)
     assert have_same_bits(plain, compiled)
 
@@ -255,7 +259,7 @@ def test_columns_are_the_same_bits_whatever_the_number_of_workers(method):
 def test_a_long_member_goes_on_in_machine_code_to_the_same_bits(monkeypatch):
     """The time that it has spent grows while it runs, until compiling pays."""
     system = pair(np.array([0.4, 0.41421356, 0.43]), 3e-4)
-    with kernels.forced(False):
+    with kernels.forced(compiling=False):
         plain = ri.sweep(system, until=0.02, workers=1)
     seconds_spent = []
     compiled = []
@@ -378,6 +382,7 @@ def test_a_cap_after_the_proof_is_not_why_a_run_ended(method, cap):
 
 
 def stepped_rod_on_a_wall():
+    """A family of two rods of two segments that strike a wall."""
     areas = np.array([1e-4, 2e-4])
     first = ri.Segment(0.1, areas, STEEL)
     second = ri.Segment(0.2, 2e-4, STEEL)
@@ -572,7 +577,7 @@ def small_chunks(monkeypatch):
 def test_every_executor_gives_the_same_bytes(small_chunks):
     system = small_map()
     serial = ri.sweep(system, executor=SerialExecutor())
-    with kernels.forced(True):
+    with kernels.forced(compiling=True):
         compiled = ri.sweep(system)
     assert have_same_bits(compiled, serial)
 
