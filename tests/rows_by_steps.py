@@ -63,11 +63,11 @@ TO_CHECKS = integration_matrix(CHECKS)
 TO_END = integration_matrix(np.array([1.0]))
 
 ITERATIONS = 15  # of Newton's method
-ROUND_OFF = 3e-15
-SHORTEST = 2e-14  # cell, over the longest transit time: accepted as it is
+LAST_CHANGE_RTOL = 3e-14  # change of the rates at which Newton's method ends
+SHORTEST_CELL = 2e-14  # over the longest transit time; it is accepted as it is
 GUARD_TOLERANCE = 1e-12  # a guard that is less negative than this has not changed sign
-CHANGES = 200  # of laws without progress in time
-HARDEST = 1e-7  # step of differences, relative
+MAX_CHANGES = 200  # of laws without progress in time
+DIFFERENCE_STEP = 1e-7  # step of differences, relative
 
 OPEN, PRESSED, SLACK, PLASTIC = range(4)
 
@@ -414,7 +414,7 @@ class Row:
         while True:
             solved = self._solve(node, start, stop)
             width = stop - start
-            if width <= SHORTEST * self.transit:
+            if width <= SHORTEST_CELL * self.transit:
                 break  # two breakpoints that rounding has parted
             if not solved.accepted:
                 stop = start + 0.4 * width
@@ -424,9 +424,9 @@ class Row:
             if found is None:
                 break
             where, link, state = found
-            if where <= start + SHORTEST * self.transit:
+            if where <= start + SHORTEST_CELL * self.transit:
                 changes += 1
-                assert changes < CHANGES, "laws change without end"
+                assert changes < MAX_CHANGES, "laws change without end"
                 force = solved.forces_at_checks[node.links.index(link)][0]
                 link.change_to(state, start, float(force))
                 breaks = True
@@ -501,7 +501,9 @@ class Row:
             here = node.rates(states, waves)
             jacobian = np.zeros((STAGES, size, STAGES, size))
             for column in range(size):
-                step = HARDEST * max(np.abs(states[:, column]).max(), half * self.speed)
+                step = DIFFERENCE_STEP * max(
+                    np.abs(states[:, column]).max(), half * self.speed
+                )
                 moved = states.copy()
                 moved[:, column] += step
                 slope = (node.rates(moved, waves) - here) / step
@@ -513,7 +515,7 @@ class Row:
             change = np.linalg.solve(matrix, (here - rates).ravel())
             rates += change.reshape(rates.shape)
             largest = max(np.abs(rates).max(), self.speed)
-            if np.abs(change).max() <= ROUND_OFF * 10 * largest:
+            if np.abs(change).max() <= LAST_CHANGE_RTOL * largest:
                 return rates, True
         return rates, bool(np.abs(change).max() <= 1e-13 * largest)
 
@@ -564,7 +566,7 @@ class Row:
             link.overlap = float(solved.last[i])
             link.impulse += half * float(WEIGHTS @ solved.forces[i])
             largest = float(solved.forces_at_checks[i].max())
-            resolved = stop - start > 2 * SHORTEST * self.transit
+            resolved = stop - start > 2 * SHORTEST_CELL * self.transit
             if resolved and largest > 0.99 * link.peak:
                 link.peak = max(link.peak, maximum(solved.forces[i]))
             pressed = link.state in (PRESSED, PLASTIC)

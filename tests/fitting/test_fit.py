@@ -25,8 +25,8 @@ from rodimpact.methods.registry import Options
 from rodimpact.units import format_si
 
 STEEL = ri.materials.steel
-UNTIL = 1.5e-4
-INTERVAL = 5e-7
+UNTIL = 1.5e-4  # s
+INTERVAL = 5e-7  # of a record, s
 GAUGE = (1, 0.2)  # body, m from its left end
 PULSE_INTERVAL = 4e-7  # s, of a pulse of the titanium bar
 CUTOFF_TIMES_BLUR = 0.1325

@@ -11,8 +11,8 @@ import pytest
 
 import rodimpact as ri
 
-UNTIL = 1e-3
-INTERVAL = 5e-7
+UNTIL = 1e-3  # s
+INTERVAL = 5e-7  # of a record, s
 TO_GAUGE = 0.3  # m, from the left end of a rod
 DIAMETER = 0.016  # m
 

@@ -44,8 +44,8 @@ LONG_PAIR = ri.System(
         ri.Rod(30.0, area=2e-4, material=STEEL),
     ]
 )
-UNTIL = 1e-4
-LONG = 1e-2
+UNTIL = 1e-4  # s, of a short run
+LONG = 1e-2  # s, of a run of long rods
 CASE = """schema = 1
 bodies = [{kind = "mass", mass = 1, velocity = 1}, {kind = "wall"}]
 contacts = [{restitution = 0.5}]

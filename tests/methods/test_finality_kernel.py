@@ -7,13 +7,13 @@ import pytest
 
 from rodimpact.methods.finality_kernel import separation_time, undecided
 
-TOL = 1e-12
+VELOCITY_ATOL = 1e-12  # velocity that counts as zero, m/s
 REACH = 5.0  # distance that vibration can bridge, m
 
 
 def wait_of_vibrating(opening, mean_gap):
     """Separation time of two sides whose ends may approach at any velocity."""
-    return separation_time(opening, -math.inf, mean_gap, REACH**2, TOL)
+    return separation_time(opening, -math.inf, mean_gap, REACH**2, VELOCITY_ATOL)
 
 
 def test_ends_that_cannot_approach_are_apart_at_once():
@@ -22,7 +22,7 @@ def test_ends_that_cannot_approach_are_apart_at_once():
         least_opening=0.0,
         mean_gap=0.0,
         bound_squared=324.0,
-        tolerance=TOL,
+        tolerance=VELOCITY_ATOL,
     )
     assert wait == 0
 
@@ -33,7 +33,7 @@ def test_a_mean_gap_that_closes_is_never_enough():
         least_opening=-1.5,
         mean_gap=99.0,
         bound_squared=0.0,
-        tolerance=TOL,
+        tolerance=VELOCITY_ATOL,
     )
     assert wait == math.inf
     assert wait_of_vibrating(opening=-0.1, mean_gap=REACH + 0.1) == math.inf
@@ -69,4 +69,4 @@ def test_fractions_are_decided_without_a_root():
 def test_velocities_decide_if_means_close_or_ends_cannot_approach(
     opening, least_opening, is_undecided
 ):
-    assert undecided(opening, least_opening, TOL) == is_undecided
+    assert undecided(opening, least_opening, VELOCITY_ATOL) == is_undecided

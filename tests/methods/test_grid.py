@@ -141,9 +141,9 @@ def test_velocities_and_impulses_of_rows_of_rods_are_near_the_exact_ones(system)
     exact = ri.solve(system, method="fronts")
     solution = ri.solve(system, exact.t_end, METHOD, cells=110, snapshots=5)
     velocities = np.array(solution.outcome.velocities_after)
-    assert np.abs(velocities - exact.outcome.velocities_after).max() <= 2e-2
+    assert np.abs(velocities - exact.outcome.velocities_after).max() <= 6e-3  # m/s
     impulses = impulses_of(solution.outcome)
-    assert np.abs(impulses - impulses_of(exact.outcome)).max() <= 2e-2
+    assert np.abs(impulses - impulses_of(exact.outcome)).max() <= 1e-2  # N s
 
 
 def viscous_pair(first_length, second_length, viscosity):
@@ -187,7 +187,7 @@ def test_mean_errors_of_fields_with_jumps_are_of_order_one_half():
         errors.append(error)
 
     assert order(errors) >= 0.4
-    assert errors[-1] <= 0.06
+    assert errors[-1] <= 0.01  # the sum of four means, about 0.007
 
 
 @pytest.mark.parametrize(("left", "right"), [(0.7, 1.1), (0.5, 1.0), (0.9, 0.4)])
@@ -359,7 +359,7 @@ def test_a_mode_with_lateral_inertia_swings_at_its_slower_frequency(wave):
         velocity = solution.velocity(0, 0.0, times)
         errors.append(np.abs(velocity - np.cos(w * times)).max())
 
-    assert errors[-1] <= 8e-3
+    assert errors[-1] <= 1e-3  # of an amplitude of 1; 6e-4 in mode 3
     assert order(errors) >= 1.8
 
 

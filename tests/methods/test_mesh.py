@@ -46,7 +46,7 @@ def test_the_mesh_that_wastes_least():
     courant = step * np.array(counts) / lengths  # [segment]
     assert 100 <= counts[0] < 200
     assert courant.max() == pytest.approx(0.999, rel=1e-12)
-    assert courant.min() >= 0.997
+    assert courant.min() >= 0.997  # 0.2 % below the largest
 
 
 def test_the_shortest_rod_has_8_cells_at_least():

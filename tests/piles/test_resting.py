@@ -10,8 +10,8 @@ SOIL = ri.Soil(300e3, quake=2.5e-3, damping=0.16)
 TOE = ri.SmithToe(300e3, quake=2.5e-3, damping=0.5)
 PILE = ri.Rod(15.0, area=9.4e-3, material=STEEL, shaft=SOIL)
 HELMET = ri.RigidMass(510.0)
-GRAVITY = 9.81
-UNTIL = 0.02
+GRAVITY = 9.81  # m/s^2
+UNTIL = 0.02  # s
 
 
 def largest_velocity(system, body, cells):

@@ -10,7 +10,7 @@ import rodimpact as ri
 from rodimpact import plot
 from rodimpact.units import TIMES
 
-T = 2e-7 * np.arange(501)
+T = 2e-7 * np.arange(501)  # s
 VOLTS = np.interp(T, [2e-5, 3e-5, 6e-5, 7e-5], [0, 2, 2, 0])
 PULSE = ri.Signal(VOLTS, T, unit="V", name="bar")
 PLATEAU = 2.0  # V

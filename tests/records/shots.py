@@ -15,11 +15,11 @@ import rodimpact as ri
 STEEL = ri.Material("steel", youngs_modulus=2e11, density=7850.0, poisson_ratio=0.29)
 SOFT = ri.Material("soft", youngs_modulus=1.5e9, density=1200.0, poisson_ratio=0.3)
 POLYMER = ri.Material("polymer", youngs_modulus=6e9, density=1200.0, poisson_ratio=0.3)
-DIAMETER = 0.016
+DIAMETER = 0.016  # m
 BAR = ri.Rod(1.5, diameter=DIAMETER, material=STEEL)
 SPECIMEN = ri.Specimen(4e-3, diameter=0.012)
 PULSE_STRAIN = 1.2e-3
-DT = 5e-7
+DT = 5e-7  # interval of a record, s
 keep_last = lru_cache(maxsize=1)
 """Keeps one shot of each kind: with a state for each sample it takes up to a gigabyte.
 """
@@ -193,7 +193,7 @@ def direct_impact_on_law(is_rigid=False, until=7e-4, cells=900):
 # Shots whose rise the bars carry: thin bars, and 1 % of strain takes many of their
 # diameters
 
-THIN_DIAMETER = 0.008
+THIN_DIAMETER = 0.008  # m
 THIN_BAR = ri.Rod(1.5, diameter=THIN_DIAMETER, material=STEEL)
 THIN_SPECIMEN = ri.Specimen(4e-3, diameter=0.006)
 SLOW_SPECIMEN = ri.Specimen(8e-3, diameter=0.006)

@@ -7,11 +7,11 @@ from records import shots
 
 import rodimpact as ri
 
-SPEED = 5000.0
-RADIUS = 0.01
-RISE = 5e-6
-WIDTH = 1e-4
-DT = 2e-7
+SPEED = 5000.0  # bar speed, m/s
+RADIUS = 0.01  # m
+RISE = 5e-6  # of the pulse, s
+WIDTH = 1e-4  # of the pulse, s
+DT = 2e-7  # interval of a record, s
 TIMES = np.arange(-1e-4, 9e-4, DT)
 TO_FIRST = 0.5  # m, way of the pulse to the first gauge
 METAL = ri.Material(

@@ -26,12 +26,12 @@ from records.shots import (
 
 import rodimpact as ri
 
-DT = 1e-6
+DT = 1e-6  # interval of a record, s
 NOISE = 0.002
 """Standard deviation of the noise of a gauge over the strain of its pulse."""
-MIN_STRAIN = 0.01
-MAX_ERROR = 0.01
-RECORDS = 25
+MIN_STRAIN = 0.01  # of the specimen, from which on errors are looked at
+MAX_ERROR = 0.01  # of stress and strain, relative
+RECORDS = 25  # noisy records of one shot
 ARRANGEMENTS = ["two gauges", "one gauge", "three pulses", "direct impact"]
 
 

@@ -12,7 +12,7 @@ def solve_by_pieces(bodies, until=4.0, contacts=None, **options):
     return ri.solve(system, until, "characteristics")
 
 
-WALL_SPEED = 0.1
+WALL_SPEED = 0.1  # m/s
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

@@ -10,7 +10,7 @@ from systems import random_system
 import rodimpact as ri
 
 STEEL = ri.materials.steel
-MOST_CAPS = 400
+MAX_EVENTS = 400  # of a member, and so the largest cap that is tried
 SHORT_ROW = 5  # seed of a row with few events
 
 
@@ -79,7 +79,7 @@ def caps_of(family, **options):
     most = 0
     for index in np.ndindex(family.shape):
         try:
-            run = ri.solve(family[index], max_events=MOST_CAPS, **options)
+            run = ri.solve(family[index], max_events=MAX_EVENTS, **options)
         except ri.InvalidModel:
             continue
         most = max(most, run.events)
