@@ -175,7 +175,7 @@ def draft_spacetime(
     low = float(np.nanmin(values))
     high = float(np.nanmax(values))
     scale = field_scale(solution, field, dimensionless, max(abs(low), abs(high)))
-    scale = _with_frame(scale, field, layout)
+    scale = _with_average(_with_frame(scale, field, layout), field, cut)
     reference = 0.0
     if field == "velocity":
         reference = layout.frame * scale.factor
@@ -250,6 +250,20 @@ def _named_contacts(contacts: ContactLines) -> list[artist.Artist]:
     if contacts.apart.get_segments():
         named.append(Line2D([], [], label="apart", **apart_style()))
     return named
+
+
+def _with_average(scale: Scale, field: str, cut: Cut) -> Scale:
+    """The scale with the time over which cells are averaged in its name.
+
+    A short peak is higher than such an average. Displacements, polygons, and averages
+    over no more than a tick keep the scale as it is.
+    """
+    if not isinstance(cut, Raster) or field == "displacement":
+        return scale
+    if cut.averaged_over == 0:
+        return scale
+    average = quantity_text(cut.averaged_over, "s")
+    return scale._replace(name=f"{scale.name}\nmean over {average}")
 
 
 def _with_frame(scale: Scale, field: str, layout: PictureLayout) -> Scale:

@@ -29,7 +29,7 @@ from .scales import (
 )
 from .style import INK, SMALL, styled
 
-TIMES_WITH_RODS = 61  # energies bend like parabolas where a force acts
+TIMES_WITH_RODS = 301  # energies bend like parabolas where a force acts
 TIMES_OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
 MAX_EVENTS = 6  # events of contacts that are sampled too
 MAX_REGIONS = 500  # regions whose corners are sampled too

@@ -39,6 +39,9 @@ class Raster:
         self.solution = solution
         rows = min(MAX_ROWS, ticks)
         self.times = np.linspace(start, stop, rows + 1)
+        self.averaged_over = 0.0  # s, what a cell averages; 0 for a tick, the shortest
+        if rows < ticks:
+            self.averaged_over = float(self.times[1] - self.times[0])
         self._rods = rods_of(solution.system)
 
     def values(self, field: str, frame: float) -> Floats:

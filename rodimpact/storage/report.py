@@ -17,9 +17,9 @@ MAX_LISTED_EPISODES = 12
 """Episodes that a table lists, at most."""
 ENERGY_LABELS = {
     "kinetic": "moving as a whole",
-    "vibrational_kinetic": "vibration",
+    "vibrational_kinetic": "vibration, kinetic part",
     "strain": "strain",
-    "inner": "vibration and strain",
+    "inner": "vibration",
     "contact": "in compliant contacts",
     "dissipated": "lost in contacts",
     "damped": "lost in material",
