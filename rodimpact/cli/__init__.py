@@ -189,6 +189,10 @@ class _Parser(argparse.ArgumentParser):
 
         if not word.startswith("-"):
             remedy = f"{self.prog} --help shows what it takes"
+            ending = word.lower().rpartition(".")[2]
+            for action in self._actions:
+                if f"--{ending}" in action.option_strings and action.nargs == 0:
+                    remedy = f"--{ending} prints; end the command with > {word}"
             if not any(action.nargs != 0 for action in self._actions):
                 remedy = f"leave it out: {self.prog} takes options only"
             return f"does not take {word!r}; {remedy}"

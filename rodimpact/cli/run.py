@@ -14,7 +14,7 @@ from ..results.saved import case_of, difference
 from ..storage.case_writing import check_case_name, write_case
 from ..storage.report import solution_json, solution_table
 from ..storage.tables import misnamed
-from .arguments import Arguments, add_run_options, figure_writer, status_of
+from .arguments import Arguments, add_number, add_run_options, figure_writer, status_of
 from .exit_status import DONE, CommandResult
 from .gauge_options import (
     GAUGE_FORM,
@@ -39,6 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--gauges",
         metavar="FILE.csv",
         help="write the strains of all gauges over time as a table",
+    )
+    add_number(
+        parser,
+        "--interval",
+        "time",
+        "time between the rows of --gauges; default: a 10 000th of the run",
     )
     add_gauge_option(parser, "a column of --gauges and a station in --plot")
     add_run_options(parser)
@@ -78,6 +84,8 @@ def run(args: Arguments) -> CommandResult:
 
 def _check_gauges(args: Arguments, positions: GaugePositions) -> None:
     """Add problems of the names of gauges, and of a table without any."""
+    if args.interval is not None and args.gauges is None:
+        args.problems.append(("--interval", "goes with --gauges, whose rows it spaces"))
     gauges_table = args.gauges  # path of the table of strains, or None
     if args.gauge or gauges_table:
         path = "gauges"
@@ -128,7 +136,8 @@ def _write(
 
     def write_gauges(path: str, force: bool) -> None:
         """Write the table of strains."""
-        gauges_to_csv(path, _gauges(solution, positions), force=force)
+        gauges = _gauges(solution, positions)
+        gauges_to_csv(path, gauges, interval=args.interval, force=force)
 
     return args.write(save=save, plot=figure_writer(draw), gauges=write_gauges)
 

@@ -241,7 +241,12 @@ def check_pile(system: Any) -> PileRow:
     )
     bodies = system.bodies
     wall_message = "must end with a wall, the ground far below the toe"
-    demand(len(bodies) >= 3 and isinstance(bodies[-1], Wall), "bodies", wall_message)
+    demand(isinstance(bodies[-1], Wall), "bodies", wall_message)
+    count_message = (
+        "must be a ram, perhaps masses such as a helmet, a pile and a wall; "
+        f"these {len(bodies)} lack the ram or the pile"
+    )
+    demand(len(bodies) >= 3, "bodies", count_message)
     ram_message = "must be the ram: a RigidMass or Rod with a velocity to the right"
     is_body = isinstance(bodies[0], Rod | RigidMass)
     demand(is_body and _velocity(bodies[0]) > 0, "bodies.0", ram_message)

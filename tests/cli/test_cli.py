@@ -412,6 +412,18 @@ def test_gauges_of_the_case_are_written(case):
     assert "far" in Path("a.csv").read_text()
 
 
+def test_the_interval_of_gauges_resolves_a_short_blow(case, refuses):
+    gauges = ["--gauges", "a.csv", "--gauge", "a=1:0.5"]
+
+    status = main(["run", str(case), *gauges, "--interval", "2 us"])
+    times = [line.split(",")[0] for line in Path("a.csv").read_text().splitlines()]
+
+    assert status == 0
+    assert float(times[2]) == 2e-6
+    message = "--interval: goes with --gauges, whose rows it spaces"
+    refuses(["run", str(case), "--interval", "2 us"], message)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="names are text there")
 def test_file_names_that_are_no_text_are_used_and_names_of_gauges_refused(
     case, refuses

@@ -489,6 +489,11 @@ def test_tied_numbers_follow_a_variable_which_is_the_axis_of_table_and_figure(
     assert ">L (m)<" in Path("e.svg").read_text(encoding="utf-8")
 
 
+def test_a_file_after_a_flag_that_prints_is_answered_by_a_redirection(refused):
+    message = "does not take 'out.csv'; --csv prints; end the command with > out.csv"
+    refused(message, "--vary", LENGTHS, "--csv", "out.csv")
+
+
 def test_a_figure_of_an_extra_quantity(case, swept, refused):
     case.write_text(YIELDING)
     vary = ["--vary", "bodies.0.velocity=1,2", "--until", "0.2 ms"]

@@ -319,6 +319,11 @@ def test_a_pile_of_two_rods_has_set_and_tension_of_one_rod():
 REFUSED = [
     (ri.System([RAM, PILE]), "bodies: must end with a wall"),
     (
+        ri.System([PILE, ri.Wall()]),
+        "bodies: must be a ram, perhaps masses such as a helmet, a pile and a wall; "
+        "these 2 lack the ram or the pile",
+    ),
+    (
         ri.System(
             [RAM.replace(velocity=-1.0), PILE, ri.Wall()], contacts=[CUSHION, TOE]
         ),
