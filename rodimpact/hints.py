@@ -28,7 +28,7 @@ MOST_LEVELS = 2
 SYNONYMS: dict[str, tuple[str, ...]] = {
     # letters of formulas
     "A": ("area",),
-    "E": ("youngs_modulus",),
+    "E": ("youngs_modulus", "material"),
     "F": ("force", "peak_force"),
     "J": ("impulse",),
     "L": ("length",),
@@ -48,11 +48,12 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "nu": ("poisson_ratio",),
     "p": ("exponent",),
     "r": ("diameter",),
-    "rho": ("density",),
+    "rho": ("density", "material"),
     "sigma": ("stress",),
     "t": ("times", "until"),
     "u": ("displacement",),
     "v": ("velocity",),
+    "v0": ("velocity",),
     "v1": ("velocity_1",),
     "v2": ("velocity_2",),
     # words for numbers and arguments
@@ -83,6 +84,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "tol": ("rtol",),
     "tolerance": ("rtol",),
     # words for functions and classes
+    "animate": ("animation",),
     "ball": ("RigidMass",),
     "bounce": ("stack_drop",),
     "bar": ("Rod",),
@@ -94,6 +96,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "film": ("animation",),
     "floor": ("Wall",),
     "force": ("contact",),
+    "from_toml": ("read_case",),
     "forces": ("contact",),
     "ground": ("Wall",),
     "mass": ("RigidMass",),
@@ -104,6 +107,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "run": ("solve", "run"),
     "simulate": ("solve", "run"),
     "solve": ("run",),
+    "to_pandas": ("to_dataframe",),
     "xt": ("spacetime",),
 }
 """Names of this package, by other names of the same thing."""
@@ -116,7 +120,9 @@ ELSEWHERE = {
     "time with force",
     "peak_force_time": "it is b.times[b.force.argmax()], b = solution.contacts[k]."
     "breakpoints()",
-    "plot": "functions of rodimpact.plot draw it, such as plot.overview",
+    "export": "rodimpact.explore(system).save(path) writes the page",
+    "plot": "functions of rodimpact.plot draw it, such as plot.overview, and "
+    "plot.sweep for a family",
     "run": "rodimpact.solve(system) solves it",
     "simulate": "rodimpact.solve(system) solves it",
     "solve": "rodimpact.solve(system) solves it",
@@ -382,9 +388,9 @@ def missing_name(
 ) -> AttributeError:
     """The error of a name that a module does not have, to be raised by the caller.
 
-    It hints at a name of the modules below, at one that is spelt alike, at a sentence
-    of `ELSEWHERE`, or at related names. There is no such hint for names with an
-    underscore.
+    It hints at a synonym, at a sentence of `ELSEWHERE`, at a name of the modules below,
+    at one that is spelt alike, or at related names. There is no such hint for names
+    with an underscore.
 
     Parameters
     ----------
@@ -400,15 +406,18 @@ def missing_name(
     message = f"module {module!r} has no attribute {name!r}"
     if name[0] == "_":  # Python itself asks for such names
         return AttributeError(message, name=name)
+    for synonym in _synonyms(name):
+        if synonym in names:
+            return AttributeError(f"{message}; perhaps {synonym!r} is meant", name=name)
+    if name in ELSEWHERE:
+        return AttributeError(f"{message}; {ELSEWHERE[name]}", name=name)
     for below, its_names in modules.items():
-        for meant in (name, name.lower()):
+        for meant in (name, name.lower(), *_synonyms(name)):
             if meant in its_names and meant not in names:
                 message = f"{message}; perhaps {f'{below}.{meant}'!r} is meant"
                 return AttributeError(message, name=name)
     if similar(name, names) is not None or len(names) <= MOST_CHOICES:
         return AttributeError(f"{message}; {nearest(name, names)}", name=name)
-    if name in ELSEWHERE:
-        return AttributeError(f"{message}; {ELSEWHERE[name]}", name=name)
     choices = list(names)
     for below, its_names in modules.items():
         for its_name in its_names:
@@ -468,6 +477,8 @@ def _refusal(
     for keyword in keywords:
         if keyword not in parameters:
             hint = nearest(keyword, parameters)
+            if keyword == "radius" and "diameter" in parameters:
+                hint = "give diameter, twice the radius"
             if similar(keyword, parameters) is None:
                 hint += instead
             return f"{called}() has no argument {keyword!r}; {hint}"

@@ -187,7 +187,14 @@ _ALIASES = {
     "lbf ft": "ft lbf",
     "kip ft": "ft kip",
 }
-_OTHER_NAMES = {"fps": "ft/s", "ips": "in/s", "pcf": "lb/ft^3"}
+_OTHER_NAMES = {
+    "fps": "ft/s",
+    "ips": "in/s",
+    "pcf": "lb/ft^3",
+    "tonne": "t",
+    "tonnes": "t",
+    "tons": "t",
+}
 """Units of `UNITS` by names that are not read, but hinted at."""
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}

@@ -160,6 +160,10 @@ def _command_hint(command: str) -> str:
     """What is wrong with a missing or unknown command, and which one may be meant."""
     from ..hints import similar
 
+    if command == "plot":
+        return (
+            "unknown command 'plot'; rodimpact run CASE.toml --plot FILE draws a case"
+        )
     meant = similar(command, COMMANDS)
     if meant is not None:
         return f"unknown command {command!r}; perhaps {meant} is meant"

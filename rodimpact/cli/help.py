@@ -19,6 +19,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _topic(word: str) -> str:
     """The topic of that name; a mistake in the call for any other word."""
+    if word == "materials":
+        raise argparse.ArgumentTypeError("`rodimpact materials` lists them")
     if word != "units":
         raise argparse.ArgumentTypeError(
             f"there is no text on {word!r}; `rodimpact help` lists all texts, and "

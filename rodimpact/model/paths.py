@@ -146,7 +146,7 @@ def suggestion(path: str, choices: Collection[str]) -> str:
     for choice in choices:
         if choice.startswith(beginning) and choice.endswith("." + last_word):
             deeper.append(choice)
-    if beginning and deeper:
+    if deeper:
         return f"perhaps one of {listed(deeper)} is meant"
     remainders = []  # of the choices, behind the beginning
     for choice in choices:

@@ -83,7 +83,8 @@ def figure_of(drawn: Any) -> Any:
     if not isinstance(figure, Figure):
         raise invalid_argument(
             "picture",
-            f"must be a figure, axes or a picture of them, got {shown(drawn)}",
+            "must be a figure, axes or a picture of them, such as "
+            f"plot.overview(solution), got {shown(drawn)}",
         )
     return figure
 

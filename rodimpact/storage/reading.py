@@ -101,13 +101,16 @@ def open_regular(path: PathLike) -> BinaryIO:
 def _similar_file(name: str) -> str:
     """Hint at a file of the same folder whose name is spelt like the missing one.
 
-    "" if there is none.
+    One that differs by its ending alone, such as t1.toml for t1, comes first. "" if
+    there is none.
     """
     path = Path(name)
     files = []
     with suppress(OSError):  # there is no such folder, or it may not be read
         files = [file.name for file in path.parent.iterdir()]
     alike = difflib.get_close_matches(path.name, files, n=1)
+    same_stem = [file for file in sorted(files) if Path(file).stem == path.name]
+    alike = same_stem + alike
     if not alike:
         return ""
     return f"; perhaps {str(path.with_name(alike[0]))!r} is meant"
