@@ -152,7 +152,6 @@ COMMANDS = [
     ("run", "arguments are required: CASE.toml"),
     ("run case.tml", "case.tml: cannot be read"),
     ("run cases.toml", "perhaps 'case.toml' is meant"),
-    ("run case", "perhaps 'case.toml' is meant"),
     ("compare case.toml records.csv --gauge a=0:0.1", "perhaps 'record.csv' is meant"),
     ("run record.csv", "a case file is TOML (a record is read by"),
     ("help soil", "there is no text on 'soil'; `rodimpact help` lists all texts"),

@@ -10,6 +10,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact.methods import memory
+from rodimpact.storage.reading import open_regular
 from rodimpact.storage.writing import described
 
 STEEL = ri.materials.steel
@@ -161,3 +162,10 @@ def test_a_name_with_a_zero_byte_is_refused(tmp_path):
         ri.InvalidModel, match=r"must be the name of a file, got .*a\\x00b"
     ):
         ri.load(tmp_path / "a\0b")
+
+
+def test_a_file_without_its_ending_is_answered_by_that_file(tmp_path):
+    (tmp_path / "t1.toml").write_text("schema = 1")
+
+    with pytest.raises(FileNotFoundError, match=r"perhaps .*t1\.toml' is meant"):
+        open_regular(tmp_path / "t1")
