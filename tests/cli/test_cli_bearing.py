@@ -30,11 +30,13 @@ GRID = ("--resistance", "300kN:500kN:2")
 
 @pytest.fixture
 def pile(case):
+    """The case of a pile."""
     case.write_text(PILE)
     return case
 
 
 def bearing(*argv):
+    """Arguments of `rodimpact bearing` for that case."""
     return ["bearing", "case.toml", *argv]
 
 

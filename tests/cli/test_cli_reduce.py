@@ -45,6 +45,7 @@ ALL = [*GAUGES, *SPECIMEN, *BRIDGE, "--compression", "positive"]
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
+    """The present directory, with a file of the bars."""
     (tmp_path / "bars.toml").write_text(BARS)
     monkeypatch.chdir(tmp_path)
 

@@ -36,6 +36,7 @@ def no_sweep(monkeypatch):
 
 
 def sweep(*argv):
+    """Exit status of `rodimpact sweep`."""
     return main(["sweep", "case.toml", *argv])
 
 

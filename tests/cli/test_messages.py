@@ -55,6 +55,7 @@ left_radius = 0.1
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
+    """The present directory, which is empty."""
     monkeypatch.chdir(tmp_path)
 
 

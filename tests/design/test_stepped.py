@@ -28,16 +28,19 @@ class Shape(NamedTuple):
 
 
 def half_sine():
+    """Half a sine of force."""
     phase = np.linspace(0, 1, 1001)
     return ri.Signal(PEAK * np.sin(np.pi * phase), phase * T, unit="N")
 
 
 def trapezoid():
+    """A force that rises, stays and falls."""
     times = [0, 0.3 * T, 0.8 * T, T]
     return ri.Signal([0, PEAK, PEAK, 0], times, unit="N")
 
 
 def ramp():
+    """A force that rises from 0 to the end."""
     return ri.Signal([0, PEAK], [0, T], unit="N")
 
 

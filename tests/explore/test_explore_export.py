@@ -64,6 +64,7 @@ def case(tmp_path, monkeypatch):
 
 
 def export(case, *arguments):
+    """Exit status of an export to page.html."""
     return main(["export", str(case), "-o", "page.html", *arguments])
 
 

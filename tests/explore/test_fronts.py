@@ -35,6 +35,7 @@ STEPS = ri.Steps([1e3, 0.0, 5e2], [1e-4, 2e-4])
 
 
 def tables_of(system, **solve):
+    """A case as the page gets it, with options of the run."""
     return {**tomllib.loads(ri.format_case(system)), "solve": solve}
 
 

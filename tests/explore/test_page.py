@@ -121,6 +121,7 @@ def number_in(page, path):
 
 
 def slider(page, path):
+    """The slider of a number of the case."""
     return page.locator(f'[data-slides="{path}"]')
 
 
@@ -130,14 +131,17 @@ def text_of(page, selector):
 
 
 def wait_for_e(page, text):
+    """Wait until the page shows this e."""
     sync_api.expect(page.locator("#restitution")).to_have_text(text)
 
 
 def shown_e(outcome):
+    """e of an outcome, as the page writes it."""
     return f"{outcome.restitution:.6g}"
 
 
 def steel_rod(length, velocity=0.0):
+    """A rod of 1 cm^2."""
     return ri.Rod(length, area=1e-4, material=ri.materials.steel, velocity=velocity)
 
 
@@ -602,6 +606,7 @@ def test_before_a_guess_nothing_is_seen_that_tells_e(visit):
 
 
 def guess(page, number):
+    """Answer the question for e by a number."""
     page.click("#guess-first")
     page.locator("#guessed").fill(number)
     page.keyboard.press("Enter")
@@ -1400,6 +1405,7 @@ HANDLES = [
 
 
 def handle(page, name):
+    """A handle of the diagram, by its name."""
     return page.locator("#handles [role=slider]").nth(HANDLES.index(name))
 
 

@@ -89,6 +89,7 @@ def random_segments(rng):
 
 
 def tables_of(case):
+    """A case as the page gets it."""
     return {"solve": {}, **tomllib.loads(ri.format_case(case))}
 
 

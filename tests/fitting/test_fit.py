@@ -741,6 +741,7 @@ def test_a_path_may_lead_into_a_profile():
 
 @pytest.fixture(scope="module")
 def length_fit():
+    """A fit of the length of a striker to a record with little noise."""
     noisy = measured(record(rods(), 1e-5))
     return ri.fit(rods(), noisy, {LENGTH: (0.1, 0.4)}, UNTIL, starts=1)
 

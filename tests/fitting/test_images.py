@@ -18,6 +18,7 @@ DIAMETER = 0.016  # m
 
 
 def metal(poisson_ratio):
+    """A metal whose bar speed is 5000 m/s."""
     return ri.Material(
         "metal", youngs_modulus=2e11, density=8000.0, poisson_ratio=poisson_ratio
     )

@@ -23,6 +23,7 @@ FRONTS_TOL = 1e-12
 
 
 def solve_row(bodies, until=None, gaps=None, contacts=None, rtol=None, **options):
+    """Solve a row by characteristics; options are those of a system."""
     system = ri.System(bodies, gaps, contacts, **options)
     return ri.solve(system, until, METHOD, rtol=rtol)
 

@@ -24,6 +24,7 @@ COURANT = 0.999  # largest Courant number that is chosen
 
 
 def material(E=1.0, rho=1.0, **options):
+    """A material of bar speed 1 m/s, if nothing else is said."""
     return ri.Material("m", youngs_modulus=E, density=rho, **options)
 
 
@@ -229,6 +230,7 @@ def chain_of_bonded_masses():
 
 
 def row_between_walls():
+    """A rod with a mass bonded to it, with a gap to a wall on either side."""
     bodies = [ri.Wall(), unit_rod(velocity=-0.5), ri.RigidMass(0.4), ri.Wall()]
     laws = [ri.Spring(9.0), ri.Bonded(), ri.Hertz(30.0)]
     return ri.System(bodies, [0.1, 0.0, 0.1], laws)
@@ -454,6 +456,7 @@ NO_STEP = "ends before half a step, and none was taken"  # words of a status
 
 
 def assert_balanced(solution, until):
+    """No energy is lost or gained."""
     energy = solution.energy(np.array([0.0, until]))
     assert np.abs(energy.residual).max() <= 1e-14
 
@@ -634,6 +637,7 @@ def solve_with_snapshots(snapshots, until=3.0):
 
 @pytest.fixture(scope="module")
 def with_all_states():
+    """A run that keeps the states of all steps."""
     return solve_with_snapshots(snapshots=None)
 
 
@@ -816,6 +820,7 @@ def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
 
 
 def peak_force_of(solution):
+    """The largest force of all contacts, N."""
     return max(contact.peak_force for contact in solution.outcome.contacts)
 
 

@@ -221,6 +221,7 @@ def dense_run(mesh, step, v, force, radial, steps, push):
 
 
 def unit_density(E):
+    """A material with a density of 1 kg/m^3."""
     return ri.Material("m", youngs_modulus=E, density=1.0)
 
 

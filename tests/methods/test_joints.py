@@ -18,10 +18,12 @@ both_methods = pytest.mark.parametrize("method", METHODS)
 
 
 def solve_by(method, system, until=None, **options):
+    """Solve by a method, with its options of `METHODS`."""
     return ri.solve(system, until, method, **METHODS[method], **options)
 
 
 def quick_rod(length=1.0, **state):
+    """A rod of the material `QUICK`."""
     return ri.Rod(length, area=0.7, material=QUICK, **state)
 
 

@@ -30,16 +30,19 @@ def power(d, _):
 
 
 def pair(law, gap=0.0):
+    """A bar at 1 m/s that strikes a longer one."""
     striker = BAR.replace(length=0.4, velocity=1.0)
     return ri.System([striker, BAR], gaps=[gap], contacts=[law])
 
 
 def masses_and_bar(law):
+    """Two masses, of which the first moves, before a bar."""
     mass = ri.RigidMass(0.1, velocity=1.0)
     return ri.System([mass, ri.RigidMass(0.05), BAR], contacts=[law, law])
 
 
 def rows_with(law):
+    """Rows of rods and of masses with this law between all bodies."""
     return [pair(law), pair(law, gap=1e-5), masses_and_bar(law)]
 
 

@@ -10,6 +10,7 @@ import rodimpact as ri
 
 
 def pair(law):
+    """A rod at 1 m/s that strikes a longer one through a law."""
     return ri.System([unit_rod(0.4, velocity=1.0), unit_rod(1.0)], contacts=[law])
 
 

@@ -95,6 +95,7 @@ class InitialState:
 
     @staticmethod
     def as_steps(profile):
+        """A profile, with a number as steps without a jump."""
         if isinstance(profile, ri.Steps):
             return profile
         return ri.Steps([profile], [])
@@ -287,6 +288,7 @@ def random_rod(pick, impedances, longest):
 
 
 def near(exact):
+    """Equal to an exact number within `TOLERANCE`."""
     return pytest.approx(float(exact), rel=TOLERANCE, abs=TOLERANCE)
 
 

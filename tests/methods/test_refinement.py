@@ -24,10 +24,13 @@ class Run(NamedTuple):
 
     @property
     def step(self):
+        """Step of the run, 1 for the coarsest."""
         return 1 / self.factor
 
 
 class Search(NamedTuple):
+    """What a refinement gave."""
+
     finest: Run
     estimates: dict[str, float]  # relative errors by measure
     factors: list[int]  # of all levels that were run

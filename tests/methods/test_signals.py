@@ -23,6 +23,7 @@ TICKS = st.integers(-20, 80)
 
 
 def signal_of(steps):
+    """A signal of constant pieces, from (tick, value) of each."""
     ticks = [tick for tick, _ in steps]
     values = [float(value) for _, value in steps]
     return Pieces(ticks, values)

@@ -22,6 +22,7 @@ STEEL = ri.materials.steel
 
 
 def rod(**changes):
+    """A rod 2 m long, with these parameters changed or added."""
     parameters = {"length": 2.0, "area": 1e-4, "material": STEEL}
     parameters.update(changes)
     return ri.Rod(**parameters)

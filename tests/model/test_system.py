@@ -24,6 +24,7 @@ HERTZ = ri.Hertz(1e9)
 
 
 def rod(**changes):
+    """A rod 1 m long, with these fields changed or added."""
     fields = {"length": 1.0, "area": 1e-4, "material": steel, **changes}
     return ri.Rod(**fields)
 
@@ -36,10 +37,12 @@ def cone(length=1.0, first_area=1e-4, **changes):
 
 
 def material(E=1.0, rho=1.0, **more):
+    """A material of bar speed 1 m/s, if nothing else is said."""
     return ri.Material("m", youngs_modulus=E, density=rho, **more)
 
 
 def row(*bodies, **more):
+    """A system of these bodies."""
     return ri.System(bodies, **more)
 
 
@@ -626,11 +629,13 @@ def plain_row():
 
 
 def row_of_masses():
+    """Masses and rods on a wall: two Hertz contacts, and rigid ones behind them."""
     laws = [HERTZ, HERTZ, ri.Rigid(), ri.Rigid(), ri.Rigid(), ri.Rigid()]
     return row(WALL, MASS, MASS, rod(), MASS, rod(), MASS, contacts=laws)
 
 
 def family_of_two_axes():
+    """Rods of three lengths and two velocities before a wall."""
     lengths = np.array([0.1, 0.2, 0.3])[:, None]
     velocities = np.array([1.0, 2.0])
     return row(rod(length=lengths, velocity=velocities), WALL)

@@ -24,6 +24,7 @@ WHITE = (255, 255, 255)
 
 
 def between_walls():
+    """Two rods between a moving wall and one at rest."""
     bodies = [ri.Wall(1.0), rod(0.3), rod(0.2, area=3e-4), ri.Wall()]
     return ri.System(bodies, gaps=[1e-5, 2e-5, 2e-5])
 
@@ -71,6 +72,7 @@ def small():
 
 @pytest.fixture(scope="module")
 def film(solved):
+    """An animation of seven frames."""
     return plot.animation(solved["unequal"], frames=7, fps=10)
 
 

@@ -38,21 +38,25 @@ POINTS_PER_INCH = 72
 
 
 def stepped_rod():
+    """A rod of two segments."""
     thin = ri.Segment(0.3, AREA, STEEL)
     thick = ri.Segment(0.4, 3 * AREA, STEEL)
     return ri.Rod(segments=[thin, thick])
 
 
 def bonded_rods():
+    """A rod that strikes two that are bonded."""
     rods = [rod(0.4, 1.0), rod(0.3, area=2e-4), rod(0.6)]
     return ri.System(rods, contacts=[ri.Rigid(), ri.Bonded()])
 
 
 def between_walls():
+    """A rod that flies between two walls."""
     return ri.System([ri.Wall(), rod(0.3, 10.0), ri.Wall()], gaps=[1e-3, 2e-3])
 
 
 def with_moving_wall():
+    """A wall that moves against two rods, of which the second comes to meet it."""
     bodies = [ri.Wall(2.0), rod(0.4), rod(0.6, -1.0)]
     return ri.System(bodies, gaps=[5e-5, 2e-5])
 

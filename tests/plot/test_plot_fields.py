@@ -23,6 +23,7 @@ def stepped_pair():
 
 
 def released_at_wall():
+    """A compressed rod at rest, and a wall that moves against it."""
     bodies = [ri.Wall(0.5), rod(0.5, strain=-1e-4)]
     return ri.System(bodies, ends=(ri.Free(), ri.Free()))
 

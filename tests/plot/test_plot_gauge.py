@@ -27,6 +27,7 @@ def window(picture, name):
 
 @pytest.fixture(scope="module")
 def struck_bar():
+    """The run of a bar that a shorter one strikes."""
     return ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
 
 
@@ -102,11 +103,13 @@ def test_windows_of_smooth_waves_are_those_of_the_pulse_of_the_striker():
 
 
 def vibrating_bar():
+    """A bar that starts with a strain in one half, and touches another."""
     strain = ri.Steps([1e-4, 0.0], at=[0.5])
     return ri.System([rod(strain=strain), rod()])
 
 
 def receding_bars():
+    """Two bars that touch, and part at once."""
     return ri.System([rod(velocity=-1.0), rod()])
 
 

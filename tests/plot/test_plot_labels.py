@@ -22,6 +22,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def ten_rods():
+    """A rod that strikes a row of nine."""
     lengths = [0.2 + 0.01 * i for i in range(9)]
     return ri.System([rod(0.2, 1.0), *map(rod, lengths)])
 

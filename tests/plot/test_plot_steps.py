@@ -19,18 +19,21 @@ MICROSECONDS = 1e6  # in a second
 
 
 def hertz():
+    """Two rods with a Hertz contact, a spring, and a mass bonded to an endless rod."""
     bodies = [rod(0.2, 5.0), rod(0.6), ri.RigidMass(0.05), rod(0.4)]
     contacts = [ri.Hertz(5e9), ri.Spring(1e8), ri.Bonded()]
     return ri.System(bodies, contacts=contacts, ends=(ri.Free(), ri.Absorbing()))
 
 
 def hopkinson():
+    """A striker and two bars with a spring between them, of which one is endless."""
     bodies = [rod(0.3, 10.0), rod(), rod(0.8)]
     contacts = [ri.Rigid(), ri.Spring(2e8)]
     return ri.System(bodies, contacts=contacts, ends=(ri.Free(), ri.Absorbing()))
 
 
 def mass_on_fixed_rod():
+    """A mass that strikes a rod whose far end is held."""
     bodies = [ri.RigidMass(0.3, velocity=2.0), rod(0.5)]
     return ri.System(bodies, ends=(ri.Free(), ri.Fixed()))
 
@@ -47,6 +50,7 @@ def pushed():
 
 
 def driven():
+    """A rod whose left end is moved, and whose right end absorbs all waves."""
     ramp = ri.Samples([1.0, 0.5], step=3e-4)
     return ri.System([rod(0.5)], ends=(ri.Moved(ramp), ri.Absorbing()))
 
@@ -60,6 +64,7 @@ def mass_on_stepped_rod():
 
 
 def rod_and_masses():
+    """A rod that strikes two masses."""
     bodies = [rod(0.4, 1.0), ri.RigidMass(0.2), ri.RigidMass(0.1)]
     contacts = [ri.Rigid(), ri.Rigid(0.5)]
     return ri.System(bodies, gaps=[0.0, 1e-5], contacts=contacts)

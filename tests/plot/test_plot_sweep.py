@@ -17,6 +17,7 @@ UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
 
 def column(values):
+    """These values along the first axis of a family of two."""
     return np.asarray(values)[:, None]
 
 
@@ -31,18 +32,21 @@ def rods_with_heads():
 
 
 def speeds():
+    """Strikers of many lengths and velocities, some of which recede."""
     lengths = column(np.linspace(0.5, 1.5, 9))
     velocities = np.linspace(-1, 2, 7)
     return ri.System([rod(lengths, velocities), rod()])
 
 
 def moving_wall():
+    """Rods of many lengths and velocities beside a moving wall."""
     lengths = column(np.linspace(0.1, 1, 4))
     velocities = np.linspace(-2, 1, 9)
     return ri.System([ri.Wall(0.5), rod(lengths, velocities)])
 
 
 def gaps():
+    """Rows of three rods with many gaps before the second."""
     rods = [rod(0.2, 1.0), rod(0.3), rod(0.2)]
     return ri.System(rods, gaps=[np.linspace(0, 2e-4, 9), 1e-5])
 
@@ -95,6 +99,7 @@ def swept_map(lengths, second):
 
 
 def limits(picture):
+    """Limits of both axes."""
     return (*picture.ax.get_xlim(), *picture.ax.get_ylim())
 
 

@@ -20,6 +20,7 @@ def shot():
 
 
 def cut(gauge, start, end):
+    """A gauge with a part of its record, from `start` to `end`, s."""
     return gauge.replace(signal=gauge.signal.window(start, end))
 
 

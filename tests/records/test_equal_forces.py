@@ -35,6 +35,7 @@ def reduced(shot, distance=0.5, seed=0, **changes):
 
 
 def rms(values):
+    """Root of the mean square."""
     return np.sqrt(np.mean(values**2))
 
 

@@ -120,6 +120,7 @@ def shot():
 
 @pytest.fixture(scope="module")
 def long_shot():
+    """A shot with a striker of 0.42 m."""
     return Shot(striker=0.42)
 
 

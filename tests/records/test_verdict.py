@@ -19,6 +19,7 @@ def shot():
 
 
 def reduced(shot, bar=BAR, specimen=SPECIMEN, seed=0, **options):
+    """Reduction of the records of two gauges with noise."""
     on_input = shot.gauge(0, 0.75, seed=seed)
     on_output = shot.gauge(2, 0.75, seed=seed + 1)
     return ri.reduce(on_input, on_output, bar, specimen, **options)

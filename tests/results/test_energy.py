@@ -8,6 +8,7 @@ import rodimpact as ri
 
 
 def solve_by_pieces(bodies, until=4.0, contacts=None, **options):
+    """Solve a row by characteristics; options are those of a system."""
     system = ri.System(bodies, contacts=contacts, **options)
     return ri.solve(system, until, "characteristics")
 

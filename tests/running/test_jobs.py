@@ -66,6 +66,7 @@ class Cluster(Executor):
         return future
 
     def sweep_can_only_wait(self):
+        """Whether no further job comes until one has ended."""
         if len(self.in_flight) == 2 * self.workers:
             return True
         return bool(self.in_flight) and self.members_to_come == 0

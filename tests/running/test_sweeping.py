@@ -30,6 +30,7 @@ def pair(lengths, areas, velocity=1.0):
 
 
 def small_map(shape=(7, 5)):
+    """Strikers of many lengths, and rods of many areas that they strike."""
     lengths = np.linspace(0.1, 1.3, shape[0])[:, None]
     areas = np.geomspace(2e-5, 8e-4, shape[1])
     return pair(lengths, areas)
@@ -392,12 +393,14 @@ def stepped_rod_on_a_wall():
 
 
 def mass_rod_and_wall():
+    """A mass of two velocities above a rod on a wall."""
     mass = ri.RigidMass(0.1, velocity=np.array([1.0, 2.0]))
     rod = ri.Rod(0.5, area=1e-4, material=STEEL)
     return ri.System([mass, rod, ri.Wall()], gravity=9.81)
 
 
 def rod_on_a_wall():
+    """A rod of two velocities on a wall."""
     velocities = np.array([1.0, 2.0])
     rod = ri.Rod(0.3, area=1e-4, material=STEEL, velocity=velocities)
     return ri.System([rod, ri.Wall()])
@@ -723,6 +726,7 @@ def test_a_family_with_no_members_is_refused_before_a_checkpoint_is_made(
 
 
 def steel_rod(length, velocity=0.0, area=1e-4, **strain):
+    """A rod of 1 cm^2, at rest if nothing else is said."""
     return ri.Rod(length, area=area, material=STEEL, velocity=velocity, **strain)
 
 
@@ -730,17 +734,20 @@ LENGTHS = np.array([0.3, 0.77])
 
 
 def bonded_rods_and_wall():
+    """A striker, and two bodies bonded to each other: a rod and a moving wall."""
     bodies = [steel_rod(LENGTHS, 1.0), steel_rod(1.0, area=3e-4), ri.Wall(-0.1)]
     return ri.System(bodies, [1e-5, 0.0], [ri.Rigid(), ri.Bonded()])
 
 
 def vibrating_pair():
+    """A rod with steps of velocity and strain, beside one at rest."""
     velocity = ri.Steps([1.0, 0.0, 2.0], at=[0.1, 0.2])
     strain = ri.Steps([1e-4, 0.0], at=[0.15])
     return ri.System([steel_rod(LENGTHS, velocity, strain=strain), steel_rod(1.0)])
 
 
 def driven_pair():
+    """A rod pushed for 0.1 ms, beside one whose far end absorbs all waves."""
     push = ri.Pushed(ri.Steps([1e3, 0.0], at=[1e-4]))
     return ri.System([steel_rod(LENGTHS), steel_rod(1.0)], ends=(push, ri.Absorbing()))
 

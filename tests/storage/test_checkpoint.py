@@ -36,6 +36,7 @@ def family(rows=ROWS, area=1e-4):
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
+    """Small families make many chunks and jobs."""
     monkeypatch.setattr("rodimpact.running.chunks.JOBS_A_WORKER_TO_KEEP", 8)
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", CHUNK)
 
