@@ -321,7 +321,8 @@ def rows(seeds):
 def stretch_segments(body, rng):
     """Make the segments of a body up to a tenth longer, in place.
 
-    A body whose velocity has steps is left as it is.
+    A body whose velocity has steps is left as it is. Steps of strain keep their places,
+    which are inside the longer body, too.
     """
     if isinstance(body["velocity"], dict):
         return
