@@ -114,9 +114,9 @@ def test_members_from_a_checkpoint_do_not_count_for_the_time_that_remains(monkey
 def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
     terminal = watched(monkeypatch)
     with Progress(progress=True, name="formula", unit="steps") as report:
-        report(1, None)
+        report(1, total=None)
         assert terminal.lines()[0].startswith("formula: 1 steps [00:00, ")
-        report(123_456, None)
+        report(123_456, total=None)
         assert terminal.lines()[0].startswith("formula: 123k steps [00:00, ")
 
 

@@ -74,26 +74,32 @@ def order(errors):
 # Against exact fronts
 # --------------------------------------------------------------------------------------
 
-FIRST = bar(1, 1, 0.7, 1.0)
+FIRST = bar(1, 1, 0.7, velocity=1.0)
 SECOND = bar(0.5, 1.3, 1.1 / 1.3)
 STEPPED = ri.Rod(segments=[segment(1, 1, 0.5), segment(3, 1.2, 0.37)], velocity=1.0)
 THICK_BEHIND = ri.Rod(segments=[segment(1, 1, 0.2), segment(8, 1, 0.9)], velocity=1.0)
 THIN_BEFORE = ri.Rod(segments=[segment(0.5, 1.2, 0.33), segment(5, 1, 0.7)])
-STRAINED = bar(1, 1, 0.7, 1.0, strain=ri.Steps([0.0, -0.3], [0.31]))
+STRAINED = bar(1, 1, 0.7, velocity=1.0, strain=ri.Steps([0.0, -0.3], [0.31]))
 ROWS = {
     "unequal impedances": ri.System([FIRST, SECOND]),
     "a gap": ri.System([FIRST, SECOND], gaps=[0.0317]),
     "a stepped rod": ri.System([STEPPED, bar(2, 0.9, math.sqrt(2))]),
     "a wall": ri.System([STEPPED, ri.Wall()], gaps=[0.2]),
     "three rods": ri.System(
-        [bar(1, 1, 0.5, 1.0), bar(2, 1.3, 0.8), bar(0.7, 0.9, 0.6)], gaps=[0.0, 0.02]
+        [bar(1, 1, 0.5, velocity=1.0), bar(2, 1.3, 0.8), bar(0.7, 0.9, 0.6)],
+        gaps=[0.0, 0.02],
     ),
     "four rods": ri.System(
-        [bar(1, 1, 0.5, 1.0), bar(1.5, 1, 0.7), bar(2, 1, 0.3), bar(0.8, 1, 0.45)],
+        [
+            bar(1, 1, 0.5, velocity=1.0),
+            bar(1.5, 1, 0.7),
+            bar(2, 1, 0.3),
+            bar(0.8, 1, 0.45),
+        ],
         gaps=[0.01, 0.0, 0.03],
     ),
     "a bond": ri.System(
-        [bar(1, 1, 0.5, 1.0), bar(1.5, 1, 0.7), bar(2, 1.1, 0.3)],
+        [bar(1, 1, 0.5, velocity=1.0), bar(1.5, 1, 0.7), bar(2, 1.1, 0.3)],
         contacts=[ri.Rigid(), ri.Bonded()],
     ),
     "contact again": ri.System([THICK_BEHIND, THIN_BEFORE]),

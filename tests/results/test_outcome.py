@@ -23,14 +23,14 @@ def rod(Z, T, velocity=0.0):
     return ri.Rod(T, area=Z, material=UNIT, velocity=velocity)
 
 
-def segment(T, Z):
-    """A segment with this transit time and impedance."""
+def segment(Z, T):
+    """A segment with this impedance and transit time."""
     return ri.Segment(T, Z, UNIT)
 
 
 def stepped(impedances, velocity=0.0):
     """A rod of segments of transit time 1."""
-    return ri.Rod(segments=[segment(1.0, Z) for Z in impedances], velocity=velocity)
+    return ri.Rod(segments=[segment(Z, 1.0) for Z in impedances], velocity=velocity)
 
 
 def assert_stands_for(rigid, outcome):
@@ -104,14 +104,14 @@ def test_mirror_images_of_stepped_rods_part_with_their_restitution(impedances, e
 def test_bonded_rods_are_as_rigid_as_rods_in_one_piece():
     bond = ri.Bonded()
     rods = [
-        rod(1.0, 1.0, 1.0),
-        rod(2.0, 1.0, 1.0),
+        rod(1.0, 1.0, velocity=1.0),
+        rod(2.0, 1.0, velocity=1.0),
         rod(3.0, 2.0),
         rod(1.0, 1.0),
         rod(0.5, 2.0),
     ]
     bonded = ri.System(rods, contacts=[bond, ri.Rigid(), bond, bond])
-    struck = [segment(2.0, 3.0), segment(1.0, 1.0), segment(2.0, 0.5)]
+    struck = [segment(3.0, 2.0), segment(1.0, 1.0), segment(0.5, 2.0)]
     in_one_piece = ri.collide(stepped([1.0, 2.0], 1.0), ri.Rod(segments=struck))
 
     outcome = ri.solve(bonded).outcome
@@ -189,7 +189,7 @@ def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
 def test_a_rod_between_walls_of_one_velocity_has_it_after(
     method, left, right, velocity
 ):
-    system = held(rod(1.0, 1.0, 1.0), left, right)
+    system = held(rod(1.0, 1.0, velocity=1.0), left, right)
     outcome = ri.solve(system, 1.25, method, **OPTIONS[method]).outcome
     assert set(outcome.velocities_after) == {velocity}
 
@@ -241,7 +241,7 @@ def test_bodies_that_have_not_parted_have_no_restitution():
 
 
 def test_the_film_backwards_has_the_inverse_restitution_and_releases_vibration():
-    forwards = ri.solve(ri.System([rod(1.0, 1.0, 1.0), rod(1.0, 2.0)]))
+    forwards = ri.solve(ri.System([rod(1.0, 1.0, velocity=1.0), rod(1.0, 2.0)]))
     at_end = forwards.system_at(forwards.t_end)
 
     backwards = ri.solve(at_end.reversed()).outcome
@@ -269,13 +269,17 @@ TWO_WAVES = ri.Steps([3.0, -1.0], [0.5])
         # M is all mass, V the largest difference of velocities: M V and M V^2/2 always
         # count. Rods of mass 1 and 2, V = 3: J = 3, and 1 2^2/2 + 2 1^2/2.
         pytest.param(
-            ri.System([rod(1, 1, 2.0), rod(1, 2, -1.0)]), None, 12.0, 16.5, id="pair"
+            ri.System([rod(1, 1, velocity=2.0), rod(1, 2, velocity=-1.0)]),
+            None,
+            12.0,
+            16.5,
+            id="pair",
         ),
         # A wave of half a rod, V = 4: no impulse, and m 3^2/4 + m 1^2/4.
         pytest.param(ri.System([rod(1, 1, TWO_WAVES)]), 1.0, 4.0, 10.5, id="wave"),
         # Held at its left end, V = 2: the impulse Z v T of that end, and m v^2/2.
         pytest.param(
-            ri.System([rod(1, 1, -2.0)], ends=(ri.Fixed(), ri.Free())),
+            ri.System([rod(1, 1, velocity=-2.0)], ends=(ri.Fixed(), ri.Free())),
             1.0,
             4.0,
             4.0,

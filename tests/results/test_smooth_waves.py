@@ -56,7 +56,7 @@ def solution_from_waves(system, right_going, left_going, end):
         build_row(system), TICK, [TICKS], DRIFT, SPEED, impedance=[0.0, Z, 0.0]
     )
     waves = Waves([None, None, right_going, left_going, None, None])
-    signals = Signals(waves, (), (None, None), None, {})
+    signals = Signals(waves, contacts=(), boundary_actions=(None, None))
     run = Run(
         method="characteristics",
         until=end,
