@@ -50,6 +50,7 @@ def pytest_collection_finish(session):
 
 @pytest.fixture(autouse=True)
 def floating_point_errors_raise():
+    """No test may divide by zero, overflow or take an invalid operation."""
     with np.errstate(all="raise", under="ignore"):
         yield
 
