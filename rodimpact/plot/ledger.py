@@ -30,6 +30,7 @@ from .scales import (
 from .style import INK, SMALL, styled
 
 TIMES_WITH_RODS = 301  # energies bend like parabolas where a force acts
+TIMES_OF_PANEL = 61  # in the low panel of an overview, where this does not show
 TIMES_OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
 MAX_EVENTS = 6  # events of contacts that are sampled too
 MAX_REGIONS = 500  # regions whose corners are sampled too
@@ -105,17 +106,20 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
     >>> picture.ax.get_xlabel()
     'time t (µs)'
     """
-    return finish(draft_energy(solution, ax))
+    return finish(draft_energy(solution, ax, TIMES_WITH_RODS))
 
 
-def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
-    """Draft of `energy`: the bands and the line of work, without names in the bands."""
+def draft_energy(solution: Solution, ax: Axes | None, count: int) -> Draft:
+    """Draft of `energy`: the bands and the line of work, without names in the bands.
+
+    Energies of rods are measured at `count` even times, and at events.
+    """
     check_solution(solution)
     ax = axes_or_new(ax, width=5.6, height=3.2)
     time = time_scale(solution.t_end)
 
     # What is measured.
-    energies = _energies(solution)
+    energies = _energies(solution, count)
     scale = engineering("energy", energies.total, "J")
     x = energies.times * time.factor
     heights = np.stack(list(energies.bands.values()))
@@ -171,12 +175,14 @@ def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
     return Draft(picture, write_words)
 
 
-def _energies(solution: Solution) -> _Energies:
+def _energies(solution: Solution, count: int) -> _Energies:
     """Energies of a solution, in the frame in which `spacetime` draws the row.
+
+    `count` is as for `draft_energy`.
 
     Bands that are nowhere visible are left out, and so are works that never change.
     """
-    times = _times(solution)
+    times = _times(solution, count)
     frame = choose_layout(solution, start=0.0, stop=solution.t_end).frame
     ledger = solution.energy(times)
     drift = _energy_of_drift(solution, frame, times)
@@ -224,9 +230,10 @@ def _works(ledger: EnergyLedger) -> dict[str, Floats]:
     return works
 
 
-def _times(solution: Solution) -> Floats:
+def _times(solution: Solution, count: int) -> Floats:
     """Times, s, at which energies are measured: even ones and events, in order.
 
+    There are `count` even ones, more without rods, whose contacts are short.
     Events are the times at which waves meet or are reflected, unless they are too many;
     else the first events at the contacts.
     """
@@ -234,9 +241,8 @@ def _times(solution: Solution) -> Floats:
     if not is_smooth(solution):
         with suppress(ValueError):  # too many regions
             events = np.unique(regions_of(solution, limit=MAX_REGIONS).t)
-    count = TIMES_OF_MASSES
-    if rods_of(solution.system):
-        count = TIMES_WITH_RODS
+    if not rods_of(solution.system):
+        count = TIMES_OF_MASSES
     even = np.linspace(0.0, solution.t_end, count)
     return np.union1d(even, np.minimum(events, solution.t_end))
 

@@ -12,7 +12,7 @@ from ..results.solution import Solution, check_solution
 from .diagram import draft_spacetime
 from .histories import ContactCurves, draft_contact
 from .labels import break_label, wrap_words
-from .ledger import draft_energy
+from .ledger import TIMES_OF_PANEL, draft_energy
 from .panels import Draft, lay_out, new_figure
 from .polygons import drawn_until
 from .sampling import rods_of
@@ -112,7 +112,7 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
         pair = (panels["force"], panels["gap"])
         drafts.append(draft_contact(solution, pair, contacts))
         panels["force"].tick_params(labelbottom=False)
-    drafts.append(draft_energy(solution, panels["energy"]))
+    drafts.append(draft_energy(solution, panels["energy"], TIMES_OF_PANEL))
     room = 72 * figure.get_figwidth()
     title = break_label(headline(solution), room / HEADLINE_WIDTH)
     figure.suptitle(title, fontsize=NORMAL + 2)
