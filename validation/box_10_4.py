@@ -125,7 +125,11 @@ def lost_energy(short: float, long: float) -> float:
 
 
 def different_lengths(case: Case, short: float, long: float) -> Rows:
-    """A short rod runs into a long one: the short one is left at rest, e = l1/l2."""
+    """A short rod runs into a long one: the short one is left at rest, e = l1/l2.
+
+    Velocity and vibration of the long one, the end of the force and the opening of the
+    gap are compared as well.
+    """
     striker = rod(short, SPEED)
     struck = rod(long)
     system = ri.System([striker, struck])

@@ -45,7 +45,7 @@ BODY_LENGTH = 20.0
 
 
 def run() -> Rows:
-    """Pairs, second contacts, chains, cradles."""
+    """Maps of pairs, equal areas, equal transit times, re-contact, chains, cradles."""
     yield from map_of_pairs()
     yield from equal_areas()
     yield from equal_transit_times()

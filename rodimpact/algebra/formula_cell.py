@@ -30,7 +30,11 @@ class FormulaCell:
     def __init__(
         self, algebra: RationalFunctions, run: ExactRun, values: Mapping[str, Fraction]
     ) -> None:
-        """Take the conditions from the run, to be evaluated in symbols when asked."""
+        """Find the conditions of a run, to be evaluated in symbols when asked.
+
+        The run goes on beyond its proof for that; FormulaTooLong if it takes too many
+        events. `values` are the numbers of the symbols in this run, by name.
+        """
         self._algebra = algebra
         self._results = run.results
         self._values = values

@@ -79,10 +79,12 @@ def _vibration_energy(run: ExactRun) -> TracedFraction:
         v = numbers.velocities[i]  # before
         V = run.results.velocities_after[i]
         if isinstance(body, Wall):
+            # A wall gives the row the reaction of what it bears, in the kernel's unit.
             impulse_on_row = (impulses[i + 1] - impulses[i]) * run.tick_rate
             energy = energy + impulse_on_row * v
         first, last = run.row.spans[i]
         for s in range(first, last + 1):  # none in a wall
+            # Segments count from 1, as 0 is outside; their impedances from 0.
             mass = run.simulation.segments[s].transit * numbers.impedances[s - 1]
             energy = energy + mass * (v * v - V * V) * HALF
     return energy

@@ -9,7 +9,8 @@ ROOT_BITS = 400
 
 def rational_root(square: Fraction) -> Fraction | None:
     """Square root of a fraction of 0 or more, if it is a fraction itself, else None."""
-    # A fraction in lowest terms has a rational root only if p and q are both whole.
+    # A fraction in lowest terms has a rational root only if its numerator and its
+    # denominator are both squares.
     p = math.isqrt(square.numerator)
     q = math.isqrt(square.denominator)
     if Fraction(p * p, q * q) == square:

@@ -134,7 +134,7 @@ class Scales(NamedTuple):
 
 
 def _row(number: int, body: Body, scales: Scales) -> list[str]:
-    """Row of a body in the table."""
+    """Row of the table: mass, and velocities and momenta of a body before and after."""
     return [
         str(number),
         format_si(body.mass, "kg"),

@@ -152,6 +152,8 @@ def no_force(end: float) -> Signal:
 def force_over_time(wanted: object, end: float) -> Signal:
     """The wanted force from 0 to `end`, s, as a signal in N.
 
+    `wanted` is `Steps` of numbers, or a `Signal` in N, which is 0 outside its record.
+
     Raises
     ------
     ValueError

@@ -110,9 +110,10 @@ class StrikerSearch(NamedTuple):
         return staircase(times, force, until, "force on the bar")
 
     def misfits(self, reached: Signal) -> Misfits:
-        """Parts of the misfit of a force on the bar, relative to the peak of `wanted`.
+        """Misfits of a force on the bar in each step, relative to the peak of `wanted`.
 
-        Each step counts by its share of the time up to the end of `wanted`.
+        They are those of the mean over the step, and of the variation within it. Each
+        step counts by its share of the time up to the end of `wanted`.
         """
         wanted = self.wanted
         peak = np.abs(wanted.values).max()

@@ -26,6 +26,8 @@ EARLY = 0.75
 def reason_of(facts: Any, e: str) -> list[str]:
     """Sentence on the contact force, and sentence on the velocities that follow.
 
+    The first one says, too, why an outcome is not final: its status is the first note.
+
     Parameters
     ----------
     facts : dict

@@ -176,7 +176,10 @@ def lacking_in_options(case: Any) -> tuple[str, str]:
 
 
 def lacking_in_bodies(case: Any) -> tuple[str, str]:
-    """Path and name of a rigid mass, if fronts shall solve the case."""
+    """Path of the first rigid mass, and the name of that physics, which fronts lack.
+
+    Both are "" if there is no mass, or if characteristics solve the case.
+    """
     smooth = is_smooth(case)
     for i, body in enumerate(case["bodies"]):
         if body["kind"] == "mass" and not smooth:

@@ -69,7 +69,11 @@ def _root_of_mean(squares: Floats) -> float:
 
 
 def _squares_left_out(trial: Trial) -> Floats:
-    """Square of each residual where its block was left out, mean over the divisions."""
+    """Square of each residual where its block was left out, mean over the divisions.
+
+    Each division leaves out every second block, then the others. A linear fit of the
+    blocks that are there predicts the others.
+    """
     objective = trial.objective
     free = objective.is_free
     # Numbers at their bounds stay there; `jac` has columns of the free numbers only.
@@ -125,7 +129,10 @@ def _blocks(records: Sequence[Measured], division: int) -> Any:
 
 
 def _block_duration(record: Measured) -> float:
-    """Duration of the blocks of a record, s: more than its pulse needs to rise."""
+    """Duration of the blocks of a record, s.
+
+    It is more than its pulse needs to rise, but at most 1/MIN_BLOCKS of the record.
+    """
     longest = (record.signal.end - record.signal.start) / MIN_BLOCKS
     try:
         rise = record.signal.pulse().rise

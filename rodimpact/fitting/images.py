@@ -105,7 +105,7 @@ def _images(
     length : float
         Length of the rod, m.
     farthest : float
-        Waves of images beyond this distance, m, arrive too late.
+        Round trips are added up to this distance, m; later waves do not count.
     bar : waves.Bar
     """
     gain = np.zeros(len(frequencies), complex)
@@ -114,6 +114,7 @@ def _images(
         for path, sign in ((distance, 1.0), (2 * length - distance, -1.0)):
             travelled = round_trips + path
             shift = np.exp(-2j * np.pi * frequencies * travelled / bar.wave_speed)
+            # The filter delays from the arrival of long waves on.
             gain += sign * shift * filters.first_mode(frequencies, travelled, bar)
         round_trips += 2 * length
     return gain

@@ -26,8 +26,10 @@ DIFFERENCE_STEP = 1e-5
 def coarse_shares(initial: Sequence[float]) -> list[Floats]:
     """Shares that fill the space between the bounds evenly, first those of the system.
 
-    They are the R-sequence: multiples of the powers of 1/x with x^(n+1) = x + 1 for n
-    numbers. Each new point lies far from all before it.
+    There are `POINTS_PER_PARAMETER` for each number, all together; `initial` are those
+    of the system. The others are the R-sequence from 0.5 on, modulo 1: multiples of the
+    powers of 1/x with x^(n+1) = x + 1 for n numbers. Each new point lies far from all
+    before it.
     """
     n = len(initial)
     root = 2.0

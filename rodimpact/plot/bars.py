@@ -231,7 +231,10 @@ class Bars:
         return triangles
 
     def draw_outlines(self) -> collections.LineCollection | None:
-        """Draw a line round each rod where pieces are many; None where they are few."""
+        """Draw a line round each rod of a smooth solution; None for other solutions.
+
+        Its many pieces have no lines of their own.
+        """
         if not self.is_smooth:
             return None
         pieces = self.pieces
@@ -245,6 +248,7 @@ class Bars:
             x = np.array([rod.left, rod.right]).T.ravel()
             half = np.repeat(rod.half, 2)
             around_x = np.concatenate([x, x[::-1], x[:1]])
+            # Row k of the picture is at -k.
             around_y = np.concatenate([half, -half[::-1], half[:1]]) - rod.row[0]
             outlines.append(np.column_stack([around_x, around_y]))
         lines = collections.LineCollection(

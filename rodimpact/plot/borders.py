@@ -148,13 +148,14 @@ class Borders:
         return np.unique(np.clip(with_span, *self.plane.span))
 
     def springs(self) -> list[patches.Polygon]:
-        """Draw where the springs of compliant contacts are pressed."""
+        """Draw where the springs of compliant contacts that open are pressed."""
         bands = []
         for contact, start, stop in self.layout.springs(self.times):
             if not contact.law.opens:
                 continue
             starts = self.plane.points(start, self.times)
             stops = self.plane.points(stop, self.times)
+            # By interval between two times, at its begin
             is_pressed = contact.gap(self.times)[:-1] < 0
             both = np.stack([starts, stops], axis=1)
             for band in _stretches(both, is_pressed):

@@ -296,7 +296,11 @@ class ContactCurves:
     """
 
     def __init__(self, solution: Solution, contacts: Sequence[int]) -> None:
-        """Measure forces and gaps of the contacts with these indices."""
+        """Measure forces and gaps of the contacts with these indices.
+
+        The curves are thinned. The force of impacts is a mean over intervals, which the
+        name of the axis states.
+        """
         numbers = contact_names(solution.system.kinds)
         self.histories = [solution.contacts[k] for k in contacts]
         self.names = [f"contact {numbers[k]}" for k in contacts]
@@ -308,6 +312,7 @@ class ContactCurves:
         for history in self.histories:
             if _has_impacts(history):
                 force = self._mean_force(history)
+                # The step of a grid, if it is longer
                 step = max(solution.fields.step, self.end / INTERVALS)
                 mean = f",\nmean over {quantity_text(step, 's')}"
             else:
