@@ -145,6 +145,8 @@ def _candidates(
     least = np.inf
     for lines in contours.allsegs:
         for line in lines:
+            if len(line) == 0:  # a level that the map does not reach
+                continue
             points = _points_of(ax, line)
             distances = np.hypot(*(points - start).T)
             distance = float(distances.min())
