@@ -394,7 +394,7 @@ def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
     run = GridRun(mesh, step, snapshots=4, expected_steps=9 * steps)
     run.advance(steps)  # compiles
     seconds = median_time(lambda: run.advance(run.steps + steps))
-    assert len(run.pressed(0)) == 1
+    assert len(run.force_intervals(0)) == 1
     return seconds / steps / (2 * cells)
 
 
