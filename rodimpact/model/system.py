@@ -536,6 +536,23 @@ def _check_contact(
         _check_elastic_overlap(problems, i, law, gap)
 
 
+def _check_elastic_overlap(problems: Problems, i: int, law: Any, gap: Number) -> None:
+    """Add a problem of contact i if it begins pressed farther than where it yields.
+
+    The law is `Plastic`. Its overlap counts from the yielded faces: it is elastic, and
+    the force is no more than the yield force.
+    """
+    least_gap = -np.divide(law.yield_force, law.stiffness)
+    is_elastic = np.greater_equal(gap, least_gap * (1 + ELASTIC_RTOL))
+    message = (
+        "must be {0!r} m or more, minus the overlap at which the contact yields, got "
+        "{1!r}; a contact that was pressed farther is law.hardened(force), with the "
+        "gap -force/stiffness"
+    )
+    shown_gap = np.round(least_gap, 12) + 0.0  # 0.0 for a cushion, which yields at once
+    frozen.require(problems, is_elastic, f"gaps.{i}", message, shown_gap, gap)
+
+
 def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
     """Add a problem of a rigid contact that is undetermined, or determined twice.
 
@@ -613,20 +630,3 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
 def _class_names(classes: tuple[type, ...]) -> str:
     """Names of classes with commas between them."""
     return ", ".join(kind.__name__ for kind in classes)
-
-
-def _check_elastic_overlap(problems: Problems, i: int, law: Any, gap: Number) -> None:
-    """Add a problem of contact i if it begins pressed farther than where it yields.
-
-    The law is `Plastic`. Its overlap counts from the yielded faces: it is elastic, and
-    the force is no more than the yield force.
-    """
-    least_gap = -np.divide(law.yield_force, law.stiffness)
-    is_elastic = np.greater_equal(gap, least_gap * (1 + ELASTIC_RTOL))
-    message = (
-        "must be {0!r} m or more, minus the overlap at which the contact yields, got "
-        "{1!r}; a contact that was pressed farther is law.hardened(force), with the "
-        "gap -force/stiffness"
-    )
-    shown_gap = np.round(least_gap, 12) + 0.0  # 0.0 for a cushion, which yields at once
-    frozen.require(problems, is_elastic, f"gaps.{i}", message, shown_gap, gap)

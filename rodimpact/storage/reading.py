@@ -5,7 +5,6 @@ that it names, and each must have the size, type, shape and checksum that it had
 was written.
 """
 
-import difflib
 import errno
 import json
 import math
@@ -18,6 +17,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from ..hints import similar
 from ..methods import memory
 from ..model.arguments import check_text
 from ..units import shown_path
@@ -108,12 +108,14 @@ def _similar_file(name: str) -> str:
     files = []
     with suppress(OSError):  # there is no such folder, or it may not be read
         files = [file.name for file in path.parent.iterdir()]
-    alike = difflib.get_close_matches(path.name, files, n=1)
     same_stem = [file for file in sorted(files) if Path(file).stem == path.name]
-    alike = same_stem + alike
-    if not alike:
+    if same_stem:
+        meant: str | None = same_stem[0]
+    else:
+        meant = similar(path.name, files)
+    if meant is None:
         return ""
-    return f"; perhaps {str(path.with_name(alike[0]))!r} is meant"
+    return f"; perhaps {str(path.with_name(meant))!r} is meant"
 
 
 def read_npz(
