@@ -2,8 +2,9 @@
 
 `nearest` compares a wrong word with the names that exist. `explain_missing` lets the
 objects of a class answer a wrong attribute with such a hint, `explain_arguments` a
-function a wrong argument, `NamedItems` a dictionary a wrong key, and `missing_name`
-makes the error of a wrong name in a module.
+function a wrong argument, `NamedItems` a dictionary a wrong key, `Parts` a tuple an
+attribute that its items have, and `missing_name` makes the error of a wrong name in a
+module.
 """
 
 import difflib
@@ -18,6 +19,7 @@ from .units import MOST_SHOWN, one_line, shown
 P = ParamSpec("P")
 R = TypeVar("R")
 C = TypeVar("C", bound=type)
+T = TypeVar("T")
 
 MOST_CHOICES = 12
 """Choices that a message names."""
@@ -365,6 +367,31 @@ def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
         for path, part in parts:
             for end, below in _parts(part, level + 1):
                 yield f"{path}.{end}", below
+
+
+class Parts(tuple[T, ...]):
+    """A tuple of parts, such as bodies, that answers an attribute which its parts have.
+
+    Examples
+    --------
+    >>> from rodimpact import RigidMass
+    >>> try:
+    ...     Parts([RigidMass(2.0)]).mass
+    ... except AttributeError as error:
+    ...     print(error)
+    'tuple' object has no attribute 'mass'; ask one of its items, such as [0].mass
+    """
+
+    __slots__ = ()
+
+    def __getattr__(self, name: str) -> Any:
+        message = f"'tuple' object has no attribute {name!r}"
+        for i in range(len(self)):
+            # Python itself asks for names with an underscore.
+            if name[0] != "_" and name in dir(self[i]):
+                message += f"; ask one of its items, such as [{i}].{name}"
+                break
+        raise AttributeError(message, name=name)
 
 
 class UndefinedResult(ValueError, AttributeError):

@@ -16,9 +16,19 @@ from collections.abc import Collection
 from decimal import Decimal
 from fractions import Fraction
 from numbers import Real
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 __all__ = ["conversion", "format_si", "in_si", "parse"]
+
+if not TYPE_CHECKING:  # a type checker must not take every name for granted
+
+    def __getattr__(name: str) -> object:
+        """Raise AttributeError that names the public functions."""
+        message = f"module {__name__!r} has no attribute {name!r}"
+        if name[0] != "_":  # Python itself asks for names with an underscore
+            message += f"; use one of {', '.join(__all__)}"
+        raise AttributeError(message, name=name)
+
 
 TIMES = "\N{MULTIPLICATION SIGN}"
 """Sign between the digits of a number and its power of ten."""
@@ -193,9 +203,20 @@ _OTHER_NAMES = {
     "pcf": "lb/ft^3",
     "tonne": "t",
     "tonnes": "t",
-    "tons": "t",
 }
 """Units of `UNITS` by names that are not read, but hinted at."""
+_METRIC_FORCE = "1 kgf is 9.80665 N"
+_TON_OF_FORCE = "a metric one is 9.80665 kN, a US one 2 kip, a British one 2.24 kip"
+_TON = "a metric one is 1 t, a US one 2000 lb, a British one 2240 lb"
+_UNREAD_UNITS = {
+    "kgf": _METRIC_FORCE,
+    "kp": _METRIC_FORCE,
+    "tf": _TON_OF_FORCE,
+    "tonf": _TON_OF_FORCE,
+    "ton": _TON,
+    "tons": _TON,
+}
+"""Units that are not read, most of them ambiguous, with their values in others."""
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _LARGEST_PREFIX = max(_PREFIXES)
@@ -534,9 +555,12 @@ def _spelt(unit: str) -> str:
 def _hint(word: str, units: Collection[str]) -> str:
     """End of a sentence that names the units that may be meant; "" if none is near.
 
-    It is the unit of a name in `_OTHER_NAMES`. Else these are all units that differ by
-    capitals alone, or else the nearest one.
+    For a word of `_UNREAD_UNITS` it says what that is in other units. Else it names the
+    unit of a name in `_OTHER_NAMES`, or all units that differ by capitals alone, or the
+    nearest one.
     """
+    if word in _UNREAD_UNITS:
+        return f"; {_UNREAD_UNITS[word]}"
     near = []
     for unit in units:
         if unit.casefold() == word.casefold():

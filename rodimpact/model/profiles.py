@@ -443,10 +443,13 @@ def negative(profile: Profile) -> Profile:
 
 
 def scaled(profile: Profile, factor: float) -> Profile:
-    """Return the profile with all its values times a number; its stated error stays."""
+    """Return the profile with its values and their stated error times a number."""
     if isinstance(profile, Steps | Samples | Polynomials):
-        values = [value * factor for value in profile.values]
-        return profile.replace(values=values)
+        changed: dict[str, Any] = {}
+        changed["values"] = [value * factor for value in profile.values]
+        if not isinstance(profile, Steps):
+            changed["error"] = profile.error * abs(factor)
+        return profile.replace(**changed)
     return profile * factor
 
 

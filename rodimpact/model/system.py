@@ -18,7 +18,7 @@ from typing import Any, ClassVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..hints import NamedItems, explain_missing
+from ..hints import NamedItems, Parts, explain_missing
 from ..units import shown
 from . import frozen
 from .arguments import demand
@@ -134,9 +134,9 @@ class System(FrozenDataclass):
         frozen.raise_if_problems(problems)
         # Lists are kept as tuples, which do not change.
         self._set(
-            bodies=tuple(bodies),
+            bodies=Parts(bodies),
             gaps=tuple(gaps),
-            contacts=tuple(laws),
+            contacts=Parts(laws),
             ends=tuple(ends),
         )
         if self._varies:

@@ -16,6 +16,7 @@ from rodimpact.model.profiles import (
     averages,
     extremes,
     profile_from,
+    scaled,
 )
 
 STEEL = ri.materials.steel
@@ -251,6 +252,16 @@ def test_samples_change_sign_when_time_is_turned_round(sampled):
     back = sampled.reversed()
     assert back.bodies[0].velocity == ri.Samples([-1.0, -2.0, -4.0])
     assert back.reversed() == sampled
+
+
+def test_the_error_of_a_scaled_profile_is_scaled_too():
+    samples = ri.Samples([1.0, 2.0], error=0.25)
+    polynomials = ri.Polynomials([[1.0, 2.0]], error=0.5)
+
+    assert scaled(samples, -2.0) == ri.Samples([-2.0, -4.0], error=0.5)
+    assert scaled(polynomials, 3.0) == ri.Polynomials([[3.0, 6.0]], error=1.5)
+    assert scaled(ri.Steps([1.0, 2.0], [0.5]), 3.0) == ri.Steps([3.0, 6.0], [0.5])
+    assert scaled(1.5, 2.0) == 3.0
 
 
 def test_mirrors_turn_tapers():
