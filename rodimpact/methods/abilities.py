@@ -35,8 +35,9 @@ Needs = list[tuple[str, str]]
 def needs(system: model.System) -> Needs:
     """List all physics of a system that not every method has: path and name of each.
 
-    These are gravity, a row without a rod, rigid masses, what rods need, the laws of
-    contacts that are neither rigid nor bonded, and drives that are no steps.
+    These are gravity, a row without a rod, rigid masses, what `_needs_of_rod` lists,
+    the laws of contacts that are neither rigid nor bonded, and drives of ends that are
+    no steps. A path is such as ``"contacts.0.law"``. The list may be empty.
     """
     physics: Needs = []
     if not vanishes(system.gravity):
@@ -51,6 +52,7 @@ def needs(system: model.System) -> Needs:
             physics += _needs_of_rod(body, f"bodies.{i}")
     for k, law in enumerate(system.contacts):
         if law.law not in ("rigid", "bonded"):
+            # Laws with a name of their own there are no compliant contacts.
             name = PHYSICS_OF_LAWS.get(law.law, COMPLIANCE)
             physics.append((f"contacts.{k}.law", name))
     for side, end in zip(model.SIDES, system.ends, strict=True):
@@ -65,11 +67,12 @@ def needs(system: model.System) -> Needs:
 
 
 def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
-    """List all physics of a rod at this path that not every method has.
+    """List all physics of a rod that not every method has: path and name of each.
 
     These are soil or drag along it, initial states that are no steps, viscosity,
-    lateral inertia and taper. Physics of its segments have the path of the segment, or
-    that of the rod if there is only one.
+    lateral inertia and taper. `path` is that of the rod, with which all paths begin.
+    Physics of a segment have the path of the segment, or that of the rod if the segment
+    is the only one.
     """
     physics: Needs = []
     if rod.shaft is not None:
@@ -97,11 +100,12 @@ def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
 def has_external_drive(system: Any) -> bool:
     """Whether forces from outside act: no bound says when the last contact is over.
 
-    These are drives, soil or drag, and gravity on a row that is held; in free fall it
-    does nothing. The page has this as JavaScript.
+    These are drives of ends, soil or drag along a rod, and gravity on a row that a
+    wall, a fixed end or a semi-infinite bar holds; in free fall gravity changes no
+    contact. The page has this as JavaScript.
     """
-    is_held = False  # a wall or a semi-infinite bar holds the row
-    is_pushed = False
+    is_held = False  # a wall, a fixed end or a semi-infinite bar holds the row
+    is_pushed = False  # an end is driven
     for each in (*system.bodies, *system.ends):
         if each.kind in ("wall", "fixed", "absorbing"):
             is_held = True

@@ -52,7 +52,7 @@ class Batch(Generic[StateT]):
         self.user_laws = user_laws
 
     def run(self) -> Any:
-        """Run the kernel on the state, in the form that it has.
+        """Run the kernel on the state, in the form that it has, and change the state.
 
         Return what the kernel returns.
         """
@@ -64,15 +64,14 @@ class Batch(Generic[StateT]):
         return kernel(self.state)
 
     def choose_form(self, seconds: float) -> None:
-        """Bring the state to the form that takes less time.
+        """Make the state arrays for machine code, or lists for plain Python.
 
-        The run takes so many seconds in plain Python.
-
-        These are arrays for machine code, or lists for plain Python. The seconds are
-        counted for the kernel: once all that it took would have paid for compiling it,
-        it is compiled.
+        `seconds` is what the next run takes in plain Python. `worth_compiling` adds it
+        to the seconds of earlier runs of this kernel: once they pay for compiling,
+        machine code runs. With a law of the user that numba has not compiled, plain
+        Python always runs. A state that has its form already stays as it is.
         """
-        # Machine code cannot call laws of the user that are not compiled.
+        # Without such a law these seconds are counted for the kernel, see `kernels`.
         pays = compiling.can_be(self.user_laws)
         pays = pays and kernels.worth_compiling(seconds, self.kernel)
         if pays and not self.is_compiled:
@@ -99,10 +98,11 @@ class Batch(Generic[StateT]):
         self.is_compiled = False
 
     def array(self, name: str) -> Any:
-        """A field of the state as an array of numbers or records.
+        """The field `name` of the state as an array of numbers or records.
 
-        It is the array of the state itself if the state is compiled. Lists of records
-        by member, all of one length, become [member, i].
+        It is the array of the state itself if the state is compiled, else a copy of the
+        list. A list of lists of records, one list a member and all of one length,
+        becomes an array [member, i]. The state is not changed.
         """
         values: Any = getattr(self.state, name)
         if self.is_compiled:
@@ -115,7 +115,10 @@ class Batch(Generic[StateT]):
         return as_records(values, record)
 
     def objects(self, name: str) -> list[Any]:
-        """A field of the state as a list: of numbers, or of objects for records."""
+        """The field `name` of the state as a list: of numbers, or objects for records.
+
+        It is the list of the state itself, or a copy if the state is compiled.
+        """
         values: Any = getattr(self.state, name)
         if self.is_compiled:
             return as_objects(values)
@@ -123,9 +126,10 @@ class Batch(Generic[StateT]):
         return objects
 
     def lengthen(self, *names: str) -> None:
-        """Make these fields of records longer; the new records are not set yet.
+        """Replace these fields of records in the state by longer ones.
 
-        Lists become twice as long, arrays four times.
+        Lists become twice as long, arrays four times. The records come first; those
+        behind them are blank in a list, and not set in an array.
         """
         longer = {}
         for name in names:

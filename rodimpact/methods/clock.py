@@ -101,26 +101,33 @@ class Clock:
     def longest_rod(self) -> int:
         """Transit time of the rod that takes longest, ticks; 0 without rods."""
         longest = 0
+        # Walls and masses have the span (1, 0): a sum without terms.
         for first, last in self.spans:
             longest = max(longest, sum(self.ticks[first : last + 1]))
         return longest
 
     def mass(self, body: int) -> float:
-        """Mass of a body with the transit times in use, kg; infinite for a wall."""
+        """Mass of the body of this number, kg; infinite for a wall.
+
+        That of a rod follows from the transit times in use, see `rod_mass`; a rigid
+        mass has its own.
+        """
         last_segment = self.spans[body][1]
-        if last_segment == 0:  # no rod
+        if last_segment == 0:  # a rigid mass, or a wall, which has no `mass`
             return float(getattr(self.system.bodies[body], "mass", math.inf))
         return rod_mass(self, body)
 
 
 def rod_mass(clock: Clock, body: int) -> float:
-    """Mass of a rod with the transit times in use, kg.
+    """Mass of the rod that is the body of this number, kg.
 
-    It is the sum of impedance times transit time. The page has this as JavaScript.
+    It is the sum over its segments of impedance times transit time, which is rounded to
+    ticks. The page has this as JavaScript.
     """
     first, last = clock.row.spans[body]  # segments, counted from 1
     mass_in_ticks: float = 0  # kg/s times ticks
     for s in range(first, last + 1):
+        # `impedance` has an entry for the outside in front, `transits` has none.
         mass_in_ticks += clock.impedance[s] * clock.transits[s - 1]
     return mass_in_ticks * clock.tick
 
@@ -137,7 +144,8 @@ def clock_of(
 ) -> Clock:
     """The clock of a single row whose segments take so many ticks.
 
-    Its `reference` and `last_tick` are not set.
+    Its `transit_error` and `worst_path` are found here; its `reference` and `last_tick`
+    stay 0.
 
     Parameters
     ----------
@@ -145,17 +153,19 @@ def clock_of(
     transits : sequence of int
         Transit times by segment, ticks.
     tick : float
-        s.
+        Duration of a tick, s.
     frame : float, optional
-        By default that of the row.
+        Velocity of the frame, m/s; by default that of the row.
     scale : float
+        Scale of velocities, m/s.
     impedance : sequence of float, optional
-        By default those of the segments, and 0 outside.
+        By segment with the outside, kg/s; by default those of the segments, and 0
+        outside.
     is_mesh : bool
         Whether the ticks are those of a mesh, to which transit times are not rounded:
         then `transit_error` is 0.
     """
-    if frame is None:  # which takes longer than all else here
+    if frame is None:  # computing it takes longer than all else here
         frame = float(row.frame)
     if impedance is None:
         impedance = [0.0, *(float(s.impedance) for s in row.segments), 0.0]
@@ -175,7 +185,7 @@ def clock_of(
 
 
 def crossing_time_of(row: Any) -> Any:
-    """Time to cross the whole row, s."""
+    """Sum of the transit times of all segments of a row, s; 0 without segments."""
     crossing_time = 0.0
     for segment in row.segments:
         crossing_time = crossing_time + segment.transit_time
@@ -185,10 +195,10 @@ def crossing_time_of(row: Any) -> Any:
 def flight_time_of(row: Any, scale: Any) -> Any:
     """Time to cross all gaps, one after the other, at the velocity `scale`, s.
 
-    `scale` is positive, m/s. An overlap is no gap.
+    `scale` is positive, m/s. An overlap counts as a gap of 0.
     """
     flight_length = 0.0
-    for link in row.links:
+    for link in row.links:  # a gap below 0 is an overlap
         flight_length = flight_length + np.maximum(link.gap, 0.0)
     return flight_length / scale
 
@@ -198,10 +208,13 @@ def count_ticks(
 ) -> tuple[int, list[int]]:
     """Ticks of the longest transit, and of all durations, on the clock of one member.
 
-    They are rounded to whole ticks. `durations` and the `longest` transit are times, s;
-    the clock must count to `end`, s. If it cannot, 0 and an empty list are returned.
+    `durations`, the `longest` transit time, which is one of them, and the `end` to
+    which the clock must count are in s. The tick is chosen so that the durations are as
+    exact as the end allows, see `assign_ticks`; others are rounded to whole ticks.
+    Without durations the longest has 2^bits ticks. If no clock counts to the end, 0 and
+    an empty list are returned.
     """
-    bits = rule.clock_bits(end / longest)
+    bits = rule.clock_bits(end / longest)  # the longest transit takes about 2^bits
     if bits < rule.MIN_TRANSIT_BITS:
         return 0, []
     counted = blank(len(durations), rule.DURATION)
@@ -214,11 +227,11 @@ def count_ticks(
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
-    """Largest relative change of a transit time on the clock, and its path.
+    """Largest relative change of a transit time by rounding, and that segment's path.
 
-    The path is that of the segment. `ticks` are the transit times by segment, on a
-    clock of this `tick`, s. If nothing is rounded, the path is that of the first
-    segment; "" in a row without segments. The page has this as JavaScript.
+    `ticks` are the rounded transit times by segment, `tick` is the duration of a tick,
+    s. If nothing is rounded these are 0 and the path of the first segment; in a row
+    without segments 0 and "". The page has this as JavaScript.
     """
     error = 0.0
     worst = 0  # segment counted from 1; `paths` has "" for 0
@@ -233,9 +246,10 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
 
 
 def too_long(end: float, longest: float) -> tuple[str, str]:
-    """Path and sentence that refuse a run to `end`, s, which no clock counts.
+    """Path "until" and the sentence that refuse a run to `end`, s: no clock counts it.
 
-    `longest` is the longest transit time, s.
+    The sentence names the longest time that could be counted. `longest` is the longest
+    transit time, s.
     """
     most = rule.countable_time(longest)
     return "until", (
@@ -245,9 +259,10 @@ def too_long(end: float, longest: float) -> tuple[str, str]:
 
 
 def too_short(path: str, transit: float, longest: float) -> tuple[str, str]:
-    """Path and sentence that refuse a segment whose `transit` no clock holds.
+    """Path, as given, and the sentence that refuse the segment with this path.
 
-    It is too short beside the `longest` transit time; both are in s.
+    Its `transit` time is too short beside the `longest` transit time, both s, for whole
+    ticks.
     """
     return path, (
         f"its transit time {transit:.3g} s is too short beside the longest, "
