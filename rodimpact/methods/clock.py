@@ -208,13 +208,13 @@ def count_ticks(
 ) -> tuple[int, list[int]]:
     """Ticks of the longest transit, and of all durations, on the clock of one member.
 
-    `durations`, the `longest` transit time, which is one of them, and the `end` to
-    which the clock must count are in s. The tick is chosen so that the durations are as
-    exact as the end allows, see `assign_ticks`; others are rounded to whole ticks.
-    Without durations the longest has 2^bits ticks. If no clock counts to the end, 0 and
-    an empty list are returned.
+    `durations`, s, are the transit times and others; `longest`, s, is the longest
+    transit time, or what stands for it in a row without rods. The clock must count to
+    `end`, s. Durations in simple ratios keep them, see `assign_ticks`; the others are
+    rounded to whole ticks. If no clock counts to the end, 0 and an empty list are
+    returned.
     """
-    bits = rule.clock_bits(end / longest)  # the longest transit takes about 2^bits
+    bits = rule.clock_bits(end / longest)  # the longest transit has about 2^bits ticks
     if bits < rule.MIN_TRANSIT_BITS:
         return 0, []
     counted = blank(len(durations), rule.DURATION)

@@ -68,7 +68,7 @@ def compiler() -> Any:
 
 @contextlib.contextmanager
 def uncollected() -> Iterator[None]:
-    """Suspend the garbage collector.
+    """Context without the garbage collector; behind it, it runs if it did before.
 
     Numba makes millions of objects that stay; looking through them takes a seventh of
     its time.
@@ -84,14 +84,16 @@ def uncollected() -> Iterator[None]:
 
 @contextlib.contextmanager
 def optimised_for_kernels() -> Iterator[None]:
-    """Compile at `OPTIMISATION_LEVEL`, or at a lower level that NUMBA_OPT asks for.
+    """Context in which numba compiles at `OPTIMISATION_LEVEL`.
 
-    Numba documents the variable NUMBA_OPT, and that its values are in `numba.config`;
-    it reads this one whenever it compiles.
+    It compiles at a lower level if NUMBA_OPT asks for that. Behind the context numba
+    has its level again. Numba documents the variable NUMBA_OPT, and that its values are
+    in `numba.config`; it reads this one whenever it compiles.
     """
     config = compiler().config
     before = config.OPT
     if before > OPTIMISATION_LEVEL:
+        # `config.OPT` is a number of a class of numba's own.
         config.OPT = type(before)(OPTIMISATION_LEVEL)
     try:
         yield
@@ -154,16 +156,18 @@ class Compiled:
         self._make(keep=not user_functions)
 
     def _make(self, keep: bool) -> None:
-        """Set the machine code, still to be compiled, and the place where it is kept.
+        """Set `_fast`, the machine code, and `place`, where it is kept on disk.
 
-        Without `keep`, or where no directory can be written, it is compiled in each
-        process, and its place is empty.
+        Nothing is compiled or read yet: `_ready` becomes False. Without `keep`, or
+        where no directory can be written, each process compiles anew, and `place` is
+        empty.
         """
         njit = compiler().njit
         options = {"no_cfunc_wrapper": True, **OPTIONS}
         self._fast: Any = njit(**options)(self._twin)
         if keep:
-            with contextlib.suppress(RuntimeError):  # there is no place for a cache
+            # Numba raises RuntimeError where it finds no directory: `_fast` stays.
+            with contextlib.suppress(RuntimeError):
                 self._fast = njit(cache=True, **options)(self._twin)
         self.place: str = self._fast.stats.cache_path or ""
         self._ready = False
@@ -172,8 +176,10 @@ class Compiled:
         """Run the machine code with these arguments, and return what it returns.
 
         At the first call it is read from disk, or compiled for the types of the
-        arguments. Machine code on disk that cannot be read is deleted with a warning,
-        and compiled anew; on a full disk it is compiled anew and not kept.
+        arguments. If that or the run fails, the machine code on disk is taken for
+        damaged: it is deleted with a warning, compiled anew, not kept, and run. On a
+        full disk nothing is deleted. Errors of numba's own, and all errors of code that
+        is kept nowhere, are raised.
         """
         try:
             if not self._ready:
@@ -184,7 +190,7 @@ class Compiled:
                 self._ready = True
             return self._fast(*arguments)
         except Exception as error:
-            # An error of numba, or of code that is not on disk, is not the cache's.
+            # Such an error is not the cache's.
             if not self.place or type(error).__module__.startswith("numba"):
                 raise
             # Writing to the cache fails with an OSError, most often for want of space.
@@ -195,10 +201,14 @@ class Compiled:
             return self(*arguments)
 
     def _discard_cache(self) -> None:
-        """Delete machine code that cannot be read, and warn."""
+        """Delete the files that list machine code of this kernel; warn DamagedCache.
+
+        Files that cannot be deleted stay.
+        """
         for file in self.files():
             with contextlib.suppress(OSError):
                 file.unlink()
+        # The warning points at the caller of `__call__`, which called this.
         message = "machine code in the compiler's cache is damaged; it is made anew"
         warnings.warn(message, DamagedCache, stacklevel=4)
 
@@ -228,7 +238,8 @@ _compiled = functools.cache(Compiled)
 def interpreted(kernel: Any, user_functions: Functions = ()) -> Kernel:
     """Return a kernel in plain Python, with these functions for `user_force`.
 
-    It is the kernel itself if there are none.
+    It is the kernel itself if there are none, else the same function of a copy of its
+    module; for the same arguments always the same one.
     """
     if not user_functions:
         return kernel  # type: ignore[no-any-return]
@@ -242,10 +253,10 @@ def can_be(user_functions: Functions) -> bool:
 
 
 def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
-    """The twin of a kernel, to be compiled.
+    """The twin of a kernel: the function of plain Python that numba is to compile.
 
-    It is a function that closes over a digest of its sources. It has the code of the
-    kernel; its globals are those of a copy of the module with all functions jitted.
+    It has the code of the kernel, and closes over a digest of its sources; its globals
+    are those of a copy of the kernel's module in which all functions are jitted.
     Functions that only one other function uses are inlined there.
 
     Numba compiles anew a function that closes over another value than the one on disk,
@@ -254,7 +265,7 @@ def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
     """
     module = sys.modules[kernel.__module__]
     code = kernel.__code__.replace(co_freevars=("digest",))
-    # The value that is closed over
+    # What is closed over is a tuple of cells, one for each name in `co_freevars`.
     digest = (CellType(f"{kernel.__name__} {digest_of(module)}"),)
     scope = vars(_twin(module, user_functions, _names_used_once(module)))
     twin = FunctionType(code, scope, kernel.__name__, kernel.__defaults__, digest)
@@ -264,16 +275,16 @@ def _entry(kernel: Any, user_functions: Functions) -> FunctionType:
 
 
 def _names_used_once(module: ModuleType) -> frozenset[str]:
-    """Names that one function alone uses, in a kernel module and its imports.
+    """Names that exactly one function of a kernel module and its imports uses.
 
-    Names of attributes count, too.
+    They are global names of any kind, and names of attributes, which count too.
     """
     uses: Counter[str] = Counter()  # how many functions use each name
     for each in _modules(module):
         for value in vars(each).values():
             if isinstance(value, FunctionType):
-                uses.update(set(value.__code__.co_names))
-    return frozenset(name for name, times in uses.items() if times == 1)
+                uses.update(set(value.__code__.co_names))  # each name once a function
+    return frozenset(name for name, users in uses.items() if users == 1)
 
 
 @functools.cache
@@ -282,10 +293,11 @@ def _twin(
 ) -> ModuleType:
     """Copy a kernel module, with the functions of the user in place of `user_force`.
 
-    Without `once` the copy is for plain Python. For machine code all its functions are
-    jitted, and lists become arrays; `once` has the names of functions that one function
-    uses. These are made part of it, which takes no more code, as handing arrays over
-    takes time.
+    The kernel modules that it imports are copied as well. With `once` None the copy is
+    for plain Python. Else it is for machine code: functions are jitted, lists become
+    arrays, and `borrowed` its compiled form. `once` then has the names of functions
+    that one function alone uses: they are inlined there, as handing arrays over takes
+    time. The same arguments give the same copy.
     """
     twin = ModuleType(module.__name__)
 
@@ -322,22 +334,24 @@ def borrowed(array: T) -> T:
 
 @functools.cache
 def _borrowing() -> Any:
-    """Compiled form of the kernel function `borrowed`.
+    """Return the compiled form of the kernel function `borrowed`, a jitted function.
 
-    It makes an array of the same memory that owns nothing: numba has no references of
-    it to count, and leaves the counting out where it sees so. The memory must stay
-    until the kernel returns, which the caller's own array sees to.
+    It takes an array, and makes another of the same memory that owns nothing: numba has
+    no references of it to count, and leaves the counting out where it sees so. The
+    memory must stay until the kernel returns, which the caller's own array sees to.
     """
     numba = compiler()
     pointer = numba.types.voidptr
 
-    # An intrinsic returns its signature, and a function that makes its code.
+    # An address as a pointer. An intrinsic is called by the compiler, with a context
+    # and the types of its arguments. It returns its signature, and a function that
+    # makes its code.
     @numba.extending.intrinsic  # type: ignore[untyped-decorator]
     def pointer_to(_: Any, address: Any) -> Any:
         def code(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
             return builder.inttoptr(arguments[0], context.get_value_type(pointer))
 
-        signature = pointer(address)  # it makes a pointer of an address
+        signature = pointer(address)  # in numba a type called with types is a signature
         return signature, code
 
     @numba.njit(**INNER, forceinline=True)  # type: ignore[untyped-decorator]
@@ -349,15 +363,15 @@ def _borrowing() -> Any:
 
 
 def _one_of(functions: Functions, jit: Any) -> Any:
-    """A function of (number, d, rate) that calls a function of the user.
+    """A function of (number, d, rate) that calls the function of the user `number`.
 
-    It calls the one with this number. The numbers are compared one after the other; for
-    any number that is none of them the last function is called. `jit` compiles a
-    function.
+    `functions` has pairs (number, function), one at least. The numbers are compared one
+    after the other; for a number that is none of them the last function is called. The
+    result is a float. `jit` is applied to all functions that are made here.
     """
     number, function = functions[0]
     later = functions[1:]
-    if not later:
+    if not later:  # the last one is called whatever the number
         return jit(lambda _, d, rate: float(function(d, rate)))
     call_later: Any = _one_of(later, jit)
 
@@ -380,7 +394,10 @@ def _is_kernel(value: Any) -> bool:
 
 
 def _modules(module: ModuleType) -> list[ModuleType]:
-    """A kernel module, and all kernel modules that it imports, also through others."""
+    """A kernel module, and all kernel modules that it imports, also through others.
+
+    The module itself comes first, each module is there once.
+    """
     modules = [module]
     for each in modules:  # the list grows
         for value in vars(each).values():
@@ -390,11 +407,11 @@ def _modules(module: ModuleType) -> list[ModuleType]:
 
 
 def digest_of(module: ModuleType) -> str:
-    """Digest of all sources of a kernel module.
+    """Digest of all sources of a kernel module, as 32 hexadecimal digits.
 
-    They are those in its folder, in the folders of its imports, and this file. Whole
-    folders are taken because a module imports constants and records by value: it does
-    not tell from which files they come.
+    They are all Python files in its folder, in the folders of the kernel modules that
+    it imports, and this file. Whole folders are taken because a module imports
+    constants and records by value: it does not tell from which files they come.
     """
     folders = {Path(str(each.__file__)).parent for each in _modules(module)}
     files = {Path(__file__)}

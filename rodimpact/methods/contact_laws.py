@@ -82,10 +82,11 @@ def lets_go(link: Any) -> bool:
 def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
     """Force F of a link that is not open, N, with dF/dd, N/m, and dF/dclosing, N s/m.
 
-    A law that feels d' = closing - Y F is solved for F. Below d = 0 a power goes on as
-    an odd function, so that Newton's method and the search for d = 0 pass. A bond or a
-    rigid contact takes all closing away, F = closing/Y; a rod is beside it, so that Y
-    is positive.
+    d is the overlap, m; `closing`, m/s, is the rate at which it would grow without F. A
+    law that feels the true rate d' = closing - Y F is solved for F. Below d = 0 a power
+    goes on as an odd function, so that Newton's method and the search for d = 0 pass. A
+    bond or a rigid contact takes all closing away, F = closing/Y; a rod is beside it,
+    so that Y is positive.
 
     A link at rest (REST) has no law: its force is such that `closing` is 0. In place of
     F stands what must become 0, `closing`.
@@ -100,15 +101,17 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
         return own_force(link, d, closing)
     if is_nonlinear(link):  # a power, or what yields with damping
         return power_force(link, d, closing)
-    # A spring, or what yields along straight lines
+    # A spring, a joint, or what yields along straight lines
     return spring_force(link, d, closing)
 
 
 def spring_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = k d + c d', N, with dF/dd and dF/dclosing.
+    """F = k d + c d', N, with dF/dd, N/m, and dF/dclosing, N s/m.
 
-    d' = closing - Y F. Solved for F, with share = 1/(1 + c Y):
+    d' = closing - Y F, where `closing` is the rate without F and Y the mobility of the
+    link. Solved for F, with share = 1/(1 + c Y):
     F = (k d + c closing) share,  dF/dd = k share,  dF/dclosing = c share.
+    F may be below 0.
     """
     k = link.stiffness
     c = link.damping
@@ -119,16 +122,16 @@ def spring_force(link: Any, d: float, closing: float) -> tuple[float, float, flo
 
 
 def power_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = g (1 + chi d'), N, with g = k d^p; dF/dd and dF/dclosing.
+    """F = g (1 + chi d'), N, with g = k d^p; dF/dd, N/m, and dF/dclosing, N s/m.
 
-    This is the law of Hunt and Crossley (1975).
-
-    d' = closing - Y F. Solved for F, with share = 1/(1 + g chi Y):
+    This is the law of Hunt and Crossley (1975). d' = closing - Y F, where `closing` is
+    the rate without F and Y the mobility of the link. Solved for F, with
+    share = 1/(1 + g chi Y):
     F = g (1 + chi closing) share,  dF/dg = (1 + chi closing) share^2,
     dF/dclosing = g chi share.
 
-    Below d = 0 there is no damping, and F = -k abs(d)^p. Soil at a toe is the same with
-    p = 1 and its J for chi (Smith 1960).
+    Below d = 0 there is no damping: F = -k abs(d)^p, and dF/dclosing = 0. Soil at a toe
+    is the same with p = 1 and its J for chi (Smith 1960).
     """
     k = link.stiffness
     p = link.exponent
@@ -137,7 +140,7 @@ def power_force(link: Any, d: float, closing: float) -> tuple[float, float, floa
     if p == 1.5:
         root = math.sqrt(x)
     else:
-        root = x ** (p - 1)
+        root = x ** (p - 1)  # 1 if the law is linear
     g = k * d * root  # odd in d
     slope = p * k * root  # dg/dd
     if chi == 0 or d < 0:
@@ -159,7 +162,7 @@ def user_force(function: int, d: float, rate: float) -> float:  # noqa: ARG001
 
 
 def odd_user_force(link: Any, d: float, rate: float) -> float:
-    """Force of the law of the user, N.
+    """Force of the law f of the user, N, at the overlap d, m, and its rate d', m/s.
 
     It is f(d, d') for d >= 0, and f(0, d') - f(-d, 0) below. Nobody has defined f for
     d < 0. It goes on falling there, so that Newton's method and the search for d = 0
@@ -172,10 +175,12 @@ def odd_user_force(link: Any, d: float, rate: float) -> float:
 
 
 def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """F = f(d, d'), N, of a law of the user, with dF/dd and dF/dclosing.
+    """F = f(d, d'), N, of a law of the user, with dF/dd, N/m, and dF/dclosing, N s/m.
 
-    d' = closing - Y F. F is found by Newton's method for f(d, closing - Y F) - F = 0,
-    with differences for the derivatives of f. Those of F are smaller by
+    d' = closing - Y F, where `closing` is the rate without F and Y the mobility of the
+    link. F is found by Newton's method for f(d, closing - Y F) - F = 0, with
+    differences for the derivatives of f; the last of `MAX_ITERATIONS` steps counts in
+    any case. The derivatives of F are smaller than those of f by
     share = 1/(1 + Y df/dd'), as the force slows down the closing that makes it.
     """
     Y = link.mobility
@@ -206,7 +211,9 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
 def guard_count(link: Any) -> int:
     """Number of guards that keep the status of a link, see `guard`.
 
-    It depends on the status, and on whether the link yields or has losses.
+    It is 0 for BOND, 2 for GRAZE, and 1 for OPEN and REST. PLASTIC has 2 if its table
+    has a next knot, else 1. PRESS has 1 and one more each if the link yields and if
+    `lets_go` holds.
     """
     status = link.status
     count = 1
@@ -228,9 +235,10 @@ def guard_count(link: Any) -> int:
 def pressing_sign(link: Any, d: float, closing: float, F: float, scale: float) -> float:
     """A number without dimension that has the sign of the force of a law with losses.
 
-    That is f Y/scale for a law of the user, (k d/c + closing)/scale for a dashpot
-    beside a spring, and 1 + chi closing else: there `closing` stands for d', which is
-    the same where F is 0. `effective_mobility` is taken for Y, as Y is 0 between
+    That is f Y/scale for a law f of the user, (k d/c + closing)/scale for a dashpot
+    beside a spring, and 1 + chi closing else: there `closing`, the rate without the
+    force F, stands for d', which is the same where F is 0. `scale` is that of
+    velocities, m/s. In f Y/scale `effective_mobility` is taken for Y, as Y is 0 between
     masses.
     """
     damping = link.damping
@@ -318,9 +326,10 @@ def guard(
 
 
 def follows_overlap(link: Any, which: int) -> bool:
-    """Whether guard number `which` is the overlap or the gap, and so has no jumps.
+    """Whether guard number `which` of a link is its overlap or its gap, without jumps.
 
-    Other guards jump where an incoming wave does.
+    That is guard 0 of OPEN, of GRAZE, and of PRESS if the force of the link does not
+    jump as it closes. Other guards jump where an incoming wave does.
     """
     status = link.status
     if status == Status.OPEN:
@@ -329,24 +338,24 @@ def follows_overlap(link: Any, which: int) -> bool:
         return False
     if status == Status.PRESS:
         return not force_jumps(link)
-    return True
+    return True  # guard 0 of GRAZE
 
 
 def break_order(link: Any, order: int) -> Any:
-    """Order of the break in the force of a link.
+    """Order of the break in the force of a link: of the lowest derivative that jumps.
 
-    The velocity beside it has a break of `order`. The force of a rigid link, a bond or
-    a damped one follows velocities: the order is the same. That of a spring follows
-    their integral: it is one order smoother. A link that is open or lets go has no
-    force that follows. A break of the link itself, at its last event, counts if it is
-    rougher.
+    The velocity beside the link has a break of `order`. The force of a rigid link, a
+    bond or a damped one follows velocities: the order is the same. That of a spring
+    follows their integral: it is one order smoother. A link that is open or lets go has
+    no force that follows. A break of the link itself, at its last event, counts if it
+    is rougher.
     """
     status = link.status
     law = link.law
     own_order = link.break_order
     if status == Status.OPEN or status == Status.GRAZE:
         return int(own_order)
-    is_bond_or_push = law <= Law.PUSH_RIGHT  # these come first
+    is_bond_or_push = law <= Law.PUSH_RIGHT  # bonds and pushes come first in `Law`
     if is_bond_or_push or law == Law.RIGID or link.damping > 0:
         return min(own_order, order)
     return min(own_order, order + 1)
@@ -358,13 +367,13 @@ def break_order(link: Any, order: int) -> Any:
 def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     """Mean force F of a compliant contact over a time step, N, and dF/dx1.
 
-    Its overlap x goes from x0 to x1 at a constant rate. Time is counted in steps, so
-    that dx/dt = x1 - x0 = w. The link is not changed.
+    Its overlap x goes from x0 to x1 at a constant rate. Time is counted in steps and
+    lengths in m/s, so that dx/dt = x1 - x0 = w. The link is not changed.
 
     SPRING: mean of k x + c w where x > 0 and this presses.
     POWER: mean of k x^p where x > 0, times 1 + chi w.
     YIELD: work along the lines of its table over w, times 1 + chi w.
-    A mean below 0 is cut to 0.
+    If the mean is not above 0, which a pull or no overlap makes it, both are 0.
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
@@ -396,14 +405,14 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
 
 
 def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean F of k x + c w from x0 to x1 where x > 0 and this presses, N, and dF/dx1.
+    """Mean F of max(k x + c w, 0), and 0 where x < 0, from x0 to x1, N, and dF/dx1.
 
     x0 or x1 is positive, and w = x1 - x0. With a and b the ends of the part of the way
     on which it presses, F = (b - a)/w (k (a + b)/2 + c w).
     """
     w = x1 - x0
     last = k * x1 + c * w  # force at the end of the way
-    if x0 >= 0 and last >= 0:  # it presses all the way
+    if x0 >= 0 and last >= 0:  # it presses all the way: a is x0, b is x1
         return k * (x0 + x1) / 2 + c * w, k / 2 + c
     # Overlap above which it presses: an opening contact lets go there, a closing one
     # begins at 0.

@@ -35,9 +35,10 @@ def family_columns(
 ) -> Columns:
     """Columns that every family has.
 
-    They are restitution, vibration, final, status, and those by number. Velocities
-    after have the number of the body, such as "velocity_after.0", totals of contacts
-    that of the contact. Restitution is nan unless one contact alone can open.
+    They are "restitution", "vibration", "final", "status", the velocity after of each
+    body, such as "velocity_after.0", and each total of each contact, such as
+    "impulse.0". Restitution is nan unless one contact alone can open; the other arrays
+    are the arguments themselves.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def family_columns(
     restitution = np.full(len(final), math.nan)
     contacts_that_open = unilateral(system)
     if len(contacts_that_open) == 1:
-        k = contacts_that_open[0]
+        k = contacts_that_open[0]  # it lies between the bodies k and k + 1
         restitution = effective_restitution(
             final, contacts["episodes"][k], before[k : k + 2], after[k : k + 2]
         )
@@ -77,11 +78,11 @@ def family_columns(
 def status_column(refused: Any, final: Any, capped: Any, until: float | None) -> Ints:
     """Place in `STOPPED_BY` of each member, [member].
 
-    It was refused, is final in a run without a given end, or met the cap on events;
-    else it ran to `until`, or to the end of the clock. The first three are arrays of
-    bool.
+    It was refused, is final in a run without a given end, or met the cap on events: the
+    first of these that holds counts. Else it ran to the given end `until`, or without
+    one to the end of the clock. The first three arguments are [member] arrays of bool.
     """
-    # The first reason that holds counts.
+    # `np.select` takes the first reason that holds.
     reasons = {
         "refused": refused,
         "final": final & (until is None),

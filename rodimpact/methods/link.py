@@ -69,7 +69,7 @@ FILLED = {name: law.fills_link for name, law in ALL_LAWS.items()}
 
 
 def link_of(law: int) -> Any:
-    """A link of this kind of law: all its numbers are 0, but the exponent is 1."""
+    """A new link of this kind of law: its exponent is 1, its other numbers are 0."""
     link = blank(1, LINK)[0]
     link.law = law
     link.exponent = 1.0
@@ -79,11 +79,13 @@ def link_of(law: int) -> Any:
 def link_of_contact(law: Any, gap: Any) -> Any:
     """The link of a contact with this law; `gap` in m.
 
-    A rigid contact with a restitution is an impact (IMPACT). The page has this as
-    JavaScript.
+    It has those attributes of the law that its class names as numbers of a link; its
+    other numbers are those of `link_of`. A rigid contact with a restitution is an
+    impact (IMPACT). The page has this as JavaScript.
     """
     link = link_of(KINDS[law.law])  # law.law is the name of its kind
     link.gap = gap
+    # Fields of the link have the names of the law's attributes.
     for name in FILLED[law.law]:
         setattr(link, name, getattr(law, name))
     # Between rods the waves decide; a restitution is that of two rigid bodies.
@@ -97,8 +99,9 @@ def in_steps(links: Any, step: float) -> dict[str, Any]:
     """Fields of links that change where time is counted in steps, by name; `step` in s.
 
     Velocities stay in m/s, so that lengths d become x = d/step, m/s; forces stay in N.
-    The stiffness k of a force k d^p becomes k step^p. Damping stays, as it multiplies a
-    velocity.
+    The stiffness k of a force k d^p becomes k step^p, and the gap that of a contact, or
+    the stretch of a joint, over the step. Damping stays, as it multiplies a velocity.
+    Both fields are new arrays, [link].
     """
     return {
         "stiffness": links["stiffness"] * step ** links["exponent"],
