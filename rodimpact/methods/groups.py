@@ -26,8 +26,8 @@ def unilateral(system: Any) -> list[int]:
 def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, m/s.
 
-    They come from left to right. `group` has the numbers of its bodies; there are two
-    velocities at most.
+    They come from left to right, two at most, none if nothing holds the group. That of
+    a fixed end is 0. `group` has the numbers of its bodies, walls included.
     """
     velocities: list[Any] = []
     for side, i in enumerate([0, len(system.bodies) - 1]):  # first and last body
@@ -41,16 +41,18 @@ def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
 def velocities_in_group(
     system: Any, group: list[int], inside: list[int], mean: Any
 ) -> list[Any]:
-    """Velocities of the bodies of a group, m/s, from left to right.
+    """Velocities of the bodies of a group, m/s, one a body from left to right.
 
-    They are that of the wall or fixed end that holds the group, or else its mean.
-    Between two of different velocities a group has its mean velocity: it swings about
-    neither. Walls, and masses bonded to them, have the velocity of their wall.
+    Without a wall or fixed end that holds the group all have its mean velocity. Walls,
+    and masses bonded to them, have the velocity of their wall. The others have that of
+    what holds the group; between two that move with different velocities they have the
+    mean: they swing about neither.
 
     Parameters
     ----------
     system : System
     group : list of int
+        Numbers of its bodies, walls included.
     inside : list of int
         Those of them that can move against the walls: neighbours, and none in a lone
         wall.
@@ -66,7 +68,8 @@ def velocities_in_group(
         moving = group
     # Velocity of those that can move
     if len(anchors) == 2:
-        # Adding 0 makes a number of an array of no dimension.
+        # In a family each member decides. Adding 0 makes a number of an array of no
+        # dimension.
         shared = np.where(anchors[0] == anchors[1], anchors[0], mean) + 0.0
     else:
         shared = anchors[0]
@@ -82,12 +85,14 @@ def velocities_in_group(
 
 
 def movable(system: System) -> list[int]:
-    """Bodies that can move against the walls.
+    """Numbers of the bodies that can move against the walls, in order.
 
     They are all but the walls and the masses bonded to them.
     """
     row = build_row(system)
     bodies = []
+    # `mass_of` has -1 for a rod or a wall, and numbers behind those of the masses for
+    # what is bonded to a wall.
     for i, mass in enumerate(row.mass_of):
         is_free_mass = 0 <= mass < len(row.masses)
         if system.bodies[i].kind == "rod" or is_free_mass:
@@ -101,10 +106,11 @@ def without_walls(system: Any, group: list[int]) -> list[int]:
 
 
 def body_velocities(system: Any, means: list[Any]) -> list[Any]:
-    """Velocities of all bodies, m/s.
+    """Velocities of all bodies, walls included, m/s.
 
-    Each is the mean of its group, or that of the wall that holds it. `means` has the
-    mean velocity of each group, m/s.
+    Each is the mean of its group, or that of the wall or fixed end that holds the
+    group; see `velocities_in_group`. `means` has the mean velocity of each group of
+    bonded or joined bodies, m/s.
     """
     velocities = []
     for g, group in enumerate(groups(system)):
@@ -114,7 +120,7 @@ def body_velocities(system: Any, means: list[Any]) -> list[Any]:
 
 
 def segments_of_groups(system: Any, spans: Any) -> list[int]:
-    """The first segment of each group of bonded bodies.
+    """The first segment of each group of bonded or joined bodies, counted from 1.
 
     It is that of its first body that is no wall. A lone wall has no segment: what is
     returned for it, the first entry of its span, has no meaning, and its velocity is
@@ -123,6 +129,7 @@ def segments_of_groups(system: Any, spans: Any) -> list[int]:
     Parameters
     ----------
     system : System
+        Of rods and walls.
     spans : list of (int, int)
         First and last segment of each body.
     """
@@ -146,19 +153,20 @@ def fill_bonds(
     """Return the forces of all contacts, also those between bonded rigid bodies.
 
     By Newton's law the force on the right of a rigid body is that on its left less m
-    dv/dt. Forces between a wall on the left and the first contact whose force is known
-    follow from the right, as what pushes a wall is not known. `pushed` counts without
-    such a wall, or if no force is known.
+    dv/dt; so unknown forces follow from left to right, the first one from `pushed`.
+    What pushes a wall is not known: in a row with a wall on the left, the forces up to
+    the first known one follow from that one, from right to left. If none is known,
+    `pushed` counts there, too. The argument `forces` is not changed.
 
     Parameters
     ----------
     system : System
     forces : list of signals
-        By contact; None between rigid bodies.
+        By contact, N; None, an unknown force, between bonded rigid bodies.
     inertia_force : function
-        Mass times acceleration of the body of this number.
+        Mass times acceleration of the body of this number, a signal, N.
     pushed : signal
-        Force of what is outside the left end.
+        Force of what is outside the left end, N.
     """
     filled = [*forces]
     is_rigid = [force is None for force in forces]  # a bond of rigid bodies
@@ -166,7 +174,7 @@ def fill_bonds(
     if isinstance(system.bodies[0], Wall) and False in is_rigid:
         first = is_rigid.index(False)
     # Contact k lies between the bodies k and k + 1.
-    for k in range(first - 1, -1, -1):
+    for k in range(first - 1, -1, -1):  # from the first known force to the wall
         filled[k] = filled[k + 1] + inertia_force(k + 1)
     for k in range(first, len(filled)):
         if is_rigid[k]:

@@ -51,8 +51,10 @@ def enabled() -> bool:
 def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     """Whether a job shall run compiled.
 
-    The seconds of all jobs of a kernel in this process are added up, until it is worth
-    it; from then on it always is.
+    Each call adds the seconds of its job to those of earlier jobs of the kernel in this
+    process, until their sum and what lies ahead are worth it; from then on they always
+    are. Then numba is started. In the context `forced` that decides, if only numba
+    starts, and nothing is added.
 
     Parameters
     ----------
@@ -82,9 +84,10 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
 
 @contextlib.contextmanager
 def forced(compiling: bool) -> Iterator[None]:
-    """Context in which everything is compiled (True), or nothing is (False).
+    """Context in which every kernel runs compiled (True), or none does (False).
 
-    The cost does not matter.
+    The cost does not matter. Where numba does not start, none does either way. Behind
+    the context what was before counts again.
     """
     global _forced
     before = _forced
@@ -99,7 +102,8 @@ def forced(compiling: bool) -> Iterator[None]:
 def kept() -> Iterator[None]:
     """Context in which kernels that are forced to be compiled stay so in this process.
 
-    Their machine code is loaded: from now on every run pays.
+    Kernels that `forced(True)` makes run compiled here do so behind both contexts, too:
+    their machine code is loaded, so that it pays in every run.
     """
     global _is_kept
     before = _is_kept
@@ -119,17 +123,18 @@ _ready: set[Kernel] = set()  # paid for by this process
 def _pays(seconds: float, kernel: Kernel) -> bool:
     """Whether machine code of a kernel is worth its cost in a run of so many seconds.
 
-    The seconds are those in plain Python. Machine code on disk costs little. Without
-    any, a kernel is compiled once they exceed `COMPILING`: later runs gain by it. Then
-    a terminal is told that this takes time; if nothing can be compiled, a warning says
-    why.
+    The seconds are those in plain Python. Machine code on disk costs little: a start of
+    numba, if it has not started, and reading. Without any, a kernel is worth compiling
+    once the seconds exceed `COMPILING`, as later runs gain by it. Then a terminal is
+    told that this takes time; if nothing can be compiled, NoCompiler warns why, and
+    False is returned. Nothing is compiled yet.
     """
     price = LOADING
     if not _ready:  # numba has not started yet
         price = STARTING + LOADING
     if seconds <= price:
         return False  # a look at the cache would start numba
-    reason = why_not()
+    reason = why_not()  # "" if numba compiles
     if reason or not compiled(kernel).files():  # there is no machine code of it
         if seconds <= COMPILING:
             return False
@@ -154,7 +159,10 @@ def _asked_for() -> bool:
 
 @functools.cache
 def _fault() -> str:
-    """Why numba does not start, with a remedy; empty if it does."""
+    """Why numba does not start, with a remedy; empty if it does.
+
+    It is started here if it has not been. The answer of the first call stays.
+    """
     if not importlib.util.find_spec("numba"):
         return "numba is not installed"
     try:
@@ -173,11 +181,12 @@ def _fault() -> str:
     return ""
 
 
-@functools.cache  # once is enough
+@functools.cache  # a second call with the same reason does nothing
 def _tell(reason: str) -> None:
-    """Warn why nothing is compiled, once for each reason.
+    """Warn NoCompiler that nothing is compiled for this reason.
 
-    Without a reason, tell a terminal that compiling takes time.
+    If the reason is "", tell a terminal, if there is one, that compiling takes time.
+    Each reason is told once in a process.
     """
     if reason:
         message = f"{reason}; long runs go in plain Python, some fifty times slower"

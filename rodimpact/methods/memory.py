@@ -45,10 +45,10 @@ class TooLong(InvalidModel):
 
 
 def installed() -> float:
-    """Bytes of memory that this machine has."""
+    """Bytes of memory that this machine has; inf if the system does not say."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, ValueError, OSError):  # a system that does not say
+    except (AttributeError, ValueError, OSError):
         return math.inf
 
 
@@ -58,10 +58,11 @@ def max_numbers() -> float:
 
 
 def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
-    """Raise TooLong where so many numbers of 8 bytes are too much.
+    """Raise TooLong where so many numbers of 8 bytes are more than `max_numbers`.
 
     A thread that is limited to a share, see `limit_to_share`, waits here for its turn
-    if it needs more than that.
+    if it needs more than that, and has the turn until `give_back`. Nothing is
+    allocated.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
             f"more than {8e-9 * most:.3g} GB"
         )
         raise TooLong([(field, f"{size}; {remedy}")])
-    share = getattr(_thread, "share", math.inf)
+    share = getattr(_thread, "share", math.inf)  # bytes
     # A thread that has a share has `has_turn` as well;
     # without a share nothing is more than inf.
     if 8 * numbers > share and not _thread.has_turn:

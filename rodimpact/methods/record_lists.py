@@ -20,7 +20,7 @@ GROWTH_OF_ARRAYS = 4  # what an array has room for takes no memory until it is s
 
 
 def dtype_of(record: type) -> np.dtype[Any]:
-    """Return the structured type of a record class.
+    """Return the structured type of numpy of a record class, with aligned fields.
 
     It has a field for each annotated name, in order. What a field is in an array stands
     in its annotation: ``tick: int``, or where that differs from what it is in plain
@@ -28,7 +28,7 @@ def dtype_of(record: type) -> np.dtype[Any]:
     """
     fields = []
     for name, hint in typing.get_type_hints(record, include_extras=True).items():
-        # What stands behind the type in `Annotated`, or else the type itself
+        # The one thing behind the type in `Annotated`, or else the type itself
         (kind,) = getattr(hint, "__metadata__", (hint,))
         fields.append((name, kind))
     return np.dtype(fields, align=True)
@@ -36,14 +36,18 @@ def dtype_of(record: type) -> np.dtype[Any]:
 
 @functools.cache
 def _object_class(record: Any) -> Any:
-    """A class with the fields of a record: numbers and lists of numbers, 0 at first."""
+    """A class with the fields of a structured dtype: numbers and lists of numbers.
+
+    Called without arguments it makes an object with all of them 0; its arguments are
+    the fields in order. Each dtype has one class.
+    """
     fields = []
     for name in record.names:
-        zero = np.zeros((), record[name]).tolist  # it makes a number, or a new list
-        if record[name].subdtype:  # the field is an array
-            default = dataclasses.field(default_factory=zero)
+        make_zero = np.zeros((), record[name]).tolist  # makes a number, or a new list
+        if record[name].subdtype:  # the field is an array: each object has its own list
+            default = dataclasses.field(default_factory=make_zero)
         else:
-            default = zero()
+            default = make_zero()
         fields.append((name, Any, default))
     return dataclasses.make_dataclass("Record", fields, slots=True)
 
@@ -58,9 +62,10 @@ def blank(count: int, record: Any) -> list[Any]:
 
 
 def as_objects(records: Any) -> list[Any]:
-    """Return an array as a list, for plain Python.
+    """Return a copy of an array as a list, for plain Python.
 
-    It has numbers, or small objects for records.
+    An array of records becomes a list of small objects with the same fields, those that
+    are arrays as lists; one of numbers becomes a list of numbers.
     """
     record = records.dtype
     if record.names is None:
@@ -75,19 +80,21 @@ def as_objects(records: Any) -> list[Any]:
 
 
 def as_records(objects: list[Any], record: Any) -> Any:
-    """Return a list of `as_objects` as an array of that kind again."""
+    """Return a list of `as_objects` as a new array of the dtype `record`."""
     rows = objects
     if record.names:  # records, not numbers
+        # This makes a tuple: records have two fields or more.
         fields_of = operator.attrgetter(*record.names)
         rows = list(map(fields_of, objects))
     return np.array(rows, record)
 
 
 def lengthened(records: Any, record: Any) -> Any:
-    """Return records with room for more behind them, as a list or array of its own.
+    """Return records with room for more behind them, as a new list or array.
 
-    Behind a list are as many blank objects again; behind an array three times as many
-    records, which are not set.
+    Behind the objects of a list, which are not copied, are as many blank ones again;
+    behind the records of an array three times as many that are not set. `record` is
+    their dtype.
     """
     if isinstance(records, list):
         return records + blank((GROWTH_OF_LISTS - 1) * len(records), record)
