@@ -144,17 +144,18 @@ class Options(FrozenDataclass):
     snapshots: int | ArrayLike | None = None
 
     def _check(self, problems: Problems) -> None:
-        """Check all options, and note what is wrong.
+        """Check all options, and append what is wrong to `problems`.
 
-        Counts and times are set as plain numbers. `rtol` must be 1 or less, and
-        excludes `dt` and `cells`. An unknown method is refused.
+        `max_events`, `cells` and `snapshots` are set as plain numbers. `rtol` must be 1
+        or less, and excludes `dt` and `cells`. An unknown method is refused at once, by
+        an InvalidModel of its own.
         """
         self._set(max_events=checked_count(problems, "max_events", self.max_events))
         if self.cells is not None:
             self._set(cells=checked_count(problems, "cells", self.cells))
         if self.snapshots is not None:
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
-        reported = [path for path, _ in problems]
+        reported = [path for path, _ in problems]  # each option is reported once
         if "rtol" not in reported and self.rtol is not None and self.rtol > 1:
             add_problem(
                 problems, "rtol", "must be at most 1, the whole outcome", self.rtol
@@ -170,7 +171,8 @@ class Options(FrozenDataclass):
         """Return the name of the method that is to run.
 
         It is the one that was given; for ``"auto"`` the fastest that has all physics of
-        the system, and that takes `rtol` if it is given.
+        the system, and that takes `rtol` if it is given. That the method can solve the
+        system with these options is checked.
 
         Parameters
         ----------
@@ -185,13 +187,13 @@ class Options(FrozenDataclass):
         """
         check_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)
-        capable = capable_of(needs)
+        capable = capable_of(needs)  # never empty: the last method can do anything
         method = self.method
         if method == "auto":
             method = self._first_of(capable)
         missing = METHODS[method].lacking(needs)  # none of a capable method
-        remedy = f'method "{capable[0]}" has'
-        # A taper can be replaced by steps.
+        remedy = f'method "{capable[0]}" has'  # that physics
+        # A taper can be replaced by steps; it helps if nothing else is missing.
         if all(physics == abilities.TAPER for _, physics in missing):
             remedy += ", or give rod.in_steps(n)"
         problems: Problems = []
@@ -208,7 +210,10 @@ class Options(FrozenDataclass):
         return method
 
     def _check_options_of(self, method: str) -> None:
-        """Raise InvalidModel for an option that only other methods take."""
+        """Raise InvalidModel if options are given that only other methods take.
+
+        The options are `dt`, `rtol`, `cells` and `snapshots`; all mistakes are told.
+        """
         used = f'"{method}"'
         if self.method == "auto":
             used += ', which "auto" takes'
@@ -237,8 +242,8 @@ class Options(FrozenDataclass):
         Raises
         ------
         InvalidModel
-            If the method does not exist or lacks something that the system has, or the
-            system is a family.
+            If the method does not exist or lacks something that the system has, the
+            system is a family or no System, or `report` is no function.
         """
         check_choice("method", method, tuple(METHODS))
         check_kind("system", system, System, "System([rod, Wall()])")
@@ -253,10 +258,10 @@ class Options(FrozenDataclass):
         return self._run_checked(method, system, report)
 
     def _run_checked(self, method: str, system: System, report: ProgressReport) -> Run:
-        """Run a single collision, as `run`.
+        """Run a single collision, as `run`; the arguments are not checked.
 
-        The method is known to have its physics. If single entries kept ``"auto"`` from
-        a faster method, the status also says which.
+        If single entries, see `_why`, kept ``"auto"`` from a faster method, the status
+        of the run also says which entry and which method.
         """
         # Options that only this method, or some methods, take
         own_options = {name: getattr(self, name) for name in METHODS[method].takes}
@@ -267,7 +272,7 @@ class Options(FrozenDataclass):
             **own_options,
             report=report,
         )
-        fastest = next(iter(METHODS))
+        fastest = next(iter(METHODS))  # the first one
         if self.method == "auto" and method != fastest:
             reason = self._why(method, system)
             if reason:
@@ -283,8 +288,10 @@ class Options(FrozenDataclass):
     def _why(self, method: str, system: System) -> str:
         """Sentence on what keeps a system from a faster method, if single entries do.
 
-        Single entries switch on one of `abilities.SINGLE`. It is empty if more than
-        they keep the system from that method.
+        Single entries of a rod or of the system switch on physics of
+        `abilities.SINGLE`, such as gravity. The faster method is the one that would be
+        taken without them; the text is empty if that is `method` itself, which is then
+        needed for other physics.
         """
         needs = abilities.needs(system)  # path and name of physics
         needs_of_many = [need for need in needs if need[1] not in abilities.SINGLE]
@@ -316,11 +323,11 @@ def _takers(option: str) -> str:
 
 
 def checked_count(problems: Problems, name: str, value: Any) -> int:
-    """Return an option as a positive whole number.
+    """Return an option as a whole number from 1 to `LARGEST_COUNT`.
 
-    If it is none, note a problem and return 0.
+    If it is none, append a problem with its name to `problems`, and return 0.
     """
-    counted = 0
+    counted = 0  # for what is no whole number
     if is_integer(value):
         counted = int(value)
     if 1 <= counted <= LARGEST_COUNT:
@@ -343,9 +350,11 @@ def check_function(problems: Problems, name: str, value: Any) -> None:
 def _snapshots(
     problems: Problems, value: Any, until: float | None
 ) -> int | tuple[float, ...]:
-    """Return `snapshots` as a number of states or as their times, s.
+    """Return `snapshots` as a number of states or as a tuple of their times, s.
 
-    If it is neither, note the problem, and return 0.
+    Times must be one or more, 0 or later, and not after `until` if that is given; they
+    may have a unit. If the value is neither, append a problem to `problems`, and return
+    0.
     """
     # If it is no number it may be times: the problem goes to a list that is dropped.
     number = checked_count([], "snapshots", value)

@@ -27,6 +27,11 @@ def no_restitution(
 ) -> str:
     """Why there is no coefficient of restitution; empty if there is one.
 
+    There is one if one contact alone can open, nothing else changes velocities, the
+    contact pressed, the collision is over, and the centres of mass approached each
+    other before. The sentence tells the first of these that fails, without a full stop
+    but for one in `status`.
+
     Parameters
     ----------
     unilateral : list of int
@@ -35,7 +40,7 @@ def no_restitution(
         Velocities of the bodies, m/s.
     contacts : list of ContactTally
     driven : bool
-        Whether velocities change besides at contacts.
+        Whether velocities change besides at contacts, by gravity or a driven end.
     final : bool
         Whether the collision is over.
     status : str
@@ -48,7 +53,7 @@ def no_restitution(
             f"restitution is defined for one contact, this row has {len(unilateral)}; "
             "read velocities_after instead"
         )
-    k = unilateral[0]
+    k = unilateral[0]  # it lies between the bodies k and k + 1
     closing = before[k] - before[k + 1]
     reason = ""
     if driven:
@@ -59,7 +64,7 @@ def no_restitution(
     elif contacts[k].episodes == 0:
         if closing < 0:
             reason = "nothing collided; the bodies move apart"
-        elif closing <= 0:
+        elif closing <= 0:  # it is 0
             reason = "nothing collided; the bodies do not approach each other"
         else:
             reason = f"nothing collided; {status}"
@@ -80,9 +85,10 @@ def effective_restitution(
 ) -> Any:
     """e = (V2+ - V1+)/(V1- - V2-) of one contact; arrays broadcast.
 
-    It is nan where there is none. After their last contact bodies do not approach each
-    other: where they seem to, or part by no more than round-off, as when a bar without
-    end is pushed for ever, they stay together: e is 0.
+    It is nan where the collision is not over, the contact never pressed, or the centres
+    did not approach each other before. After their last contact bodies do not approach
+    each other: where they seem to, or part by no more than round-off, as when a bar
+    without end is pushed for ever, they stay together: e is 0.
 
     Parameters
     ----------
@@ -93,9 +99,11 @@ def effective_restitution(
     """
     closing = before[0] - before[1]
     parting = after[1] - after[0]
+    # Where `closing` is not positive the result is nan; 1 avoids a division by 0.
     e = parting / np.where(closing > 0, closing, 1.0)
     largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
     # Both must hold: * is "and" for arrays of True and False, and on the page too.
     parted = (e > PARTING_RTOL) * (parting > 2 * np.spacing(largest))
+    # Where there is a coefficient
     defined = final * (episodes > 0) * (closing > 0)
     return np.where(defined, np.where(parted, e, 0.0), math.nan)

@@ -92,9 +92,10 @@ class Row:
 
     @cached_property
     def neighbours(self) -> list[tuple[tuple[str, int], tuple[str, int]]]:
-        """By link, what stands on its left and on its right.
+        """By link, the pair of what stands on its left and on its right.
 
-        ("outside", side), ("mass", m) or ("segment", s).
+        Each is ("outside", side) with side 0 or 1, ("mass", m), counted from 0, or
+        ("segment", s), counted from 1.
         """
         stands = [("outside", 0)]  # all that stands in the row, from left to right
         # Node k has the masses from `start` to `stop` - 1; segment k + 1 follows it.
@@ -141,7 +142,10 @@ class Row:
 
 
 def squeezed(seconds: float) -> InvalidModel:
-    """The error to raise where walls squeeze a rigid mass at this time."""
+    """The error to raise where walls squeeze a rigid mass at this time, s.
+
+    Its path is "contacts"; nothing is raised here.
+    """
     message = (
         f"two walls squeeze a rigid mass at {seconds:.6g} s; give one of its contacts "
         "a compliant law"

@@ -26,9 +26,10 @@ DRIVEN = ["moved", "pushed", "incoming"]
 def build_row(system: Any) -> Row:
     """Make the `Row` of a system, walking through it from left to right.
 
-    Each block of rigid bodies becomes a mass or a wall, each rod its segments; links
-    are those of contacts, of segments of a rod, and of the ends. Bodies bonded to a
-    wall get the number of the wall in `mass_of`.
+    Each block of rigid bodies becomes a mass or, with a wall in it, a boundary; each
+    rod becomes its segments. Links are, from left to right, the left end, contacts and
+    bonds of segments, and the right end; a wall stands in place of an end. Masses
+    bonded to a wall get the number of the wall in `mass_of`.
     """
     bodies = system.bodies
     nothing = ("none", 0.0)
@@ -47,7 +48,7 @@ def build_row(system: Any) -> Row:
     )
     blocks = rigid_blocks(system)
     for block in blocks:
-        i = block[0]
+        i = block[0]  # its first body, which is of the kind of all
         body = bodies[i]
         if i > 0:  # the contact between the block before and this one
             row.contact_link.append(len(row.links))
@@ -61,7 +62,7 @@ def build_row(system: Any) -> Row:
             add_rigid(row, bodies, block)
     if bodies[-1].kind != "wall":
         add_end(row, 1, system.ends[1])
-    row.first_mass.append(len(row.masses))
+    row.first_mass.append(len(row.masses))  # where masses of a node behind would begin
     number_bonded_masses(row, bodies, blocks[0])
     return row
 
@@ -84,10 +85,10 @@ def rigid_blocks(system: Any) -> list[list[int]]:
 
 
 def split_at(cuts: list[bool]) -> list[list[int]]:
-    """Split the bodies into blocks from left to right.
+    """Split bodies into blocks from left to right: lists of their numbers, from 0.
 
-    A block is a list of their numbers. `cuts[k]` says whether to cut between the bodies
-    k and k + 1.
+    `cuts[k]` says whether to cut between the bodies k and k + 1, so that there is one
+    body more than cuts.
     """
     blocks = [[0]]
     for k, cut in enumerate(cuts):
@@ -98,12 +99,13 @@ def split_at(cuts: list[bool]) -> list[list[int]]:
 
 
 def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
-    """Add a block of rigid bodies to a row: one mass, or the outside with a wall in it.
+    """Add a block of bonded rigid bodies to a row: as one mass, or as a boundary.
 
-    `bodies` are all of the system, `block` has the numbers of those in the block. Their
-    common velocity is momentum over mass. A wall becomes the boundary on its side. The
-    masses bonded to it are no masses of the row; `number_bonded_masses` sets their
-    `mass_of`.
+    `bodies` are all of the system, `block` has the numbers of those in the block, from
+    left to right. Without a wall they are one mass; its velocity is momentum over mass.
+    A wall becomes the boundary on its side, and the masses bonded to it are no masses
+    of the row: here all bodies of the block get -1 in `mass_of`, until
+    `number_bonded_masses` sets that of the masses.
     """
     # Contacts inside the block are no links, and its bodies have no segments.
     row.contact_link.extend([-1 for _ in block[1:]])
@@ -114,7 +116,7 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
     else:
         mass_index = len(row.masses)
     row.mass_of.extend([mass_index for _ in block])
-    for i in walls:
+    for i in walls:  # the first or the last body of the system
         if i == 0:
             side = 0
         else:
@@ -135,8 +137,9 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
 def number_bonded_masses(row: Row, bodies: Any, first_block: list[int]) -> None:
     """Set `mass_of` of the masses bonded to a wall, once all masses are in the row.
 
-    The numbers behind those of the masses stand for the left wall, and then for the
-    right one. Masses of the first block are at the left wall if there is one.
+    It becomes len(row.masses) for those at the left wall, and one more for those at the
+    right one. Masses of the first block are at the left wall if there is one; `bodies`
+    are all of the system.
     """
     has_left_wall = bodies[0].kind == "wall"
     for i, body in enumerate(bodies):
@@ -150,7 +153,9 @@ def number_bonded_masses(row: Row, bodies: Any, first_block: list[int]) -> None:
 def add_rod(row: Row, path: str, rod: Any) -> None:
     """Add a rod, whose path is `path`, to a row: its segments, bonded to each other.
 
-    Each segment gets its path: that of the rod if it is the only one.
+    Lists of the row by segment, by body and by node grow, and bonds are appended to its
+    links. The path of a segment is that of the rod if it is the only one, else such as
+    ``"bodies.0.segments.1"``.
     """
     row.mass_of.append(-1)  # it is no rigid mass
     count = len(rod.segments)
@@ -165,14 +170,15 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
         else:
             segment_path = path
         row.paths.append(segment_path)
-        row.first_mass.append(len(row.masses))  # masses on the left of the segment
+        # Masses on the left of the segment are all before the node at its right end.
+        row.first_mass.append(len(row.masses))
 
 
 def add_end(row: Row, side: int, end: Any) -> None:
     """Add the link at the left (side 0) or right (1) end of a row, and what acts there.
 
-    The link of a free or pushed end is a push, that of another end a bond. Ends without
-    a value have 0.
+    The link of a free or pushed end is a push, that of another end a bond. What acts is
+    set in `boundaries`: its name and the value of the end, 0 for ends without a value.
     """
     kind = BOUNDARIES[end.kind]
     value = 0.0

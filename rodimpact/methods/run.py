@@ -86,9 +86,10 @@ class Episode(NamedTuple):
 def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
     """Episodes with force, from the changes of a contact in order of time.
 
-    At each of the `ticks` the contact takes on a `Status`: PRESS, GRAZE or OPEN. An
-    episode lasts from PRESS to OPEN; GRAZE only ends its force, and PRESS goes on with
-    it. `tick` is the duration of a tick, s.
+    At each of the `ticks` the contact takes on the `Status` of the same place: PRESS,
+    GRAZE or OPEN. An episode lasts from PRESS to OPEN; GRAZE only ends its force, and
+    PRESS goes on with it. The last episode may be under way: then its opening is nan,
+    and its `force_end` too if it presses. `tick` is the duration of a tick, s.
     """
     episodes: list[Episode] = []
     start = math.nan  # nan while no episode is under way

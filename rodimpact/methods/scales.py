@@ -22,9 +22,10 @@ LARGEST_STIFFNESS = 2.0**80
 
 
 def largest(values: Any) -> Any:
-    """Largest of some numbers.
+    """Largest of one or more numbers.
 
-    There is one for each member, if any is an array of a family.
+    It is an array with the largest of each member if any of them is an array of a
+    family.
     """
     result = values[0]
     for value in values[1:]:
@@ -44,11 +45,12 @@ def smallest(values: Any) -> Any:
 
 
 def velocities_of(row: Any) -> list[Any]:
-    """Velocities of all that moves at t = 0 or is moved, m/s.
+    """Velocities of masses, rods and walls at t = 0 and of fixed and moved ends, m/s.
 
-    Where they vary these are extremes.
+    Where a velocity varies, along a rod or in time, its least and its largest value are
+    in the list.
     """
-    velocities = [*row.mass_velocity]  # those of masses are means of bonded ones
+    velocities = [*row.mass_velocity]  # masses bonded together have their mean
     for body in row.system.bodies:
         if body.kind != "mass":
             velocities.extend(extremes(body.velocity))
@@ -61,7 +63,8 @@ def velocities_of(row: Any) -> list[Any]:
 def frame_of(row: Any) -> Any:
     """Velocity of the frame, m/s.
 
-    It is the mean of the walls, else the middle of all velocities.
+    It is the mean velocity of the walls. Without walls it is the middle between the
+    least and the largest of `velocities_of`.
     """
     walls = [body.velocity for body in row.system.bodies if body.kind == "wall"]
     if len(walls) == 0:
@@ -83,7 +86,7 @@ def wave_of_strain(row: Any, side: int) -> Any:
 
 
 def least_impedance(row: Any) -> Any:
-    """Smallest impedance rho c A of all segments, kg/s."""
+    """Smallest impedance rho c A of all segments, at their least area A, kg/s."""
     impedances = []
     for s in row.segments:
         least_area = extremes(s.area)[0]  # an area may vary along the segment
@@ -92,10 +95,11 @@ def least_impedance(row: Any) -> Any:
 
 
 def scale_of(row: Any) -> Any:
-    """Scale of velocities of a row with rods, m/s.
+    """Scale of velocities of a row with rods, m/s; 0 where nothing moves or acts.
 
-    It is the spread of the velocities, plus the velocities that the largest strain, the
-    largest force and gravity in the longest transit time make.
+    It is the spread of the velocities, plus c times the largest strain at t = 0 or of
+    an incoming wave, plus the largest force of a pushed end, a joint or an overlap at
+    t = 0 over the least impedance, plus g times the longest transit time.
     """
     strained = [0.0]  # wave speed times strain, m/s
     for body in row.system.bodies:
@@ -116,21 +120,22 @@ def scale_of(row: Any) -> Any:
         if link.law == Law.JOINT:
             pushed.append(abs(link.stiffness * link.stretch))
         elif link.law >= Law.SPRING:
-            # A compliant contact may begin with an overlap.
+            # A compliant contact may begin with an overlap: a gap below 0.
             overlap = np.maximum(0.0 - link.gap, 0.0)
             pushed.append(link.stiffness * overlap**link.exponent)
     transit = largest([s.transit_time for s in row.segments])
-    fall = abs(row.system.gravity) * transit  # m/s
+    fall = abs(row.system.gravity) * transit  # velocity that gravity makes, m/s
     velocities = velocities_of(row)
     spread = largest(velocities) - smallest(velocities)
     return spread + largest(strained) + largest(pushed) / least_impedance(row) + fall
 
 
 def scale_without_rods(row: Any, time: Any) -> Any:
-    """Scale of velocities of a row without rods, m/s.
+    """Scale of velocities of a row without rods, m/s; 0 where nothing moves or acts.
 
-    It is the spread of the velocities, plus those that gravity and given forces make in
-    a time, and those that the energy of springs at t = 0 makes.
+    It is the spread of the velocities, plus those that gravity and pushed ends make in
+    a time, and those that the energy of joints and compliant contacts at t = 0 makes,
+    all of the least mass.
 
     Parameters
     ----------
@@ -138,7 +143,7 @@ def scale_without_rods(row: Any, time: Any) -> Any:
     time : float or array
         Time in which forces act, s.
     """
-    least_mass = np.inf  # all masses may be bonded to walls
+    least_mass = np.inf  # where all masses are bonded to walls: forces move nothing
     if row.masses:
         least_mass = smallest(row.masses)
     scale = np.abs(row.system.gravity) * time
@@ -184,8 +189,10 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
 def energy_problem(row: Any) -> tuple[Any, str, str]:
     """Whether energies or forces of a row overflow or vanish, path and sentence.
 
-    Energies m v^2 and squares of forces Z v must be between the bounds of floats, and
-    far from both, v the velocity scale. A scale of 0 is no problem.
+    The first of the three is True, in a family an array of bool, where there is the
+    problem: energies m v^2 and squares of forces Z v, v the velocity scale, must be
+    between the bounds of floats, and far from both. A scale of 0 is no problem. The
+    path is "bodies".
     """
     scale: Any = row.scale
     heaviest: Any = largest([*row.masses, *(s.mass for s in row.segments)])
@@ -209,13 +216,15 @@ def energy_problem(row: Any) -> tuple[Any, str, str]:
 def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
     """For each contact with a law: whether it is as good as rigid, path and sentence.
 
-    Its stiffness is the slope of k d^p at d = velocity scale times longest transit, and
-    is compared with impedance over transit.
+    Its stiffness, k d^(p - 1) at d = velocity scale times longest transit, is compared
+    with impedance over transit. Where the ratio exceeds `LARGEST_STIFFNESS` or is nan,
+    the first of the three is True, in a family an array of bool.
     """
     transit: Any = largest([s.transit_time for s in row.segments])
     problems = []
     for k, i in row.by_law.items():  # contact k is link i
         link = row.links[i]
+        # In units of impedance over transit
         stiffness = (
             link.stiffness
             * (transit / least_impedance(row))
@@ -233,15 +242,16 @@ def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
 
 
 def check_scales(row: Any) -> None:
-    """Raise InvalidModel where numbers of a row are out of bounds.
+    """Raise InvalidModel if numbers of a single row are out of bounds.
 
     They overflow or vanish, or a contact is as good as rigid. If numbers overflow or
-    vanish, contacts are not judged.
+    vanish, contacts are not judged, else the error has all contacts that are too stiff.
     """
     problems = []
     for is_beyond, path, message in beyond_scales(row):
         if is_beyond:
             problems.append((path, message))
+    # The path "bodies" is that of `energy_problem`, which comes first.
     if problems and problems[0][0] == "bodies":
         raise InvalidModel(problems[:1])
     if problems:
