@@ -48,7 +48,7 @@ def build_row(system: Any) -> Row:
     )
     blocks = rigid_blocks(system)
     for block in blocks:
-        i = block[0]  # its first body, which is of the kind of all
+        i = block[0]  # its first body; a rod is the only one of its block
         body = bodies[i]
         if i > 0:  # the contact between the block before and this one
             row.contact_link.append(len(row.links))

@@ -55,7 +55,7 @@ class Pieces:
     def __init__(
         self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None
     ) -> None:
-        """Keep the arguments as arrays.
+        """Keep the arguments as arrays, and set `size`, the coefficients of a piece.
 
         Values of constant pieces become a column, [n, 1].
         """
@@ -81,9 +81,9 @@ class Pieces:
 
     @classmethod
     def through(cls, ticks: ArrayLike, values: Floats) -> Pieces:
-        """Straight lines through values, [n + 1], at so many ticks.
+        """The signal of n straight lines through n + 1 values at n + 1 ticks.
 
-        Through one value it is a constant.
+        It ends at the last tick. Through one value it is a constant.
         """
         ticks = np.asarray(ticks)
         if len(values) == 1:
@@ -117,7 +117,8 @@ class Pieces:
         Returns
         -------
         [n, m + 1] array
-            Chebyshev coefficients of the integral of each piece from its start.
+            Chebyshev coefficients of the integral of each piece from its start, as a
+            function of the piece's own variable y.
         [n] array
             Integral from the first start to the start of each piece.
         """
@@ -141,10 +142,11 @@ class Pieces:
 
     @cached_property
     def marks(self) -> Ints:
-        """Ticks between which straight lines follow the signal.
+        """Ticks, increasing, between which straight lines follow the signal.
 
-        They do so to `LINE_RTOL` of its range. One of them stands just before each
-        jump, and one at the end. A signal of constant pieces has their starts alone.
+        They do so to `LINE_RTOL` of its range. They are the starts of the pieces, ticks
+        inside of pieces that bend, the end, and a tick just before each jump. A signal
+        of constant pieces has their starts alone.
         """
         if self.size == 1:  # one coefficient a piece: it is constant
             return self.ticks
@@ -159,8 +161,9 @@ class Pieces:
             # off by less than (2/n)^2/8 of its bend.
             parts = np.ceil(np.sqrt(self.bends / (2 * error)))
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
-        firsts = np.cumsum(counts) - counts  # first mark of each piece
-        # Number of each mark in its piece, counted from 0
+        # By piece: how many marks those before it have. By mark: its number in its
+        # piece, counted from 0.
+        firsts = np.cumsum(counts) - counts
         index_in_piece = np.arange(counts.sum()) - np.repeat(firsts, counts)
         # The last part of a piece takes the remainder, fewer ticks than it has parts.
         part_widths = np.repeat(self.widths // counts, counts)
@@ -186,9 +189,10 @@ class Pieces:
         return np.clip((ticks - self.ticks[i]) / self.widths[i] * 2 - 1, -1.0, 1.0)
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
-        """Value at `ticks`.
+        """Value at `ticks`, an array of their shape.
 
-        It is the limit from the right (after a jump) or from the left (before).
+        It is the limit from the right (after a jump) or from the left (before). Before
+        the first piece its start value holds, after the last one its end value.
         """
         ticks = np.asarray(ticks)
         i = self.piece(ticks, side)
@@ -204,14 +208,14 @@ class Pieces:
         return _polynomials(self.coefficients, pieces, y)
 
     def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
-        """Values at shares, from 0 to 1, of the widths of intervals.
-
-        Each interval is inside of one piece.
+        """Values in intervals of time, at these shares of the width of each.
 
         Parameters
         ----------
         starts, stops : [n] int
+            Ticks at which intervals begin and end; each is inside of one piece.
         shares : [share] float
+            From 0, the start of an interval, to 1, its stop.
 
         Returns
         -------
@@ -223,7 +227,7 @@ class Pieces:
         i = self.piece(starts + lengths // 2)  # the piece in which the middle lies
         if self.size == 1:
             return self.coefficients[i]
-        # Ticks from the start of the piece to each share
+        # Ticks from the start of the piece to each share, [interval, share]
         since_start = (starts - self.ticks[i])[:, None] + lengths[:, None] * shares
         y = np.clip(since_start / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
         return _polynomials(self.coefficients, i[:, None], y)
@@ -241,9 +245,10 @@ class Pieces:
         return self._from_first(stop) - self._from_first(start)
 
     def _from_first(self, ticks: ArrayLike) -> Floats:
-        """Integral from the start of the first piece to these ticks.
+        """Integral from the start of the first piece to these ticks, value times ticks.
 
-        It is value times ticks.
+        It is an array of the shape of `ticks`. Outside of the pieces the signal is
+        constant; before them the integral runs backwards.
         """
         ticks = np.asarray(ticks)
         i = self.piece(ticks)
@@ -258,9 +263,10 @@ class Pieces:
         return up_to_piece[i] + in_piece
 
     def integrated_twice(self, stop: Any) -> Floats:
-        """Integral of (stop - t) f(t) over t from 0 to `stop`.
+        """Integral of the integral of the signal f from 0 on, at `stop`.
 
-        It is value times ticks squared: the integral of the integral of the signal f.
+        It is that of (stop - t) f(t) over t from 0 to `stop`, value times ticks
+        squared; `stop`, ticks, is a number or an array, whose shape the result has.
         """
         last = np.max(stop)
         time = Pieces.through([0, last], np.array([0.0, last]))  # the signal t
@@ -274,9 +280,10 @@ class Pieces:
         return self.breaks[first:after_last]
 
     def within(self, start: int, stop: int) -> Pieces:
-        """The pieces that hold somewhere from `start` to `stop`, as a signal.
+        """The signal of those pieces that hold somewhere from `start` to `stop`, ticks.
 
-        They are uncut.
+        They are uncut: it may begin before `start` and end after `stop`, and is
+        constant outside. One piece is left at least.
         """
         first = int(self.piece(start))
         after_last = max(int(self.ticks.searchsorted(stop, "right")), first + 1)
@@ -302,16 +309,16 @@ class Pieces:
         return self._combined(other, np.multiply, self.size + other.size - 1)
 
     def _combined(self, other: Pieces, operation: Any, size: int) -> Pieces:
-        """Apply an operation to two signals.
+        """The signal operation(self, other), whose pieces have `size` coefficients.
 
-        The pieces of the result have `size` coefficients.
-
-        It is computed at as many points of each interval between breaks of either. The
-        last interval has no length, and holds the constant values after both signals.
+        It is computed at `size` points of each interval between breaks of either
+        signal, exactly if its degree is below `size`. The last interval has no length,
+        and holds the constant value after both signals. `operation` takes two arrays.
         """
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])
         shares, to_coefficients = _interpolation(size)
+        # Values of both, [interval, point]
         left = self.inside(starts, stops, shares)
         right = other.inside(starts, stops, shares)
         return Pieces(starts, operation(left, right) @ to_coefficients)
@@ -335,14 +342,16 @@ class Pieces:
         return Pieces(starts, mirrored[::-1], int(about - self.ticks[0]))
 
     def cut(self, ticks: Ints, end: int) -> Pieces:
-        """The signal from ticks[0] to `end` in pieces that begin at `ticks`.
+        """The same signal from ticks[0] to `end`, in pieces that begin at `ticks`.
 
-        All its breaks from ticks[0] to `end` must be among them.
+        Before and behind it is constant.
 
         Parameters
         ----------
         ticks : [n] int
+            All breaks of the signal from ticks[0] to `end` must be among them.
         end : int
+            Tick at which the last piece stops.
         """
         shares, to_coefficients = _interpolation(self.size)
         stops = np.append(ticks[1:], end)
@@ -353,8 +362,8 @@ class Pieces:
 def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
     """Values at y of the Chebyshev series in the rows i of `coefficients`.
 
-    i and y broadcast. By Clenshaw's recurrence b_k = c_k + 2 y b_(k+1) - b_(k+2) the
-    values are c_0 + y b_1 - b_2.
+    i and y broadcast, and the values have their common shape. By Clenshaw's recurrence
+    b_k = c_k + 2 y b_(k+1) - b_(k+2) the values are c_0 + y b_1 - b_2.
     """
     before = np.zeros(())  # b_(k + 2)
     last = np.zeros(())  # b_(k + 1)
@@ -368,7 +377,7 @@ def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
 
 @cache
 def _interpolation(size: int) -> tuple[Floats, Floats]:
-    """Points from which a series of `size` coefficients follows.
+    """Points from which a series of `size` coefficients follows, and how.
 
     They are Chebyshev points, at which rounding errors of values are not enlarged.
 
@@ -388,7 +397,7 @@ def _interpolation(size: int) -> tuple[Floats, Floats]:
 
 
 def each_once(*ticks: ArrayLike) -> Ints:
-    """All ticks in order, each once.
+    """All ticks of these arrays, one array or more, in order, each once.
 
     `np.unique` hashes whole numbers, and takes 50 times as long. Sorting merges what is
     in order already.

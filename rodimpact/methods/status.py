@@ -27,9 +27,9 @@ class RunEnd(NamedTuple):
 
 
 def is_held(system: Any) -> bool:
-    """Whether walls hold a row in.
+    """Whether walls hold a row in, so that bodies cannot all part.
 
-    There is one at both ends, or one that is joined to the row.
+    There is a wall at both ends, or one whose contact cannot open.
     """
     last = len(system.bodies) - 1
     wall_count = 0
@@ -46,7 +46,10 @@ def is_held(system: Any) -> bool:
 def describe_end(
     stopped_by: str, final: str, end: str, cap: str, system: Any
 ) -> RunEnd:
-    """Why a run ended; the page has this as JavaScript.
+    """Why a run ended, as a statement and advice.
+
+    There is advice, which argument would let the run go on to the proof or beyond the
+    cap, only where that helps: else it is "". The page has this as JavaScript.
 
     Parameters
     ----------
@@ -57,6 +60,7 @@ def describe_end(
     end, cap : str
         End of the run, and the work that it may do at most, with their units.
     system : System
+        It tells why a run to a given end is not proved final.
     """
     if stopped_by == "final":
         return RunEnd(final, "")
@@ -79,6 +83,7 @@ def describe_end(
             reason = "a row between walls, or joined to one, may never come to an end"
             return RunEnd(f"{statement}; {reason}.", "")
         return RunEnd(f"{statement}.", "Leave out until= to run to the proof.")
+    # It stopped at the cap.
     if final != "":
         return RunEnd(
             f"{final} The cap of {cap} ended the run at {end}.",
@@ -118,8 +123,8 @@ def last_contact(
     Returns
     -------
     float
-        0 if no contact pressed; inf if one goes on pressing for ever; nan if bodies
-        still touch at the end of the run and may part later.
+        0 if no contact pressed. nan if bodies still touch without force at the end of
+        the run and may part later; else inf if a contact goes on pressing for ever.
     """
     latest = 0.0
     for force_end, opening in ends:
@@ -138,7 +143,8 @@ def last_contact(
 def proof_sentence(met: bool, t_final: float) -> str:
     """Sentence on what the proof of finality says.
 
-    `met` says whether anything collided; `t_final`, s, is that of `last_contact`.
+    `met` says whether anything collided; `t_final`, s, is what `last_contact` returns:
+    nan where bodies may part later, inf where they stay in contact.
     """
     if not met:
         return "No collision happens, now or later."
@@ -163,9 +169,9 @@ def rounding(error: float, path: str) -> str:
 
 
 def strain_warning(strain: float) -> str:
-    """Sentence that warns of a strain that is not small; "" if it is small.
+    """Sentence that warns of a strain above `LARGE_STRAIN`; "" if it is smaller.
 
-    `strain` is the largest strain, or a bound of it.
+    `strain` is the largest strain, or a bound of it. The sentence begins with a space.
     """
     if strain <= LARGE_STRAIN:
         return ""
@@ -176,11 +182,12 @@ def strain_warning(strain: float) -> str:
 
 
 def quake_warning(system: Any) -> str:
-    """Sentence that warns of the first quake that is far too large; "" if none is.
+    """Sentence that warns of the first quake above `LARGE_QUAKE`; "" if there is none.
 
-    Soil along the rods comes first, then that at contacts.
+    A quake is the overlap or displacement at which soil yields, m. Soil along the rods
+    comes first, then that at contacts. The sentence begins with a space.
     """
-    quakes = []
+    quakes = []  # path, and quake, m; 0 where there is no soil
     for i, body in enumerate(system.bodies):
         shaft = getattr(body, "shaft", None)
         quakes.append((f"bodies.{i}.shaft.quake", getattr(shaft, "quake", 0.0)))

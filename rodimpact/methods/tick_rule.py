@@ -46,6 +46,8 @@ DURATION = dtype_of(Duration)
 def recognise(x: float) -> tuple[int, int]:
     """Recover x = p/q by its continued fraction x = a0 + 1/(a1 + 1/(a2 + ...)).
 
+    Convergents are tried one after the other: the first that is close enough counts.
+
     Parameters
     ----------
     x : float
@@ -83,7 +85,8 @@ def recognise(x: float) -> tuple[int, int]:
 def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int:
     """Find the class of the longest duration that has no ticks yet, its leader.
 
-    Members of the class get their ratio p/q to the leader, other durations q = 0.
+    Of the durations without ticks behind it, members of the class get their ratio p/q
+    to the leader, the others q = 0; the leader gets 1/1. Nothing gets its ticks here.
 
     Parameters
     ----------
@@ -91,9 +94,9 @@ def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int
         With their sorted indices: the i-th longest has the index
         durations[i].sorted_index. Members of an earlier class have q < 0.
     start : int
-        Place of the leader in the order.
+        Place of the leader in the order by decreasing time.
     max_parts : int
-        Largest number of parts allowed.
+        Largest number of parts allowed: a duration that needs more is no member.
 
     Returns
     -------
@@ -122,12 +125,13 @@ def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int
 def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
     """Set `sorted_index`, the order by decreasing time, and forget each class (q = 0).
 
-    No record moves. The last `drive_count` durations are ordered by themselves and come
-    last.
+    No record moves: durations[i].sorted_index becomes the index of the i-th longest.
+    Equal times keep their order. The last `drive_count` durations are ordered by
+    themselves and come last.
     """
     n = len(durations)
     for i in range(n):  # insertion: those before i are in order
-        first = 0
+        first = 0  # first place that duration i may take
         if i >= n - drive_count:
             first = n - drive_count
         j = i  # place of duration i in the order
@@ -142,12 +146,12 @@ def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
 
 
 def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0) -> int:
-    """Give each duration its whole number of ticks.
+    """Set `ticks` of each duration, and return those of the longest, about 2^bits.
 
-    Return that of the longest (about 2^bits). A tick is the longest duration that is no
-    time of a drive, divided by the number returned. The class of the longest is exact,
-    and simple fractions of its unit are whole ticks too, for gaps that close there. A
-    further class is exact while its unit has at least 2^40 ticks. The other durations
+    A tick is the longest duration that is no time of a drive, divided by the number
+    returned. The class of the longest is exact, and simple fractions of its unit are
+    whole ticks too, for gaps that close there. A further class keeps its ratios while
+    its unit has at least 2^40 ticks, to which the unit is rounded. The other durations
     are rounded singly, by at most half a tick.
 
     Parameters
@@ -170,14 +174,15 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
         exact_ticks = leader.time / longest_time * longest_ticks
         max_parts = MAX_PARTS
         if start > 0:
-            max_parts = int(exact_ticks / MIN_UNIT)
+            max_parts = int(exact_ticks / MIN_UNIT)  # a part has MIN_UNIT ticks or more
         parts = 0
         if max_parts > 0:
             parts = find_class(durations, start, max_parts)
         unit = 0  # ticks of a part
         if start == 0:
             unit = max(1, ((1 << bits) + parts // 2) // parts)  # rounded 2^bits/parts
-            if unit > DIVISIBLE * DIVISIBLE:  # shorter by 1/DIVISIBLE at most
+            # A multiple of DIVISIBLE is less by 1/DIVISIBLE of the unit at most.
+            if unit > DIVISIBLE * DIVISIBLE:
                 unit -= unit % DIVISIBLE
             longest_ticks = unit * parts
         elif parts > 0:
@@ -188,8 +193,8 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
             continue
         for i in range(start, len(durations)):
             member = durations[durations[i].sorted_index]
-            # The leader has `parts` parts of `unit`
-            # ticks, a member of its class p/q of them.
+            # The leader has `parts` parts of `unit` ticks, a member of its class p/q of
+            # them. Durations that are no members have q = 0, or q < 0 with their ticks.
             if member.q > 0:
                 member.ticks = unit * (parts // member.q) * member.p
                 member.q = -1
@@ -197,11 +202,12 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
 
 
 def clock_bits(ratio: float) -> int:
-    """Base-2 logarithm of the longest transit in ticks.
+    """Base-2 logarithm of the longest transit in ticks, `MAX_TRANSIT_BITS` at most.
 
-    The run lasts `ratio` longest transits, and must not be longer than 2^CLOCK_BITS
-    ticks. No clock counts the run if the result is below `MIN_TRANSIT_BITS`; it may be
-    negative, and is 0 for a ratio that is negative, infinite or nan.
+    With it a run of `ratio` longest transits takes no more than 2^CLOCK_BITS ticks. No
+    clock counts the run if the result is below
+    `MIN_TRANSIT_BITS`; it may be negative, and is 0 for a ratio that is negative,
+    infinite or nan.
     """
     if ratio == 0:
         return MAX_TRANSIT_BITS
@@ -221,6 +227,9 @@ def default_horizon(
 ) -> float:
     """Time that the clock of a run without a given end must be able to count, s.
 
+    It is the largest of so many longest transits, crossings of the row and flights, but
+    no more than a clock can count beside the longest transit.
+
     Parameters
     ----------
     longest : float
@@ -230,7 +239,7 @@ def default_horizon(
     flight_time : float
         Time to cross all gaps at the velocity scale, s.
     share : float
-        Share of `HORIZON` that is counted.
+        Share of the `HORIZON` longest transits that is counted.
     """
     horizon = max(
         share * HORIZON * longest,
