@@ -82,15 +82,13 @@ def status_column(refused: Any, final: Any, capped: Any, until: float | None) ->
     first of these that holds counts. Else it ran to the given end `until`, or without
     one to the end of the clock. The first three arguments are [member] arrays of bool.
     """
-    # `np.select` takes the first reason that holds.
-    reasons = {
-        "refused": refused,
-        "final": final & (until is None),
-        "max_events": capped,
-    }
     if until is None:
+        ended_by_proof = final
         otherwise = "clock"
-    else:
+    else:  # a proof does not end such a run
+        ended_by_proof = np.zeros_like(final)
         otherwise = "until"
+    # `np.select` takes the first reason that holds.
+    reasons = {"refused": refused, "final": ended_by_proof, "max_events": capped}
     places = [STOPPED_BY.index(name) for name in reasons]
     return np.select(list(reasons.values()), places, STOPPED_BY.index(otherwise))

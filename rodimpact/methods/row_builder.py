@@ -122,7 +122,7 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
         else:
             side = 1
         row.boundaries[side] = ("velocity", bodies[i].velocity)
-    if len(walls) > 0:
+    if len(walls) > 0:  # the block is a boundary, and no mass
         return
     mass = bodies[block[0]].mass
     velocity = bodies[block[0]].velocity

@@ -203,13 +203,15 @@ def energy_problem(row: Any) -> tuple[Any, str, str]:
     force = scale * largest(impedances)
     energy = scale * scale * heaviest
     force_squared = force * force
-    is_above = np.less(SMALLEST_FLOAT * SUM_MARGIN, np.minimum(energy, force_squared))
-    is_below = np.less(np.maximum(energy, force_squared), LARGEST_FLOAT / SUM_MARGIN)
+    smaller = np.minimum(energy, force_squared)
+    larger = np.maximum(energy, force_squared)
+    is_large_enough = np.less(SMALLEST_FLOAT * SUM_MARGIN, smaller)
+    is_small_enough = np.less(larger, LARGEST_FLOAT / SUM_MARGIN)
     message = (
         f"velocities and strains of {np.max(scale):.6g} m/s make energies or forces "
         "that overflow or vanish; use smaller or larger ones"
     )
-    is_beyond = np.not_equal(scale, 0) & ~(is_above & is_below)
+    is_beyond = np.not_equal(scale, 0) & ~(is_large_enough & is_small_enough)
     return is_beyond, "bodies", message
 
 

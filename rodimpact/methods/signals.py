@@ -155,19 +155,20 @@ class Pieces:
         low = float((middle - swing).min())
         high = float((middle + swing).max())
         error = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
-        parts = np.ones(len(middle))  # into which each piece is divided
+        parts_needed = np.ones(len(middle))  # parts of each piece, [n]
         if error > 0:
             # A line over the n-th part of a piece is
             # off by less than (2/n)^2/8 of its bend.
-            parts = np.ceil(np.sqrt(self.bends / (2 * error)))
-        counts = np.clip(parts, 1, self.widths).astype(np.int64)
-        # By piece: how many marks those before it have. By mark: its number in its
-        # piece, counted from 0.
-        firsts = np.cumsum(counts) - counts
-        index_in_piece = np.arange(counts.sum()) - np.repeat(firsts, counts)
+            parts_needed = np.ceil(np.sqrt(self.bends / (2 * error)))
+        # Each part begins with a mark, and has a tick at least.
+        parts = np.clip(parts_needed, 1, self.widths).astype(np.int64)
+        # [n]: how many marks the pieces before have
+        marks_before = np.cumsum(parts) - parts
+        # [mark], as `inside`: its number in its piece, counted from 0
+        index_in_piece = np.arange(parts.sum()) - np.repeat(marks_before, parts)
         # The last part of a piece takes the remainder, fewer ticks than it has parts.
-        part_widths = np.repeat(self.widths // counts, counts)
-        inside = np.repeat(self.ticks, counts) + part_widths * index_in_piece
+        part_widths = np.repeat(self.widths // parts, parts)
+        inside = np.repeat(self.ticks, parts) + part_widths * index_in_piece
         later_starts = self.ticks[1:]
         rises = self.values[1:] - self.at(later_starts, "left")
         jumps = later_starts[np.abs(rises) > error]
@@ -286,7 +287,8 @@ class Pieces:
         constant outside. One piece is left at least.
         """
         first = int(self.piece(start))
-        after_last = max(int(self.ticks.searchsorted(stop, "right")), first + 1)
+        after_last = int(self.ticks.searchsorted(stop, "right"))
+        after_last = max(after_last, first + 1)  # where `stop` is before all pieces
         end = self.end
         if after_last < len(self.ticks):  # it ends with the last piece that is kept
             end = int(self.ticks[after_last])

@@ -31,16 +31,12 @@ def is_held(system: Any) -> bool:
 
     There is a wall at both ends, or one whose contact cannot open.
     """
-    last = len(system.bodies) - 1
-    wall_count = 0
-    is_joined = False
-    # The first and the last body, each with the contact that a wall there has
-    for body, contact in ((0, 0), (last, last - 1)):
-        if system.bodies[body].kind == "wall":
-            wall_count += 1
-            if not system.contacts[contact].opens:
-                is_joined = True
-    return wall_count == 2 or is_joined
+    has_left_wall: bool = system.bodies[0].kind == "wall"
+    has_right_wall: bool = system.bodies[-1].kind == "wall"
+    is_between_walls = has_left_wall and has_right_wall
+    is_joined_left: bool = has_left_wall and not system.contacts[0].opens
+    is_joined_right: bool = has_right_wall and not system.contacts[-1].opens
+    return is_between_walls or is_joined_left or is_joined_right
 
 
 def describe_end(

@@ -175,7 +175,7 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
         max_parts = MAX_PARTS
         if start > 0:
             max_parts = int(exact_ticks / MIN_UNIT)  # a part has MIN_UNIT ticks or more
-        parts = 0
+        parts = 0  # of the leader; 0 if it leads no class
         if max_parts > 0:
             parts = find_class(durations, start, max_parts)
         unit = 0  # ticks of a part
@@ -186,7 +186,7 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
                 unit -= unit % DIVISIBLE
             longest_ticks = unit * parts
         elif parts > 0:
-            unit = int(exact_ticks / parts + 0.5)
+            unit = int(exact_ticks / parts + 0.5)  # rounded
         if unit == 0:  # the class has no exact ratio: its leader is rounded singly
             leader.ticks = int(exact_ticks + 0.5)
             leader.q = -1

@@ -23,14 +23,17 @@ NO_ERRORS: Mapping[str, float] = {}
 
 
 def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
-    """Relative error of each measure of the outcome that rounded transit times make.
+    """Relative error of each of `runs.MEASURES`, by name, that rounded transits make.
 
     The exact transit time lies between the rounded one and the next tick on its other
     side. A second run uses that tick. The difference between both outcomes is the
     stated error: it exceeds the error of an outcome that varies steadily between both
-    ticks. It is empty where round-off is larger or the cap ended the run, and inf where
-    both runs end for different reasons. Errors of velocities are relative to the
-    velocity scale, others to the largest value of the measure.
+    ticks. Errors of velocities are relative to the velocity scale, others to the
+    largest value of the measure.
+
+    Without a second run there are no errors: where transit times change by no more than
+    `ROUNDED`, or the cap ended the run. All are inf where both runs end for different
+    reasons.
     """
     if finished.clock.transit_error <= ROUNDED or finished.stopped_by == "max_events":
         return NO_ERRORS
@@ -46,9 +49,10 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
     other_measures = measures_of(other)
     for name, values in measures_of(finished).items():
         largest_change = float(np.abs(values - other_measures[name]).max(initial=0.0))
-        scale = np.abs(values).max(initial=0.0)
         if name == runs.VELOCITY:
             scale = finished.run.velocity_scale
+        else:
+            scale = float(np.abs(values).max(initial=0.0))
         errors[name] = 0.0
         if largest_change > 0:
             errors[name] = largest_change / scale
@@ -56,14 +60,15 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
 
 
 def measures_of(finished: FrontRun) -> dict[str, Array]:
-    """Values of each of `runs.MEASURES` in SI units, by body or by contact.
+    """Values of each of `runs.MEASURES` by name, in SI units.
 
-    Times are three of each contact; that of NONE, where there was no force, is a tick
-    before 0.
+    They are velocities after the run, [body], and impulses, peak forces and force
+    durations, [contact]. Times are three of each contact in one array: of its first and
+    last force, and of its last opening. One that never came is a tick before 0.
     """
     tick = finished.clock.tick
     tallies = [tally_of(node, tick) for node in finished.contacts]
-    times: list[float] = []
+    times: list[float] = []  # a tick that is NONE is -1
     for node in finished.contacts:
         times.append(node.first_force_tick * tick)
         times.append(node.last_force_tick * tick)
@@ -80,7 +85,8 @@ def measures_of(finished: FrontRun) -> dict[str, Array]:
 def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
     """Sentence that states the largest error by rounded transit times.
 
-    It is empty without errors. An infinite error is one that is not known.
+    `accuracy` has errors by measure. Without any the sentence is empty. An infinite
+    error is one that is not known. The sentence begins with a space.
     """
     if not accuracy:
         return ""
@@ -93,11 +99,13 @@ def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
 def with_faint_forces(
     finished: FrontRun, errors: Mapping[str, float]
 ) -> Mapping[str, float]:
-    """Relative errors of an outcome, with those of durations and times by faint forces.
+    """Relative errors of an outcome by measure, with those that faint forces make.
 
-    A contact that grazes after a faint force may press until it opens: durations and
-    times are wrong by so much. If it grazes when the collision is over, it may press
-    for ever: they are inf. `errors` are those so far, and stay as they are.
+    A contact that grazes after a faint force may press until it opens. The longest such
+    time, relative to the largest value, is added to the errors of durations and times.
+    If a contact grazes so at the end of a run to its proof, it may press for ever: both
+    are inf. `errors` are those so far, and stay as they are; without faint forces they
+    are returned themselves.
     """
     faint_ticks = 0
     for node in finished.contacts:

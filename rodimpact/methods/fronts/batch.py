@@ -56,10 +56,10 @@ class RunRequest(NamedTuple):
     perturb_rounding: bool = False
 
     def store(self, run: Run) -> None:
-        """Store the request in the record of a run; flags become 0 or 1.
+        """Set the fields of the record of a run that a request has; flags are 0 or 1.
 
-        An `until` of the record below 0 stands for -until default horizons: without an
-        end it is -1, one of them.
+        Without a given end, `until` of the record becomes -1: a value below 0 stands
+        for -until default horizons.
         """
         run.until = -1.0 if self.until is None else self.until
         run.max_events = self.max_events
@@ -82,10 +82,10 @@ class FrontBatch(Batch[State]):
     def __init__(
         self, layout: FamilyLayout, request: RunRequest, *, is_compiled: bool
     ) -> None:
-        """Make the records of the layout for no members yet.
+        """Make the state for a layout and a request, without members yet.
 
-        The request is in the record of the run. Records are lists of objects, or arrays
-        if the members are to run in machine code.
+        The request is stored in the record of the run. Records are lists of objects, or
+        arrays if the members are to run in machine code.
         """
         state = make_state(layout, INITIAL_LOG_ROWS, [])
         request.store(state.runs[0])
@@ -96,14 +96,16 @@ class FrontBatch(Batch[State]):
             self.to_arrays()
 
     def load_members(self, values: Array) -> None:
-        """Take the values of other members, [member, value].
+        """Put the values of other members, [member, value], into the state.
 
-        Room for their results is made.
+        Room for their results is made there, too: results of earlier members, also
+        arrays of them that were handed out, are overwritten. Nothing runs yet.
         """
         member_count = len(values)
         node_count = len(self.layout.closed_status)
         if self.is_compiled:
-            # Results reuse the memory: new memory takes longer than a run.
+            # Results reuse the memory, which grows if it is too small: new memory takes
+            # longer than a run.
             if len(self._result_buffer) < member_count:
                 self._result_buffer = np.empty((member_count, node_count), NODE_RESULT)
             results: Any = self._result_buffer[:member_count]
@@ -114,9 +116,10 @@ class FrontBatch(Batch[State]):
         self.state = self.state._replace(values=rows, results=results)
 
     def run_to_end(self, report: ProgressReport = no_report) -> None:
-        """Run the members that were loaded to their ends.
+        """Run the members that were loaded to their ends; their results are set.
 
-        The log grows as often as it is full.
+        As often as the log is full, it grows, `report` is told the number of events and
+        the expected one, or None, and the form of the state may change.
 
         Raises
         ------
@@ -135,10 +138,11 @@ class FrontBatch(Batch[State]):
     def _ask_for_log(self) -> None:
         """Raise TooLong if the next, longer log takes too much memory.
 
-        Its signals count, too.
+        Its signals count, too. The log itself stays as it is; a thread with a share of
+        memory may have to wait here, see `require_memory`.
         """
         rows = len(self.state.log)
-        # Numbers of 8 bytes
+        # Numbers of 8 bytes that the longer log takes
         if self.is_compiled:
             # A longer array takes memory as its rows are used:
             # twice as many are counted.
@@ -162,7 +166,8 @@ class FrontBatch(Batch[State]):
 def expected_events(run: Run) -> int | None:
     """Estimated number of events of a run to a given time, at most its `max_events`.
 
-    It is None where a proof ends the run, and as long as the run is at t = 0.
+    So far events came at a steady rate in time, which is taken to go on. The number is
+    None where a proof ends the run, and as long as the run is at t = 0.
     """
     if run.end_tick <= 0 or run.now <= 0:  # NONE is below 0
         return None

@@ -24,8 +24,8 @@ pass through faint ones.
 def reset_node(node: Node, zero: Amplitude) -> None:
     """Set a node to t = 0: no force, no motion, all totals 0.
 
-    `zero` is 0 of its kind of number. `closed_status` and `gap` are set before; a node
-    with a gap is open.
+    `closed_status` and `gap` are set before, and stay: a node with a gap becomes OPEN,
+    any other gets its closed status. `zero` is 0 of the kind of number that is used.
     """
     node.status = Status.OPEN.value if node.gap > 0 else node.closed_status
     node.solved_tick = 0
@@ -52,8 +52,9 @@ def resolve_contact(
 
     Gap and gap rate of the node become those of now; its status and force do not change
     yet. Signorini: gap >= 0, force >= 0, and one of them is 0. So a closed contact
-    presses if its faces would close without a force, and opens if they part; as long as
-    it is closed, its gap rate is exactly 0.
+    presses if its faces would close without a force, and opens if they part; if they do
+    neither, one that pressed grazes. A gap that closes counts as TOUCH before that. As
+    long as the contact is closed, its gap rate is exactly 0.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def resolve_contact(
     dt : int
         Ticks since the node was solved last.
     tolerance : float
-        Smallest velocity that is not round-off.
+        A velocity that is not larger counts as 0, m/s.
     window : int
         A gap that would close within so many ticks closes now.
     """
@@ -99,20 +100,22 @@ def log_contact_change(
 ) -> None:
     """Change the status of the contact at node k, and log the change.
 
-    Its episodes, first and last force, the last opening, whether it is faint, and when
-    to try the next proof are brought up to date. The force is still that before.
+    Of the node, episodes, the ticks of first and last force and of the last opening,
+    and `is_faint` are brought up to date; of the run, when to try the next proof. The
+    force is still that before the change.
 
     Parameters
     ----------
     run : Run
     node : Node
     change : Front
-        The next free row of the log.
+        The next free row of the log, which gets the change.
     k, tick : int
+        Number of the node, and tick of the change.
     status : int
         The new one; a change from OPEN to OPEN is a touch without a force.
     mobility : float
-        Y1 + Y2.
+        Y1 + Y2, s/kg.
     """
     before = node.status
     node.status = status
@@ -151,7 +154,7 @@ def solve_force(
     right_mobility: Amplitude,
     is_left_end: bool,
 ) -> Amplitude:
-    """Set the force of a node and the velocity of its left face.
+    """Set the force of a node and `face_velocity`, the velocity of its left face.
 
     Where the node presses or is bonded, both faces move alike: F = (a - b)/(Y1 + Y2).
     At an end under a given force, F Y arrives from outside as a wave. Elsewhere there
@@ -182,13 +185,14 @@ def solve_force(
 def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
     """Add the effects of the force in the `dt` ticks since the node was solved last.
 
-    These are impulse, integral(F t dt), work, peak force, and the times with a force or
-    a faint one.
+    These are impulse, its moment integral(F t dt), work, peak force, the ticks with
+    status PRESS, and those of grazing after a faint force. A force that lasts no more
+    than `window` ticks is left out of the peak. `solved_tick` stays as it is.
     """
     if node.force != 0:
         impulse = node.force * dt
         node.impulse += impulse
-        node.impulse_moment += impulse * (node.solved_tick + dt / 2)
+        node.impulse_moment += impulse * (node.solved_tick + dt / 2)  # mean time
         node.work += node.force * node.face_velocity * dt
         # A shorter force comes from waves that
         # meet at one tick, but for their rounding.
@@ -203,6 +207,8 @@ def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
 def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> int:
     """Tick at which an open contact is solved next: its gap closes, or a wave arrives.
 
+    The gap goes on at its present rate; nothing is changed.
+
     Parameters
     ----------
     node : Node
@@ -214,7 +220,7 @@ def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> 
         A gap that closes at most so many ticks before an arrival waits for it.
     """
     if node.gap < -node.gap_rate * (NEVER - tick):  # it closes before the clock ends
-        # gap/speed + 1/2: the 1/2 makes `trunc` round
+        # gap/speed + 1/2, with the speed -gap_rate; the 1/2 makes `trunc` round
         ticks = (2 * node.gap - node.gap_rate) / (-2 * node.gap_rate)
         closing_tick: int = tick + math.trunc(ticks)
         if closing_tick + window < arrival_tick:

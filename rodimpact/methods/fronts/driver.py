@@ -32,9 +32,10 @@ def solve_one(
     request: RunRequest,
     report: ProgressReport = no_report,
 ) -> FrontBatch:
-    """Follow every front of a single collision.
+    """Run a single collision, and return the batch that has its records.
 
-    Without `until` the run ends one round trip of the longest body after the proof.
+    With `until` in the request the run ends there, else one round trip of the longest
+    body after the proof.
 
     Parameters
     ----------
@@ -46,14 +47,16 @@ def solve_one(
     Returns
     -------
     FrontBatch
-        Its stop reason may be OVERFLOW, LONG or SHORT: `FrontRun` raises InvalidModel.
+        Where the collision has no clock it has not run, and its stop reason is
+        OVERFLOW, LONG or SHORT: for that `FrontRun` raises InvalidModel.
 
     Raises
     ------
     TooLong
         If the run takes too much memory.
     """
-    # The tick rule compares all pairs of durations.
+    # Time in plain Python, s: the tick rule compares all pairs of durations. The run
+    # itself is counted as its log grows.
     tick_rule_time = (2 * layout.duration_count) ** 2 * PLAIN_PAIR_TIME
     is_compiled = kernels.worth_compiling(tick_rule_time, run_members)
     batch = FrontBatch(
@@ -76,7 +79,9 @@ def solve_many(
 ) -> dict[tuple[str, int], Array]:
     """Run every member of a family to `until`, or to its proof of finality.
 
-    Members run in blocks that share records small enough for the processor's cache.
+    Members run in blocks that share records small enough for the processor's cache, in
+    plain Python until machine code pays. The size of the blocks is adapted so that each
+    takes about `BLOCK_TIME`.
 
     Parameters
     ----------
@@ -86,14 +91,15 @@ def solve_many(
     fields : sequence of (str, int)
         Fields of `records.NodeResult` to return, each with the node.
     should_stop : callable
-        Asked now and then whether to give up.
+        Asked before each block whether to give up.
     later_members : int
         Members that other calls will run in this process.
 
     Returns
     -------
     dict of (str, int) to array
-        The fields, [member] in C order.
+        By field and node, as `fields` names them, [member] in C order. Members without
+        a clock are told by their `stop_reason`.
 
     Raises
     ------
@@ -126,7 +132,7 @@ def solve_many(
         is_compiled = kernels.worth_compiling(
             member_time * length, run_members, ahead=ahead
         )
-        if is_compiled != batch.is_compiled:  # the form changes
+        if is_compiled != batch.is_compiled:  # the form changes: lists or arrays
             batch = FrontBatch(layout, request, is_compiled=is_compiled)
         run_block(batch, members, block, columns)
         first = block.stop
@@ -151,7 +157,8 @@ def run_block(
 ) -> None:
     """Run a block of members to their ends, and store their results in `columns`.
 
-    The columns are by field and node, [member].
+    `block` is a range of members. The columns, by field and node, have an entry for
+    every member of the family; those of the block are set.
     """
     batch.load_members(members.values_of(block))
     batch.run_to_end()
@@ -168,22 +175,25 @@ class MemberValues:
     """
 
     def __init__(self, layout: FamilyLayout) -> None:
-        """Fill in the values that all members share.
+        """Fill `_block` with the values that all members share.
 
-        The others are kept aside, [member] each.
+        Those that vary are kept in `_varying` by their place, [member] each.
         """
         size = min(layout.row.members, MAX_BLOCK_SIZE)
         self._block = np.empty((size, len(layout.values)))
         self._varying: dict[int, Array] = {}
         for j, value in enumerate(layout.values):
             if np.ndim(value) == 0:
-                self._block[:, j] = value  # which no block changes
+                self._block[:, j] = value  # for good: no block changes it
             else:
                 shape = layout.row.system.shape
                 self._varying[j] = np.broadcast_to(value, shape).ravel()
 
     def values_of(self, block: slice) -> Array:
-        """Values of some members, [member, value]; the next call overwrites them."""
+        """Values of a range of members, [member, value].
+
+        They are a part of `_block`, which the next call overwrites.
+        """
         values = self._block[: block.stop - block.start]
         for j, value in self._varying.items():
             values[:, j] = value[block]

@@ -14,15 +14,15 @@ from .records import NONE, Amplitude, Log, Segment, State
 def update_motion(state: State) -> None:
     """Set velocities of groups, and momenta and energies of segments, to those of now.
 
-    The energies are those of vibration. The vibration at t = 0 is found for runs past
-    the proof only.
+    The energies are those of vibration about the velocities of the groups. At t = 0
+    they are found for runs past the proof only; in others they have no meaning yet.
     """
     run = state.runs[0]
     nodes = state.nodes
     last = nodes[len(nodes) - 1]
     is_anchored = nodes[0].status == Status.BOND or last.status == Status.BOND
-    # The velocities follow from the momenta at t = 0,
-    # and where something is bonded to the outside.
+    # The velocities follow from the momenta at t = 0, and where something is bonded to
+    # the outside; else from the impulses.
     if is_anchored or run.events == 0:
         measure_segments(state)
     set_group_velocities(state)
@@ -35,7 +35,7 @@ def measure_segments(state: State) -> None:
     """Set momentum, and vibration energy about `group_velocity`, of each segment.
 
     Both are sums over its two waves: what was sent to either end in the last transit
-    time.
+    time. In units of this kernel: they are N s and J over the duration of a tick.
     """
     now = state.runs[0].now
     log = state.log
@@ -54,7 +54,8 @@ def measure_segments(state: State) -> None:
             edge = segment.transit
             while r != NONE:
                 front = log[r]
-                width = edge - now + front.tick  # ticks over which it was sent
+                # Ticks over which it was sent, up to `now - front.tick` ticks ago
+                width = edge - now + front.tick
                 wave_integral += wave * width
                 square_integral += (wave - mean) * (wave - mean) * width
                 edge = now - front.tick
@@ -67,7 +68,7 @@ def measure_segments(state: State) -> None:
 
 
 def set_group_velocities(state: State) -> None:
-    """Set the velocities V of bonded groups of mass m.
+    """Set `group_velocity` of all segments: V of their bonded group, of mass m.
 
     V = p/m at t = 0, and V(0) + (impulse on the left - impulse on the right)/m later:
     impulses are more exact than the momenta p of waves, and independent of them. A
@@ -81,7 +82,7 @@ def set_group_velocities(state: State) -> None:
     while first < len(nodes):
         last = segments[first].group_last
         mass = 0 * segments[first].mobility  # 0 of the same kind of number
-        momentum = mass
+        momentum = mass  # 0, too
         for s in range(first, last + 1):
             mass += segments[s].transit / segments[s].mobility
             momentum += segments[s].momentum
@@ -106,7 +107,10 @@ def store_initial_motion(segments: Sequence[Segment]) -> None:
 
 
 def find_wave_differences(state: State) -> None:
-    """Set `max_wave_difference` of each segment: that of its two waves, up to now."""
+    """Set `max_wave_difference` of each segment, m/s, over the whole run up to now.
+
+    It is the largest absolute difference of its two waves where they meet.
+    """
     run = state.runs[0]
     for s in range(1, len(state.segments) - 1):
         rightward = state.lines[2 * s].first_row
@@ -120,20 +124,21 @@ def find_wave_differences(state: State) -> None:
 def largest_difference(
     log: Log, row_a: int, row_b: int, transit: int, end_tick: int, window: int
 ) -> Amplitude:
-    """Largest absolute difference of two waves where they meet.
+    """Largest absolute difference of the two waves of a segment where they meet, m/s.
 
     Meetings between 0 and `end_tick` count. Waves that leave the two ends of a segment
-    at p and q meet at (p + q + T)/2 if abs(p - q) < T, its transit time.
+    at p and q meet at (p + q + T)/2 if abs(p - q) < T, its transit time. If nothing
+    that counts meets, it is 0.
 
     Parameters
     ----------
     log : list of Front
     row_a, row_b : int
-        First rows of the two lines.
+        Rows of the first fronts of the two lines.
     transit, end_tick : int
         Transit time of the segment, and end of the run.
     window : int
-        A wave that lasts no longer comes of round-off, and does not count.
+        A wave that lasts no longer, ticks, comes of round-off, and does not count.
     """
     largest = abs(0 * log[row_a].value)  # 0 of the same kind of number
     while row_a != NONE:
@@ -142,7 +147,8 @@ def largest_difference(
         a1 = end_tick
         if wave_a.next_row != NONE:
             a1 = min(log[wave_a.next_row].tick, end_tick)
-        # Waves that left the other end a transit before this one do not meet it.
+        # Waves that left the other end a transit before this one do not meet it. They
+        # meet no later one either, so that `row_b` only goes on.
         next_b = log[row_b].next_row
         while next_b != NONE and log[next_b].tick <= a0 - transit:
             row_b = next_b

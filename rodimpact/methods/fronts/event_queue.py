@@ -9,7 +9,11 @@ from .records import Queue
 
 
 def size_for(nodes: int) -> int:
-    """Entries of a queue: twice as many as leaves, which are a power of two."""
+    """Number of entries of the queue of so many nodes.
+
+    It is twice the number of leaves, the smallest power of two that is no less than
+    `nodes`.
+    """
     size = 2
     while size < 2 * nodes:
         size *= 2
@@ -17,7 +21,10 @@ def size_for(nodes: int) -> int:
 
 
 def schedule(queue: Queue, leaf: int, tick: int) -> None:
-    """Set the tick of the entry `leaf`, and the entries above it, up to the root."""
+    """Set the entry `leaf` to a tick, and bring the entries above it up to date.
+
+    Each entry above is the smaller of its two children, up to the root.
+    """
     queue[leaf] = tick
     i = leaf
     while i > 1:
@@ -28,13 +35,16 @@ def schedule(queue: Queue, leaf: int, tick: int) -> None:
 
 
 def first_leaf(queue: Queue) -> int:
-    """Entry of the leaf with the earliest tick, the leftmost of several."""
+    """Index in the queue of the leaf with the earliest tick, the leftmost of several.
+
+    The leaf of node k has the index ``leaves + k``, `leaves` half the entries.
+    """
     leaves = len(queue) // 2
     earliest = queue[1]
     i = 1
     while i < leaves:
-        # The comparison counts 0 or 1: a branch,
-        # which goes either way as often, takes longer.
+        # The left child is taken if it has that tick. The comparison counts 0 or 1: a
+        # branch, which goes either way as often, takes longer.
         is_right = queue[2 * i] != earliest
         i = 2 * i + is_right
     return i

@@ -26,7 +26,7 @@ MAX_ROWS_PER_EVENT = 3  # rows of the log: a change of status and two fronts
 
 
 def start(state: State) -> None:
-    """Set everything to t = 0.
+    """Set lines, nodes, groups, event queue and progress of the run to t = 0.
 
     These are set before: transit and mobility of the segments, closed status and gap
     of the nodes, what arrives from the walls, and the first `initial_rows` rows of the
@@ -57,8 +57,8 @@ def start(state: State) -> None:
 def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
     """Take all fronts off the lines.
 
-    The waves that arrive inside the row become `zero`. What arrives from outside, on
-    the first two and the last two lines, stays.
+    `incoming_wave` becomes `zero` on the lines inside the row. On the first two and the
+    last two lines, which lie outside, it stays: the wave of a wall.
     """
     last = len(lines) - 1
     for l in range(len(lines)):
@@ -72,10 +72,10 @@ def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
 
 
 def chain_initial_fronts(state: State) -> None:
-    """Put the fronts of the log at t = 0 on their lines.
+    """Put the fronts of the log at t = 0 on their lines, which are empty before.
 
-    The first front of a line has just arrived: it is the incoming wave. The second
-    arrives next.
+    The fronts of a line are chained in the order of the log. The first one has just
+    arrived: it is the incoming wave. The second arrives next.
     """
     log = state.log
     for r in range(state.runs[0].initial_rows):
@@ -94,9 +94,10 @@ def chain_initial_fronts(state: State) -> None:
 
 
 def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> None:
-    """Set the first and the last segment of the bonded group of each segment.
+    """Set `group_first` and `group_last` of each segment: the ends of its bonded group.
 
-    What lies outside gets the empty range from 1 to 0.
+    A segment that is bonded to no other is a group of one. What lies outside gets the
+    empty range from 1 to 0, also where it is bonded to the row.
     """
     n = len(nodes) - 1
     for s in range(n + 2):
@@ -118,12 +119,13 @@ def build_event_queue(state: State) -> None:
     """Fill the event queue: every node is due at t = 0, but for some free ends.
 
     A free end whose outgoing wave already equals the incoming one waits for its next
-    arrival. Lines 2 s and 2 s + 1 run to the right and to the left in segment s.
+    arrival. Leaves without a node are IDLE.
     """
     queue = state.queue
     leaves = len(queue) // 2
     for k in range(leaves):
         queue[leaves + k] = IDLE
+    # Lines 2 s and 2 s + 1 run to the right and to the left in segment s.
     for k in range(len(state.nodes)):
         queue[leaves + k] = 0
         if state.nodes[k].status == Status.FREE:
@@ -140,11 +142,12 @@ def build_event_queue(state: State) -> None:
 
 
 def advance(state: State, horizon: int) -> int:
-    """Run to tick `horizon`, until the log is full, or until a proof is due.
+    """Run to tick `horizon`, or to a full log, a proof that is due, or the cap.
 
-    All arrivals of one tick at one node are taken together, then the node is solved
-    once. Nothing is half done when this returns: grow the log and call again. The
-    state is changed: nodes, lines, log, queue, and the progress in the run.
+    Events at `horizon` still happen. All arrivals of one tick at one node are taken
+    together, then the node is solved once. Nothing is half done when this returns: grow
+    the log and call again. The state is changed: nodes, lines, log, queue, and the
+    progress in the run. `run.now` is the tick of the last event.
 
     Returns
     -------
@@ -187,7 +190,8 @@ def advance(state: State, horizon: int) -> int:
         right_mobility = segments[k + 1].mobility
         if node.status >= Status.OPEN:  # a contact that can open
             status = contact.resolve_contact(node, a - b, dt, tolerance, window)
-            # The gap closed, and opens again without a force.
+            # The gap closed, and opens again without a force. At t = 0, where dt is 0,
+            # it may have been closed.
             is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
             if status != node.status or is_touch:
                 mobility = left_mobility + right_mobility
@@ -236,9 +240,10 @@ def advance(state: State, horizon: int) -> int:
 def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> int:
     """Why a run stops before its next event, as `states.Stop`; NONE if it goes on.
 
-    The event is at `tick`. Other nodes may have an event at the same tick as the last
-    one: the cap waits for them. `is_full` says that the log has no room for an event,
-    `events` is the number so far.
+    The event is at `tick`. The reasons are, in this order: it is after `horizon`
+    (DONE), a proof is due (CHECK), the log has no room for an event, which `is_full`
+    says (FULL), or the number of `events` has reached the cap (CAP). The cap waits for
+    other nodes that have an event at the tick of the last one.
     """
     if tick > horizon:
         return Stop.DONE.value
@@ -254,8 +259,9 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 def receive(line: Line, log: Log, transit: int) -> None:
     """Take the front that arrives, of which there must be one, off a line.
 
-    Its value is the incoming wave from now on, m/s. The front after it is next; it
-    arrives a transit time after it was sent.
+    Its value is the incoming wave of the line from now on, m/s. The front after it is
+    next, and arrives a transit time, `transit` ticks, after it was sent; without one
+    `next_row` is NONE and `arrival_tick` IDLE.
     """
     front = log[line.next_row]
     line.incoming_wave = front.value
@@ -270,8 +276,9 @@ def send(
 ) -> None:
     """Enter the front of a wave that leaves on line l in a row of the log.
 
-    It comes after the last one of the line, which must have one. When it arrives is
-    left to the caller.
+    It becomes the last of the line, chained to the one that was last; the line must
+    have one. If it is the next to arrive, the caller sets `next_row` and `arrival_tick`
+    of the line.
     """
     front: Front = log[log_row]
     front.tick = tick
@@ -283,7 +290,11 @@ def send(
 
 
 def advance_totals_to(state: State, tick: int) -> None:
-    """Bring gaps and totals of all nodes up to a tick at which no event happens."""
+    """Bring gaps and totals of all nodes up to a tick before the next event.
+
+    Status, force and gap rate of each node stay as they are; `solved_tick` becomes the
+    tick.
+    """
     run = state.runs[0]
     for k in range(len(state.nodes)):
         node: Node = state.nodes[k]

@@ -41,9 +41,10 @@ class ResultColumns(NamedTuple):
 
 
 def members_per_call(row: Row) -> int:
-    """Number of members to run in one call, 1 or more.
+    """Number of members to run in one call, from 1 to `MAX_MEMBERS_PER_CALL`.
 
-    It is such that they take little memory.
+    It is such that their values and results take `MAX_BYTES_PER_CALL` at most, but for
+    a single one that takes more.
     """
     # Values of a member, and about six numbers of results a node
     numbers = len(lay_out_family(row).values) + 6 * (len(row.segments) + 2)
@@ -59,12 +60,13 @@ def solve_family(
     later_members: int = 0,
     also: Sequence[str] = (),
 ) -> Columns:
-    """Columns of every member, and those named in `also`.
+    """Run all members of a family; return columns of their results, [member].
 
-    They are as `family.family_columns` makes them. Energy lost in contacts, which is 0,
-    is always among them; stress and displacement need the waves of each member: both
-    are found if one of them is named. A refused member has nan. The other arguments are
-    those of `driver.solve_many`.
+    They are those of `family.family_columns`, and "dissipated", the energy lost in
+    contacts, which is 0. If `also` names "displacement" or "largest_stress", which need
+    the waves of each member, the columns of both are there, too: see `wave_columns`.
+    Other names in it change nothing. A refused member has nan. The other arguments, and
+    what is raised, are those of `driver.solve_many`.
     """
     layout = lay_out_family(row)
     group_segments = segments_of_groups(row.system, row.spans)
@@ -78,7 +80,7 @@ def solve_family(
     stop_reason = columns["stop_reason", 0]
     is_refused = stop_reason >= Stop.OVERFLOW  # members without a clock
     is_capped = stop_reason == Stop.CAP
-    # No proof holds where something acts from outside.
+    # No proof holds where something acts from outside, which all members share.
     is_proved = columns["is_proved", 0] > 0
     is_final: Array = is_proved & (not has_external_drive(row.system))
     results = ResultColumns(columns, is_refused)
@@ -103,8 +105,9 @@ def result_fields(
 ) -> list[tuple[str, int]]:
     """Fields of `records.NodeResult` that every family needs, each with its node.
 
-    Results of a run are at node 0, those of segment s at node s. `group_segments` are
-    the first segments of the bonded groups.
+    They are three of the run, at node 0, both velocities of each bonded group, and
+    `CONTACT_COLUMNS` at the nodes of contacts. `group_segments` are the first segments
+    of the groups; results of segment s are at node s.
     """
     fields = [("stop_reason", 0), ("is_proved", 0), ("vibration_energy", 0)]
     for s in group_segments:
@@ -116,9 +119,10 @@ def result_fields(
 
 
 def contact_columns(results: ResultColumns, nodes: list[int]) -> dict[str, list[Array]]:
-    """Totals of the contacts at these nodes by name, [contact][member].
+    """Totals of the contacts at these nodes, by each name of `CONTACT_COLUMNS`.
 
-    A refused member has nan, but 0 episodes, which are whole numbers.
+    Each is a list of [member] arrays, one a contact. A refused member has nan, but 0
+    episodes, which are whole numbers.
     """
     columns: dict[str, list[Array]] = {}
     for name in CONTACT_COLUMNS:
@@ -132,11 +136,13 @@ def contact_columns(results: ResultColumns, nodes: list[int]) -> dict[str, list[
 def body_columns(
     row: Row, results: ResultColumns, name: str, group_segments: list[int]
 ) -> list[Array]:
-    """Velocities of the bodies, m/s, [body][member], from those of their groups.
+    """Velocities of the bodies, m/s, from those of their groups.
 
-    `name` is the field of the velocities; `group_segments` are the first segments of
-    the groups; a wall has its own velocity. A refused member has nan.
+    They are a list of [member] arrays, one a body; a wall has its own velocity. `name`
+    is the field of the velocities among the results; `group_segments` are the first
+    segments of the groups. A refused member has nan.
     """
+    # `body_velocities` joins these to velocities of walls, which have that shape.
     shape = row.system.shape
     group_velocities = [results.fields[name, s].reshape(shape) for s in group_segments]
     columns = []
@@ -152,7 +158,8 @@ def body_columns(
 def wave_fields(segments: int) -> list[tuple[str, int]]:
     """Fields of `records.NodeResult` for stress and displacement, each with its node.
 
-    There are so many `segments` in the row; those of segment s are at node s.
+    `segments` is their number in the row. Fields of the run are at node 0, those of
+    segment s at node s; impulses are those of all nodes, from 0 to `segments`.
     """
     fields = [("end_time", 0), ("frame_velocity", 0)]
     for k in range(segments + 1):
@@ -164,10 +171,10 @@ def wave_fields(segments: int) -> list[tuple[str, int]]:
 
 
 def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
-    """Displacement of each body and largest stress in each rod, by name.
+    """Displacement of each body, m, and largest stress in each rod, Pa, [member].
 
-    They are in m and Pa, [member]. Names are such as "displacement.0", with the number
-    of the body.
+    They are those of the whole run, by names such as "displacement.0" and
+    "largest_stress.0", with the number of the body. A wall has no stress.
     """
     columns: dict[str, Array] = {}
     for i, body in enumerate(row.system.bodies):
@@ -182,11 +189,11 @@ def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
 
 
 def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) -> Array:
-    """Displacement of the centre of a rod, m [member].
+    """Displacement of the centre of mass of a rod in the run, m, [member].
 
-    The rod has the segments `first` to `last`. Newton's law integrated twice: m u = p0
-    t + integral(J1 - J2) dt in the frame, p0 the momentum at t = 0, J1 and J2 the
-    impulses at the left and at the right end.
+    The rod has the segments `first` to `last`, counted from 1. Newton's law integrated
+    twice: m u = p0 t + integral(J1 - J2) dt in the frame, p0 the momentum at t = 0, J1
+    and J2 the impulses at the left and at the right end. The way of the frame is added.
     """
     mass: Array | float = 0.0
     momentum: Array | float = 0.0
@@ -194,6 +201,7 @@ def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) ->
         mass = mass + row.of(row.segments[s - 1].mass)
         momentum = momentum + results.of("initial_momentum", s)
     time = results.of("end_time", 0)
+    # Segment s lies between the nodes s - 1 and s.
     from_left = results.of("impulse_time_integral", first - 1)
     from_right = results.of("impulse_time_integral", last)
     gained = from_left - from_right

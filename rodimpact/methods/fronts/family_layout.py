@@ -83,10 +83,11 @@ class FamilyLayout(NamedTuple):
 
 
 def lay_out_family(row: Any) -> FamilyLayout:
-    """The layout of a row of which the method lacks no physics.
+    """The layout of a row, of which the method must lack no physics.
 
-    It counts the pieces, durations and fronts that a member has at most at t = 0: each
-    segment, and each jump of a profile or a drive, adds to them.
+    The numbers of initial pieces, durations and fronts at t = 0 are the largest that a
+    member can have: each segment adds to them, each jump of a profile or a drive to the
+    durations and fronts, and that of a profile to the pieces, too.
     """
     values = values_of(row)
     profiles = append_profiles(row, values)
@@ -120,8 +121,9 @@ def lay_out_family(row: Any) -> FamilyLayout:
 def values_of(row: Any) -> list[Any]:
     """The values of a row in the order of `initial_state`, up to the gaps.
 
-    These are wave speeds, impedances and lengths of the segments, frame, velocity scale
-    and gaps.
+    These are all wave speeds, all impedances and all lengths of the segments, the
+    velocity of the frame, the velocity scale and all gaps, in SI units. In a family a
+    value may be an array. Profiles are still to be appended.
     """
     values: list[Any] = []
     for segment in row.segments:
@@ -137,16 +139,17 @@ def values_of(row: Any) -> list[Any]:
 
 
 def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
-    """Append the profiles of bodies and drives to the values; return their places.
+    """Append the profiles of bodies and ends to `values`; return where they stand.
 
     Those of all bodies come first, from left to right, then those of the ends that are
-    not free.
+    not free. A wall and a fixed end are STEADY, as bodies are, and belong to what lies
+    outside on their side.
     """
     system = row.system
     outside = len(row.segments) + 1
     profiles: list[Profile] = []
     for i, body in enumerate(system.bodies):
-        first = row.spans[i][0]  # first segment of the body
+        first = row.spans[i][0]  # first segment of the body, if it is a rod
         strain = 0.0
         if body.kind == "rod":
             strain = body.strain
@@ -174,10 +177,11 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
 def append_profile(
     values: list[Any], segment: int, velocity: Any, strain: Any, boundary_kind: int
 ) -> Profile:
-    """Append a velocity and a strain to the values; return their place.
+    """Append a velocity and a strain to `values`; return where they stand.
 
-    Each is constant or in steps. They belong to the body that begins with `segment`, or
-    to what lies outside an end.
+    Each is constant or in steps, see `append_steps`. They belong to the body that
+    begins with `segment`, or to what lies outside an end. Of a drive, `velocity` is
+    what it gives, which may be a force or a strain.
     """
     offset = len(values)
     velocities = append_steps(values, velocity)
@@ -186,9 +190,9 @@ def append_profile(
 
 
 def append_steps(values: list[Any], value: Any) -> int:
-    """Append a constant, or steps and then the places of their jumps, to the values.
+    """Append a constant, or steps and then the places of their jumps, to `values`.
 
-    Return the number of constants or steps, 1 or more.
+    Return the number of steps, 1 for a constant; there is one jump less than steps.
     """
     if isinstance(value, Steps):
         values.extend(value.values)
@@ -199,9 +203,10 @@ def append_steps(values: list[Any], value: Any) -> int:
 
 
 def closed_status_of(row: Any) -> list[int]:
-    """Status of each node while its gap is closed, before anything is solved.
+    """Status of each node, [node], while its gap is closed, before anything is solved.
 
-    It follows from the law of the link; a free end is FREE.
+    It follows from the law of the link, see `CLOSED_STATUS`: PUSH, BOND or TOUCH. A
+    free end is FREE.
     """
     statuses: list[int] = []
     # There are no rigid masses, so that each node has one link.
@@ -209,7 +214,7 @@ def closed_status_of(row: Any) -> list[int]:
         statuses.append(CLOSED_STATUS[link.law])
     for side in range(2):
         kind, _ = row.boundaries[side]
-        if kind == "none":
+        if kind == "none":  # its link is a push of 0
             first_or_last = side * (len(statuses) - 1)  # 0 or the last one
             statuses[first_or_last] = Status.FREE.value
     return statuses
@@ -218,7 +223,9 @@ def closed_status_of(row: Any) -> list[int]:
 def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
     """Records for runs of a layout: all that its members share is set, the rest is 0.
 
-    `settles_after_proof` of the run is set if there is a bond or an endless bar.
+    They are lists of objects, with results for as many members as there are `values`.
+    Set are where profiles stand, closed statuses and contacts of the nodes, and
+    `settles_after_proof` of the run if there is a bond or an endless bar.
 
     Parameters
     ----------
@@ -226,6 +233,7 @@ def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
     log_rows : int
         Rows of the log, in addition to those of the fronts at t = 0.
     values : [member, value]
+        Kept as they are; may be empty.
     """
     n = len(layout.closed_status) - 1  # number of segments
     run = blank(1, RUN)[0]

@@ -19,9 +19,10 @@ WAIT_MARGIN = 1.000001  # lengthens a wait, so that the proof succeeds after it
 def finality_tick(state: State, now: int) -> int:
     """Tick at which the collision can be proved final: `now`, a later one, or IDLE.
 
-    With IDLE no proof is possible before a contact changes. For a row with driven ends
-    the answer means nothing, since no bound holds, and `FrontRun` and `solve_family`
-    discard it.
+    `now` means that it is proved. With a later tick, or with IDLE, which stands for
+    never, no proof is possible before that or before a contact changes. For a row with
+    driven ends the answer means nothing, since no bound holds, and `FrontRun` and
+    `solve_family` discard it. Motions of groups are written to the segments.
     """
     segments = state.segments
     nodes = state.nodes
@@ -30,6 +31,7 @@ def finality_tick(state: State, now: int) -> int:
     for k in range(len(nodes)):
         node = nodes[k]
         is_contact = node.status >= Status.OPEN  # one that can open
+        # A wait as long as the clock, or inf, decides: the others need no look.
         if is_contact and longest_wait < NEVER:
             # First and last segment of the two groups beside the contact
             first = segments[k].group_first
@@ -47,7 +49,10 @@ def finality_tick(state: State, now: int) -> int:
 
 
 def no_front_in_flight(lines: Sequence[Line], first: int, last: int) -> bool:
-    """Whether no front is in flight in the segments from `first` to `last`."""
+    """Whether no front is in flight in the segments from `first` to `last`.
+
+    Both their lines count. Without such segments (`last` below `first`) it is True.
+    """
     # Kernels have no generators.
     for l in range(2 * first, 2 * last + 2):  # noqa: SIM110
         if lines[l].next_row != NONE:
@@ -58,10 +63,11 @@ def no_front_in_flight(lines: Sequence[Line], first: int, last: int) -> bool:
 def least_opening_velocity(
     left: Segment, right: Segment, tolerance: Amplitude
 ) -> Amplitude:
-    """Least velocity at which two ends can part; negative if they can approach.
+    """Least velocity at which two ends can part, m/s; negative if they can approach.
 
-    `find_mean_motions` has set the bounds of both. If one of them has none, a velocity
-    below -tolerance is returned, which decides nothing: fractions have no infinity.
+    It follows from the bounds that `find_mean_motions` has set. If one of the ends has
+    none, -1 - `tolerance` is returned, which decides nothing, as it is below
+    -`tolerance`: fractions have no infinity.
     """
     if left.is_end_velocity_bounded and right.is_end_velocity_bounded:
         return right.min_end_velocity - left.max_end_velocity
@@ -71,8 +77,8 @@ def least_opening_velocity(
 def ticks_until_apart(state: State, k: int, now: int) -> float:
     """Ticks until contact k may be proved not to close again, see `finality_kernel`.
 
-    0 if it may be proved `now`, inf if its mean gap never opens. The segments beside
-    the contact get the motions of their groups.
+    It is 0 if it may be proved `now`, inf if its mean gap never opens. Segments k and
+    k + 1, beside the contact, get the motions of their groups.
     """
     tolerance = state.runs[0].velocity_tolerance
     left = state.segments[k]
@@ -98,12 +104,13 @@ def ticks_until_apart(state: State, k: int, now: int) -> float:
 
 
 def find_mean_motions(state: State, k: int, now: int) -> None:
-    """Find mean velocities beside contact k, and bounds of the velocities of its ends.
+    """Set mean velocities beside contact k, and bounds of the velocities of its ends.
 
-    They are stored in the segments k and k + 1. The bounds hold as long as nothing
-    touches the group, if it is a uniform free segment (its waves go round unchanged), a
-    semi-infinite bar, a wall, or a group at rest. The mean velocity of a group bonded
-    to a wall or to a semi-infinite bar is the velocity that it finally takes.
+    They are stored in the segments k and k + 1, `is_end_velocity_bounded` 1 or 0 with
+    them. The bounds hold as long as nothing touches the group, if it is a uniform free
+    segment (its waves go round unchanged), a semi-infinite bar, a wall, or a group at
+    rest. The mean velocity of a group bonded to a wall or to a semi-infinite bar is the
+    velocity that it finally takes.
     """
     for side in range(2):
         s = k + side
@@ -111,7 +118,7 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
         if segment.group_last > 0:  # inside the row
             find_mean_motion(state, k, s, now)
         else:
-            # The line that arrives at node k from this side
+            # The line that arrives at node k from this side: the wave of a wall
             wall_velocity = state.lines[2 * k + 3 * side].incoming_wave
             segment.mean_velocity = wall_velocity
             segment.min_end_velocity = wall_velocity
@@ -120,11 +127,12 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
 
 
 def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
-    """Set mean velocity and velocity bounds of the group of segment s.
+    """Set mean velocity and velocity bounds of the group of segment s, in segment s.
 
     The group is on one side of contact k. Its waves give both, see `measure_waves`. But
     the mean velocity of a group bonded to the outside is the wave that arrives from
-    there, and if the waves are steady, both bounds are the mean velocity.
+    there; with a wall there is then no bound. If the waves are steady, both bounds are
+    the mean velocity, unless a semi-infinite bar holds a group that is pressed.
     """
     segments = state.segments
     nodes = state.nodes
@@ -160,12 +168,12 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
 
 
 def measure_waves(state: State, s: int, now: int) -> None:
-    """Set mean velocity and velocity bounds of the group of segment s from its waves.
+    """Set mean velocity and velocity bounds of the group of segment s, in segment s.
 
     The velocity is (a + b)/2. So the mean velocity, momentum over mass, is the sum of
     (1/Y) integral(a + b) over the sum of 2 T/Y. The bounds are those of all its waves:
-    a free end has the velocity of the wave that arrives there. They bound the end of
-    the group if it is a single segment.
+    a free end has the velocity of the wave that arrives there. They hold, and
+    `is_end_velocity_bounded` becomes 1, if the group is a single segment; else 0.
     """
     segments = state.segments
     lines = state.lines
@@ -175,7 +183,7 @@ def measure_waves(state: State, s: int, now: int) -> None:
     last = group.group_last
     # Both are summed over either wave: twice the mass, and twice the momentum
     mass = 0 * lines[2 * first].incoming_wave  # 0 of the same kind of number
-    momentum = mass
+    momentum = mass  # 0, too
     lowest = lines[2 * first].incoming_wave
     highest = lowest
     for i in range(first, last + 1):
@@ -233,14 +241,14 @@ def bound_deviations(state: State, k: int, now: int) -> None:
 
 
 def bound_deviation(state: State, k: int, s: int, now: int) -> None:
-    """Set deviation and bound of the end of the group of segment s.
+    """Set deviation and bound of the end at contact k of the group of segment s.
 
-    The group is on one side of contact k. Segments are taken from the far end to the
-    contact. g grows from g0 to g1 over a segment; its part of integral(g^2 dx/(E A)) is
-    Y T (g0^2 + g0 g1 + g1^2)/3. A wave w about the mean motion, sent over `width`
-    ticks, has the energy w^2 width/(4 Y), the momentum w width/(2 Y) and the part w
-    width g/2 of integral(strain g dx), with the sign of (b - a). The bound stays 0
-    where the motion is steady.
+    They are stored in segment s, and are 0 before, see `bound_deviations`. Segments are
+    taken from the far end to the contact. g grows from g0 to g1 over a segment; its
+    part of integral(g^2 dx/(E A)) is Y T (g0^2 + g0 g1 + g1^2)/3. A wave w about the
+    mean motion, sent over `width` ticks, has the energy w^2 width/(4 Y), the momentum w
+    width/(2 Y) and the part w width g/2 of integral(strain g dx), with the sign of (b -
+    a). The bound stays 0 where the motion is steady.
     """
     segments = state.segments
     log = state.log
@@ -312,9 +320,10 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
 def group_mass(
     segments: Sequence[Segment], first: int, last: int, zero: Amplitude
 ) -> Amplitude:
-    """Mass of the segments from `first` to `last`, plus `zero`, kg over the tick.
+    """Mass of the segments from `first` to `last`, kg over the duration of a tick.
 
-    Each segment has T/Y.
+    Each segment adds T/Y, transit time over mobility, to `zero`, which is 0 of the kind
+    of number that is used.
     """
     mass = zero
     for s in range(first, last + 1):
@@ -335,12 +344,11 @@ def from_far_end(first: int, last: int, i: int, is_right: bool) -> int:
 def fraction_at(
     covered: Amplitude, g0: Amplitude, g1: Amplitude, runs_to_contact: bool
 ) -> Amplitude:
-    """Mass fraction g at the place to which a wave has covered a part of a segment.
+    """Mass fraction g at the place that a wave has reached in a segment.
 
-    The part is from 0 to 1.
-
-    It is g0 at the end of the segment that is far from the contact, and g1 at the
-    other.
+    The wave has covered the part `covered`, from 0 to 1, of the segment, to the contact
+    or away from it. g goes linearly from g0 at the end of the segment that is far from
+    the contact to g1 at the other.
     """
     if runs_to_contact:
         return g0 + (g1 - g0) * covered
@@ -348,9 +356,10 @@ def fraction_at(
 
 
 def far_outside(segments: Sequence[Segment], is_right: bool) -> Segment:
-    """What lies outside the end of the row that is far from a contact.
+    """Segment that stands for what lies outside one end of the row.
 
-    `is_right` says whether it is the right end.
+    `is_right` says whether it is the right end, as it is for a group right of its
+    contact: the end that is far from the contact.
     """
     far = 0
     if is_right:

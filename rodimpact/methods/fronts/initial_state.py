@@ -87,12 +87,12 @@ def line_inward(n: int, side: int) -> int:
 
 
 def choose_clock(state: State, values: Values) -> None:
-    """Set the frame, the clock and the tolerances of a member.
+    """Set the frame, the clock and the tolerances of a member from its values.
 
-    The transits of its segments are set, too. The clock counts transit times, times to
-    jumps of the initial state, and times at which drives jump. If all equal those of
-    the previous member, its ticks are kept. `Run.stop_reason` becomes NONE, or says why
-    there is no clock.
+    Transit and mobility of its segments and the pieces of its initial state are set,
+    too. The clock counts transit times, times to jumps of the initial state, and times
+    at which drives jump. If all equal those of the previous member, its ticks are kept.
+    `Run.stop_reason` becomes NONE, or says why there is no clock.
     """
     run = state.runs[0]
     durations = state.durations
@@ -101,7 +101,7 @@ def choose_clock(state: State, values: Values) -> None:
     run.proved_tick = NONE
     run.frame_velocity = values[frame_index(n)]
     run.velocity_scale = values[scale_index(n)]
-    jump_end = split_at_jumps(state, values)
+    jump_end = split_at_jumps(state, values)  # durations that are set so far
     run.longest_transit_time = 0.0
     for s in range(1, n + 1):
         run.longest_transit_time = max(run.longest_transit_time, durations[s - 1].time)
@@ -109,7 +109,8 @@ def choose_clock(state: State, values: Values) -> None:
     run.horizon = default_horizon(state, values)
     if run.until >= 0:
         run.horizon = run.until
-    # Base-2 logarithm of the longest transit in ticks; too small without a clock
+    # Base-2 logarithm of the longest transit in ticks; below `MIN_TRANSIT_BITS` if no
+    # clock counts the run, which `find_clock_fault` then tells
     bits = rule.clock_bits(run.horizon / run.longest_transit_time)
     set_drive_times(run, values, durations, segments)
     for i in range(jump_end, len(durations) - run.drive_jump_count):
@@ -131,14 +132,14 @@ def choose_clock(state: State, values: Values) -> None:
 
 
 def split_at_jumps(state: State, values: Values) -> int:
-    """Split the segments where a profile jumps; return the number of durations so far.
+    """Split the segments into pieces where a profile jumps; return their number.
 
-    This is the number of pieces: a piece begins with its segment, whose transit time is
-    a duration, or at a jump, whose time is one.
-
-    Sets the transit times, the times to the jumps, velocity and strain of each piece,
-    and the first piece of each segment. The duration up to the jump that begins piece i
-    of segment s has the index n + i - s.
+    It is also the number of durations that are set: a piece begins with its segment,
+    whose transit time is a duration, or at a jump, whose time from the left end of the
+    segment is one. Durations begin with the n transit times; that up to the jump at
+    which piece i begins, in segment s, has the index n + i - s. Velocity and strain of
+    each piece, and `first_piece` of each segment, are set, too; i counts the pieces of
+    all segments.
     """
     durations = state.durations
     pieces = state.initial_pieces
@@ -179,8 +180,8 @@ def split_at_jumps(state: State, values: Values) -> int:
             pieces[piece_count].strain = values[strains + j]
             if x > left:
                 time_to_jump = (x - left) / length * transit_time
-                # Behind n transit times. The first pieces of the s segments so far
-                # begin at no jump.
+                # Behind n transit times. Of the pieces before, those that begin a
+                # segment, s so far, begin at no jump.
                 jump_index = n + piece_count - s
                 durations[jump_index].time = time_to_jump
             piece_count += 1
@@ -200,8 +201,8 @@ def default_horizon(state: State, values: Values) -> float:
     """Time that the clock of a run without a given end must be able to count, s.
 
     It follows by `tick_rule.default_horizon` from the longest transit, the time to
-    cross the row, and the time to cross all gaps. The transit times are set before.
-    With a given end the result means nothing.
+    cross the row, and the time to cross all gaps, 0 if nothing moves. The transit times
+    are set before. With a given end the result means nothing. Nothing is changed.
     """
     run = state.runs[0]
     n = len(state.nodes) - 1
@@ -230,11 +231,11 @@ def set_drive_times(
     durations: Sequence[CachedDuration],
     segments: Sequence[Segment],
 ) -> None:
-    """Set the last durations: the times at which drives jump.
+    """Set the last durations: the times at which drives jump, s, left end first.
 
     A jump after the end of the run, which is given where anything drives an end, gets
-    the longest transit time: that is there already, and so changes no clock. The number
-    of jumps is set in the run.
+    the longest transit time: that is there already, and so changes no clock.
+    `drive_jump_count` of the run is set, too.
     """
     last = len(segments) - 1  # like segment 0, it stands for what lies outside
     run.drive_jump_count = drive_jumps(segments[0]) + drive_jumps(segments[last])
@@ -253,8 +254,8 @@ def set_drive_times(
 def same_durations(durations: Sequence[CachedDuration]) -> bool:
     """Whether all durations equal those of the previous member, whose ticks then hold.
 
-    Neighbours in a family often share lengths. The durations are kept for the next
-    member.
+    Neighbours in a family often share lengths. For the next member, `cached_time` of
+    each duration becomes its `time`.
     """
     same = True
     for duration in durations:
@@ -269,10 +270,11 @@ def set_transits(
     durations: Sequence[CachedDuration],
     segments: Sequence[Segment],
 ) -> None:
-    """Set transit and mobility of the segments, and the number of the shortest one.
+    """Set transit and mobility of the segments, and `shortest_segment` of the run.
 
-    With `perturb_rounding` a transit that was rounded gets the next tick on the other
-    side of the exact one.
+    Transits are the ticks of the first n durations. With `perturb_rounding` a transit
+    that was rounded by more than `TRANSIT_RTOL` gets the next tick on the other side of
+    the exact one.
     """
     n = len(segments) - 2
     run.shortest_segment = 1
@@ -297,8 +299,9 @@ def find_clock_fault(
 ) -> int:
     """Why a member has no clock, as `states.Stop`; Stop.NONE if it has one.
 
-    Energies would overflow (OVERFLOW), the run is too long (LONG: `bits`, the base-2
-    logarithm of the longest transit, are too few), or a transit is too short (SHORT).
+    In this order: energies would overflow (OVERFLOW), the run is too long (LONG:
+    `bits`, the base-2 logarithm of the longest transit in ticks, are too few), or the
+    shortest transit is too short beside the closing window (SHORT).
     """
     n = len(segments) - 2
     max_impedance = 0.0
@@ -326,8 +329,9 @@ def initialise_member(state: State, values: Values) -> None:
     """Set the gaps, the end of the run, and the fronts that fill the row at t = 0.
 
     What lies outside gets its mobility (0, or that of an endless bar) and the wave that
-    it sends, or the fronts of what drives the end. The clock is chosen, and the log is
-    long enough.
+    it sends, or the fronts of what drives the end. `choose_clock` comes before, and the
+    log must be long enough; its first `initial_rows` rows are set. `events.start` puts
+    them on the lines.
     """
     run = state.runs[0]
     segments = state.segments
@@ -358,10 +362,11 @@ def initialise_member(state: State, values: Values) -> None:
 
 
 def set_end(run: Run, segments: Sequence[Segment]) -> None:
-    """Set the tick to run to, or the ticks to run on after the proof.
+    """Set `end_tick`, the tick to run to, and `ticks_after_proof`.
 
-    These are a round trip of the longest body if that is asked for, or if velocities
-    may still change; else 1.
+    With a given end, `end_tick` is that. Without one it is NONE, and the run goes on
+    after the proof for a round trip of the longest body if that is asked for, or if
+    velocities may still change. Else `ticks_after_proof` is 1.
     """
     run.end_tick = NONE
     run.ticks_after_proof = 1
@@ -372,7 +377,10 @@ def set_end(run: Run, segments: Sequence[Segment]) -> None:
 
 
 def round_trip(segments: Sequence[Segment]) -> int:
-    """Ticks in which a wave goes through the longest body and back."""
+    """Ticks in which a wave goes through the longest body, all its segments, and back.
+
+    The longest is the one with the longest transit.
+    """
     longest = 0
     body_transit = 0
     for s in range(1, len(segments) - 1):
@@ -389,7 +397,8 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     The waves are a = v - c eps and b = v + c eps in the frame. The piece between x0 and
     x1, in ticks from the left end, was sent from the left end x1 ticks ago as part of
     a, and from the right end T - x0 ticks ago as part of b, T the transit time. The
-    first front of each wave is always written, others where the wave changes.
+    first front of each wave is always written, others where the wave changes, in order
+    of time, a before b. `log_rows` of the run grows.
     """
     run = state.runs[0]
     durations = state.durations
@@ -437,9 +446,9 @@ def append_driven_fronts(
     The wave from outside is V in the frame for a given velocity V, F Y for a force F,
     and a0 - 2 c eps (left end) or b0 + 2 c eps (right end) for a strain eps that comes
     through a semi-infinite bar, a0 or b0 the wave that this end sends inward at t = 0.
-    A front holds the new wave, not its change. The times of the jumps are the durations
-    from `first_jump` on. Jumps after the end of the run, and values that last no tick,
-    are left out.
+    A front holds the new wave, not its change. The first one is at tick 0. The times of
+    the jumps are the durations from `first_jump` on. Jumps after the end of the run,
+    and values that last no tick, are left out.
     """
     run = state.runs[0]
     log = state.log
@@ -456,8 +465,8 @@ def append_driven_fronts(
         if log[r].line == inward_line:
             inward_wave = log[r].value
     value_count = outside.velocity_count  # values of any kind
-    start = run.log_rows
-    stop_tick = 0
+    start = run.log_rows  # row of the first front of this drive
+    stop_tick = 0  # tick at which the value before stops
     j = 0  # number of the value
     is_last = False
     while not is_last:
@@ -488,8 +497,9 @@ def append_front(
 ) -> None:
     """Append a front to the log, unless its wave is that of the front before it.
 
-    The first front of a line, which stands in the row `start`, is always appended.
-    `next_row` is not set yet.
+    Waves count as equal within the velocity tolerance. The first front of a line, which
+    stands in the row `start`, is always appended. `log_rows` of the run counts the new
+    row; its `next_row` is not set yet.
     """
     is_first = run.log_rows == start
     if is_first or abs(wave - log[run.log_rows - 1].value) > run.velocity_tolerance:

@@ -15,8 +15,9 @@ from .records import CHANGE, IDLE, NEVER, NONE, NodeResult, Run, State
 def run_members(state: State) -> bool:
     """Run every member to its end, and set its results; return whether all have ended.
 
-    If the log is full, call this again with a longer one: the member goes on. A member
-    without a clock is not run, and its results say so.
+    If the log is full it returns False: call this again with a longer one, and the
+    member goes on. A member without a clock is not run; of its results `stop_reason`
+    says so, and the others mean nothing.
     """
     run = state.runs[0]
     segments = state.segments
@@ -74,6 +75,7 @@ def run_to_end(state: State) -> int:
     stop = Stop.NONE.value
     is_running = True
     while is_running:
+        # Whether the horizon is the end of the run, and not that of the clock
         had_end = run.end_tick != NONE or run.proved_tick != NONE
         horizon = find_horizon(run)
         stop = events.advance(state, horizon)
@@ -132,7 +134,7 @@ def try_proof(state: State, stop: int) -> None:
 
 
 def find_max_wave(state: State) -> None:
-    """Set `max_wave`, the largest absolute wave.
+    """Set `max_wave` of the run, the largest absolute wave of all fronts, m/s.
 
     The largest strain follows from it.
     """

@@ -45,9 +45,18 @@ def solve(
     max_events: int,
     report: ProgressReport = no_report,
 ) -> Run:
-    """Run a single collision.
+    """Run a single collision by fronts; return what all methods return.
 
-    It runs to `until`, s, or to its proof of finality and one round trip more.
+    It runs to `until`, s, or, with None, to its proof of finality and one round trip
+    of the longest body more; at most `max_events` events. `report` is told the progress
+    of a long run. The errors that rounded transit times make are found by a second run.
+
+    Raises
+    ------
+    InvalidModel
+        If no clock can count the run, or energies overflow.
+    TooLong
+        If the run takes too much memory.
     """
     finished = run_fronts(row, until, max_events, report)
     return make_run(finished, until, effect_of_rounding(finished))
@@ -71,16 +80,16 @@ def make_run(
 ) -> Run:
     """The `Run` that all methods return, of a finished run to `until`, s.
 
-    It has the times of the proof and of the last contact, the status in sentences,
-    totals of contacts and of the row, and a function that makes the signals.
-    `rounding_errors` are those of `effect_of_rounding`, by measure; errors by faint
-    forces are added.
+    It has the times of the proof and of the last contact, nan without a proof, the
+    status in sentences, totals of contacts and of the row, and a function that makes
+    the signals. `rounding_errors` are those of `effect_of_rounding`, by measure; errors
+    by faint forces are added.
     """
     clock = finished.clock
     now = finished.run.now
     t_end = now * clock.tick
     if until is not None and finished.stopped_by == "until":
-        t_end = until
+        t_end = until  # not rounded to ticks
     t_final = math.nan
     t_proved = math.nan
     if finished.is_proved:
@@ -110,15 +119,15 @@ def status_of(
 ) -> str:
     """Sentences on why a run ended, on rounding, large strains and faint forces.
 
-    `t_final` is the end of the last contact, s, `rounding_errors` are those of
-    `make_run`.
+    All but the first, and its advice, are there only where they apply. `t_final` is the
+    end of the last contact, s, `rounding_errors` are those of `make_run`.
     """
     clock = finished.clock
     why = end_of_run(
         finished.run, finished.contacts, clock.system, finished.is_proved, t_final
     )
     slowest = min(clock.wave_speed[1:-1])  # the two outsides have none
-    max_strain = finished.run.max_wave / slowest  # a bound
+    max_strain = finished.run.max_wave / slowest  # a bound of the largest strain
     status = with_advice(why)
     status += rounding(clock.transit_error, clock.worst_path)
     status += strain_warning(max_strain)

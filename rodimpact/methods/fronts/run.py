@@ -46,11 +46,10 @@ class FrontRun:
     """
 
     def __init__(self, batch: FrontBatch) -> None:
-        """Take the records of a batch whose only member has run; make its clock.
+        """Take the records of a batch whose only member has run, and make its clock.
 
-        `batch.progress` is the record of this run.
-
-        Raise InvalidModel if it had none. A proof is dropped where an end is driven.
+        A proof is dropped where an end is driven. InvalidModel is raised if no clock
+        counts the run, or if its energies overflow.
         """
         self.batch = batch
         self.layout = batch.layout
@@ -87,16 +86,19 @@ class FrontRun:
         return self.run.until
 
     def _clock(self) -> Clock:
-        """The clock of the run.
+        """The clock of the run, with its rounded transit times.
 
-        A semi-infinite bar has the impedance of the segment beside it.
+        Its impedances are those of the segments, with an entry for each outside: that
+        of the segment beside it for a semi-infinite bar, else 0.
         """
         row = self.layout.row
-        impedance = [float(segment.impedance) for segment in row.segments]
-        impedance = [0.0, *impedance, 0.0]  # the outside included
-        if self.segments[0].mobility:  # a semi-infinite bar
+        impedance = [0.0]  # outside on the left
+        for segment in row.segments:
+            impedance.append(float(segment.impedance))
+        impedance.append(0.0)  # outside on the right
+        if self.segments[0].mobility > 0:  # a semi-infinite bar
             impedance[0] = impedance[1]
-        if self.segments[-1].mobility:
+        if self.segments[-1].mobility > 0:
             impedance[-1] = impedance[-2]
         ticks = [segment.transit for segment in self.segments[1:-1]]
         return clock_of(
@@ -110,8 +112,9 @@ class FrontRun:
     def _why_no_clock(self) -> tuple[str, str]:
         """Path and sentence for a collision that cannot be run.
 
-        It has no clock, or its energies overflow. The reason is velocities (OVERFLOW),
-        a long run (LONG), or else a short transit.
+        By the stop reason of the run, it has too large velocities ("bodies", OVERFLOW),
+        it is too long ("until", LONG), or else a segment, whose path is given, is too
+        short for a clock.
         """
         run = self.run
         row = self.layout.row
@@ -125,5 +128,5 @@ class FrontRun:
         longest = max(transit_times)
         if run.stop_reason == Stop.LONG:
             return too_long(run.horizon, longest)
-        s = run.shortest_segment
+        s = run.shortest_segment  # counted from 1, as `paths` are
         return too_short(row.paths[s], transit_times[s - 1], longest)

@@ -27,9 +27,10 @@ Lines = list[Pieces | None]
 
 
 def signals_of(finished: FrontRun) -> Signals:
-    """All signals of a finished run.
+    """All signals of a finished run, from its log.
 
-    They are waves by line, contacts, and what acts on the ends.
+    They are waves by line, force, gap and closing of each contact, and what acts on
+    both ends, None for a free or fixed one.
     """
     lines = waves_by_line(finished)
     is_change = finished.log["line"] == CHANGE  # rows of the log that are no fronts
@@ -43,9 +44,11 @@ def signals_of(finished: FrontRun) -> Signals:
 
 
 def waves_by_line(finished: FrontRun) -> Lines:
-    """Waves that leave, as signals by line; None for the lines outside.
+    """Waves that leave the ends of the segments, as signals by line, m/s in the frame.
 
-    Lines are counted as in `records`: 2 s and 2 s + 1 belong to segment s.
+    Lines are counted as in `records`: 2 s and 2 s + 1 belong to segment s. The first
+    two, which lie outside on the left, are None; those outside on the right are left
+    out.
     """
     n = len(finished.segments) - 2
     count = 2 * n + 2  # lines without those outside on the right
@@ -54,6 +57,7 @@ def waves_by_line(finished: FrontRun) -> Lines:
     inside = (log["line"] > 1) & (log["line"] < count)
     log = log[inside]
     log = log[np.argsort(log["line"], kind="stable")]  # line by line, in order of time
+    # Where the fronts of each line begin in the log, and where the last ones end
     bounds = np.searchsorted(log["line"], np.arange(count + 1))
     lines: Lines = []
     for start, stop in pairwise(bounds):
@@ -69,10 +73,12 @@ def contact_signal(
 ) -> ContactSignal:
     """Force, gap and closing velocity of a contact, in SI units, and its episodes.
 
-    They follow from the waves that arrive and the changes of status:
-    F = (a - b)/(Y1 + Y2) while the contact presses, and the gap is the integral of
-    b - a while it is open. A bonded contact always presses, and has no episodes. The
-    status before any change holds from tick -1 on.
+    `lines` are the waves by line, `changes` the rows of the log in which contacts
+    change their status. The signals follow from the waves that arrive and the changes
+    of status: F = (a - b)/(Y1 + Y2) while the contact presses, and the gap is the
+    integral of b - a while it is open. Force and closing are constant pieces, the gap
+    is straight lines, all from tick 0 to the end of the run. A bonded contact always
+    presses, and has no episodes.
     """
     clock = finished.clock
     end_tick = finished.run.now
@@ -99,14 +105,17 @@ def contact_signal(
 
     is_open = status == Status.OPEN
     gap_rate = np.where(is_open, -closing, 0.0)
+    # The kernel takes such rates for round-off as well.
     gap_rate[np.abs(gap_rate) <= finished.run.velocity_tolerance] = 0.0
-    gap = gaps_at_starts(ticks, gap_rate, statuses.ticks[1:], first_gap)
+    # Without the status from tick -1 on, which is no change
+    change_ticks = statuses.ticks[1:]
+    gap = gaps_at_starts(ticks, gap_rate, change_ticks, first_gap)
     gap = np.where(is_open, gap, 0.0)
     gap_at_end = gap + gap_rate * np.diff(ticks, append=end_tick)
 
     episodes: tuple[Episode, ...] = ()
     if closed_status != Status.BOND:
-        episodes = episodes_of(statuses.ticks[1:], statuses.values[1:], clock.tick)
+        episodes = episodes_of(change_ticks, statuses.values[1:], clock.tick)
     return ContactSignal(
         force=Pieces(ticks, force),
         gap=Pieces.lines(ticks, gap * clock.tick, gap_at_end * clock.tick, end_tick),
@@ -116,10 +125,13 @@ def contact_signal(
 
 
 def mobility_at(clock: Clock, k: int) -> float:
-    """Mobility of both sides of node k, Y1 + Y2 = 1/Z1 + 1/Z2, s/kg; 0 of a wall."""
+    """Mobility of both sides of node k together, Y1 + Y2 = 1/Z1 + 1/Z2, s/kg.
+
+    The part of a wall is 0.
+    """
     mobility = 0.0
-    for s in (k, k + 1):
-        if clock.impedance[s] > 0:
+    for s in (k, k + 1):  # the segments beside the node
+        if clock.impedance[s] > 0:  # no wall, for which the clock has 0
             mobility += 1 / clock.impedance[s]
     return mobility
 
@@ -129,25 +141,27 @@ def gaps_at_starts(
 ) -> Array:
     """Gap at each of `ticks` as if the contact were open, in velocity times ticks.
 
-    `gap_rate` is that from each tick to the next. At each of `changes`, which are some
-    of the ticks, the gap is 0; before the first one it began as `first_gap`. So it is
-    what the faces have travelled since then.
+    `gap_rate` is that from each tick to the next, m/s. At each of `changes`, which are
+    some of the ticks, the gap is 0; at the first tick it is `first_gap`. So it is what
+    the faces have travelled since the last change, or since the first tick.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
     travelled = np.concatenate(([0.0], np.cumsum(steps)))  # way since t = 0
     at_changes = travelled[np.searchsorted(ticks, changes)]
-    # [i]: what was travelled where the gap was 0, after i changes
+    # [i]: value of `travelled` where the gap was 0 last, after i changes; without a
+    # change that which leaves `first_gap` at the first tick
     zeros = np.concatenate(([-first_gap], at_changes))
     changes_so_far = np.searchsorted(changes, ticks, "right")
     return np.asarray(travelled - zeros[changes_so_far])
 
 
 def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
-    """Wave that arrives at node k from the left (0) or the right (1), m/s.
+    """Signal of the wave that arrives at node k from the left (0) or right (1), m/s.
 
-    `lines` are the signals of the whole run; `finished.lines` are the records of the
-    kernel, of which those from outside, the first and the last, hold the constant wave
-    of a wall.
+    It is the wave that left the other end of the segment on that side a transit before,
+    or the constant wave of a wall. `lines` are the signals of the whole run;
+    `finished.lines` are the records of the kernel, of which those from outside, the
+    first and the last, hold the constant wave of a wall.
     """
     segment = k + side
     wave = None
@@ -165,9 +179,10 @@ def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
 def outside_signal(
     finished: FrontRun, lines: Lines, contacts: list[ContactSignal], side: int
 ) -> BoundaryAction | None:
-    """What acts on the left (0) or the right (1) end of the row.
+    """What acts on the left (0) or right (1) end of the row: its push and velocity.
 
-    It is None at a free or fixed end. A driven end sends the wave w in, where u
+    It is None at a free or fixed end. Of a wall the push is the force of its contact,
+    and the velocity is constant. A driven or absorbing end sends the wave w in, where u
     arrives: v = (w + u)/2, and the push into the row is Z (w - u)/2 at the left end, Z
     (u - w)/2 at the right end.
     """
@@ -178,7 +193,7 @@ def outside_signal(
         s = 1  # first segment
     else:
         outermost = -1  # last ones
-        s = len(clock.ticks) - 2
+        s = len(clock.ticks) - 2  # last segment; `ticks` has both outsides
     body = clock.system.bodies[outermost]
     if isinstance(body, Wall):
         velocity = Pieces([0], [float(body.velocity)])

@@ -30,8 +30,8 @@ class Simulation(State):
     def run_to_proof(self, max_events: int, tolerance: Amplitude = 0.0) -> Stop:
         """Run to the proof of finality, and one tick more; return why it stopped.
 
-        `max_events` is the cap on events, `tolerance` the smallest change of a wave
-        that is a front.
+        `max_events` is the cap on events, `tolerance` the largest change of a wave that
+        is no front, m/s. The totals of the nodes are brought up to the end.
         """
         self.run.end_tick = NONE
         self.run.ticks_after_proof = 1
@@ -53,9 +53,10 @@ class Simulation(State):
             self._grow_log()
 
     def _run(self, max_events: int, tolerance: Amplitude) -> Stop:
-        """Run to the end that is set, with longer logs as often as they are full.
+        """Run to the end that is set in `run`, and return why it stopped.
 
-        The totals of the nodes are brought up to the end. Return why it stopped.
+        The log is made longer as often as it is full; the state is changed. The totals
+        of the nodes are brought up to the end. Cap and tolerance are stored in `run`.
         """
         run = self.run
         run.max_events = max_events
@@ -82,10 +83,10 @@ def start_simulation(
     tick_duration: Any,
     frame_velocity: Any = 0.0,
 ) -> Simulation:
-    """Build the initial state of a collision.
+    """Build the state of a collision at t = 0, ready to run.
 
     Times and amplitudes may be floats or fractions, also fractions that record how they
-    were computed.
+    were computed. The clock is given, and what would choose it is left out.
 
     Parameters
     ----------
@@ -97,12 +98,12 @@ def start_simulation(
     ticks : [segment]
         Transit times, ticks.
     tick_duration : number
-        s.
+        Duration of a tick, s.
     frame_velocity : number
         Velocity of the frame, m/s.
     """
     state = Simulation(*make_state(layout, INITIAL_LOG_ROWS, []))
-    # The clock is given, where `initial_state.choose_clock` makes one in other runs.
+    # In other runs `initial_state.choose_clock` sets these, pieces and transits.
     state.run.tick_duration = tick_duration
     state.run.frame_velocity = frame_velocity
     segments = state.segments

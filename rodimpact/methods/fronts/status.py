@@ -16,7 +16,7 @@ RESTING_FORCE_RTOL = 2.0**-40
 def end_of_run(
     run: Run, contacts: list[Node], system: Any, is_proved: bool, t_final: float
 ) -> RunEnd:
-    """Sentences on why a run ended.
+    """Why a run ended, as a statement and advice, which may be "".
 
     Parameters
     ----------
@@ -53,8 +53,9 @@ def end_of_run(
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
     """Sentence on a collision that is proved final.
 
-    `t_final` is the end of the last contact, s. If contacts go on pressing, it names
-    them.
+    If contacts go on pressing, with more than `RESTING_FORCE_RTOL` of their peak force,
+    it names them. Else it is that of `status.proof_sentence` for `t_final`, the end of
+    the last contact, s.
     """
     pressing: list[int] = []
     has_pressed = False
@@ -74,7 +75,7 @@ def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
     """Sentence on contacts whose force decays below the tolerance; empty without any.
 
     It names them, and says how much longer their forces may last: for ever if no end
-    was given and one still grazes.
+    was given and one still grazes. The sentence begins with a space.
     """
     faint: list[int] = []
     longest = 0

@@ -17,7 +17,8 @@ from .run import FrontRun
 def tally_of(node: Node, tick_duration: float) -> ContactTally:
     """Totals of the contact at a node, in SI units; the page has this as JavaScript.
 
-    Times are nan if there was no force, and the last one while the first force acts on.
+    `tick_duration` is in s. Both times of the force are nan if there was none; the last
+    one is nan, too, while the first force acts on.
     """
     first = math.nan
     if node.first_force_tick != NONE:
@@ -33,7 +34,8 @@ def tally_of(node: Node, tick_duration: float) -> ContactTally:
 def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float:
     """Time at which the last contact ended in a proved run, s.
 
-    It is found by `status.last_contact`, which says when it is 0, inf or nan.
+    It is found by `status.last_contact`: 0 if none pressed, inf if one goes on
+    pressing, nan if bodies that touch may still part. Bonds are no contacts here.
     `round_trip` is the longest time in a body there and back, s. The page has this as
     JavaScript.
     """
@@ -60,8 +62,9 @@ def motion_of(
 ) -> Motion:
     """Motion of the bodies, from that of the segments; the page has this as JavaScript.
 
-    It has the mean velocity and the vibration energy of each body, and the kinetic
-    energy of all mean motions together, J.
+    It has the mean velocity, m/s, and the vibration energy, J, of each body, and the
+    kinetic energy of the mean motions of all rods together, J. A wall has its own
+    velocity, and no energies.
 
     Parameters
     ----------
@@ -82,8 +85,9 @@ def motion_of(
     vibration = []
     kinetic = 0.0
     for i, (first, last) in enumerate(row.spans):
-        if last > 0:  # no wall
+        if last > 0:  # a rod, whose segments all have the velocity of its group
             kinetic += masses[i] * of_segments[first] ** 2 / 2
+        # The span (1, 0) of a wall makes an empty sum.
         vibration.append(math.fsum(energies[first : last + 1]) * clock.tick)
     return Motion([float(velocity) for velocity in by_body], vibration, kinetic)
 
@@ -108,7 +112,7 @@ def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> 
 
 
 def totals_of(finished: FrontRun) -> Totals:
-    """Totals of a finished run: motion before and after, works, and balances.
+    """Totals of a finished run in SI units: masses, motions, works, and balances.
 
     Errors of velocities are relative to the velocity scale, so the residuals of the
     balances are relative to the momentum and the energy of all masses at that velocity.
@@ -135,10 +139,11 @@ def totals_of(finished: FrontRun) -> Totals:
 
 
 def momentum_residual(finished: FrontRun, total_mass: float, impulse: float) -> float:
-    """What the row gained of momentum, less the impulse from outside, relative.
+    """Momentum that the row gained, less the impulse from outside, over a scale.
 
-    `impulse` is that from outside, N s. The scale is the momentum of all masses,
-    `total_mass`, kg, at the velocity scale, plus the impulses of all nodes.
+    It is round-off in an exact run. `impulse` is that from outside, N s. The scale is
+    the momentum of all masses, `total_mass`, kg, at the velocity scale, plus the
+    impulses of all nodes.
     """
     tick = finished.clock.tick
     # Momenta of segments are in N ticks, as impulses of nodes are:
@@ -157,9 +162,10 @@ def momentum_residual(finished: FrontRun, total_mass: float, impulse: float) -> 
 def energy_residual(
     before: Motion, after: Motion, boundary: "BoundaryEffects", mass_energy: float
 ) -> float:
-    """What the row gained of energy, less works, plus what was radiated, relative.
+    """Energy that the row gained, less works, plus what was radiated, over a scale.
 
-    The scale is the energy at t = 0, plus `mass_energy`, that of all masses at the
+    It is round-off in an exact run. Energies are kinetic and vibration energies. The
+    scale is the energy at t = 0, plus `mass_energy`, that of all masses at the
     velocity scale, J, plus the absolute works.
     """
     start_energy = before.kinetic + sum(before.vibration)
@@ -189,10 +195,11 @@ class BoundaryEffects:
     def __init__(
         self, finished: FrontRun, masses: list[float], velocities: Sequence[float]
     ) -> None:
-        """Add up what acts on both ends of a run.
+        """Add up what acted on both ends of a run, from the totals of the end nodes.
 
-        Masses and velocities are those of the bodies. Work in the laboratory is work in
-        the frame plus velocity of the frame times impulse.
+        Masses, kg, inf for a wall, and velocities, m/s, are those of the bodies. Work
+        in the laboratory is work in the frame plus velocity of the frame times impulse.
+        A free or fixed end does no work.
         """
         self.impulse = 0.0
         self.wall_work = 0.0
@@ -213,7 +220,7 @@ class BoundaryEffects:
                     sign * finished.nodes[side].work * clock.tick
                     + clock.frame * impulse
                 )
-                if isinstance(end, Absorbing):
+                if isinstance(end, Absorbing):  # positive work brings energy in
                     self.radiated -= work
                 else:
                     self.drive_work += work
