@@ -52,7 +52,7 @@ def needs(system: model.System) -> Needs:
             physics += _needs_of_rod(body, f"bodies.{i}")
     for k, law in enumerate(system.contacts):
         if law.law not in ("rigid", "bonded"):
-            # Laws with a name of their own there are no compliant contacts.
+            # Joints and laws of the user have a name there; others are compliant.
             name = PHYSICS_OF_LAWS.get(law.law, COMPLIANCE)
             physics.append((f"contacts.{k}.law", name))
     for side, end in zip(model.SIDES, system.ends, strict=True):

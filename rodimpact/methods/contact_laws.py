@@ -373,7 +373,7 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     SPRING: mean of k x + c w where x > 0 and this presses.
     POWER: mean of k x^p where x > 0, times 1 + chi w.
     YIELD: work along the lines of its table over w, times 1 + chi w.
-    If the mean is not above 0, which a pull or no overlap makes it, both are 0.
+    Both are 0 without overlap, or if the mean is not above 0.
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
@@ -443,7 +443,7 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     if x0 <= 0 or abs(w) > x0 / 2:
         F = (last * x1 - first * x0) / (q * w)
         return F, (last - F) / w
-    F = first
+    F = first  # the limit for h = 0
     h = w / x0
     if h != 0:
         # (1 + h)^q - 1 without cancellation
@@ -478,7 +478,7 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     knot = link.next_knot
     force = link.yield_force
     x = force / k  # overlap at which it yields
-    start = max(x0, 0.0)
+    start = max(x0, 0.0)  # a gap has no force
     slope = link.hardening_share * k
     work = (x - start) * (force + k * start) / 2  # the elastic part, from start to x
     knots = link.knots

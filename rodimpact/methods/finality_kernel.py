@@ -17,8 +17,7 @@ def separation_time(
     """Time after which the proof that a contact stays open can succeed.
 
     It is 0 if the proof succeeds now, and inf if the mean motions do not open the gap:
-    then time alone does not help. Velocities are in the unit of a length over that of
-    time, and the result is in that unit of time.
+    then time alone does not help. Any units may be used that fit each other.
 
     Parameters
     ----------

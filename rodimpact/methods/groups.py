@@ -64,7 +64,7 @@ def velocities_in_group(
         return [mean for _ in group]
     if len(inside) > 0:
         moving = inside
-    else:
+    else:  # walls and what is bonded to them alone
         moving = group
     # Velocity of those that can move
     if len(anchors) == 2:

@@ -52,9 +52,9 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     """Whether a job shall run compiled.
 
     Each call adds the seconds of its job to those of earlier jobs of the kernel in this
-    process, until their sum and what lies ahead are worth it; from then on they always
-    are. Then numba is started. In the context `forced` that decides, if only numba
-    starts, and nothing is added.
+    process, until their sum and what lies ahead are worth it; from then on every job
+    is. To see that, numba is started. In the context `forced` nothing is added: jobs
+    run compiled if the context says so and numba starts.
 
     Parameters
     ----------

@@ -252,8 +252,8 @@ class Options(FrozenDataclass):
             raise invalid_argument("system", message)
         problems: Problems = []
         check_function(problems, "report", report)
-        for path, lacking in METHODS[method].lacking(abilities.needs(system)):
-            problems.append((path, f'method "{method}" has no {lacking}'))
+        for path, physics in METHODS[method].lacking(abilities.needs(system)):
+            problems.append((path, f'method "{method}" has no {physics}'))
         raise_if_problems(problems)
         return self._run_checked(method, system, report)
 

@@ -62,7 +62,7 @@ def build_row(system: Any) -> Row:
             add_rigid(row, bodies, block)
     if bodies[-1].kind != "wall":
         add_end(row, 1, system.ends[1])
-    row.first_mass.append(len(row.masses))  # where masses of a node behind would begin
+    row.first_mass.append(len(row.masses))  # an entry behind the last node
     number_bonded_masses(row, bodies, blocks[0])
     return row
 

@@ -226,19 +226,19 @@ def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
     problems = []
     for k, i in row.by_law.items():  # contact k is link i
         link = row.links[i]
-        # In units of impedance over transit
-        stiffness = (
+        # Over the stiffness of the rods, impedance over transit
+        stiffness_ratio = (
             link.stiffness
             * (transit / least_impedance(row))
             * np.power(row.scale * transit, np.asarray(link.exponent) - 1)
         )
-        rigid = "Bonded" if link.law == Law.JOINT else "Rigid"
+        rigid_law = "Bonded" if link.law == Law.JOINT else "Rigid"
         message = (
             f"is as good as rigid beside these rods, got {link.stiffness!r}; use "
-            f"{rigid}()"
+            f"{rigid_law}()"
         )
         # Not `greater`, which would let nan pass.
-        is_rigid = ~np.less_equal(stiffness, LARGEST_STIFFNESS)
+        is_rigid = ~np.less_equal(stiffness_ratio, LARGEST_STIFFNESS)
         problems.append((is_rigid, f"contacts.{k}.stiffness", message))
     return problems
 

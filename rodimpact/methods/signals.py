@@ -154,12 +154,13 @@ class Pieces:
         swing = np.abs(self.coefficients[:, 1:]).sum(axis=1)  # bound of value - middle
         low = float((middle - swing).min())
         high = float((middle + swing).max())
-        error = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
+        # Error that the lines may have
+        tolerance = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
         parts_needed = np.ones(len(middle))  # parts of each piece, [n]
-        if error > 0:
+        if tolerance > 0:
             # A line over the n-th part of a piece is
             # off by less than (2/n)^2/8 of its bend.
-            parts_needed = np.ceil(np.sqrt(self.bends / (2 * error)))
+            parts_needed = np.ceil(np.sqrt(self.bends / (2 * tolerance)))
         # Each part begins with a mark, and has a tick at least.
         parts = np.clip(parts_needed, 1, self.widths).astype(np.int64)
         # [n]: how many marks the pieces before have
@@ -171,7 +172,7 @@ class Pieces:
         inside = np.repeat(self.ticks, parts) + part_widths * index_in_piece
         later_starts = self.ticks[1:]
         rises = self.values[1:] - self.at(later_starts, "left")
-        jumps = later_starts[np.abs(rises) > error]
+        jumps = later_starts[np.abs(rises) > tolerance]
         # Beyond 2^51 floats do not resolve ticks:
         # the mark is far enough for them to differ.
         before_jumps = jumps - 1 - (jumps >> 51)

@@ -205,9 +205,8 @@ def clock_bits(ratio: float) -> int:
     """Base-2 logarithm of the longest transit in ticks, `MAX_TRANSIT_BITS` at most.
 
     With it a run of `ratio` longest transits takes no more than 2^CLOCK_BITS ticks. No
-    clock counts the run if the result is below
-    `MIN_TRANSIT_BITS`; it may be negative, and is 0 for a ratio that is negative,
-    infinite or nan.
+    clock counts the run if the result is below `MIN_TRANSIT_BITS`; it may be negative,
+    and is 0 for a ratio that is negative, infinite or nan.
     """
     if ratio == 0:
         return MAX_TRANSIT_BITS
@@ -227,8 +226,9 @@ def default_horizon(
 ) -> float:
     """Time that the clock of a run without a given end must be able to count, s.
 
-    It is the largest of so many longest transits, crossings of the row and flights, but
-    no more than a clock can count beside the longest transit.
+    It is the largest of three: `HORIZON` times `share` longest transits,
+    `MIN_ROW_CROSSINGS` crossings of the row, and `MIN_FLIGHTS` flights; but no more
+    than a clock can count beside the longest transit.
 
     Parameters
     ----------

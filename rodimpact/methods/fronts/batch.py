@@ -89,6 +89,7 @@ class FrontBatch(Batch[State]):
         """
         state = make_state(layout, INITIAL_LOG_ROWS, [])
         request.store(state.runs[0])
+        # `make_state` makes lists.
         super().__init__(run_members, state, RECORD_TYPES, is_compiled=False)
         self.layout = layout
         self._result_buffer = np.empty((0, len(layout.closed_status)), NODE_RESULT)
@@ -98,8 +99,8 @@ class FrontBatch(Batch[State]):
     def load_members(self, values: Array) -> None:
         """Put the values of other members, [member, value], into the state.
 
-        Room for their results is made there, too: results of earlier members, also
-        arrays of them that were handed out, are overwritten. Nothing runs yet.
+        Room for their results is made there, too. In machine code it is that of earlier
+        results, whose arrays are overwritten. Nothing runs yet.
         """
         member_count = len(values)
         node_count = len(self.layout.closed_status)

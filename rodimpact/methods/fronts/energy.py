@@ -35,7 +35,7 @@ def measure_segments(state: State) -> None:
     """Set momentum, and vibration energy about `group_velocity`, of each segment.
 
     Both are sums over its two waves: what was sent to either end in the last transit
-    time. In units of this kernel: they are N s and J over the duration of a tick.
+    time. They are in N s and J, over the duration of a tick.
     """
     now = state.runs[0].now
     log = state.log
@@ -171,7 +171,9 @@ def largest_difference(
             high_a = min(a1, b1 + transit)
             high_b = min(b1, a1 + transit)
             meet = low_a < high_a and low_b < high_b
+            # (high_a + high_b + T)/2 > 0
             after_start = high_a > -transit - high_b
+            # (low_a + low_b + T)/2 < end_tick
             before_end = low_a - end_tick < end_tick - transit - low_b
             if meet and after_start and before_end and b1 - b0 > window:
                 largest = max(largest, abs(wave_b.value - wave_a.value))

@@ -129,7 +129,9 @@ def build_event_queue(state: State) -> None:
     for k in range(len(state.nodes)):
         queue[leaves + k] = 0
         if state.nodes[k].status == Status.FREE:
-            incoming = 3 if k == 0 else 2 * k  # line that arrives here from inside
+            # Line that arrives here from inside: to the left in segment 1, or to the
+            # right in the last one
+            incoming = 3 if k == 0 else 2 * k
             outgoing = incoming ^ 1  # the other line of the same segment
             incoming_wave = state.lines[incoming].incoming_wave
             last_row = state.lines[outgoing].last_row
@@ -167,6 +169,7 @@ def advance(state: State, horizon: int) -> int:
     last_free_row = len(log) - MAX_ROWS_PER_EVENT
     rows = run.log_rows
     events = run.events
+    # queue[1] is the earliest tick of all nodes, and leaf `leaves + k` that of node k.
     stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)
     while stop == Stop.NONE:
         leaf = event_queue.first_leaf(queue)

@@ -247,8 +247,8 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     taken from the far end to the contact. g grows from g0 to g1 over a segment; its
     part of integral(g^2 dx/(E A)) is Y T (g0^2 + g0 g1 + g1^2)/3. A wave w about the
     mean motion, sent over `width` ticks, has the energy w^2 width/(4 Y), the momentum w
-    width/(2 Y) and the part w width g/2 of integral(strain g dx), with the sign of (b -
-    a). The bound stays 0 where the motion is steady.
+    width/(2 Y) and the part w width g/2 of integral(strain g dx), positive in b and
+    negative in a. The bound stays 0 where the motion is steady.
     """
     segments = state.segments
     log = state.log
@@ -282,7 +282,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
         compliance += mobility * transit * (g0 * g0 + g0 * g1 + g1 * g1) / 3
         for l in range(2 * inner, 2 * inner + 2):
             is_leftward = l % 2 == 1  # it carries b, not a
-            sign = 1 if is_leftward else -1
+            sign = 1 if is_leftward else -1  # of its part of the deviation
             # b runs to a contact on the left of the group, a to one on the right.
             runs_to_contact = is_leftward == is_right
             line = state.lines[l]
@@ -299,9 +299,9 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
                 width = edge - low
                 energy += wave * wave * width / (4 * mobility)
                 taken += wave * width / (2 * mobility)
-                # Part of the segment that it has crossed
-                middle = (edge + low) / (2 * transit)
-                g = fraction_at(middle, g0, g1, runs_to_contact)
+                # Part of the segment that the middle of this wave has covered
+                covered = (edge + low) / (2 * transit)
+                g = fraction_at(covered, g0, g1, runs_to_contact)
                 deviation += sign * wave * width * g / 2
                 if not is_last:
                     edge = low

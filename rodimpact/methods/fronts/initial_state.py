@@ -350,7 +350,7 @@ def initialise_member(state: State, values: Values) -> None:
         line = state.lines[line_from_outside(n, side)]
         line.incoming_wave = 0.0
         if outside.velocity_count > 0 and outside.boundary_kind == BoundaryKind.STEADY:
-            # What is steady outside is a wall.
+            # What is steady outside is a wall, or a fixed end.
             line.incoming_wave = values[outside.profile_offset] - run.frame_velocity
         outside.mobility = 0.0
         if outside.boundary_kind == BoundaryKind.ENDLESS:
@@ -472,11 +472,11 @@ def append_driven_fronts(
     while not is_last:
         value = values[outside.profile_offset + j]
         if outside.boundary_kind == BoundaryKind.PUSHED:
-            value *= state.segments[end_segment].mobility
+            wave = value * state.segments[end_segment].mobility
         elif outside.boundary_kind == BoundaryKind.ENDLESS:
-            value = wave_by_strain * value + inward_wave
+            wave = wave_by_strain * value + inward_wave
         else:
-            value -= run.frame_velocity
+            wave = value - run.frame_velocity
         start_tick = stop_tick
         is_last = j == value_count - 1
         if not is_last:  # times of jumps stand behind the values
@@ -488,7 +488,7 @@ def append_driven_fronts(
             jump_tick = state.durations[first_jump + j].ticks
             stop_tick = max(start_tick, jump_tick)
         if stop_tick > start_tick:
-            append_front(run, log, start, start_tick, outside_line, value)
+            append_front(run, log, start, start_tick, outside_line, wave)
         j += 1
 
 

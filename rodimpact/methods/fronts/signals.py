@@ -85,10 +85,11 @@ def contact_signal(
     k = finished.layout.contacts[contact]
     closed_status = finished.nodes[k].closed_status
     first_gap = float(clock.system.gaps[contact]) / clock.tick
-    changes = changes[changes["next_row"] == k]  # the node, in a row of a change
+    # In a row of a change `next_row` is the node.
+    own_changes = changes[changes["next_row"] == k]
     first_status = Status.OPEN if first_gap > 0 else closed_status
     # The first status begins at tick -1, so that a change at tick 0 comes later.
-    statuses = Pieces([-1, *changes["tick"]], [first_status, *changes["value"]])
+    statuses = Pieces([-1, *own_changes["tick"]], [first_status, *own_changes["value"]])
 
     from_left = arrivals(finished, lines, k, 0)
     from_right = arrivals(finished, lines, k, 1)
@@ -206,6 +207,7 @@ def outside_signal(
     assert inward is not None
     assert outward is not None
     arriving = outward.later(clock.ticks[s])
+    # `INWARD` is the sign of a push into the row.
     push = (inward - arriving).times(INWARD[side] * clock.impedance[s] / 2)
     speed = (inward + arriving).times(0.5).plus(clock.frame)
     name = finished.layout.row.boundary_name(side)

@@ -77,16 +77,17 @@ def motion_of(
         Vibration energies about these motions, J over the tick.
     """
     row = clock.row
-    of_segments = [velocity + clock.frame for velocity in velocities]
+    # In the laboratory
+    segment_velocities = [velocity + clock.frame for velocity in velocities]
     group_velocities = [
-        of_segments[s] for s in segments_of_groups(row.system, row.spans)
+        segment_velocities[s] for s in segments_of_groups(row.system, row.spans)
     ]
     by_body = body_velocities(row.system, group_velocities)
     vibration = []
     kinetic = 0.0
     for i, (first, last) in enumerate(row.spans):
         if last > 0:  # a rod, whose segments all have the velocity of its group
-            kinetic += masses[i] * of_segments[first] ** 2 / 2
+            kinetic += masses[i] * segment_velocities[first] ** 2 / 2
         # The span (1, 0) of a wall makes an empty sum.
         vibration.append(math.fsum(energies[first : last + 1]) * clock.tick)
     return Motion([float(velocity) for velocity in by_body], vibration, kinetic)
@@ -119,7 +120,7 @@ def totals_of(finished: FrontRun) -> Totals:
     """
     clock = finished.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
-    total_mass = sum(mass for mass in masses if mass < math.inf)
+    total_mass = sum(mass for mass in masses if mass < math.inf)  # walls have inf
     before = initial_motion(clock, masses, finished.segments)
     after = final_motion(clock, masses, finished.segments)
     boundary = BoundaryEffects(finished, masses, after.velocities)
