@@ -71,7 +71,7 @@ class Batch(Generic[StateT]):
         machine code runs. With a law of the user that numba has not compiled, plain
         Python always runs. A state that has its form already stays as it is.
         """
-        # Without such a law these seconds are counted for the kernel, see `kernels`.
+        # Machine code cannot call functions that are not compiled.
         pays = compiling.can_be(self.user_laws)
         pays = pays and kernels.worth_compiling(seconds, self.kernel)
         if pays and not self.is_compiled:

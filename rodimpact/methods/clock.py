@@ -266,6 +266,6 @@ def too_short(path: str, transit: float, longest: float) -> tuple[str, str]:
     """
     return path, (
         f"its transit time {transit:.3g} s is too short beside the longest, "
-        f"{longest:.3g} s: the "
-        "clock holds ratios up to about 2e11; leave this segment out"
+        f"{longest:.3g} s: the clock holds ratios up to about 2e11; leave this segment "
+        "out"
     )

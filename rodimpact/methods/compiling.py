@@ -396,7 +396,7 @@ def _is_kernel(value: Any) -> bool:
 def _modules(module: ModuleType) -> list[ModuleType]:
     """A kernel module, and all kernel modules that it imports, also through others.
 
-    The module itself comes first, each module is there once.
+    The module itself comes first; each module is there once.
     """
     modules = [module]
     for each in modules:  # the list grows

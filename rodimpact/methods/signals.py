@@ -270,6 +270,7 @@ class Pieces:
         It is that of (stop - t) f(t) over t from 0 to `stop`, value times ticks
         squared; `stop`, ticks, is a number or an array, whose shape the result has.
         """
+        # stop integral(f) - integral(t f)
         last = np.max(stop)
         time = Pieces.through([0, last], np.array([0.0, last]))  # the signal t
         twice: Floats = stop * self.integral(0, stop) - (self * time).integral(0, stop)

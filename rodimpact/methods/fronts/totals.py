@@ -96,14 +96,14 @@ def motion_of(
 def initial_motion(
     clock: Clock, masses: list[float], segments: list[Segment]
 ) -> Motion:
-    """Motion of the bodies at t = 0; the page has this as JavaScript."""
+    """Motion of the bodies at t = 0, see `motion_of`; the page has it as JavaScript."""
     velocities = [segment.initial_group_velocity for segment in segments]
     energies = [segment.initial_vibration_energy for segment in segments]
     return motion_of(clock, masses, velocities, energies)
 
 
 def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> Motion:
-    """Motion of the bodies when it was measured last.
+    """Motion of the bodies when it was measured last, see `motion_of`.
 
     The page has this as JavaScript.
     """
