@@ -180,7 +180,8 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
             parts = find_class(durations, start, max_parts)
         unit = 0  # ticks of a part
         if start == 0:
-            unit = max(1, ((1 << bits) + parts // 2) // parts)  # rounded 2^bits/parts
+            rounded_unit = ((1 << bits) + parts // 2) // parts  # 2^bits/parts
+            unit = max(1, rounded_unit)
             # A multiple of DIVISIBLE is less by 1/DIVISIBLE of the unit at most.
             if unit > DIVISIBLE * DIVISIBLE:
                 unit -= unit % DIVISIBLE

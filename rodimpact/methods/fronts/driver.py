@@ -127,7 +127,7 @@ def solve_many(
         length = block.stop - first
         begin = processor_time()
         ahead = 0.0  # time in plain Python that is certain to follow, s
-        if is_measured:
+        if is_measured:  # an estimate is not certain
             ahead = member_time * (count - block.stop + later_members)
         is_compiled = kernels.worth_compiling(
             member_time * length, run_members, ahead=ahead

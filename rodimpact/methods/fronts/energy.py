@@ -156,13 +156,14 @@ def largest_difference(
         # Waves that left the other end a transit after this one,
         # or later, do not meet it either.
         r = row_b
-        counts = a1 - a0 > window  # else this wave comes of round-off
-        while counts and r != NONE and log[r].tick < a1 + transit:
+        lasts_a = a1 - a0 > window  # else this wave comes of round-off
+        while lasts_a and r != NONE and log[r].tick < a1 + transit:
             wave_b = log[r]
             b0 = wave_b.tick
             b1 = end_tick
             if wave_b.next_row != NONE:
                 b1 = min(log[wave_b.next_row].tick, end_tick)
+            lasts_b = b1 - b0 > window
             # Parts of both waves meet, from (low_a + low_b + T)/2 to
             # (high_a + high_b + T)/2. These times are compared with 0 and the end
             # without a sum of two ticks, which could overflow.
@@ -175,7 +176,7 @@ def largest_difference(
             after_start = high_a > -transit - high_b
             # (low_a + low_b + T)/2 < end_tick
             before_end = low_a - end_tick < end_tick - transit - low_b
-            if meet and after_start and before_end and b1 - b0 > window:
+            if meet and after_start and before_end and lasts_b:
                 largest = max(largest, abs(wave_b.value - wave_a.value))
             r = wave_b.next_row
         row_a = wave_a.next_row

@@ -268,7 +268,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     deviation = zero
     energy = zero
     taken = zero  # momentum that waves bring to the far end
-    compliance = mass * far_mobility * far_mobility
+    compliance = mass * far_mobility * far_mobility  # m Y^2 of a semi-infinite bar
     for i in range(last - first + 1):
         inner = from_far_end(first, last, i, is_right)  # segment
         transit = segments[inner].transit
@@ -276,7 +276,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
         g0 = mass_fraction
         mass_fraction = mass_fraction + transit / (mobility * mass)
         g1 = mass_fraction
-        if is_anchored:
+        if is_anchored:  # g = 1 all over
             g0 = 1 + zero
             g1 = g0
         compliance += mobility * transit * (g0 * g0 + g0 * g1 + g1 * g1) / 3
@@ -309,6 +309,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
                     r = log[r].next_row
     if is_right:  # stretching moves its left end, at the contact, to the left
         deviation = -deviation
+    # A semi-infinite bar gives way by Y p.
     group.end_deviation = deviation - far_mobility * taken
     is_steady = no_front_in_flight(state.lines, first, last)
     is_pressing = state.nodes[k].status == Status.PRESS

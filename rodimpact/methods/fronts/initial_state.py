@@ -156,7 +156,8 @@ def split_at_jumps(state: State, values: Values) -> int:
             i = 0
             j = 0
             left = 0.0
-        # Where the four lists of the body begin among the values
+        # Where the four lists of the body begin among the values; there is one jump
+        # less than values
         velocities = body.profile_offset
         velocity_jumps = velocities + body.velocity_count
         strains = velocity_jumps + body.velocity_count - 1
