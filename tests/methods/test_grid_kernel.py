@@ -169,7 +169,7 @@ def test_no_newton_step_follows_the_last_sweep_of_a_chain(monkeypatch):
         return changes
 
     monkeypatch.setattr(contacts, "gauss_seidel_sweep", sweep_and_keep)
-    monkeypatch.setattr(contacts, "MAX_SWEEPS", 1 / 2)  # twice this are left: one
+    monkeypatch.setattr(contacts, "MAX_SWEEPS", 1)
 
     assert not contacts.solve_chain(links, 0, 11, 1.0)
 

@@ -35,69 +35,74 @@ Convergence is quadratic.
 """
 MAX_NEWTON_STEPS = 100
 """Iterations of one contact: a bound that is not met in practice."""
-MAX_SWEEPS = 1000
-"""Sweeps over one chain, see `solve_chain`."""
+MAX_SWEEPS = 2000
+"""Sweeps over one chain, see `solve_chain`: the last of them counts as it is."""
 
 
 def solve_link(link: Link, c: float) -> tuple[float, float, float]:
-    """Solve x1 = x0 + c - y F(x0, x1) for a compliant contact or joint, y its mobility.
+    """Find the mean force F of a compliant contact, or of a joint, in this step.
 
-    The link is not changed.
+    It solves x1 = x0 + c - y F(x0, x1), y the self mobility, for F and the overlap x1
+    at the end of the step. F of a contact is `contact_laws.mean_force`, and is not
+    negative; a joint is linear, and pulls as well. The link is not changed. Newton's
+    method begins at the guess link.overlap, or, where a contact can yield, beside or
+    beyond the overlap at which it does. Its last iterate is returned, converged or not.
 
     Parameters
     ----------
     link : Link
-        x0 is -link.gap, and link.overlap a guess of x1.
+        x0, the overlap at the start of the step, is -link.gap.
     c : float
-        Closing in this step without the own force.
+        Closing in this step without the own force, m/s.
 
     Returns
     -------
     F, x1, dF/dx1
+        In N, m/s (time is counted in steps) and N per m/s.
     """
     x0 = -link.gap
     y = link.self_mobility
-    top = x0 + c  # x1 without the own force, the largest that it may be
-    if link.law == Law.JOINT:  # which pulls as well
-        # F = k (x0 + x1)/2 + d (x1 - x0) = k x0 + slope (x1 - x0) is linear; d is the
-        # damping, as force by closing in a step.
+    free_x1 = x0 + c  # x1 without the own force, the largest that it may be
+    if link.law == Law.JOINT:
+        # Its force pulls as well. It is linear:
+        # F = k (x0 + x1)/2 + d (x1 - x0) = k x0 + slope (x1 - x0), with the damping d.
+        # With x1 - x0 = c - y F this is solved for F.
         k = link.stiffness
         slope = k / 2 + link.damping
         divisor = 1 + y * slope
         F = (k * x0 + slope * c) / divisor
         x1 = x0 + (c - y * k * x0) / divisor
         return F, x1, slope
-    # x is the guess of x1, which Newton's method mends.
-    yields = False  # whether x1 is beyond the elastic limit
+    # Newton's method begins at the guess x of x1, on the right of the root if it can:
+    # the residual x - free_x1 + y F(x0, x) rises with x, and is 0 at the root.
+    yields = False  # whether x1 is beyond the overlap at which the contact yields
     if link.law == Law.YIELD:
-        # The mean force bends both ways, its work only up:
-        # begin on the right of the root.
         elastic_limit = link.yield_force / link.stiffness
         force_at_limit, _ = contact_laws.mean_force(link, x0, elastic_limit)
-        # The residual of Newton's method, below,
-        # is < 0 at the limit if the root is beyond.
-        yields = elastic_limit - top + y * force_at_limit < 0
+        residual_at_limit = elastic_limit - free_x1 + y * force_at_limit
+        yields = residual_at_limit < 0
         if yields:
-            x = top
+            x = free_x1
         else:
-            x = min(elastic_limit, top)
+            x = min(elastic_limit, free_x1)
     else:
-        x = min(link.overlap, top)
+        x = min(link.overlap, free_x1)
     F = 0.0
     slope = 0.0  # dF/dx1
     for _ in range(MAX_NEWTON_STEPS):
         F, slope = contact_laws.mean_force(link, x0, x)
-        residual = x - top + y * F
-        # Where the contact yields, Newton's method is for (x - x0) residual, which only
-        # bends up. Its slope, divided by x - x0, is that of the residual and one term
-        # more.
+        residual = x - free_x1 + y * F
+        # The mean force of a contact that yields bends both ways, its work only up.
+        # Therefore the root is that of (x - x0) residual. Its derivative, divided by
+        # x - x0, is that of the residual, 1 + y slope, and residual/(x - x0).
         further_slope = 0.0
         if yields:
             further_slope = residual / (x - x0)
         step = residual / (1 + y * slope + further_slope)
         F = F - slope * step  # the force at the new x, to first order
-        x = min(x - step, top)
-        # What the step is to be small beside: the overlap, or, without one, the way
+        x = min(x - step, free_x1)
+        # A step is small beside the overlap, or, if the contact opens in this step,
+        # beside the way that it goes.
         if x > 0:
             size = x
         else:
@@ -111,36 +116,35 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
             break
     if y * slope > 1:
         # For a stiff contact this is more accurate than the law, because x is small.
-        F = (top - x) / y
+        F = (free_x1 - x) / y
     return max(F, 0 * F), x, slope  # 0 * F is 0 as the same kind of number
 
 
 def closing_without_own_force(links: Any, i: int) -> float:
-    """Closing of link i in this step without its own force.
+    """Closing of link i in this step if its own force were 0, m/s.
 
-    The forces of both neighbours count. The first link of a chain shares nothing with
-    the one before it: its coupling is 0. Behind the last of all links comes the first.
+    It is that without forces, and what the present forces of the links before and after
+    it add. Nothing is changed. The first link has the last one before it, and the last
+    has the first one after it: the coupling of links of two chains is 0.
     """
     link = links[i]
-    after = links[i + 1 - len(links)]  # an index below 0 counts from the end
-    c: float = (
-        link.force_free_closing
-        + link.coupling_mobility * links[i - 1].force
-        + after.coupling_mobility * after.force
-    )
+    before = links[i - 1]
+    after = links[i + 1 - len(links)]  # a negative index counts from the end
+    by_before = link.coupling_mobility * before.force
+    by_after = after.coupling_mobility * after.force
+    c: float = link.force_free_closing + by_before + by_after
     return c
 
 
 def gauss_seidel_sweep(
     links: Any, first: int, last: int, speed: float
 ) -> tuple[float, float]:
-    """Set the forces of the links of a chain one after the other.
+    """Set the forces of the links of a chain once, one after the other.
 
-    Each is found with the others as they are.
-
-    Their slopes are set too, and the overlaps of those that are not rigid. The closing
-    without the own force is c. A rigid link, or an impact, takes F = max(0,
-    (c - max_closing)/mobility); other links are solved by `solve_link`.
+    Each force is found with the others as they are: a rigid link, or an impact, takes
+    F = max(0, (c - max_closing)/mobility), c its closing without F; other links are
+    solved by `solve_link`. `force` and `force_slope` of the links are set, and the
+    `overlap` of those that are not rigid. A rigid link with a force has the slope -1.
 
     Parameters
     ----------
@@ -148,15 +152,15 @@ def gauss_seidel_sweep(
     first, last : int
         First and last link of the chain.
     speed : float
-        Speed of the bodies.
+        Speed of the bodies, m/s.
 
     Returns
     -------
     float
-        The largest change of a closing.
+        The largest change, in this sweep, of the closing that a link's own force takes
+        away, m/s.
     float
-        The largest speed: that of the bodies, and the closings that single forces
-        change.
+        `speed` plus the largest of these closings, m/s.
     """
     change = 0.0
     largest = speed
@@ -166,13 +170,13 @@ def gauss_seidel_sweep(
         if link.law == Law.RIGID or link.law == Law.IMPACT:
             F = (c - link.max_closing) / link.self_mobility
             slope = -1.0  # its closing is fixed
-            if F <= 0:
+            if F <= 0:  # it closes less than it may, and needs no force
                 F = 0.0
                 slope = 0.0
         else:
             F, link.overlap, slope = solve_link(link, c)
-        # Change of its closing by its own force
-        change = max(change, abs(F - link.force) * link.self_mobility)
+        change_of_force = abs(F - link.force)
+        change = max(change, change_of_force * link.self_mobility)
         link.force = F
         link.force_slope = slope
         largest = max(largest, speed + abs(F) * link.self_mobility)
@@ -183,24 +187,29 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
     """Take a Newton step for the forces of all links of a chain together.
 
     With the tangent of its law each link has F = F0 + s (x1 - overlap), s the slope,
-    and x1 = -gap + closing, which the forces of neighbours change. Where the closing is
-    fixed, as at a rigid contact, that condition takes its place. The equations are
-    tridiagonal: they are eliminated from the first link to the last, and solved back.
+    and x1 = -gap + closing, which the forces of neighbours change. A link with the
+    slope -1, as a rigid contact that presses, has a fixed closing in place of this,
+    max_closing. The equations are tridiagonal: they are eliminated from the first link
+    to the last, and solved back.
 
-    The forces before it are stored in `force_before`. Contacts never pull. Indices
-    count round: the link behind i is i + 1 - len(links).
+    `force` of the links is set, not below 0 but at joints. Their forces before are
+    stored in `force_before`; `upper` is work space. Overlaps and slopes stay.
     """
+    # The equation of link i is middle F = right + s (closing by the forces of the links
+    # before and after). Indices count round: after the last of all links comes the
+    # first, and the coupling of links of two chains is 0.
     for i in range(first, last + 1):
         link = links[i]
-        before = links[i - 1]  # its coupling with the first link is 0
+        before = links[i - 1]
+        after = links[i + 1 - len(links)]  # a negative index counts from the end
         s = link.force_slope
-        # Slope -1: the closing is fixed, mobility F = closing without F - max_closing.
-        # Else (1 + s mobility) F = F0 + s (closing without F - overlap - gap).
         if s < 0:
-            s = -s
+            # mobility F = closing without F - max_closing
+            s = 1.0
             middle = link.self_mobility
             right = link.force_free_closing - link.max_closing
         else:
+            # (1 + s mobility) F = F0 + s (closing without F - overlap - gap)
             middle = 1 + s * link.self_mobility
             right = link.force + s * (link.force_free_closing - link.overlap - link.gap)
         # The link before is eliminated: its force is before.force - before.upper F.
@@ -208,65 +217,71 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
         pivot = middle + s * link.coupling_mobility * before.upper
         if pivot <= 4 * EPS * middle:  # nothing but round-off is left
             pivot = middle
+        # Until it is solved back, its force is link.force - link.upper after.force.
         link.force_before = link.force
         link.force = right / pivot
-        link.upper = -s * links[i + 1 - len(links)].coupling_mobility / pivot
+        link.upper = -s * after.coupling_mobility / pivot
     for i in range(last, first - 1, -1):
         link = links[i]
-        link.force -= link.upper * links[i + 1 - len(links)].force
-        if link.law >= Law.RIGID:  # a contact, not a joint
+        after = links[i + 1 - len(links)]
+        link.force -= link.upper * after.force
+        if link.law >= Law.RIGID:  # contacts do not pull, joints do
             link.force = max(link.force, 0.0)
 
 
 def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
-    """Set the forces of a chain; return False if they were not found.
+    """Set the forces of the links from `first` to `last`, a chain.
 
-    There are none where walls squeeze a mass. Gauss-Seidel sweeps descend on a convex
-    function, the dual energy of the step, and so always converge, if slowly. A Newton
-    step is kept where it halves the change in the next sweep. One link alone needs one
-    sweep. `speed` is that of the bodies, whose round-off is no change.
+    Return False if they were not found, as where walls squeeze a mass; the links keep
+    the last forces then. Gauss-Seidel sweeps descend on a convex function, the dual
+    energy of the step, and so always converge, if slowly. Between two sweeps stands a
+    Newton step; it is taken back if it does not halve the change in the sweep after it.
+    One link alone needs one sweep, and is always found. `speed`, m/s, is that of the
+    bodies, whose round-off is no change.
     """
     change = math.inf  # largest change of a closing in the last sweep that is kept
     largest = speed  # largest speed in it
     newton_taken = False
-    sweeps = 2 * MAX_SWEEPS  # those that are left; 0 ends the iteration
-    while sweeps > 0:
+    sweeps_left = MAX_SWEEPS  # 0 ends the iteration
+    while sweeps_left > 0:
         new_change, new_largest = gauss_seidel_sweep(links, first, last, speed)
-        sweeps -= 1
-        if newton_taken and new_change > change / 2:  # take the Newton step back
+        sweeps_left -= 1
+        newton_failed = newton_taken and new_change > change / 2
+        if newton_failed:  # take the step back, and the sweep after it
             newton_taken = False
             for i in range(first, last + 1):
-                links[i].force = links[i].force_before  # of `take_newton_step`
+                links[i].force = links[i].force_before  # from `take_newton_step`
         else:
-            if first < last:
-                change = new_change
-            else:
-                change = 0.0  # one link alone is solved
+            change = new_change
+            if first == last:
+                change = 0.0  # a sweep solves one link alone
             largest = new_largest
             # A Newton step is taken if another sweep is left to judge it.
-            if change > 8 * EPS * largest and sweeps > 0:
+            if change > 8 * EPS * largest and sweeps_left > 0:
                 take_newton_step(links, first, last)
                 newton_taken = True
             else:
-                sweeps = 0
+                sweeps_left = 0
     return bool(change <= UNSOLVED_RTOL * largest)
 
 
 def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
     """Let impacts of a chain begin whose gaps would close in this step.
 
-    Return whether one does. An impact that has not begun has an infinite `max_closing`.
-    The one that begins at the closing velocity u is to leave -e u: the mean over the
-    step is (1 - e) u/2. Gaps within `tolerance`, m/s, below 0 are closed already, and
-    closing velocities within it are 0.
+    Return whether one does. An impact that has not begun has an infinite `max_closing`,
+    no other link has. It begins if its gap at the end of the step would be less than
+    -`tolerance`, m/s (time is counted in steps), and `max_closing` is set: of the
+    closing velocity u at the start of the step -e u is to be left at its end, so that
+    the mean is (1 - e) u/2, or 0 if u is within `tolerance`. Forces stay: they have to
+    be solved again.
     """
     has_new_impact = False
     for i in range(first, last + 1):
         link = links[i]
         # Closing in this step with the own force
         w = closing_without_own_force(links, i) - link.force * link.self_mobility
-        # It has not begun, and its gap at the end of the step would be below 0.
-        if link.max_closing == math.inf and link.gap - w < -tolerance:
+        is_waiting = link.max_closing == math.inf
+        if is_waiting and link.gap - w < -tolerance:
             u = link.initial_closing
             link.max_closing = 0.0
             if u > tolerance:
@@ -276,43 +291,48 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
 
 
 def updated_gap(link: Link, w: float, tolerance: float) -> float:
-    """Return the gap of a link at the end of a step in which it closes by w.
+    """Return the gap of a link at the end of a step in which it closes by w, m/s.
 
-    A grid counts time in steps and lengths in m/s: w is also the mean closing velocity.
-    Set what else has changed: whether a rigid contact is closed, and yield force and
-    hardening of one that yields. A closed rigid contact opens with more than
-    `tolerance`, m/s, and an impact rests with less. The gap in the link stays that at
-    the start of the step.
+    Time is counted in steps, so w is also the mean closing velocity. The gap of a rigid
+    contact or impact is link.gap - w, that of any other link -link.overlap, whatever w
+    is. A closed rigid contact keeps the gap 0 until it opens, without a force, at more
+    than `tolerance`, m/s; an impact without a force keeps its gap if w is within it. A
+    contact that has yielded has the gap -yield force/stiffness.
+
+    `is_closed` of a rigid contact is set, and of one that yields the yield force and
+    the part of its table. link.gap stays that at the start of the step.
     """
     gap: float
-    if link.law == Law.RIGID or link.law == Law.IMPACT:  # these have no overlap
-        gap = link.gap - w
-    else:
-        gap = -link.overlap
-    final_closing = 2 * w - link.initial_closing  # as w is the mean of both
-    # Of bodies that an impact has left at rest
-    is_at_rest = link.force <= 0 and link.gap <= 0 and abs(w) <= tolerance
     if link.law == Law.RIGID:
+        final_closing = 2 * w - link.initial_closing  # as w is the mean of both
+        opens = link.force <= 0 and final_closing < -tolerance
         if link.is_closed == 0:
+            gap = link.gap - w
             if link.force > 0:  # it closes in this step
                 link.is_closed = 1
-        elif link.force <= 0 and final_closing < -tolerance:
-            # It opens at the kick in the middle of the step: the gap is
-            # -final_closing/2.
+        elif opens:
+            # The kick in the middle of the step opens it. For the other half the gap
+            # grows with the final closing velocity, to -final_closing/2.
             link.is_closed = 0
             gap = link.initial_closing / 2 - w
         else:  # it stays closed
             gap = 0.0
-    elif link.law == Law.IMPACT and is_at_rest:
-        gap = link.gap  # the round-off of w does not move it
+    elif link.law == Law.IMPACT:
+        is_at_rest = link.force <= 0 and link.gap <= 0 and abs(w) <= tolerance
+        if is_at_rest:
+            gap = link.gap  # the round-off of w does not move it
+        else:
+            gap = link.gap - w
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
         # It hardens, and its faces move for good: from where they are now its overlap
         # is the elastic one at the new yield force.
         link.yield_force, _, next_knot = contact_laws.load_plastically(
             link, -link.gap, link.overlap
         )
-        if next_knot > link.next_knot:
+        if next_knot > link.next_knot:  # it has come to a new line of its table
             link.next_knot = next_knot
             link.hardening_share = link.shares[next_knot - 1]
         gap = -link.yield_force / link.stiffness
+    else:
+        gap = -link.overlap
     return gap

@@ -21,68 +21,76 @@ def factor(
     inverse_diagonal: Any,
     upper: Any,
 ) -> None:
-    """Store the LU factors of the equations, [node] each.
+    """Write the LU factors of the equations to the last three arguments, [node] each.
 
-    They are `lower`, `inverse_diagonal` and `upper`. `is_prescribed` is 1 at nodes
-    whose values are prescribed: their equation is x[i] = right side. The factors of the
-    middle node are those of its neighbours: `lower` of the left one, `upper` of the
-    right one.
+    Elimination goes from both ends of the row to its middle node. `off_diagonal` [cell]
+    has the entries with opposite sign, cell i left of node i. `is_prescribed` is 1 at
+    nodes whose values are prescribed: their equation is x[i] = right side, and their
+    factors are 0, 1 and 0.
 
     With the entries d of the diagonal and e of the off-diagonal towards the node before
     and f towards the one after it, the factors of a node are
 
         lower = e inverse_before,  inverse_diagonal = 1/(d - e upper_before),
         upper = f inverse_diagonal.
+
+    The middle node has two nodes before it and none after: its `lower` is for the left
+    one, its `upper` is e inverse_before for the right one.
     """
     n = len(diagonal)
     m = (n - 1) // 2  # the middle node
-    # `inverse_diagonal` and `upper` of the node before, in the left half
-    left_inverse = 0.0
-    left_share = 0.0
+    # `inverse_diagonal` and `upper` of the node before i, in the left half i - 1
+    inverse_before = 0.0
+    upper_before = 0.0
     for i in range(m):
         # Factors of a prescribed node; another one gets its own below
         lower[i] = 0.0
         inverse = 1.0
-        share = 0.0
+        upper_here = 0.0
         if is_prescribed[i] == 0:
-            lower[i] = off_diagonal[i] * left_inverse
-            inverse = 1 / (diagonal[i] - off_diagonal[i] * left_share)
-            share = off_diagonal[i + 1] * inverse
+            lower[i] = off_diagonal[i] * inverse_before
+            inverse = 1 / (diagonal[i] - off_diagonal[i] * upper_before)
+            upper_here = off_diagonal[i + 1] * inverse
         inverse_diagonal[i] = inverse
-        upper[i] = share
-        left_inverse = inverse
-        left_share = share
+        upper[i] = upper_here
+        inverse_before = inverse
+        upper_before = upper_here
+    # Those of the node on the left of the middle
+    left_inverse = inverse_before
+    left_upper = upper_before
     # The same in the right half, where the node before i is i + 1
-    right_inverse = 0.0
-    right_share = 0.0
+    inverse_before = 0.0
+    upper_before = 0.0
     for i in range(n - 1, m, -1):
         lower[i] = 0.0
         inverse = 1.0
-        share = 0.0
+        upper_here = 0.0
         if is_prescribed[i] == 0:
-            lower[i] = off_diagonal[i + 1] * right_inverse
-            inverse = 1 / (diagonal[i] - off_diagonal[i + 1] * right_share)
-            share = off_diagonal[i] * inverse
+            lower[i] = off_diagonal[i + 1] * inverse_before
+            inverse = 1 / (diagonal[i] - off_diagonal[i + 1] * upper_before)
+            upper_here = off_diagonal[i] * inverse
         inverse_diagonal[i] = inverse
-        upper[i] = share
-        right_inverse = inverse
-        right_share = share
+        upper[i] = upper_here
+        inverse_before = inverse
+        upper_before = upper_here
+    # The middle node, with one node before it on the left and one on the right
     lower[m] = 0.0
     upper[m] = 0.0
     inverse_diagonal[m] = 1.0
     if is_prescribed[m] == 0:
         lower[m] = off_diagonal[m] * left_inverse
-        upper[m] = off_diagonal[m + 1] * right_inverse
-        pivot = diagonal[m] - off_diagonal[m] * left_share
-        pivot -= off_diagonal[m + 1] * right_share
+        upper[m] = off_diagonal[m + 1] * inverse_before
+        pivot = diagonal[m] - off_diagonal[m] * left_upper
+        pivot -= off_diagonal[m + 1] * upper_before
         inverse_diagonal[m] = 1 / pivot
 
 
 def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
     """Solve the equations: x holds their right sides and becomes the solution.
 
-    The factors are those of `factor`. Node i of the left half goes together with node 2
-    m - i of the right half, m the middle node. In the left half the recurrences are
+    The factors are those of `factor`. Both halves of the row are solved at once: node i
+    of the left half together with its mirror 2 m - i in the right half, m the middle
+    node. In the left half the recurrences are
 
         y[i] = x[i] + lower[i] y[i - 1] to the middle, and
         x[i] = inverse_diagonal[i] y[i] + upper[i] x[i + 1] back,
@@ -92,25 +100,28 @@ def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
     """
     n = len(x)
     m = (n - 1) // 2  # the middle node
-    last = 2 * m
+    last = 2 * m  # mirror of node 0
     y = 0.0  # value of the node before in the left half
     z = 0.0  # the same in the right half
-    # This is done once or not at all: an even n has one node more in the right half.
+    # An even n has one node more, without a mirror, at the right end. It comes first;
+    # the loop is a condition, run once or not at all.
     for i in range(last + 1, n):
         z = x[i]
     for i in range(m):
+        mirror = last - i
         y = x[i] + lower[i] * y
-        z = x[last - i] + lower[last - i] * z
+        z = x[mirror] + lower[mirror] * z
         x[i] = y
-        x[last - i] = z
-    # The middle node has both neighbours before it.
+        x[mirror] = z
+    # The middle node has both neighbours before it: `upper` is for the right one.
     y = inverse_diagonal[m] * (x[m] + lower[m] * y + upper[m] * z)
     z = y
     x[m] = y
     for i in range(m - 1, -1, -1):
+        mirror = last - i
         y = inverse_diagonal[i] * x[i] + upper[i] * y
-        z = inverse_diagonal[last - i] * x[last - i] + upper[last - i] * z
+        z = inverse_diagonal[mirror] * x[mirror] + upper[mirror] * z
         x[i] = y
-        x[last - i] = z
-    for i in range(last + 1, n):  # once or not at all
+        x[mirror] = z
+    for i in range(last + 1, n):  # the node without a mirror comes last
         x[i] = inverse_diagonal[i] * x[i] + upper[i] * z

@@ -176,13 +176,16 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
 def keep_nodes(
     run: Run, v: Any, force: Any, stiffness: Any, kept_velocity: Any, kept_force: Any
 ) -> None:
-    """Store velocities and tensions at the end of a step in the next state kept.
+    """Store velocities and tensions at the end of a step as state `run.kept_states`.
 
-    Tensions are known in the middle of a step: half a step adds k (v[i] - v[i - 1])/2.
+    `kept_velocity` [state, node] and `kept_force` [state, cell], one row after the
+    other, are written; the count of states stays. Tensions are known in the middle of a
+    step: half a step adds k (v[i] - v[i - 1])/2. Those beyond both ends of the row are
+    stored as 0.
     """
     n = len(v)
-    nodes = run.kept_states * n  # first entry of the state among those of nodes
-    # The same among those of cells; the mask changes no index.
+    nodes = run.kept_states * n  # first entry of the state in kept_velocity
+    # The same in kept_force, with n + 1 cells a state; the mask changes no index.
     cells = (run.kept_states * (n + 1)) & INDEX_MASK
     kept_force[cells] = 0.0
     kept_force[cells + n] = 0.0
@@ -203,8 +206,9 @@ def keep_radial_strains(
 ) -> None:
     """Store radial strains q and their rates at the end of a step.
 
-    They go to the next state that is kept. q is known in the middle of a step: half a
-    step adds rate/2.
+    They are state `run.kept_states` of `kept_radial` and `kept_rate` [state, cell], one
+    row after the other; the count of states stays. q is known in the middle of a step:
+    half a step adds rate/2.
     """
     cells = (run.kept_states * len(coupling)) & INDEX_MASK  # first entry of this state
     for i in range(len(coupling)):
@@ -215,7 +219,10 @@ def keep_radial_strains(
 def add_radial_tensions(
     run: Run, radial_rate: Any, coupling: Any, kept_force: Any
 ) -> None:
-    """Add what radial strains change in half a step, b rate/2, to the tensions kept."""
+    """Add what radial strains change in half a step, b rate/2, to the tensions kept.
+
+    These are the tensions of state `run.kept_states` in `kept_force` [state, cell].
+    """
     cells = (run.kept_states * len(coupling)) & INDEX_MASK  # first entry of this state
     for i in range(len(coupling)):
         kept_force[cells + i] += coupling[i] * radial_rate[i] / 2
@@ -224,9 +231,10 @@ def add_radial_tensions(
 def keep_pieces(
     run: Run, pieces: Any, lost: Any, kept_displacement: Any, kept_lost: Any
 ) -> None:
-    """Store displacements of pieces and the energy lost in all cells.
+    """Store the displacements of pieces, and the sum of the energies lost in all cells.
 
-    They go to the next state that is kept.
+    They are state `run.kept_states` of `kept_displacement` [state, piece], one row
+    after the other, and of `kept_lost` [state]; the count of states stays.
     """
     first = run.kept_states * len(pieces)  # first entry of the state
     for i in range(len(pieces)):
@@ -238,29 +246,34 @@ def keep_pieces(
 
 
 def set_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) -> None:
-    """Set what is prescribed at the ends in this step.
+    """Set `initial_closing` of the links and `prescribed` of both ends for this step.
 
-    The closing velocities before it are set, too.
+    The first is the closing velocity at the start of the step, from the velocities v.
+    The second is the entry of this step in `prescribed` [step of the window, side], one
+    row after the other.
     """
     for i in range(len(links)):
         link = links[i]
         link.initial_closing = v[link.left_node] - v[link.right_node]
-    row = run.step - run.first_step  # row of the window, with an entry for each end
+    row = run.step - run.first_step
     for side in range(2):
         ends[side].prescribed = prescribed[2 * row + side]
 
 
 def store_selected(run: Run, values: Any, selected: Any, table: Any) -> None:
-    """Store `values` at the indices `selected` in the row of a table of this step."""
+    """Store `values` at the indices `selected` in the row of this step of a table.
+
+    The table [step of the window, selected] is flat.
+    """
     row = run.step - run.first_step
     for k in range(len(selected)):
         table[row * len(selected) + k] = values[selected[k]]
 
 
 def drift_pieces(pieces: Any, v: Any) -> None:
-    """Let pieces drift for half a step.
+    """Let pieces drift for half a step: displacements grow by v/2 of their first node.
 
-    Their displacements grow by v/2 of the first node.
+    Time is counted in steps, lengths are in m/s: see `records`.
     """
     for p in range(len(pieces)):
         pieces[p].displacement += v[pieces[p].first_node] / 2
@@ -269,7 +282,8 @@ def drift_pieces(pieces: Any, v: Any) -> None:
 def drift_cells(v: Any, force: Any, stiffness: Any) -> None:
     """Move the forces of cells to the middle of the step: k (v[i] - v[i - 1]) is added.
 
-    Between pieces there is no stiffness.
+    They were known in the middle of the step before. Cell i is on the left of node i;
+    between pieces the stiffness k is 0.
     """
     for i in range(1, len(v)):
         force[i] += stiffness[i] * (v[i] - v[i - 1])
@@ -278,9 +292,10 @@ def drift_cells(v: Any, force: Any, stiffness: Any) -> None:
 def drift_radially(
     radial_strain: Any, radial_rate: Any, coupling: Any, force: Any
 ) -> None:
-    """Move radial strains to the middle of the step.
+    """Move radial strains q to the middle of the step, and add b dq to the tensions.
 
-    Their part b dq of the tensions is added.
+    They were known in the middle of the step before: dq is their rate, as time is
+    counted in steps. `force` has the tensions of the cells, b is `coupling`.
     """
     for i in range(len(radial_strain)):
         radial_strain[i] += radial_rate[i]
@@ -296,15 +311,17 @@ def kick_radially(
     shear: Any,
     force: Any,
 ) -> None:
-    """Move the rates of radial strain to the end of the step.
+    """Move the rates of the radial strains q to the end of the step.
 
-    J dq_t = s_i (q[i + 1] - q[i]) - s_(i-1) (q[i] - q[i - 1]) - (G - b^2/k) q - b/k
-    tension.
+    Their change in cell i is, with J and the stiffnesses of `records.Grid`,
 
-    J and the stiffnesses are those of `records.Grid`; s_i lies between the cells i and
-    i + 1.
+        J dq_t = s_i (q[i + 1] - q[i]) - s_(i-1) (q[i] - q[i - 1])
+                 - (G - b^2/k) q[i] - b/k tension[i],
+
+    where s_i lies between the cells i and i + 1. The last cell, beyond the right end of
+    the row, keeps its rate.
     """
-    before = 0.0  # shear force from the cell on the left
+    before = 0.0  # shear force from the cell on the left: cell 0 has none
     for i in range(len(radial_strain) - 1):
         after = shear[i] * (radial_strain[i + 1] - radial_strain[i])
         elastic = radial_stiffness[i] * radial_strain[i]
@@ -316,21 +333,22 @@ def kick_radially(
 def push_ends(v: Any, force: Any, ends: Any) -> None:
     """Set the forces from outside, as tensions of cells beyond the ends of the row.
 
-    An endless bar of impedance Z that sends a wave presses with Z (wave - v) to the
-    right at the left end, and with Z (v - wave) to the left at the right end.
+    These are the first and the last entry of `force`; a push is minus a tension. A
+    pushed end has the prescribed push. An endless bar of impedance Z that sends a wave
+    pushes with Z (wave - v) at the left end, and with Z (v - wave) at the right end.
+    At any other end the tension is 0.
     """
     for side in range(2):
         end = ends[side]
-        # Pressure on the end, into the row: minus the tension of the cell beyond it
-        push = 0.0
+        push = 0.0  # force on the end, positive into the row
         if end.kind == BoundaryKind.PUSHED:
             push = end.prescribed
         elif end.kind == BoundaryKind.ENDLESS:
             wave = end.background_wave + end.prescribed
             inward = 1 - 2 * side  # 1 on the left, -1 on the right
             push = inward * end.impedance * (wave - v[end.node])
-        # Cell i is on the left of node i: beyond the left end is the cell of its node,
-        # beyond the right end the next one.
+        # Cell i is on the left of node i: beyond the left end (side 0) is the cell of
+        # its node, beyond the right end (side 1) the next one.
         force[end.node + side] = -push
 
 
@@ -344,28 +362,28 @@ def kick(v: Any, force: Any, inverse_mass: Any) -> None:
 
 
 def set_right_side(v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any) -> None:
-    """Set x, the right side of the equations of a step.
+    """Set x, the right side of the equations of an implicit step, and `old_velocity`.
 
-    It has the elastic and viscous forces on the nodes. The viscous force is eta A/dx
-    (v[i + 1] - v[i]) with the velocities before the step, which are kept in
-    `old_velocity`. Node i lies between the cells i and i + 1.
+    x [node] is the force on a node, tension on its right minus that on its left, with
+    the velocities v before the step: elastic, and viscous eta A/dx (v[i] - v[i - 1]) in
+    cell i. Node i lies between the cells i and i + 1; beyond both ends of the row
+    nothing is viscous. `old_velocity` becomes a copy of v.
     """
-    before = force[0]  # tension on the left of node i
+    tension_on_left = force[0]
     for i in range(len(v) - 1):
         old_velocity[i] = v[i]
-        # Tension on its right: elastic, and viscous by the velocities before the step
-        after = force[i + 1] + viscous[i + 1] * (v[i + 1] - v[i])
-        x[i] = after - before
-        before = after
-    n = len(v) - 1
-    old_velocity[n] = v[n]
-    x[n] = force[n + 1] - before
+        tension_on_right = force[i + 1] + viscous[i + 1] * (v[i + 1] - v[i])
+        x[i] = tension_on_right - tension_on_left
+        tension_on_left = tension_on_right
+    last = len(v) - 1
+    old_velocity[last] = v[last]
+    x[last] = force[last + 1] - tension_on_left
 
 
 def prescribe_changes(v: Any, x: Any, ends: Any) -> None:
-    """Set the right side x of the equation of each moved end.
+    """Set the right side x of the equation of each end whose velocity is prescribed.
 
-    It is the change of the velocity of that end.
+    It is the change of the velocity of that end in this step. Other entries stay.
     """
     for side in range(2):
         if ends[side].kind == BoundaryKind.MOVED:
@@ -388,26 +406,29 @@ def set_prescribed_velocities(v: Any, ends: Any) -> None:
 def solve_contacts(run: Run, v: Any, links: Any) -> bool:
     """Find the forces of all links in this step, chain by chain.
 
-    Return False where bodies of a chain cannot move, as a mass between two walls.
+    Return False where bodies of a chain cannot move, as a mass between two walls: the
+    chains after it are not solved then. The forces are set in the links; v are the
+    velocities without them, and stay.
     """
     for i in range(len(links)):
-        if links[i].chain_end != NONE and not solve_contact_chain(run, v, links, i):
+        is_first_of_chain = links[i].chain_end != NONE
+        if is_first_of_chain and not solve_contact_chain(run, v, links, i):
             return False
     return True
 
 
 def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
-    """Find the forces of a chain of links; return False if there are none.
+    """Find the forces of a chain of links; return False if they were not found.
 
-    Link `first` is the first of the chain. Links that are coupled by bodies between
-    them make a chain, see `contact_kernel`. `v` are the velocities at the end of the
-    step without link forces; they stay so.
+    Links that are coupled by bodies between them make a chain, see `contact_kernel`;
+    link `first` is the first of it. v are the velocities at the end of the step without
+    link forces, and stay. In each link the force is set, and the closing without forces
+    and the largest one from which it follows; gaps and closings stay.
     """
     last = links[first].chain_end
-    speed = 0.0
+    speed = 0.0  # largest speed of the bodies beside a link
     for i in range(first, last + 1):
         link = links[i]
-        # Velocities at the end of the step without link forces
         left = v[link.left_node]
         right = v[link.right_node]
         speed = max(speed, abs(left) + abs(right) + abs(link.initial_closing))
@@ -419,14 +440,17 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
         link.overlap = link.closing - link.gap
         link.max_closing = math.inf  # an impact waits until it happens
         if link.law != Law.IMPACT:
-            # A rigid contact that is closed closes no more at the end of the step. One
-            # that closes inside the step is stopped over two steps.
+            # Only a rigid contact uses it. One that is closed has the closing velocity
+            # u at the start of the step, and 0 at its end: the mean is u/2. One that
+            # closes inside the step is stopped over two steps: with u1 between them,
+            # their closings (u + u1)/2 and u1/2 take up the gap.
             if link.is_closed == 1:
                 max_closing = link.initial_closing / 2
             else:
                 max_closing = link.gap / 2 + link.initial_closing / 4
             link.max_closing = max(max_closing, 0.0)
-    # An impact that the forces of others make begin changes all forces: solve again.
+    # An impact that the forces of others make begin changes all forces: solve again. A
+    # chain that is not found once is not found.
     is_solved = True
     has_new_impact = True
     while has_new_impact:
@@ -440,12 +464,12 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
 def push_pieces(
     v: Any, by_first: Any, by_last: Any, links: Any, tolerance: float
 ) -> None:
-    """Change the velocities on both sides of the links by the forces that were found.
+    """Change the velocities v of the pieces beside the links by the forces found.
 
-    The force of a rigid link is set to 0 where it is round-off: where the closing
-    velocity that it takes away is within `tolerance`, m/s. Such forces are not
-    negative. `by_first` and `by_last` are the velocities by a unit force on the first
-    and on the last node of a piece.
+    The force of a rigid contact or an impact, never negative, is first set to 0 where
+    it is round-off: where the closing velocity that it takes away is within
+    `tolerance`, m/s. `by_first` and `by_last` [node] are the velocities by a unit force
+    on the first and on the last node of a piece.
     """
     for i in range(len(links)):
         link = links[i]
@@ -453,8 +477,9 @@ def push_pieces(
         if is_stiff and link.force * link.self_mobility <= tolerance:
             link.force = 0.0
         if link.force != 0:
-            # The nodes of the piece on the left, then of that on the right. INDEX_MASK
-            # changes no index, but shows the compiler that none is negative.
+            # A force pushes the piece on its left, at the last node, to the left, and
+            # that on its right, at the first node, to the right. INDEX_MASK changes no
+            # index, but shows the compiler that none is negative.
             for n in range(
                 link.leftmost_node & INDEX_MASK, (link.left_node & INDEX_MASK) + 1
             ):
@@ -466,11 +491,13 @@ def push_pieces(
 
 
 def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
-    """Set closings and gaps of the links at the end of the step.
+    """Set closings and gaps of the links at the end of the step, and store its signals.
 
-    They are stored with the forces. `signals` has a row for each step of the window. In
-    the first step the force that contacts had as they closed at t = 0 is added, and the
-    closing is such that force times closing is the work.
+    `signals` [step of the window, link], one row after the other, gets the mean force
+    and closing of this step and the gap at its end. v are the velocities at its end.
+    In the first step of the run the signal of a contact that closed at t = 0 has the
+    force `initial_force` added, and a closing such that force times closing is the
+    work. What yields, and whether a rigid contact is closed, is set by `updated_gap`.
     """
     for i in range(len(links)):
         link = links[i]
@@ -482,13 +509,16 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
         if is_stiff and link.force > 0:
             link.closing = link.max_closing  # free of round-off
         link.gap = contacts.updated_gap(link, link.closing, run.velocity_tolerance)
-        signal = signals[(run.step - run.first_step) * len(links) + i]
+        row = run.step - run.first_step
+        signal = signals[row * len(links) + i]
         signal.force = link.force
         signal.gap = link.gap
-        signal.closing = gap_before - link.gap
-        # The gaps of these do not follow their closing while they press.
+        # The gap of a rigid or yielding contact does not follow its closing while it
+        # presses; that of any other link shrinks by it.
         if link.law == Law.RIGID or link.law == Law.YIELD:
             signal.closing = link.closing
+        else:
+            signal.closing = gap_before - link.gap
         if run.step == 0 and link.initial_force > 0:
             work = link.initial_loss + link.force * link.closing
             signal.force = link.force + link.initial_force
@@ -498,7 +528,8 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
 def dissipate(v: Any, old_velocity: Any, viscous: Any, lost: Any) -> None:
     """Add to `lost` the energy that viscosity turned to heat in this step, by cell.
 
-    It is eta A/dx times the square of the mean rate of elongation.
+    It is eta A/dx times the square of the rate of elongation, the mean of those by the
+    velocities v after the step and `old_velocity` before it. Time is counted in steps.
     """
     for i in range(1, len(v)):
         # Mean of the rates after and before the step
