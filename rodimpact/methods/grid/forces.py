@@ -12,25 +12,28 @@ from .run import GridRun
 
 
 def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
-    """Mean force of each contact in each step, N [contact][step].
+    """Mean force of each contact in each step of a run, N [contact][step].
 
-    `left` is what acts on the left end of the row: forces in bonds of rigid bodies
-    follow from there.
+    The force of a contact or a joint is the recorded one, that of a bond with a rod
+    follows from the rod, see `GridRun.bond_force`. In bonds of rigid bodies it follows
+    by Newton's law from the force on the left of the body, at the left end of the row
+    from that of `left`, what acts there; None is a free end, with the force 0.
     """
     row = run.row
     forces: list[Floats | None] = []
     for k, link in enumerate(row.contact_link):
         if k in row.by_law:  # a contact or a joint, whose force is recorded
-            forces.append(run.contact(k)[0])
+            force, _ = run.contact(k)
+            forces.append(force)
         elif link < 0:
-            forces.append(None)  # a bond of rigid bodies: it follows from their momenta
+            forces.append(None)  # a bond of rigid bodies: `fill_bonds` finds its force
         else:  # a bond with a rod
             forces.append(run.bond_force(link))
 
     def momentum_rate(body: int) -> Floats:
-        """Rate of the momentum of a rigid body in each step, N."""
+        """Rate of the momentum of a rigid body in each step, N [step]."""
         mass = float(row.system.bodies[body].mass)
-        gained = np.diff(run.mass_velocity(row.mass_of[body]))
+        gained = np.diff(run.mass_velocity(row.mass_of[body]))  # m/s, in each step
         return np.asarray(mass * gained / run.step)
 
     pushed: Floats = np.zeros(run.steps)
@@ -40,13 +43,13 @@ def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
 
 
 def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
-    """Force and velocity of what acts on the left (0) or right (1) end.
+    """Push and velocity of what acts on the left (0) or right (1) end of the row.
 
-    They are those in the laboratory.
-
-    Both are means over the steps. The force is that of the contact of a wall, of the
-    bond of a held or moved end, of an endless bar, Z (wave - v) inward, or the one that
-    is given. None at a free end, and in a run without steps.
+    Both are means over each step; the velocity is that in the laboratory, m/s. The
+    push, N, positive into the row, is the force in the contact, joint or bond of a wall
+    or moved end, that of an endless bar, Z (wave - v) to the right at the left end and
+    Z (v - wave) to the left at the right end, or else the given one. None is returned
+    for a free end, and for a run without steps.
     """
     row = run.row
     if side == 0:
@@ -56,21 +59,21 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     kind, _ = row.boundaries[side]
     if kind == "none" or not run.steps:
         return None
-    v = run.velocity(run.mesh.ends[side])
+    v = run.velocity(run.mesh.ends[side])  # in the frame, at the ends of steps
     speed = (v[:-1] + v[1:]) / 2  # mean over each step
-    # Force of a pushed end, wave of an endless bar
+    # [step]: the force of a pushed end, or the wave that an endless bar sends
     given = run.history.prescribed[:, side]
     if link in run.mesh.touching:  # there is a wall, with a contact or a joint
         force = run.recorded(link, "force")
-    elif kind == "velocity":  # a wall that is bonded to the row, or a driven end
+    elif kind == "velocity":  # a wall that is bonded to the row, or a moved end
         force = run.bond_force(link)
-    elif kind == "absorbing":
+    elif kind == "absorbing":  # an endless bar
         end = run.grid.ends[side]
         excess = end["background_wave"] + given - speed
         force = INWARD[side] * (end["impedance"] * excess)
-    else:
+    else:  # a pushed end
         force = given
-    # Velocity that the frame has gained in the middle of each step
+    # The frame moves with row.frame and falls: what it gains until the middle of a step
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return BoundaryAction(
         row.boundary_name(side),

@@ -26,41 +26,47 @@ FLAT_RTOL = 1e-9
 
 
 def largest_force(force: Floats) -> float:
-    """Largest force of a curve with these means over steps, N.
+    """Largest value of a curve whose means over steps are `force` [step], N.
 
-    It is that in the step of the largest mean. The curve is the parabola with the means
-    of this step and of both neighbours. Where these span a jump or a kink, it is the
-    parabola through this step and two steps before or after it, the less curved of
-    both. That one must have much less curvature than the first parabola, and be smooth:
-    its curvature is less than its slope, or the force is constant.
+    It is sought in the top step, that with the largest mean. The curve is the parabola
+    with the means of this step and of both neighbours, and its value the vertex, or the
+    mean of the top step if the vertex is outside. Where these steps span a jump or a
+    kink, the curve is the parabola through the top step and two steps on one side, the
+    less curved of both, and its value the vertex or the larger one at an end of the top
+    step. Such a parabola must be smooth, and have much less curvature than the first.
+    Outside the run the force is 0. If no mean is positive, 0 is returned.
     """
-    if np.max(force, initial=0.0) <= 0:  # no force presses
+    if np.max(force, initial=0.0) <= 0:
         return 0.0
     top = int(np.argmax(force))
-    # Two steps more on both sides, so that `top` is the middle of five
+    # Two steps more, with the force 0, at both ends: the top step is top + 2 among
+    # them, and in the middle of these five.
     earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
     # The curve is value + slope t + curve t^2, t in steps; at t = 0 the first of its
     # three steps begins.
     value, slope, curve = _parabola(before, F, after)
     top_begin = 1  # t where the top step begins, the second of the three
     largest = F
-    # A parabola beside the top step is taken if its curvature is less than this.
+    # A parabola on one side is taken if its curvature is less than this.
     max_curvature = abs(curve) / KINK_CURVATURE_RATIO
-    # Time is counted away from the top step on either side.
+    # On both sides t is counted away from the top step, the first of the three.
     for second, third in ((after, later), (before, earlier)):
         a, b, c = _parabola(F, second, third)
-        # Its curvature 2 c is less than the fall of its mean in a step, or it is flat.
-        is_smooth = abs(c) < abs(F - second) / 2 or abs(c) <= FLAT_RTOL * F
+        # The slope changes less in a step, by 2 c, than the mean does.
+        is_nearly_straight = abs(c) < abs(F - second) / 2
+        is_flat = abs(c) <= FLAT_RTOL * F  # constant to round-off
+        is_smooth = is_nearly_straight or is_flat
         if abs(c) < max_curvature and is_smooth:
             value = a
             slope = b
             curve = c
-            top_begin = 0  # the top step is the first of these three
+            top_begin = 0
             max_curvature = abs(c)  # the other side is taken if it is less curved
-            largest = max(a, a + b + c)  # values at both ends of the step
-    # If the vertex lies in the top step it is the largest force.
-    if curve < 0 and top_begin < -slope / (2 * curve) < top_begin + 1:
-        largest = value - slope * slope / (4 * curve)
+            largest = max(a, a + b + c)  # values at both ends of the top step
+    if curve < 0:
+        vertex = -slope / (2 * curve)
+        if top_begin < vertex < top_begin + 1:
+            largest = value - slope * slope / (4 * curve)
     return float(largest)
 
 
@@ -75,22 +81,23 @@ def _parabola(first: float, second: float, third: float) -> tuple[float, float, 
 
 
 def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
-    """Times of forces in steps, [n, 3].
+    """Begin and end of each force, and the opening after it, in steps [n, 3].
 
-    They are begin and end of each force, and the opening before the next one. `gap` is
-    at the ends of steps, with one entry more than `force`. A gap has opened once it
-    passes `open_gap`, m. A time that does not come is nan.
+    A force is a run of steps with means > 0. `force` [step] has the means, N, `gap`
+    [step + 1] is at the ends of steps from t = 0 on, m. The opening is where the gap
+    passes `open_gap`, m, before the next force begins. A time that does not come is
+    nan: an opening, or the end of a force in the last step. [0, 3] without forces.
     """
     # Steps in which forces begin, and those after their last ones, in turn
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
+    begin_steps = edges[::2]
+    stop_steps = edges[1::2]
     wide = np.flatnonzero(gap > open_gap)  # step ends at which the gap is open
-    # Step in which the next force begins:
-    # every other edge from the third on; then the end of the run
-    next_begins = [*edges, len(force)][2::2]
     intervals = []
-    for first, stop, following in zip(
-        edges[::2], edges[1::2], next_begins, strict=True
-    ):
+    for k, (first, stop) in enumerate(zip(begin_steps, stop_steps, strict=True)):
+        following = len(force)  # the end of the run, or the step of the next force
+        if k + 1 < len(begin_steps):
+            following = begin_steps[k + 1]
         begin = begin_of_force(force, gap, first)
         end = math.nan
         if stop < len(force):  # it ends before the run does
@@ -105,13 +112,14 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
 
 
 def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
-    """Episodes of touching, from the first force until a gap has opened.
+    """Episodes of touching: each lasts from its first force until a gap has opened.
 
-    Times are in steps. A row of `intervals` holds the begin and the end of a force and
-    the opening, in steps; what has not happened yet is nan.
+    A row of `intervals` [n, 3] holds the begin and the end of a force and the opening
+    after it, in steps; nan is what does not happen. Times of the episodes are in steps,
+    too. Without an opening between them, forces are one episode.
     """
     changes = [Status.PRESS, Status.GRAZE, Status.OPEN]
-    statuses = np.broadcast_to(changes, intervals.shape)
+    statuses = np.broadcast_to(changes, intervals.shape)  # by column
     happens = ~np.isnan(intervals)
     tick = 1.0  # times are in steps, and stay so
     return episodes_of(intervals[happens], statuses[happens], tick)
@@ -120,14 +128,16 @@ def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
     """Time at which the force begins that first presses in step i, in steps.
 
-    It begins where the gap closes, if the gap goes on as in the step before; else with
-    step i. A force in step i that is round-off beside that of the next step does not
-    count: then it begins with the next step.
+    It begins where the gap closes that is open at the begin of step i, if it goes on to
+    close as fast as in the step before; else, also if that is more than
+    `MAX_CLOSING_STEPS` later, with step i. If the force in step i is only round-off
+    beside that in the next step, it begins with the next step.
     """
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
         return i + 1.0
     before = max(i - 1, 0)  # the step before, or the first one
     fall_per_step = gap[before] - gap[before + 1]
+    # gap[i] is at the begin of step i.
     if 0 < gap[i] < MAX_CLOSING_STEPS * fall_per_step:
         return i + float(gap[i] / fall_per_step)
     return float(i)
@@ -136,80 +146,87 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
 def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
     """Time at which the force ends that presses in the steps i to j - 1, in steps.
 
-    The force of a compliant contact ends where its overlap does, on the parabola
-    through the last three step ends. The force of a rigid contact drops to 0 inside its
-    last step: with Fe extrapolated from the earlier step means and Fm the mean of the
-    last step, it ends after the fraction Fm/Fe of that step. If it falls evenly, it
-    ends where the line through the last means reaches 0. The force of a dashpot can end
-    while there is overlap: it falls to 0 along a line from its value at the begin of
-    the last step, which is extrapolated. If it pressed for less than three steps, it
-    ends with the last one.
+    What ends it is seen from the gaps at the begin and at the end of step j - 1:
+
+    - An overlap, then a gap: the force of a compliant contact ends where the overlap
+      does, see `_closing_share`.
+    - An overlap at both: a dashpot lets go. The force falls to 0 along a line from its
+      value at the begin of the step, extrapolated from the two means before. If it
+      pressed for less than three steps, it ends with the step.
+    - No overlap: the contact is rigid. If the last three means fall evenly, it ends
+      where a line through the last two reaches 0, up to half a step later; else it
+      drops to 0 inside the step, after the share `share_of_jump`.
     """
     begin = j - 1  # begin of the last step with force
     first_gap = float(gap[j - 1])  # gaps at its begin and at its end
     last_gap = float(gap[j])
     if first_gap < 0 < last_gap:  # the overlap ends inside the step
         return begin + _closing_share(gap, i, j)
-    if j - i >= 3:
-        third = float(force[j - 3])
-        second = float(force[j - 2])
+    has_three_means = j - i >= 3
+    if has_three_means:
+        third_last = float(force[j - 3])
+        second_last = float(force[j - 2])
         last = float(force[j - 1])
-        fall = third - second
-        last_fall = second - last
-        if first_gap < 0:  # a dashpot lets go
-            # Force at the begin of the last step; half of it, times the time in which
-            # it falls to 0, is the mean of the step.
-            extrapolated = second - fall / 2
-            if extrapolated <= 0:
-                return begin
-            return begin + min(1.0, 2 * last / extrapolated)
+        fall = third_last - second_last
+        last_fall = second_last - last
+    if first_gap < 0:  # a dashpot lets go
+        if not has_three_means:
+            return begin + 1.0
+        # Half of the force at the begin of the last step, times the time in which it
+        # falls to 0, is the mean of the step.
+        extrapolated = second_last - fall / 2
+        if extrapolated <= 0:
+            return begin
+        return begin + min(1.0, 2 * last / extrapolated)
+    if has_three_means:
         # It falls evenly: at least half and at most twice as fast as before.
         is_even = 0 < fall <= 2 * last_fall <= 4 * fall
-        # It reaches 0 within a step of its last mean, which it has in the middle of the
-        # last step.
+        # It has the last mean in the middle of the last step, and reaches 0 within a
+        # step from there.
         if is_even and last <= last_fall:
             return begin + 0.5 + last / last_fall
-    if first_gap < 0:
-        return begin + 1.0
     return begin + share_of_jump(force[max(i, j - 4) : j])
 
 
 def _closing_share(gap: Floats, i: int, j: int) -> float:
-    """Time in step j - 1 at which its overlap becomes 0, as a share of the step.
+    """Share of step j - 1 after which the overlap at its begin has become 0.
 
-    The overlap must end there: gap[j - 1] < 0 < gap[j]. The force began in step i. The
-    gap is the parabola through the last three step ends if it has pressed for three
-    steps, else a line. With s the time in step j - 1, the gap is
-    first_gap + rate (slope s + curve s^2).
+    The overlap must end there: gap[j - 1] < 0 < gap[j]. The force began in step i. If
+    it has pressed for three steps, the gap is the parabola through the last three step
+    ends, else a line.
     """
+    # With s from 0 to 1 in the step, the gap is
+    # first_gap + rise (slope s + curve s^2): slope + curve = 1.
     first_gap = float(gap[j - 1])
-    rate = float(gap[j]) - first_gap
+    rise = float(gap[j]) - first_gap  # in step j - 1
     curve = 0.0
     if j - i >= 3:
-        rate_before = first_gap - float(gap[j - 2])
-        curve = (1 - rate_before / rate) / 2
+        rise_before = first_gap - float(gap[j - 2])
+        curve = (1 - rise_before / rise) / 2
     slope = 1 - curve
-    depth_share = -first_gap / rate  # overlap at the begin, over its change in the step
-    # Root of curve s^2 + slope s = depth_share, in the form that loses no digits
-    root = math.sqrt(max(slope * slope + 4 * curve * depth_share, 0.0))
-    return 2 * depth_share / (slope + root)
+    overlap_ratio = -first_gap / rise
+    # Root of curve s^2 + slope s = overlap_ratio, in the form that loses no digits
+    root = math.sqrt(max(slope * slope + 4 * curve * overlap_ratio, 0.0))
+    return 2 * overlap_ratio / (slope + root)
 
 
 def share_of_jump(force: Floats) -> float:
     """Fraction Fm/Fe of the last step during which a force acts that ends with a jump.
 
-    Fm is the mean of the last step, the last of `force`, and Fe is extrapolated from up
-    to three means before: along a line if they are smooth, else it is the last of them.
-    The fraction is 1 if Fe - Fm is at most twice the curvature of these means.
+    Fm is the mean of the last step, the last of `force`. Fe is extrapolated from the
+    means before it in `force`, up to three: along the line through the last two if they
+    are smooth, else it is the last of them. The fraction is 1 if the force does not
+    fall by more than twice the curvature of these means, or if there are none.
     """
     *before, last = force.tolist()
-    extrapolated = 0.0
+    extrapolated = 0.0  # without means before it, `last` is no fall
     curvature = 0.0
     if before:
         extrapolated = before[-1]
     is_smooth = len(before) > 1 and max(before) - min(before) <= JUMP_RATIO * before[-1]
     if is_smooth:
         extrapolated = 2 * before[-1] - before[-2]
+        # 0 for two means; of three the second difference
         curvature = float(np.abs(np.diff(before, 2)).sum())
     if extrapolated - last <= 2 * curvature:
         return 1.0
@@ -220,29 +237,35 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
     """Time at which bodies part before step end k, in steps.
 
     At step end k their gap is larger than `open_gap`, m, for the first time since their
-    force ended at `force_end`, in steps. Numerical dispersion opens small false gaps.
-    Take the vertex of the parabola through the times t and s at which the gap passes
-    `open_gap` and half of it, t - (t - s)/(1 - sqrt(1/2)). If the gap before the vertex
-    did not accelerate, it is false, and the vertex is the opening; else the last zero
-    of the gap is. A gap that accelerates is at a half of the time a quarter of what it
-    is in the end, or less; a third is the bound.
+    force ended at `force_end`, in steps, or nan if it acts to the end of the run. They
+    part at the last zero of the gap, but not before `force_end`. Numerical dispersion
+    opens small false gaps, though. If the gap was such a one, they part later, at the
+    vertex from which a parabola rises as the gap does when it passes `open_gap`.
     """
+    # Python's max with nan as its second argument is the first one.
     last_zero = max(_passing_time(gap, k, 0.0), force_end)
+    # A parabola (t - vertex)^2 through half the level at one time and the level at the
+    # other: the times after the vertex are as sqrt(1/2) to 1.
     half = _passing_time(gap, k, open_gap / 2)
     passed = _passing_time(gap, k, open_gap)
     vertex = passed - (passed - half) / (1 - math.sqrt(0.5))
     midpoint = (last_zero + vertex) / 2
-    at_midpoint, at_vertex = np.interp([midpoint, vertex], np.arange(len(gap)), gap)
-    if vertex > last_zero and 3 * at_midpoint > at_vertex:
+    gap_at_midpoint, gap_at_vertex = np.interp(
+        [midpoint, vertex], np.arange(len(gap)), gap
+    )
+    # A true gap accelerates: after half of the time it is a quarter of what it is in
+    # the end, or less. The bound is a third.
+    is_false_gap = 3 * gap_at_midpoint > gap_at_vertex
+    if vertex > last_zero and is_false_gap:
         return vertex
     return last_zero
 
 
 def _passing_time(gap: Floats, k: int, level: float) -> float:
-    """Last time before step end k at which a gap was at this level, in steps.
+    """Last time before step end k at which a gap was at `level`, m, in steps.
 
-    At step end k the gap is larger. Gaps are straight lines between step ends. It is
-    k - 1 if the gap was never so small.
+    At step end k the gap is larger. Gaps are straight lines between step ends. If the
+    gap was larger all the time, k - 1 is returned.
     """
     for i in range(k - 1, -1, -1):
         if gap[i] <= level:  # it passes the level in step i

@@ -114,7 +114,8 @@ class GridMotion(NamedTuple):
     def stretches(self, step: float) -> Array:
         """Elongation of the cells, m [state, cell]; `step` in s.
 
-        It is (tension - b q)/k, q the radial strain of a cell.
+        It is (tension - b q)/k, q the radial strain of a cell and b its coupling, and 0
+        in cells without stiffness, as between pieces.
         """
         force = self.force
         if self.radial.size:
@@ -125,17 +126,19 @@ class GridMotion(NamedTuple):
     def energies(
         self, nodes: slice, mass: Array, state: int, v: Array, step: float
     ) -> tuple[float, float]:
-        """Kinetic and strain energy of neighbouring nodes and their cells, J.
+        """Kinetic and strain energy of neighbouring nodes and the cells between, J.
 
-        The cells are those between these nodes. At the end of a step h the scheme keeps
-        (v M v - h^2 v K v/4 + u K u)/2. The first two terms are the kinetic energy: K
-        is k between neighbours, and lateral inertia adds to M there. The radial strain
-        q of a cell has an inertia J, stiffnesses G and s, and the coupling b with the
-        elongation; in terms of the tension its own stiffness is G - b^2/k.
+        They are those that the scheme keeps at the end of a step h, with the matrices M
+        and K of inertia and stiffness: (v M v - h^2 v K v/4)/2 and u K u/2, the latter
+        by the stored tensions. Cells of stiffness k add k to K between their nodes, and
+        lateral inertia to M. The radial strain q of a cell has an inertia J,
+        stiffnesses G and s, and the coupling b with the elongation; in terms of the
+        tension its own stiffness is G - b^2/k.
 
         Parameters
         ----------
         nodes : slice
+            From the first of the nodes to one after the last.
         mass : array
             Masses of these nodes that count, kg.
         state : int
@@ -143,35 +146,42 @@ class GridMotion(NamedTuple):
         v : array
             Velocities of these nodes, m/s.
         step : float
-            s.
+            h, s.
         """
         inside = slice(nodes.start + 1, nodes.stop)  # cells between the nodes
-        change = np.diff(v)
+        stretch_rate = np.diff(v)  # of these cells, m/s
         k = self.cells.stiffness[inside]
         # What cells add to M - h^2 K/4 between their nodes
-        off_diagonal = self.cells.lateral_inertia[inside] - k * step**2 / 4
+        cell_inertia = self.cells.lateral_inertia[inside] - k * step**2 / 4
         k = np.where(k > 0, k, np.inf)  # cells without stiffness have no energy
-        kinetic = float(mass @ (v * v) + off_diagonal @ (change * change)) / 2
+        kinetic = float(mass @ (v * v) + cell_inertia @ (stretch_rate * stretch_rate))
+        kinetic = kinetic / 2
         strained = float(np.sum(self.force[state, inside] ** 2 / k)) / 2
-        if not self.radial.size:
+        if not self.radial.size:  # no cell has a radial strain
             return kinetic, strained
         J = self.cells.radial_inertia[inside]
         b = self.cells.coupling[inside]
         G = self.cells.radial_stiffness[inside]
-        q = self.radial[state] * step  # stored as 1/s times steps
-        rate = self.radial_rate[state]  # rate of q
-        slope = np.diff(q)[nodes]  # difference of the cells beside each node
-        slope_rate = np.diff(rate)[nodes]
-        q = q[inside]
-        rate = rate[inside]
-        # A spring between two rods, at an end of the nodes, belongs to either by half.
+        # Radial strains and their rates in all cells
+        all_q = self.radial[state] * step  # stored as 1/s times steps
+        all_rates = self.radial_rate[state]
+        # Cell i is on the left of node i: their differences on both sides of the nodes
+        q_step = np.diff(all_q)[nodes]
+        rate_step = np.diff(all_rates)[nodes]
+        q = all_q[inside]
+        rate = all_rates[inside]
+        # s at the nodes. Between two rods, at the first or the last of these nodes, it
+        # belongs to either rod by half.
         shear = self.shear_stiffness[nodes] / 2
         shear[1:-1] *= 2
-        radial_strained = (G - b * b / k) @ q**2 + shear @ slope**2
-        # v K v without k (dv)^2, which the kinetic energy has already
-        stiffness_term = 2 * (b * change) @ rate + G @ rate**2 + shear @ slope_rate**2
-        moving = J @ rate**2 - step * step / 4 * stiffness_term  # twice the energy
-        return kinetic + float(moving) / 2, strained + float(radial_strained) / 2
+        twice_strained = (G - b * b / k) @ q**2 + shear @ q_step**2
+        # v K v without k (stretch rate)^2, which `kinetic` has already
+        mixed = 2 * (b * stretch_rate) @ rate
+        v_K_v = mixed + G @ rate**2 + shear @ rate_step**2
+        twice_kinetic = J @ rate**2 - step * step / 4 * v_K_v
+        kinetic += float(twice_kinetic) / 2
+        strained += float(twice_strained) / 2
+        return kinetic, strained
 
 
 class Mesh:
@@ -221,11 +231,11 @@ class Mesh:
     """
 
     def __init__(self, row: Row, counts: list[int]) -> None:
-        """Lay out a row on a grid with `counts` cells in its segments.
+        """Lay out a row on a grid with `counts` cells in its segments, [segment].
 
         All attributes are set. Pieces end at contacts and joints, groups at contacts
         only. Nodes of rigid masses, of the ends, and beside cells whose forces are
-        recorded are watched.
+        recorded are watched. Raise InvalidModel where cells are coupled too strongly.
         """
         self.row = row
         self.counts = counts
@@ -239,15 +249,16 @@ class Mesh:
             if kind == "velocity":
                 driven.append(side)
         # This fills the lists above, and sets `cells`.
-        node = self._lay_out(driven)  # the last one
-        self.starts, self.stops = _between(self.touching.values(), node)
-        open_links = []  # nodes of the links that can open
+        last_node = self._lay_out(driven)
+        self.starts, self.stops = _between(self.touching.values(), last_node)
+        contacts = []  # nodes on both sides of each link that can open
         for link, nodes in self.touching.items():
             if row.links[link].law != Law.JOINT:
-                open_links.append(nodes)
-        self.groups = list(zip(*_between(open_links, node), strict=True))
-        self.ends = [0, node]
-        self.end_cells = [1, node]  # cell i lies on the left of node i
+                contacts.append(nodes)
+        group_starts, group_stops = _between(contacts, last_node)
+        self.groups = list(zip(group_starts, group_stops, strict=True))
+        self.ends = [0, last_node]
+        self.end_cells = [1, last_node]  # cell i lies on the left of node i
         self.cell_mass = self.cells.cell_mass
         self.stiffness = self.cells.stiffness
         self.viscous = self.cells.viscous
@@ -259,8 +270,9 @@ class Mesh:
         self.mass[self.node_of_mass] += row.masses
         # Cells on both sides of a rigid mass swell independently.
         self.shear_stiffness[self.node_of_mass] = 0.0
-        self.is_prescribed = np.zeros(node + 1, np.int64)
-        self.is_prescribed[[self.ends[side] for side in driven]] = 1
+        self.is_prescribed = np.zeros(last_node + 1, np.int64)
+        for side in driven:
+            self.is_prescribed[self.ends[side]] = 1
         self.pulled = [cell for _, cell in self.bonds.values()]
         watched = [*self.ends, *self.node_of_mass]
         for cell in self.pulled:
@@ -270,44 +282,47 @@ class Mesh:
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral_inertia))
 
     def _lay_out(self, driven: list[int]) -> int:
-        """Set which nodes and cells belong to what; return the last node.
+        """Set which nodes and cells belong to what; return the number of the last node.
 
         The row is walked from left to right. `cells` is set, and `first`, `last`,
-        `node_of_mass`, `touching` and `bonds` are filled. `driven` are the sides whose
-        velocity is prescribed: the force there is recorded.
+        `node_of_mass`, `touching` and `bonds`, empty so far, are filled. `driven` are
+        the sides (0, 1) whose velocity is prescribed: a bond there is recorded, as
+        those of contacts are. InvalidModel is raised where cells are coupled too
+        strongly.
         """
         row = self.row
         outer_links = (0, len(row.links) - 1)
-        # Links that are recorded if they are bonds: contacts, and those of driven ends
-        recorded_links = {*row.contact_link, *(outer_links[side] for side in driven)}
-        node = -1  # the last one so far
-        parts: list[Cells] = []
-        # Link i lies between what stands before it and a thing of this kind and number.
-        for i, ((before, _), (kind, s)) in enumerate(row.neighbours):
+        recorded_links = set(row.contact_link)
+        for side in driven:
+            recorded_links.add(outer_links[side])
+        node = 0  # the last one so far: the outside begins the first piece
+        parts = [NO_CELL]  # its cells; cell i lies on the left of node i
+        # Link i lies between something of kind `before` and something of kind `after`:
+        # "outside", "mass" or "segment", whose number is `s`.
+        for i, ((before, _), (after, s)) in enumerate(row.neighbours):
             law = row.links[i].law
-            if i == 0:  # the outside begins the first piece
-                node += 1
-                parts.append(NO_CELL)
             if law >= Law.JOINT:  # a joint or a contact: a piece ends
                 node += 1
                 parts.append(NO_CELL)
                 self.touching[i] = node - 1, node
-            elif law == Law.BOND and i in recorded_links:  # a rod and something else
-                # The cell of the rod: cell i lies on the left of node i.
+            elif law == Law.BOND and i in recorded_links:
+                # The bond is at a node of a rod, and is recorded with the rod's cell.
                 if before == "segment":
                     cell = node
                 else:
                     cell = node + 1
                 self.bonds[i] = node, cell
-            if kind == "mass":
+            if after == "mass":
                 self.node_of_mass.append(node)
-            elif kind == "segment":
-                cells = _cells(row.segments[s - 1], self.counts[s - 1])
+            elif after == "segment":
+                count = self.counts[s - 1]  # segments count from 1
+                cells = _cells(row.segments[s - 1], count)
                 _refuse_stiff(row.paths[s], cells)
                 parts.append(cells)
                 self.first.append(node)
-                node += self.counts[s - 1]
+                node += count
                 self.last.append(node)
+        # The cells beyond both ends of the row are none, too.
         self.cells = Cells(*np.concatenate([*parts, NO_CELL], axis=1))
         return node
 
@@ -317,27 +332,30 @@ def _between(
 ) -> tuple[list[int], list[int]]:
     """First nodes, and last nodes, of the spans of nodes between cuts, [span] each.
 
-    Nodes are counted from 0 to `last`. A cut is a pair of neighbouring nodes, from left
-    to right.
+    Nodes are counted from 0 to `last`. A cut is a pair of neighbouring nodes between
+    which it lies; the cuts come from left to right. Without cuts there is one span.
     """
     starts = [0]
     stops = []
-    for left, right in cuts:  # nodes on both sides of a cut
+    for left, right in cuts:
         stops.append(left)
         starts.append(right)
-    return starts, [*stops, last]
+    stops.append(last)
+    return starts, stops
 
 
 def _cells(segment: Any, count: int) -> Cells:
     """The properties of `count` cells of a segment, of equal lengths.
 
-    Where the area varies, each cell has the mean of its own. Radial motion adds a
-    lateral inertia (Rayleigh and Love), or a radial strain with equations of its own
-    (Mindlin and Herrmann).
+    Where the area varies, each cell has the mean of its own. Fields of `Cells` that the
+    segment's model of radial motion does not have are 0: by Rayleigh and Love it has a
+    lateral inertia, by Mindlin and Herrmann a radial strain with equations of its own,
+    and the stiffness is that at constant radial strain.
     """
     material = segment.material
     dx = float(segment.length) / count
-    area = segment.area_between(np.linspace(0.0, float(segment.length), count + 1))
+    borders = np.linspace(0.0, float(segment.length), count + 1)
+    area = segment.area_between(borders)  # mean between neighbouring borders [cell]
     E = float(material.youngs_modulus)
     rho = float(material.density)
     nothing = np.zeros(count)
@@ -354,14 +372,14 @@ def _cells(segment: Any, count: int) -> Cells:
     )
     if segment.lateral_inertia is None:
         return cells
-    polar = segment.polar_moments(area)
+    polar = segment.polar_moments(area)  # m^4 [cell]
     if segment.lateral_inertia != MINDLIN_HERRMANN:  # Rayleigh and Love
         lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
         return cells._replace(lateral_inertia=lateral)
     moduli = radial_moduli(E, float(material.poisson_ratio))
     return cells._replace(
         stiffness=moduli.axial * area / dx,
-        radial_inertia=INERTIA * rho * polar * dx,  # corrected by INERTIA
+        radial_inertia=INERTIA * rho * polar * dx,  # INERTIA is a correction factor
         coupling=moduli.coupling * area,
         radial_stiffness=moduli.radial * area * dx,
         shear_stiffness=moduli.shear * polar / dx,
@@ -369,13 +387,14 @@ def _cells(segment: Any, count: int) -> Cells:
 
 
 NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
+"""A single cell, as between pieces: all is 0, but the width is 1."""
 
 
 def _in_series(springs: Array) -> Array:
     """Stiffness between the middles of neighbouring cells, [node].
 
-    The cells have these springs, [cell]. Two half springs, of stiffness 2 a and 2 b,
-    are in series: 2 a b/(a + b).
+    `springs` [cell] are the stiffnesses of the whole cells. Half springs of two
+    neighbours, of stiffness 2 a and 2 b, are in series: 2 a b/(a + b), 0 if both are 0.
     """
     a = springs[:-1]
     b = springs[1:]
@@ -388,10 +407,11 @@ def quotient(a: Any, b: Array) -> Array:
 
 
 def check_polar_moments(row: Row) -> None:
-    """Raise InvalidModel if radial inertia or stiffness of a section is beyond floats.
+    """Raise InvalidModel if squares of radial inertia or stiffness may not be floats.
 
-    They are rho I_p L, kg m^2, and E I_p/L, N m; in cells they are a number of times
-    larger or smaller, and their squares are computed.
+    They are rho I_p L, kg m^2, and E I_p/L, N m, at the smallest and largest area of
+    each segment that has lateral inertia; those of cells are up to `CELL_ROOM` times
+    larger or smaller. The first segment that fails is named.
     """
     # Path 0 is empty: segments are counted from 1.
     for path, segment in zip(row.paths[1:], row.segments, strict=True):
@@ -401,11 +421,11 @@ def check_polar_moments(row: Row) -> None:
         length = float(segment.length)
         for area in map(float, extremes(segment.area)):
             polar = float(segment.polar_moments(np.asarray(area)))
-            sizes = (
-                float(material.density) * polar * length,
-                float(material.youngs_modulus) * polar / length,
-            )
-            if min(sizes) < SMALLEST * CELL_ROOM or max(sizes) > LARGEST / CELL_ROOM:
+            inertia = float(material.density) * polar * length
+            stiffness = float(material.youngs_modulus) * polar / length
+            least = min(inertia, stiffness)
+            most = max(inertia, stiffness)
+            if least < SMALLEST * CELL_ROOM or most > LARGEST / CELL_ROOM:
                 message = (
                     "makes radial inertia or stiffness whose squares overflow or "
                     f"vanish, got {area!r}; take an area nearer to 1 in consistent "
@@ -431,35 +451,38 @@ def nodes_of_half_cells(count: int) -> Array:
 
 
 def crossing_time(segment: Any) -> float:
-    """Time in which the fastest waves cross a segment, s."""
+    """Time in which the fastest waves cross a segment, s.
+
+    It is the transit time at the bar speed, but by Mindlin and Herrmann that of waves
+    at constant radial strain, which are faster.
+    """
     if segment.lateral_inertia != MINDLIN_HERRMANN:
         return float(segment.transit_time)
-    whole = _cells(segment, 1)
+    whole = _cells(segment, 1)  # the whole segment as one cell
     return math.sqrt(float(whole.cell_mass[0] / whole.stiffness[0]))
 
 
 def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
     """Longest stable step of a segment in `count` cells, s.
 
-    Leapfrog is stable up to 2/omega of the fastest motion. Soil of a stiffness per
-    length, N/m^2, adds soil_stiffness/(rho A) to the square of omega. The fastest
-    motion of a cell with transit time t has omega = 2/t; lateral inertia by Rayleigh
-    and Love makes it slower. By Mindlin and Herrmann it is the motion in which all
-    nodes and all radial strains swing against their neighbours. Its equation is a bound
-    where cells differ, too::
+    Leapfrog is stable up to 2/omega, omega of the fastest motion. That of a cell with
+    transit time t has omega = 2/t; lateral inertia by Rayleigh and Love makes it
+    slower, which is not used. Soil, `soil_stiffness` per length in N/m^2, adds
+    soil_stiffness/(rho A) to omega^2. By Mindlin and Herrmann all nodes and all radial
+    strains swing against their neighbours, and a bound of omega is the larger root of::
 
         (omega^2 - 4 k/m) (omega^2 - (G + 4 s)/J) = 4 b^2/(m J)
 
     with the mass m, stiffness k, coupling b, radial G, shear s and radial inertia J of
-    a cell.
+    a cell, taken for each cell.
     """
-    by_soil = 0.0
+    by_soil = 0.0  # what soil adds to omega^2, 1/s^2
     if soil_stiffness > 0:
         least_area = float(min(extremes(segment.area)))
         by_soil = soil_stiffness / (float(segment.material.density) * least_area)
     if segment.lateral_inertia != MINDLIN_HERRMANN:
         cell_transit = float(segment.transit_time) / count
-        # 2/sqrt(4/t^2 + by_soil)
+        # This is 2/omega with omega^2 = 4/t^2 + by_soil.
         return cell_transit / math.sqrt(1 + by_soil * (cell_transit / 2) ** 2)
     cells = _cells(segment, count)
     m = cells.cell_mass
@@ -467,53 +490,63 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
     # omega^2 of both motions by themselves
     axial = 4 * cells.stiffness / m
     radial = (cells.radial_stiffness + 4 * cells.shear_stiffness) / J
-    # The larger root of the equation, which is quadratic in omega^2
-    mixed = np.hypot(axial - radial, 4 * cells.coupling / np.sqrt(m * J))
-    square = (axial + radial + mixed) / 2
-    return 2 / math.sqrt(float(square.max()) + by_soil)
+    # The equation is quadratic in omega^2: `root` is that of its discriminant.
+    root = np.hypot(axial - radial, 4 * cells.coupling / np.sqrt(m * J))
+    omega_squared = (axial + radial + root) / 2  # the larger solution [cell]
+    return 2 / math.sqrt(float(omega_squared.max()) + by_soil)
 
 
 def most_cells(segment: Any, count: int, step: float) -> int:
-    """Largest number of cells of a segment for which a step in s is stable.
+    """Largest number of cells of a segment, up to `count`, for which `step` is stable.
 
-    It is `count` at most, and at least 1, even if a step is too long for a single cell.
-    The longest stable step falls with the number of cells, so the stable numbers come
-    first, and there are as many as the place of the first unstable one.
+    `step` is in s. At least 1 is returned, even if the step is too long for a single
+    cell.
     """
-    stable_count = bisect_left(
-        range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step
-    )
+
+    def is_unstable(cells: int) -> bool:
+        return stable_step(segment, cells) < step
+
+    # The longest stable step falls with the number of cells. So the stable numbers come
+    # first, and there are as many as come before the first unstable one.
+    stable_count = bisect_left(range(1, count + 1), True, key=is_unstable)
     return max(1, stable_count)
 
 
 def _refuse_stiff(path: str, cells: Cells) -> None:
     """Raise InvalidModel where viscosity or lateral inertia couples cells too strongly.
 
-    `path` is that of the segment which has the cells.
+    The coupling of a cell over its inertia, or impedance, is `MAX_COUPLING` at most.
+    `path` names the segment that has the cells in the error.
     """
     impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)  # kg/s [cell]
-    sizes = {
+    couplings = {
         "material.viscosity": cells.viscous / impedance,
         "lateral_inertia": cells.lateral_inertia / cells.cell_mass,
     }
-    for name, size in sizes.items():
-        if size.max() > MAX_COUPLING:
+    for name, coupling in couplings.items():
+        if coupling.max() > MAX_COUPLING:
             message = (
-                f"couples cells {size.max():.2g} times as strongly as their inertia, "
-                "so round-off hides the motion; take a smaller value, or a RigidMass"
+                f"couples cells {coupling.max():.2g} times as strongly as their "
+                "inertia, so round-off hides the motion; take a smaller value, or a "
+                "RigidMass"
             )
             raise InvalidModel([(f"{path}.{name}", message)])
 
 
 def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
-    """Find the mode of a free rod by itself that lasts longest.
+    """Frequency and decay rate of the mode of a free rod that lasts longest.
 
-    It is one of the lowest `MODES`.
+    The rod has these segments, and both of its ends are free. The mode is one of the
+    `MODES` lowest on a mesh of about `MODAL_CELLS` cells, without the motion of the
+    rigid rod.
 
     Returns
     -------
-    angular frequency, decay rate of the amplitude : float
-        rad/s and 1/s; a mode x of K x = omega^2 M x decays at x D x/(2 x M x).
+    float
+        Angular frequency omega, rad/s.
+    float
+        Decay rate of the amplitude, 1/s. With the matrices of stiffness, inertia and
+        damping, K x = omega^2 M x, it is x D x/(2 x M x); 0 without viscosity.
     """
     from scipy.linalg import block_diag, eigh
 
@@ -521,37 +554,39 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     parts = []
     for segment in segments:
         share = float(segment.transit_time) / transit  # share of the cells
-        parts.append(_cells(segment, max(4, round(MODAL_CELLS * share))))
+        count = max(4, round(MODAL_CELLS * share))
+        parts.append(_cells(segment, count))
     # Each part is a matrix [property, cell]: the cells of all segments stand in a row.
     cells = Cells(*np.concatenate(parts, axis=1))
-    # Half of the cells on the right and on the left of each node
+    # At each node half of the cells on its right and on its left
     mass = (np.append(cells.cell_mass, 0.0) + np.append(0.0, cells.cell_mass)) / 2
+    # Unknowns are the displacements of the n nodes, then the radial strains of cells.
+    n = len(mass)
     axial_inertia = np.diag(mass) + _chain(cells.lateral_inertia)
-    radial = np.diag(cells.radial_stiffness) + _chain(_in_series(cells.shear_stiffness))
-    # Unknowns are the displacements of nodes, then the radial strains of cells.
-    K = block_diag(_chain(cells.stiffness), radial)
-    n = len(axial_inertia)
+    radial_stiffness = np.diag(cells.radial_stiffness)
+    radial_stiffness = radial_stiffness + _chain(_in_series(cells.shear_stiffness))
+    K = block_diag(_chain(cells.stiffness), radial_stiffness)
+    # Forces on nodes by radial strains [node, cell], and the transpose of them
     K[:n, n:] = _differences(n).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
-    # Unknowns with inertia: without lateral inertia
-    # radial strains have none, and are left out.
-    moves = np.append(np.ones(n, bool), cells.radial_inertia > 0)
-    inside = np.ix_(moves, moves)
-    M = block_diag(axial_inertia, np.diag(cells.radial_inertia))[inside]
+    M = block_diag(axial_inertia, np.diag(cells.radial_inertia))
+    # Radial strains without inertia, where rods have none, are no unknowns.
+    is_unknown = np.append(np.ones(n, bool), cells.radial_inertia > 0)
+    unknowns = np.ix_(is_unknown, is_unknown)
     # Mode 0 is the motion of the rigid rod.
-    squares, modes = eigh(K[inside], M, subset_by_index=[1, MODES])
-    axial = modes[:n]  # displacements of nodes, which alone feel viscosity
-    # Modes have x M x = 1, so that x D x/2 is the rate.
+    squares, modes = eigh(K[unknowns], M[unknowns], subset_by_index=[1, MODES])
+    axial = modes[:n]  # displacements of nodes [node, mode]: they alone feel viscosity
+    # x D x/2 of each mode, as modes have x M x = 1
     rates = np.einsum("im,ij,jm->m", axial, _chain(cells.viscous), axial) / 2
     slowest = int(np.argmin(rates))
     return float(np.sqrt(squares[slowest])), float(rates[slowest])
 
 
 def _chain(values: Array) -> Array:
-    """Matrix of springs, dashpots or inertances between neighbours.
+    """Matrix [node, node] of springs, dashpots or inertances between neighbours.
 
-    Their constants are [cell]. The matrix is D^T diag(values) D, D the differences of
-    neighbouring nodes.
+    Their constants are `values` [cell]. The matrix is D^T diag(values) D, where D x are
+    the differences of neighbouring nodes.
     """
     D = _differences(len(values) + 1)
     return np.asarray(D.T @ (values[:, None] * D))

@@ -91,11 +91,12 @@ class GridRun:
         snapshots: int | tuple[float, ...] | None = None,
         expected_steps: int | None = None,
     ) -> None:
-        """Make the grid in its state at t = 0, which is kept.
+        """Make the grid in its state at t = 0, which is kept; no step is taken.
 
-        Raise TooLong if memory is short. How many states are kept at most follows from
-        `snapshots`, or from the memory that they may take; states of damped rods are
-        kept in threes if there may be enough.
+        `snapshots` or the memory that states may take decides how many are kept. Memory
+        is checked for `expected_steps`, or for four round trips; TooLong is raised if
+        it is short. After the state at t = 0 is kept, contacts that close at once slow
+        down the velocities of damped rods.
         """
         self.mesh = mesh
         self.step = step
@@ -106,24 +107,29 @@ class GridRun:
         self._plan_states(snapshots)
         self.checked_steps = expected_steps or 4 * self.round_trip
         self._require_memory(self.checked_steps)
-        # This sets the stride of states, so that few are kept in vain.
+        # What this returns is not used: it sets the stride of states, so that few are
+        # kept in vain.
         self._choose_states(self.checked_steps)
         self.grid = scheme.grid_of(mesh, step)
         kick = start.begin(mesh, step, self.grid)
-        self.history = self._empty_history(0, 0)
+        self.history = self._empty_history(steps=0, states=0)
         self.advance(0)  # no step, but the state at t = 0 is kept
         start.slow_down(mesh, step, self.grid, kick)
 
     def _plan_states(self, snapshots: int | tuple[float, ...] | None) -> None:
-        """Set how many states are kept, after which steps, and whether in threes.
+        """Set how many states are kept at most, after which steps, and if in threes.
 
-        `snapshots` is their number, or their times, s; without it their number follows
-        from the memory that they may take. In threes, a state is kept with those one
-        step before and after, from which states of damped rods are smoothed.
+        `snapshots` is their number, 3 at least, or their times, s, beside which states
+        are kept at the step ends before and after. Without it (None or 0) their number
+        follows from the memory that they may take, and is 64 at least. In threes, as
+        from `MIN_STATES_IN_THREES` of damped rods on, a state is kept with those one
+        step before and after, to be smoothed. Sets `_stride`, `_chosen_steps`,
+        `_max_states` and `_in_threes`.
         """
         mesh = self.mesh
-        self._stride = 1  # steps between two states
-        self._chosen_steps: Array | None = None  # steps after which states are kept
+        self._stride = 1  # steps between two states, where none are chosen
+        # Steps after which states are kept; None where they are not chosen
+        self._chosen_steps: Array | None = None
         if snapshots is None or isinstance(snapshots, int):
             # Two numbers of 8 bytes a node and its cell,
             # twice as many with radial strains
@@ -133,11 +139,10 @@ class GridRun:
                 count = max(64, MAX_STATES_BYTES // state_bytes)
             self._max_states = max(count, 3)
         else:
-            # States at the step ends before and after each time, and at t = 0
-            steps = np.array(snapshots) / self.step
-            self._chosen_steps = np.concatenate(
-                (np.floor(steps), np.ceil(steps), [0.0])
-            )
+            times = np.array(snapshots) / self.step  # in steps
+            before = np.floor(times)
+            after = np.ceil(times)
+            self._chosen_steps = np.concatenate((before, after, [0.0]))
             self._max_states = 3 * len(self._chosen_steps)  # room for threes
         is_damped = bool(mesh.viscous.any())
         self._in_threes = is_damped and self._max_states >= MIN_STATES_IN_THREES
@@ -155,45 +160,48 @@ class GridRun:
     # The steps ------------------------------------------------------------------------
 
     def _require_memory(self, steps: int) -> None:
-        """Raise TooLong where so many steps take too much memory; else note them.
+        """Raise TooLong if a run of so many steps takes too much memory.
 
-        Their states and results count, in numbers of 8 bytes. They are noted in
-        `checked_steps`.
+        What it takes is estimated in numbers of 8 bytes: records of the steps with the
+        results made of them, and states that are kept. `checked_steps` becomes `steps`.
         """
         mesh = self.mesh
         row = self.row
         states = min(steps, self._max_states) + 2.0
         self.checked_steps = steps
-        # Numbers of a step that the kernel records: of links, ends, nodes and cells
+        # Numbers of a step that the kernel records: three a link, one an end, a watched
+        # node and a cell
         recorded = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
-        # Records of the kernel, twice while they are joined; force, gap, path, rate and
-        # power of a contact with their integrals; masses; ends and times.
+        # Numbers of a step that are made of them: force, gap, path, rate and power of a
+        # contact with their integrals; those of masses; those of ends, and times
         results = 10 * len(row.contact_link) + 5 * len(row.masses) + 26
-        record = steps * (2.0 * recorded + results)
-        # Two of each state, while they are joined or fields are made of them.
-        numbers = 2 * len(mesh.mass) * (1 + mesh.has_radial_strain)
-        fields = 2 * states * (numbers + len(mesh.starts) + 3)
+        # Records are there twice while they are joined.
+        in_steps = steps * (2.0 * recorded + results)
+        # So are states, while they are joined or fields are made of them.
+        per_state = 2 * len(mesh.mass) * (1 + mesh.has_radial_strain)
+        in_states = 2 * states * (per_state + len(mesh.starts) + 3)
         if not kernels.enabled():
             # Lists take four times the memory of arrays, and stand beside them.
-            record = record + 4.0 * steps * recorded
-            fields = 3 * fields
-        # The argument that is to be changed: that of the larger part
-        if record <= fields:
+            in_steps = in_steps + 4.0 * steps * recorded
+            in_states = 3 * in_states
+        # The argument that the error names: that of the larger part
+        if in_steps <= in_states:
             argument = "snapshots"
         else:
             argument = "until"
         require_memory(
-            record + fields,
+            in_steps + in_states,
             argument,
             f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states",
             "stop earlier, keep fewer states, or take fewer cells",
         )
 
     def _choose_states(self, end: int) -> Array:
-        """Steps at whose ends states are kept in a run to step `end`, [state].
+        """Steps after which states are kept in a run to step `end`, [state].
 
-        The stride of states is doubled until no more are kept than wanted. The last
-        state, and with damping those one step before and after each, are kept too.
+        They increase, from 0 to `end`, the last state. They are the chosen steps, or a
+        stride apart: `_stride` is doubled, for good, until there are no more than
+        wanted. In threes each comes with the step before and the step after it.
         """
         if self._chosen_steps is not None:
             steps = self._chosen_steps[self._chosen_steps <= end].astype(int)
@@ -203,30 +211,33 @@ class GridRun:
             steps = np.arange(0, end, self._stride)
         if self._in_threes:
             steps = np.concatenate((steps - 1, steps, steps + 1))
-            last = end - np.arange(4)
+            last = end - np.arange(4)  # a three at the end, too, and one step more
         else:
             last = np.array([end])
-        steps = np.union1d(steps, last)  # they are in order, each once
-        return np.asarray(steps[(steps >= 0) & (steps <= end)])
+        steps = np.union1d(steps, last)  # in order, each once
+        is_in_run = (steps >= 0) & (steps <= end)
+        return np.asarray(steps[is_in_run])
 
     def _bound_states(self, end: int) -> int:
         """Upper bound of the number of states kept in a run to step `end`.
 
-        It follows from the stride. Threes of neighbouring states overlap where each
-        step is kept.
+        It is that with the present stride, where no steps are chosen.
         """
+        states = end // self._stride + 2
+        # With the stride 1 each step is kept anyway, and threes add none.
         if self._in_threes and self._stride > 1:
-            return 3 * (end // self._stride + 2)
-        return end // self._stride + 2
+            return 3 * states
+        return states
 
     def _empty_history(self, steps: int, states: int) -> StepHistory:
-        """Arrays for the records of the kernel over some steps, with some states.
+        """Arrays for the records of the kernel over so many steps and states.
 
-        They are not set yet. Radial strains have no columns where cells have none.
+        Their numbers are arbitrary. Those of radial strains have 0 columns where no
+        cell has its own.
         """
         grid = self.grid
-        n = len(self.mesh.mass)
-        radial_shape = states, (n + 1) * self.mesh.has_radial_strain
+        n = len(self.mesh.mass)  # nodes; there is one cell more
+        radial_shape = (states, (n + 1) * self.mesh.has_radial_strain)
         return StepHistory(
             signals=np.empty((steps, len(grid.links)), SIGNAL),
             prescribed=np.empty((steps, 2)),
@@ -246,19 +257,21 @@ class GridRun:
     def advance(self, end: int, report: Callable[[int], None] | None = None) -> None:
         """Run to step `end`; `report` is told the steps taken, several times a second.
 
-        The records of the new steps and the states that are kept of them are joined to
-        `history`. Kept states that a wider stride no longer wants are dropped.
+        The grid is left in the state at the end, and `history` becomes a new one: the
+        records and kept states of the new steps are joined to the old, without the
+        states that a wider stride no longer wants. TooLong is raised if memory is
+        short, InvalidModel if walls squeeze a rigid mass.
         """
         if end > self.checked_steps:
             self._require_memory(max(end, 2 * self.checked_steps))
-        when = self._choose_states(end)
         first = self.steps
+        when = self._choose_states(end)  # steps of all states, also of those kept
         still_wanted = np.isin(self.history.when, when, assume_unique=True)
         all_wanted = bool(still_wanted.all())  # then no copy is needed
-        # Both increase, and all states that are still wanted are among them.
-        new = when[still_wanted.sum() :]
-        window = self._empty_history(end - first, len(new))
-        window.when[:] = new
+        # The states that are still wanted are the first ones of `when`.
+        new_states = when[still_wanted.sum() :]
+        window = self._empty_history(end - first, len(new_states))
+        window.when[:] = new_states
         for side in (0, 1):
             values = scheme.boundary_values(self.mesh, self.step, side, end)
             window.prescribed[:, side] = values[first:]
@@ -274,10 +287,11 @@ class GridRun:
     def _run_kernel(
         self, window: StepHistory, end: int, report: Callable[[int], None] | None
     ) -> None:
-        """Take the steps to `end`, and fill a window with them.
+        """Take the steps to `end`, in machine code or plain Python, and fill a window.
 
-        They are compiled or in plain Python. The grid and the window are changed in
-        place; in plain Python lists are made of them, and copied back.
+        The grid and the window, for the steps from the present one on, are changed in
+        place; in plain Python lists are made of them, and copied back. `report` is told
+        the steps taken, but not the last.
 
         Raises
         ------
@@ -291,10 +305,9 @@ class GridRun:
         self.grid.run["first_step"] = first
         self.grid.run["kept_states"] = 0
         numbers = sum(array.nbytes for array in arrays) // 8
-        # Time that plain Python takes
-        seconds = (end - first) * step_time(self.mesh, plain=True)
-        seconds += numbers * kernels.LIST_TIME
-        is_compiled = kernels.worth_compiling(seconds, grid_kernel.run_steps)
+        plain_seconds = (end - first) * step_time(self.mesh, plain=True)
+        plain_seconds += numbers * kernels.LIST_TIME  # lists are made and copied back
+        is_compiled = kernels.worth_compiling(plain_seconds, grid_kernel.run_steps)
         kernel: Any
         grid: Any = self.grid
         history: Any = flat_window
@@ -304,14 +317,14 @@ class GridRun:
             kernel = grid_kernel.run_steps
             grid = grid._make(map(record_lists.as_objects, grid))
             history = history._make(map(record_lists.as_objects, history))
-        is_solved = True
         time_of_step = step_time(self.mesh, plain=not is_compiled)
         chunk = max(1, int(REPORT_INTERVAL / time_of_step))  # steps between two reports
-        # Numbers of steps after which progress is reported, and that of all steps
-        for taken in (*range(first + chunk, end, chunk), end):
-            is_solved = is_solved and kernel(grid, history, taken)
-            if is_solved and report and taken < end:
-                report(taken)
+        is_solved = True
+        # The kernel goes on to each of these steps in turn, the last one is `end`.
+        for until in (*range(first + chunk, end, chunk), end):
+            is_solved = is_solved and kernel(grid, history, until)
+            if is_solved and report and until < end:
+                report(until)
         if not is_compiled:
             for array, objects in zip(arrays, [*grid, *history], strict=True):
                 array[:] = record_lists.as_records(objects, array.dtype)
@@ -336,7 +349,8 @@ class GridRun:
     def motion(self, states: Any = slice(None)) -> GridMotion:
         """The motion in the states that were kept, or in some of them.
 
-        Its `pushes` are empty.
+        `states` is an index of states: a slice or a list. `pushes` of the motion, from
+        outside pieces, are left empty.
         """
         mesh = self.mesh
         fields = {name: getattr(self.history, name)[states] for name in STATE_FIELDS}
@@ -363,27 +377,28 @@ class GridRun:
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
-        """Force and gap of a contact that is not bonded.
+        """Force and gap of a contact, or of a joint: not of a bond, which has none.
 
         Returns
         -------
         array
-            Mean force in each step, N [steps].
+            Mean force in each step, N [step].
         array
-            Gap at the ends of steps, from t = 0 on, m [steps + 1].
+            Gap, or stretch of a joint, at the ends of steps from t = 0 on, m
+            [step + 1].
         """
         link = self.row.contact_link[contact]
-        # m, at the ends of steps; the grid divides lengths by the step.
-        gap = self.recorded(link, "gap") * self.step
-        first_gap = float(initial_gap(self.row.links[link]))
-        return self.recorded(link, "force"), np.append(first_gap, gap)
+        force = self.recorded(link, "force")
+        gap = self.recorded(link, "gap") * self.step  # the grid divides lengths by it
+        first_gap = float(initial_gap(self.row.links[link]))  # at t = 0, m
+        return force, np.append(first_gap, gap)
 
     def force_intervals(self, contact: int) -> Array:
-        """Times of the forces of a contact, s [n, 3].
+        """Begin and end of each force of a contact, and the opening after it, s [n, 3].
 
-        They are begin and end of each force, and the opening before the next one; nan
-        for what does not come, see `contact_intervals`. There are none for a contact
-        that cannot open.
+        A time that does not come is nan, see `contact_intervals`. There are none,
+        [0, 3], for a joint or bond, which cannot open. A gap counts as open from
+        `GAP_RESOLUTION` times the way on that bodies go in a step.
         """
         if contact not in self.row.unilateral_links:
             return np.zeros((0, 3))
@@ -392,39 +407,41 @@ class GridRun:
         return self.step * contact_intervals(force, gap, open_gap)
 
     def force_spans(self, intervals: Array) -> tuple[Array, Array]:
-        """Times at which forces of a contact begin, and end, s [n] each.
+        """Times at which forces of a contact begin, and at which they end, s [n] each.
 
-        `intervals` are its `force_intervals`. A force that still acts ends with the
-        run.
+        `intervals` are its `force_intervals`. A force that still acts at the end of the
+        run ends with it.
         """
         begins, ends, _ = intervals.T
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def velocity(self, node: int) -> Array:
-        """Velocity of a watched node in the frame at the ends of steps, m/s.
+        """Velocity of a watched node in the frame at the ends of steps, m/s [step + 1].
 
-        The first one is at t = 0.
+        The first one is at t = 0. Other nodes raise ValueError.
         """
         velocities = self.history.velocities[:, self.mesh.watched.index(node)]
         return np.concatenate((self.history.velocity[:1, node], velocities))
 
     def mass_velocity(self, mass: int) -> Array:
-        """Velocity of a mass in the frame, m/s, at the ends of steps from t = 0 on.
+        """Velocity of a mass in the frame at the ends of steps, m/s [step + 1].
 
-        Indices beyond the masses of the row are its left and right wall.
+        The first one is at t = 0. `mass` is a number of the row's masses, or their
+        number plus 0 or 1: its left or right wall, which the falling frame passes.
         """
         side = mass - len(self.row.masses)
-        if side >= 0:  # a wall, which the frame falls past
-            wall = float(self.row.boundaries[side][1]) - self.row.frame
-            return np.asarray(wall - self.row.system.gravity * self.times)
-        return self.velocity(self.mesh.node_of_mass[mass])
+        if side < 0:
+            return self.velocity(self.mesh.node_of_mass[mass])
+        _, wall_velocity = self.row.boundaries[side]
+        at_start = float(wall_velocity) - self.row.frame
+        return np.asarray(at_start - self.row.system.gravity * self.times)
 
     def bond_force(self, link: int) -> Array:
-        """Mean force in a bonded link in each step, N.
+        """Mean force in a bonded link, whose force is recorded, in each step, N [step].
 
-        It follows from Newton's law for the half cell beside it. With sign 1 for a half
-        cell on the left of the link and -1 on its right, F = -tension - sign (m/2
-        dv/dt - force of the soil).
+        A force > 0 presses. It follows from Newton's law for the half cell of the rod
+        between the link and a cell. With sign 1 for a rod on the left of the link and
+        -1 on its right, F = -tension - sign (m/2 dv/dt - force of the soil).
         """
         mesh = self.mesh
         node, cell = mesh.bonds[link]
@@ -433,14 +450,15 @@ class GridRun:
         else:
             sign = -1
         v = self.velocity(node)
-        stretch_rate = sign * (v - self.velocity(node - sign))  # that of the cell
-        # Tension in the step: elastic, viscous,
-        # and what depends on the change of velocities
-        # Lateral inertia over the step, and half of the viscous damping
-        coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
-        implicit = coupling * np.diff(stretch_rate)
+        other_v = self.velocity(node - sign)  # at the other node of the cell
+        stretch_rate = sign * (v - other_v)  # at the ends of steps, m/s
+        # The tension is elastic, viscous by the velocities before the step, and
+        # implicit by their change in it: of lateral inertia and half of the viscosity.
         elastic = self.history.tensions[:, mesh.pulled.index(cell)]
-        tension = elastic + mesh.viscous[cell] * stretch_rate[:-1] + implicit
+        viscous = mesh.viscous[cell] * stretch_rate[:-1]
+        coupling = scheme.off_diagonal_of(mesh, self.step)[cell]  # J/h + D/2, kg/s
+        implicit = coupling * np.diff(stretch_rate)
+        tension = elastic + viscous + implicit
         momentum_rate = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
         soil = self._soil_at_end(node, sign)
         return np.asarray(-tension - sign * (momentum_rate - soil))
@@ -455,13 +473,15 @@ class GridRun:
     def _soil_forces(self, fields: dict[str, Array]) -> Array:
         """Force of the soil to the right in some states, N [state, node in soil].
 
-        `fields` are those of the states. The force is -(R + c v) with the damping c = J
-        abs(R) by Smith's law and a constant one else, v the velocity against the
-        ground.
+        `fields` has the `STATE_FIELDS` of these states, by name. The force is
+        -(R + c v), R the static resistance, v the velocity against the ground, and the
+        damping c = J abs(R) by Smith's law, else a constant.
         """
         soil = self.grid.soil
-        t = fields["when"][:, None] * self.step
-        velocity = fields["velocity"][:, soil["node"]] + self.row.frame
+        t = fields["when"][:, None] * self.step  # [state, 1]
+        in_frame = fields["velocity"][:, soil["node"]]
+        # The ground rests in the laboratory, in which the frame moves and falls.
+        velocity = in_frame + self.row.frame
         velocity = velocity + self.row.system.gravity * t
         resistance = fields["resistance"]
         by_smith = soil["damping_factor"] * np.abs(resistance)
@@ -469,10 +489,10 @@ class GridRun:
         return np.asarray(-resistance - damping * velocity)
 
     def _soil_at_end(self, node: int, sign: int) -> Array:
-        """Force of the soil on the half cell at an end of a rod, N [step].
+        """Mean force of the soil on the half cell at an end of a rod, N [step].
 
-        It is 0 without soil. The end is the right (`sign` = 1) or left (-1) one of the
-        rod that has this node there.
+        It acts to the right. The end is the right (`sign` = 1) or left (-1) one of the
+        rod that has `node` there. It is 0 where no soil holds this rod.
         """
         for shaft, body in enumerate(shaft_bodies(self.row)):
             first, last = self.row.spans[body]
@@ -495,21 +515,23 @@ class GridRun:
 
     @cached_property
     def overshoot(self) -> float:
-        """Relative overshoot of the peak force of rigid contacts.
+        """Overshoot of the peak force of rigid contacts, over this peak.
 
-        It is (peak of the step means - peak of the means over `OVERSHOOT_STEPS`)/peak.
-        Beside a jump waves on a grid overshoot by a share that no finer mesh makes
-        less; averages over a few steps do not.
+        The overshoot is the peak of the step means less the peak of the means over
+        `OVERSHOOT_STEPS`, 0 at least: beside a jump waves on a grid overshoot by a
+        share that no finer mesh makes less; averages over a few steps do not. It and
+        the peak are the largest among all rigid contacts, which need not be of one
+        contact. 0 without such contacts, or without forces in them.
         """
         largest_peak = 0.0
         largest_excess = 0.0
         for contact, link in self.row.unilateral_links.items():
             if self.row.links[link].law != Law.RIGID:
                 continue
-            force = self.contact(contact)[0]
+            force, _ = self.contact(contact)
+            # Means over the last few steps up to each step, [step], the force being 0
+            # before t = 0: differences of sums that are so many steps apart
             sums = np.concatenate((np.zeros(OVERSHOOT_STEPS), np.cumsum(force)))
-            # Means over the last few steps:
-            # differences of sums that are so many steps apart
             means = (sums[OVERSHOOT_STEPS:] - sums[:-OVERSHOOT_STEPS]) / OVERSHOOT_STEPS
             peak = largest_force(force)
             excess = peak - float(means.max(initial=0.0))
@@ -523,8 +545,8 @@ class GridRun:
     def peak_error(self) -> float:
         """Relative error of the peak force that no finer mesh makes less.
 
-        It is inf where flat ends of damped rods, or of rods with lateral inertia, meet:
-        any finer mesh finds a larger force.
+        It is twice the `overshoot`, but inf where flat ends of damped rods, or of rods
+        with lateral inertia, may meet: any finer mesh finds a larger force.
         """
         mesh = self.mesh
         is_dispersive = mesh.lateral_inertia.any() or mesh.has_radial_strain
@@ -535,34 +557,40 @@ class GridRun:
 
 
 def step_time(mesh: Mesh, *, plain: bool) -> float:
-    """Approximate time of a step, s, in plain Python or compiled."""
+    """Approximate time that the computer takes for a step of a mesh, s.
+
+    The step is taken in plain Python, or else in machine code.
+    """
     # Equations to be solved take six,
     # or in plain Python two, times as long as the rest.
     implicit = 6
     if plain:
         implicit = 2
+    # Times of an explicit step: radial strains take as long as the nodes
     times = 1 + mesh.has_radial_strain + implicit * mesh.implicit
-    # The first time of each pair is that of machine code.
+    # In each pair the first is machine code (False), the second plain Python (True).
     return STEP_TIMES[plain] + len(mesh.mass) * times * CELL_TIMES[plain]
 
 
 def clock_on(mesh: Mesh, step: float) -> Clock:
     """Clock of a mesh with steps of `step`, s, each of which has `STEP_TICKS` ticks.
 
-    Transit times are those of the segments, rounded to ticks, not those of their cells.
-    Impedances of segments are means, so that impedance times transit time is the mass.
+    Transit times are those of the segments, rounded to ticks, 1 at least; they are not
+    those of their cells. Impedances of segments are means: the mass over the transit
+    time.
     """
     row = mesh.row
-    tick = step / STEP_TICKS
-    transits = []
-    impedances = [0.0]
+    tick = step / STEP_TICKS  # s
+    transits = []  # ticks, by segment
+    impedances = [0.0]  # kg/s, by segment; 0 is that of the outside
     for s, segment in enumerate(row.segments, start=1):
         transit = max(1, round(float(segment.transit_time) / tick))
-        # Cell i lies on the left of node i:
-        # none of this segment on the left of its first node.
+        # Cell i lies on the left of node i: the first one of this segment lies between
+        # its first node and the next.
         cells = slice(mesh.first[s] + 1, mesh.last[s] + 1)
+        mass = float(mesh.cell_mass[cells].sum())
         transits.append(transit)
-        impedances.append(float(mesh.cell_mass[cells].sum()) / (transit * tick))
+        impedances.append(mass / (transit * tick))
     return clock_of(
         row,
         transits,
