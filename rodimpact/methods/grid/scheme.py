@@ -51,26 +51,29 @@ class Responses(NamedTuple):
 def grid_of(mesh: Mesh, step: float) -> Grid:
     """Make the grid of a mesh for steps of `step`, s.
 
-    It is at rest, without force, with the given gaps. The equations of a step are
+    It is at rest, without tension, with the given gaps; soil has its resistance at
+    t = 0. Time is counted in steps, see `records`. The equations of a step are
     (M + J + D/2) dv = forces, see `grid_kernel`: a cell adds J + D/2 to the diagonal of
     both of its nodes, and to the off-diagonal between them; half of the impedance of an
-    endless bar and of the damping of soil are on the diagonal.
+    endless bar and of the damping of soil are on the diagonal. A contact that is too
+    soft for the step raises InvalidModel.
     """
     row = mesh.row
     n = len(mesh.mass)
     cells = mesh.cells
-    # Time is counted in steps, see `records`: M becomes M/h,
-    # and a stiffness k becomes k h.
-    mass = mesh.mass / step
+    # Time is counted in steps: M becomes M/h, and a stiffness k becomes k h.
     impedance = _end_impedances(mesh)
-    mass[mesh.ends] += impedance / 2
+    inertia = mesh.mass / step
+    inertia[mesh.ends] += impedance / 2
     off_diagonal = off_diagonal_of(mesh, step)
-    diagonal = mass + off_diagonal[:-1] + off_diagonal[1:]
+    # Node i lies between the cells i and i + 1.
+    diagonal = inertia + off_diagonal[:-1] + off_diagonal[1:]
     soil = soil_of(mesh, step)
-    loaded_diagonal = diagonal + np.bincount(soil["node"], soil["damping"] / 2, n)
+    soil_damping = np.bincount(soil["node"], soil["damping"] / 2, n)  # [node]
+    loaded_diagonal = diagonal + soil_damping
     factors = factorise(mesh, loaded_diagonal, off_diagonal)
     responses = responses_to_pushes(mesh, factors)
-    coupling_share = quotient(cells.coupling**2, cells.stiffness)
+    coupling_share = quotient(cells.coupling**2, cells.stiffness)  # b^2/k
     return Grid(
         run=filled(
             records.RUN,
@@ -123,9 +126,9 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
 
 
 def off_diagonal_of(mesh: Mesh, step: float) -> Array:
-    """Off-diagonal entries of the matrix M + J + D/2, kg/s [cell].
+    """Off-diagonal entries of the matrix M + J + D/2 with opposite sign, kg/s [cell].
 
-    They have the opposite sign.
+    They are not negative: lateral inertia over the step, s, plus half of the viscosity.
     """
     return np.asarray(mesh.lateral_inertia / step + mesh.viscous / 2)
 
@@ -137,26 +140,39 @@ def _end_impedances(mesh: Mesh) -> Array:
     of the row. E A/dx is the relaxed stiffness, as slow waves feel it.
     """
     cells = mesh.end_cells
-    endless = [kind == "absorbing" for kind, _ in mesh.row.boundaries]
+    has_bar = [kind == "absorbing" for kind, _ in mesh.row.boundaries]
     impedances = np.sqrt(mesh.cells.relaxed_stiffness[cells] * mesh.cell_mass[cells])
-    return np.where(endless, impedances, 0.0)
+    return np.where(has_bar, impedances, 0.0)
 
 
 def factorise(mesh: Mesh, diagonal: Array, off_diagonal: Array) -> Factors:
-    """LU factors of the equations with these entries, see `elimination_kernel`."""
+    """LU factors of the equations with these entries, see `elimination_kernel`.
+
+    `diagonal` is [node]; `off_diagonal` [cell] has the opposite sign. Nodes whose
+    velocity is prescribed in the mesh have the equation x[i] = right side.
+    """
     n = len(diagonal)
-    factors = ([0.0] * n, [0.0] * n, [0.0] * n)
+    # The kernel runs in plain Python here, faster on lists than on arrays. It fills
+    # these three.
+    lower = [0.0] * n
+    inverse_diagonal = [0.0] * n
+    upper = [0.0] * n
     elimination.factor(
-        off_diagonal.tolist(), diagonal.tolist(), mesh.is_prescribed.tolist(), *factors
+        off_diagonal.tolist(),
+        diagonal.tolist(),
+        mesh.is_prescribed.tolist(),
+        lower,
+        inverse_diagonal,
+        upper,
     )
-    return Factors(*map(np.array, factors))
+    return Factors(np.array(lower), np.array(inverse_diagonal), np.array(upper))
 
 
 def velocity_changes(factors: Factors, forces: Any) -> Array:
-    """Changes of velocity in a step by forces on the nodes, N; m/s [node].
+    """Changes of velocity in a step, m/s [node], by `forces` on the nodes, N [node].
 
     They solve the equations of the step. At nodes whose velocity is prescribed `forces`
-    has the change itself.
+    has the change itself. `forces` are not changed.
     """
     x = np.array(forces, float)
     elimination.substitute(*factors, x)
@@ -164,10 +180,11 @@ def velocity_changes(factors: Factors, forces: Any) -> Array:
 
 
 def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
-    """Velocities by unit forces on the ends of all pieces.
+    """Velocities that unit forces on first or last nodes of pieces give in a step.
 
     They solve the equations with these factors. Forces on all pieces act at once, as
-    pieces are not coupled. Prescribed nodes take none.
+    pieces are not coupled. A node whose velocity is prescribed takes no force: a piece
+    pushed there stays at 0.
     """
     n = len(mesh.mass)
     unit_force = np.where(mesh.is_prescribed == 0, 1.0, 0.0)
@@ -176,7 +193,8 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
     on_last = np.zeros(n)
     on_last[mesh.stops] = unit_force[mesh.stops]
     return Responses(
-        velocity_changes(factors, on_first), velocity_changes(factors, on_last)
+        by_first=velocity_changes(factors, on_first),
+        by_last=velocity_changes(factors, on_last),
     )
 
 
@@ -186,9 +204,10 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
 def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     """Links between neighbouring pieces at t = 0, [link] `records.LINK`.
 
-    Time is counted in steps. Links that are coupled make a chain, whose forces are
-    solved together: `chain_end` is the last link of a chain at its first link, and NONE
-    at the others.
+    Time is counted in steps: stiffnesses and gaps are scaled, the other fields of the
+    law are copied. Nodes, mobilities and chains follow from the mesh and `responses`;
+    links that are coupled make a chain, whose forces are solved together. `is_closed`
+    is set where the gap is 0. Forces and closings are 0.
 
     Raises
     ------
@@ -197,8 +216,9 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     """
     laws = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
     count = len(laws)
-    in_time_steps = in_steps(laws, step)
+    in_time_steps = in_steps(laws, step)  # stiffness and gap
     _refuse_soft(laws, in_time_steps["stiffness"], step)
+    # Last node of the piece on the left of each link, first node of that on its right
     left = np.array(mesh.stops[:-1], np.int64)
     right = np.array(mesh.starts[1:], np.int64)
     leftmost: Any
@@ -209,10 +229,10 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     else:  # or that of its node alone
         leftmost = left
         rightmost = right
-    # Two links are coupled by a piece of one node, or by one that moves as a whole.
-    # `left` of a link is the last node of the piece before it, whose first node the
-    # link before pushes. Half of a velocity counts, as a closing is the mean of those
-    # before and after the step.
+    # A link is coupled to the one before it by the piece between both: a force in that
+    # one, on the first node of the piece, moves its last node, `left` of this one. In
+    # explicit steps only a piece of a single node does. Half of a velocity counts, as a
+    # closing is the mean of those before and after the step.
     coupling = np.zeros(count)
     coupling[1:] = responses.by_first[left[1:]] / 2
     links: Array = filled(
@@ -237,8 +257,9 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
 def _refuse_soft(laws: Array, stiffness: Array, step: float) -> None:
     """Raise InvalidModel if a contact is so soft in steps that its forces vanish.
 
-    `laws` are the links with time in seconds, `stiffness` is theirs with time in steps
-    of `step`, s.
+    `laws` are the links with time in seconds, `stiffness` [link] is theirs with time in
+    steps of `step`, s; below `SMALLEST_STIFFNESS` it is too small. A stiffness 0, as of
+    a rigid contact, is not meant.
     """
     k = laws["stiffness"]
     p = laws["exponent"]
@@ -253,13 +274,14 @@ def _refuse_soft(laws: Array, stiffness: Array, step: float) -> None:
 def _chain_ends(coupling: Array) -> Array:
     """Last link of each chain, at its first link; NONE at the other links, [link].
 
-    `coupling` is the mobility that a link shares with the one before it; 0 begins a
-    chain.
+    `coupling` [link] is the mobility that a link shares with the one before it: where
+    it is 0 a chain begins, as at the first of all links.
     """
     begins = np.flatnonzero(coupling == 0)
     chain_end = np.full(len(coupling), NONE)
-    # A chain ends before the next one begins.
-    chain_end[begins] = np.append(begins[1:], len(coupling)) - 1
+    # A chain ends before the next one begins, the last one with the last link.
+    next_begins = np.append(begins[1:], len(coupling))
+    chain_end[begins] = next_begins - 1
     return chain_end
 
 
@@ -269,36 +291,43 @@ def _chain_ends(coupling: Array) -> Array:
 def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     """Value that is prescribed at an end in each of the first `steps` steps, [step].
 
-    It is a force, N, a wave, m/s, or the velocity at the end of the step in the frame,
-    m/s. `side` is 0 on the left, 1 on the right; `step` in s.
+    `side` is 0 on the left, 1 on the right; `step` in s. Of a moved end it is the
+    velocity at the end of the step in the frame, m/s. Of a pushed end it is the force,
+    N, of an endless bar the wave, m/s, both as means over two steps about the middle of
+    the step. Of a free end it is 0.
     """
     kind, value = mesh.row.boundaries[side]
     if kind == "velocity":
         times = step * np.arange(1, steps + 1)
         return boundary_velocity(mesh.row, step, value, times)
-    # At each kick the mean over two steps, which waves can follow: four half steps
-    # about the middle of the step. Before t = 0 the value is as in the first half step.
-    halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)  # half steps
-    around = np.concatenate((halves[:1], halves))
-    first = around[:-3:2]  # half steps about the kick of each step
-    second = around[1:-2:2]
-    third = around[2:-1:2]
-    fourth = around[3::2]
-    pushes = np.asarray((first + second + third + fourth) / 4)
-    if kind == "absorbing":
-        return np.asarray(wave_of_strain(mesh.row, side) * pushes)
-    return pushes
+    # The kick of a step is in its middle. Waves on the grid can follow means over two
+    # steps about it: over four half steps. In time, values need no `length`.
+    edges = step / 2 * np.arange(2 * steps + 2)  # of half steps from t = 0 on
+    half_steps = averages(value, edges, length=0.0)
+    # Before t = 0 the value is as in the first half step. Step i has entries 2 i to
+    # 2 i + 3 of this array.
+    half_steps = np.concatenate((half_steps[:1], half_steps))
+    first = half_steps[:-3:2]
+    second = half_steps[1:-2:2]
+    third = half_steps[2:-1:2]
+    fourth = half_steps[3::2]
+    means = np.asarray((first + second + third + fourth) / 4)
+    if kind == "absorbing":  # the value is the strain of the wave
+        return np.asarray(wave_of_strain(mesh.row, side) * means)
+    return means
 
 
 def boundary_velocity(row: Row, step: float, value: Any, t: Array) -> Array:
-    """Velocity of a wall or a driven end in the frame, which falls, m/s.
+    """Velocity of a wall or a moved end at the times t in the frame, m/s [time].
 
-    It is averaged over a step about each time; about t = 0 over the half step after it,
-    as there is no value before. Times t, s, are a step apart.
+    `value` is the velocity in the laboratory, of which the mean over a step about each
+    time counts; about t = 0 that over the half step after it, as there is no value
+    before. The velocity of the frame, row.frame + gravity t, is subtracted. Times t, s,
+    are a step apart; without times the result is empty.
     """
     edges = np.append(t - step / 2, t[-1:] + step / 2)
-    # Duration of the value. After their last border polynomials in time are constant:
-    # any time after it would do.
-    end = max(edges.max(initial=0.0), 2 * latest_border(value))
-    velocity = averages(value, np.maximum(edges, 0.0), end)
+    # Polynomials in time are constant after their last border. They need a `length` in
+    # time, any one after this border and all edges; others do without.
+    length = max(edges.max(initial=0.0), 2 * latest_border(value))
+    velocity = averages(value, np.maximum(edges, 0.0), length)
     return np.asarray(velocity - row.frame - row.system.gravity * t)

@@ -24,19 +24,20 @@ from .records import INDEX_MASK, Run
 
 
 def ground_velocity(run: Run) -> float:
-    """Return the velocity of the ground in the frame, m/s, at the end of the last step.
+    """Return the velocity of the ground in the frame, m/s, after the steps taken.
 
-    The frame falls with g, so that the ground gains -g dt in each step.
+    The frame falls with g, so that the ground gains `ground_acceleration`, -g dt, in
+    each step.
     """
     return run.ground_velocity + run.step * run.ground_acceleration
 
 
 def move_soil(run: Run, soil: Any, v: Any) -> None:
-    """Move the static resistances to the middle of the step.
+    """Move the static resistances R to the middle of the step, and set the dampings.
 
-    The dampings of this step are set, too. Over a step the resistance grows by k
-    (v - ground), within -R_u and R_u. By Smith's law the damping is c = J abs(R); by
-    the viscous law it stays as it is.
+    R was known half a step before v. It grows by k (v - ground), as time is counted in
+    steps, within -R_u and R_u. By Smith's law the damping becomes J abs(R); by the
+    viscous law, and of drag, it stays as it is.
     """
     ground = ground_velocity(run)
     for i in range(len(soil)):
@@ -49,13 +50,14 @@ def move_soil(run: Run, soil: Any, v: Any) -> None:
 
 
 def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
-    """Subtract the force R + c (v - ground) of the soil from x.
+    """Subtract the force R + c (v - ground) of the soil from x, N [node].
 
     x has the right sides of the equations of the step. v are the velocities before the
     step; the ground has its mean velocity over the step. What c does by the change of v
     in the step is on the left side.
     """
-    ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
+    # Mean over the step: half of what the ground gains in it is added.
+    ground = ground_velocity(run) + run.ground_acceleration / 2
     for i in range(len(soil)):
         at_node = soil[i]
         node = at_node.node
@@ -63,13 +65,15 @@ def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
 
 
 def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> None:
-    """Set the entries of this step in `shafts`.
+    """Set the entries of this step in `shafts` [step of the window, rod in soil].
 
-    They are the force of the soil on each rod, and its power. The force on a node is
-    -(R + c u), u its mean velocity against the ground in the step, from `old_velocity`
-    before the step and `v` after it; its power is that force times u.
+    They are the force of the soil on each rod, N, its power, W, and its force on the
+    first and the last node of the rod, 0 where soil does not hold that node. The force
+    on a node is -(R + c u), u its mean velocity against the ground in the step, from
+    `old_velocity` before the step and `v` after it; its power is that force times u.
     """
-    ground = ground_velocity(run) + run.ground_acceleration / 2  # mean over the step
+    # Mean over the step: half of what the ground gains in it is added.
+    ground = ground_velocity(run) + run.ground_acceleration / 2
     first = (run.step - run.first_step) * run.shafts  # first entry of this step
     for i in range(run.shafts):
         shaft = shafts[first + i]
@@ -92,10 +96,11 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
 
 
 def keep_soil(run: Run, soil: Any, v: Any, kept_resistance: Any) -> None:
-    """Store the static resistances at the end of a step in the next state that is kept.
+    """Store the static resistances R at the end of a step as state `run.kept_states`.
 
-    The soil has them in the middle of the step: half a step adds k (v - ground)/2, as
-    velocities are lengths by step.
+    They go to that row of `kept_resistance` [state, node in soil], which is flat. The
+    soil has them in the middle of the step, and keeps them: half a step adds
+    k (v - ground)/2, as time is counted in steps, within -R_u and R_u.
     """
     ground = ground_velocity(run)
     first = (run.kept_states * len(soil)) & INDEX_MASK  # first entry of this state
@@ -106,15 +111,14 @@ def keep_soil(run: Run, soil: Any, v: Any, kept_resistance: Any) -> None:
 
 
 def load_equations(run: Run, soil: Any, diagonal: Any, loaded: Any) -> None:
-    """Set `loaded` to the diagonal of the equations of a step, D + c/2.
+    """Set `loaded` [node] to `diagonal` plus half of the present dampings of the soil.
 
-    c are the present dampings.
-
-    This and the functions that follow do nothing where soil does not change the
-    equations. Each of them asks that itself: were it asked around their calls, arrays
-    would be last used behind a condition, and machine code would count references to
-    them in every step.
+    It is the diagonal of the equations of a step. Nothing is done where soil does not
+    change the equations.
     """
+    # This and the functions that follow ask themselves whether there is something to
+    # do. Were it asked around their calls, arrays would be last used behind a
+    # condition, and machine code would count references to them in every step.
     if run.soil_changes_equations == 0:
         return
     for i in range(len(diagonal)):
@@ -132,10 +136,10 @@ def factor_equations(
     inverse_diagonal: Any,
     upper: Any,
 ) -> None:
-    """Set the LU factors of the loaded equations.
+    """Write the LU factors of the equations with the diagonal `loaded`.
 
-    They are `lower`, `inverse_diagonal` and `upper`. Where soil does not change the
-    equations nothing is done.
+    They are written to `lower`, `inverse_diagonal` and `upper`, [node] each. Nothing is
+    done where soil does not change the equations.
     """
     if run.soil_changes_equations == 0:
         return
@@ -150,28 +154,31 @@ def push_ends_of_pieces(
     """Set right sides: unit forces on the first and on the last node of each piece.
 
     `by_first` becomes 1 at first nodes, `by_last` at last nodes, and both 0 elsewhere,
-    as at nodes whose velocity is prescribed. Where soil does not change the equations
-    nothing is done.
+    also at nodes whose velocity is prescribed; `solve_equations` makes velocities of
+    them. Nothing is done where soil does not change the equations.
     """
     if run.soil_changes_equations == 0:
         return
     for i in range(len(by_first)):
         by_first[i] = 0.0
         by_last[i] = 0.0
-    last = len(by_first) - 1  # last node of piece k, which begins behind piece k - 1
+    # From right to left: a piece ends at the node before the first one of the piece on
+    # its right.
+    last = len(by_first) - 1
     for k in range(len(pieces) - 1, -1, -1):
         first = pieces[k].first_node
         by_first[first] = 1.0 - is_prescribed[first]
         by_last[last] = 1.0 - is_prescribed[last]
-        last = first - 1
+        last = first - 1  # of the next piece on the left
 
 
 def solve_equations(
     run: Run, lower: Any, inverse_diagonal: Any, upper: Any, x: Any
 ) -> None:
-    """Replace x, forces on the nodes, by their changes of velocity in a step.
+    """Replace x, forces on the nodes, N, by their changes of velocity in a step, m/s.
 
-    Where soil does not change the equations nothing is done.
+    They solve the equations of a step with these factors. Nothing is done where soil
+    does not change the equations.
     """
     if run.soil_changes_equations == 0:
         return
@@ -179,17 +186,14 @@ def solve_equations(
 
 
 def renew_mobilities(run: Run, links: Any, by_first: Any, by_last: Any) -> None:
-    """Set the mobilities of the links.
-
-    They follow from the velocities by unit forces on the ends of pieces.
-    `self_mobility` of a link is the closing that its own unit force takes away in a
-    step, `coupling_mobility` the closing that a unit force in the link before it adds
-    through the piece between both. Half of a change of velocity counts, as a closing is
-    a mean over the step.
+    """Set the mobilities of the links from the velocities by unit forces.
 
     `by_first` and `by_last` have the velocity of each node by a unit force on the first
-    and on the last node of its piece, (m/s)/N [node]. Nothing changes where soil does
-    not change equations.
+    and on the last node of its piece, (m/s)/N [node]. `self_mobility` of a link is the
+    closing that its own unit force takes away in a step, `coupling_mobility` the
+    closing that a unit force in the link before it adds through the piece between both;
+    that of the first link stays. Half of a velocity counts, as a closing is a mean over
+    the step. Nothing is done where soil does not change the equations.
     """
     if run.soil_changes_equations == 0:
         return
