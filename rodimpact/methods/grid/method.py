@@ -72,11 +72,12 @@ def run_grid(
 ) -> GridRun:
     """Run a single collision on a mesh that is fine enough.
 
-    Return the run on the finest mesh. The step is divided until velocities and impulses
-    no longer change. The errors of the peak force and of the duration are stated, but
-    the mesh is not refined for them: beside a jump waves overshoot on any mesh, flat
-    ends of viscous rods, or of rods with lateral inertia, meet with a force that has no
-    largest value, and weak forces begin and end late.
+    Return the run on the finest mesh. Unless cells or step are given, the step is
+    divided until velocities and impulses no longer change. The errors of the peak force
+    and of the duration are stated, but the mesh is not refined for them: beside a jump
+    waves overshoot on any mesh, flat ends of viscous rods, or of rods with lateral
+    inertia, meet with a force that has no largest value, and weak forces begin and end
+    late. A run to less than half a step takes no step.
 
     Parameters
     ----------
@@ -112,19 +113,21 @@ def run_grid(
     takes_steps = until is None or 2 * until > step  # the run has half a step or more
     if until is not None and takes_steps:
         # The step becomes a whole part of `until`, no longer than it was.
-        step = until / math.ceil(until / step * (1 - UNTIL_RTOL))
+        steps = math.ceil(until / step * (1 - UNTIL_RTOL))
+        step = until / steps
 
     def run_level(factor: int) -> GridRun:
         """Run on a mesh with the step divided by a factor."""
         mesh = Mesh(row, [factor * count for count in counts])
         h = step / factor
         if until is None:
+            # Each step is an event of each link.
             last = max(1, max_events // len(row.links))
             run = GridRun(mesh, h, snapshots)
             _run_to_proof(run, last, report)
         else:
             last = round(until / h)
-            run = GridRun(mesh, h, snapshots, max(1, last))
+            run = GridRun(mesh, h, snapshots, expected_steps=max(1, last))
             _run_to_end(run, last, report)
         return run
 
@@ -136,7 +139,7 @@ def run_grid(
         run = _run_refined(run_level, order_of(row), goal, max_factor)
     else:
         run = run_level(1)
-    if run.stopped_by == "final":  # a round trip more than to the proof
+    if run.stopped_by == "final":  # the run ends a round trip after the proof
         run.advance(run.steps + run.round_trip)
     return run
 
@@ -146,7 +149,9 @@ def _run_refined(
 ) -> GridRun:
     """Run on finer and finer meshes; return the finest run, which states its errors.
 
-    Its `rtol`, `estimates` and `coarser` are set.
+    Its `rtol` becomes `goal`; `estimates` and `coarser`, the runs with which it is
+    compared, are set. The estimate of the peak force has added what no finer mesh makes
+    less. The search ends at `goal`, at `max_factor`, or where memory is short.
 
     Parameters
     ----------
@@ -159,7 +164,7 @@ def _run_refined(
     max_factor : int
         Largest factor.
     """
-    runs: list[GridRun] = []
+    runs: list[GridRun] = []  # all runs, in the order of the levels
 
     def run_and_keep(factor: int) -> GridRun:
         """Run with the step divided by a factor, and append the run to `runs`."""
@@ -184,7 +189,8 @@ def _run_refined(
 def _run_to_end(run: GridRun, last: int, report: ProgressReport) -> None:
     """Run to step `last`, and try the proof of finality on the way.
 
-    A proof sets `run.proved`.
+    The step at whose end the proof succeeds is set as `run.proved`; then it is tried no
+    more. `report` is called with the steps taken, and `last`.
     """
 
     def report_of(taken: int) -> None:
@@ -196,7 +202,11 @@ def _run_to_end(run: GridRun, last: int, report: ProgressReport) -> None:
 
 
 def _run_to_proof(run: GridRun, last: int, report: ProgressReport) -> None:
-    """Run to the proof of finality, or to step `last`; set `run.stopped_by`."""
+    """Run to the proof of finality, or to step `last` if none succeeds before.
+
+    `run.proved` is set by a proof, and `run.stopped_by` to "final" or "max_events".
+    `report` is called with the steps taken, and None.
+    """
 
     def report_of(taken: int) -> None:
         """Report the steps taken."""
@@ -213,16 +223,20 @@ def _advance_until_proved(
 ) -> None:
     """Run until the proof of finality succeeds, or to step `last`.
 
-    A proof sets `run.proved`.
+    The proof is tried at once, and then again and again, at last at step `last`. The
+    step at whose end it succeeds is set as `run.proved`, which else stays -1.
+    `report_of` is called with the steps taken.
     """
     longest = run.round_trip // 2  # steps in which waves cross the longest rod
     report_of(0)
     while run.proved < 0:
-        wait = finality_time(run) / run.step  # steps to wait; 0 if the proof succeeds
+        # Steps after which a proof can succeed: 0 if it succeeds now
+        wait = finality_time(run) / run.step
         if wait == 0:
             run.proved = run.steps
         elif run.steps < last:
-            # A proof costs about as much as these steps.
+            # The next proof is tried then, or earlier, after so many steps as cost
+            # about as much as a proof.
             between = max(longest // 4, run.steps // 8)
             more = math.ceil(max(min(wait, between), MIN_CELLS))
             run.advance(min(last, run.steps + more), report_of)
@@ -236,10 +250,12 @@ def _advance_until_proved(
 def mesh_size(
     row: Row, cells: int | None, dt: float | None, until: float | None
 ) -> tuple[list[int], float]:
-    """Numbers of cells, [segment], and the step, s, that is stable for them.
+    """Numbers of cells, [segment], and a step, s, that is stable for them.
 
-    The step is `dt` if that is given. `cells`, `dt` and `until` are those of
-    `run_grid`.
+    The step is `dt` if that is given, else `COURANT` times the longest stable one. The
+    segment with the longest transit has `cells`, or, without `dt`, a number that suits
+    all segments; the others have as many as are stable. `cells`, `dt` and `until` are
+    those of `run_grid`.
 
     Raises
     ------
@@ -248,7 +264,8 @@ def mesh_size(
     """
     transits = np.array([crossing_time(segment) for segment in row.segments])
     shortest = int(np.argmin(transits))
-    # Path of an error: the argument that was given, else the shortest segment
+    # An error names the argument that was given, else the shortest segment. Path 0 is
+    # empty: segments count from 1.
     if cells is not None:
         name = "cells"
     elif dt is not None:
@@ -278,22 +295,28 @@ def _least_wasteful(transits: Array, until: float | None) -> int:
     """Number of cells of the longest transit with Courant numbers nearest to 1.
 
     Segments have whole numbers of cells, and the waste of a segment is 1 minus its
-    Courant number; the largest waste of all segments counts. It is the first best
-    number among those from the fewest that are needed up to twice as many. `transits`
-    are those of the segments, s, `until` is the end of the run, s.
+    Courant number; the largest waste of all segments counts. It is the first number
+    with the least waste, but for `EQUAL_WASTE`, among those from the fewest that are
+    needed up to twice as many. Needed are `MIN_LONGEST_CELLS`, `MIN_CELLS` in the
+    shortest segment, and as many steps in a short run. `transits` are those of the
+    segments, s [segment], `until` is the end of the run, s, or None.
     """
     longest = float(transits.max())
     least = max(MIN_LONGEST_CELLS, math.ceil(MIN_CELLS * longest / transits.min()))
-    if until:  # a short run has MIN_CELLS steps or more
-        of_short_run = min(MAX_REFINED_CELLS / 4, MIN_CELLS * longest / until)
-        least = max(least, math.ceil(of_short_run))
+    if until:
+        # A step is about the longest transit over its cells.
+        for_short_run = min(MAX_REFINED_CELLS / 4, MIN_CELLS * longest / until)
+        least = max(least, math.ceil(for_short_run))
     candidates = min(least, 1 + MAX_CELLS // len(transits))
     numbers = float(least) + np.arange(candidates)
-    # Steps in which waves cross each segment, of which each has the whole part as cells
+    # Steps in which waves cross each segment [number, segment]: a segment has the whole
+    # part of them as cells.
     steps = numbers[:, None] * (transits / longest)
-    waste = (1 - np.floor(steps * STABLE_COURANT) / steps).max(axis=1)
-    best = int(np.argmax(waste <= waste.min() + EQUAL_WASTE))
-    return int(numbers[best])
+    courant = np.floor(steps * STABLE_COURANT) / steps
+    waste = (1 - courant).max(axis=1)  # [number]
+    is_best = waste <= waste.min() + EQUAL_WASTE
+    first_best = int(np.argmax(is_best))
+    return int(numbers[first_best])
 
 
 def _stable_counts(
@@ -301,8 +324,10 @@ def _stable_counts(
 ) -> list[int]:
     """Number of cells of each segment, [segment]: as many as are stable with a step.
 
-    The step is `dt`, or that in which waves cross a cell of the longest transit, which
-    has `cells`. Segments are crossed in `transits`, s. `name` is the path of an error.
+    The step is that in which waves cross a cell of the longest transit, which has
+    `cells`; without `cells` it is `dt`. By Mindlin and Herrmann `cells` may need a
+    shorter step than that. Segments are crossed in `transits`, s [segment]. `name` is
+    what an error names.
 
     Raises
     ------
@@ -310,7 +335,7 @@ def _stable_counts(
         If a segment has not a single cell, or all have too many.
     """
     longest = int(np.argmax(transits))
-    step: Any = dt
+    step: Any = dt  # s
     if cells is not None:
         step = float(transits[longest]) / cells
     # As many cells as the transit time has whole steps;
@@ -333,10 +358,10 @@ def _stable_counts(
 def _check_counts(
     row: Row, transits: Array, counts: Array, cells: int | None, name: str
 ) -> None:
-    """Raise InvalidModel if a segment has no cell, or all have too many.
+    """Raise InvalidModel if a segment has no cell, or all together have too many.
 
-    The arguments are those of `_stable_counts`; `counts` are the numbers of cells,
-    [segment].
+    `counts` are the numbers of cells, [segment]; more than `MAX_CELLS` in all are too
+    many. The other arguments are those of `_stable_counts`; the errors name `name`.
     """
     longest = int(np.argmax(transits))
     shortest = int(np.argmin(transits))

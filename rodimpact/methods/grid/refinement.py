@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -52,20 +51,22 @@ def refined(
 ) -> tuple[GridRun, dict[str, float]]:
     """Divide the step until the estimated error of each measure is at most `rtol`.
 
-    It ends earlier if the factor is too large, or memory is short.
+    It ends earlier if the next factor is too large, if memory is short, or with a run
+    that met its cap on events: such a run counts only if it is the first. TooLong is
+    raised if memory is short for the first run.
 
     Parameters
     ----------
     run_level : function
-        Run with the step divided by about a factor. It raises `TooLong` where it takes
-        too much memory. A run that met a cap on events is refined no further.
+        Run with the step divided by a factor. It raises `TooLong` where it takes too
+        much memory.
     measures : function
         Measures of the outcome of a run; those of `UNREFINED` need not come to `rtol`.
     order : float
         Power of the step with which errors fall at least.
     rtol : float
     max_factor : int
-        Largest factor, 4 at least.
+        Largest factor; below 4 it counts as 4.
 
     Returns
     -------
@@ -76,15 +77,17 @@ def refined(
         few levels.
     """
     levels: list[Level] = []
-    for factor in takewhile(lambda factor: factor <= max(4, max_factor), FACTORS):
+    for factor in FACTORS:
+        if factor > max(4, max_factor):
+            break
         try:
             finer = run_level(factor)
         except TooLong:
             if not levels:  # not even the coarsest run
                 raise
             break
-        # A run that met the cap shows less than the coarser one before it.
-        if levels and finer.stopped_by == "max_events":
+        met_cap = finer.stopped_by == "max_events"
+        if levels and met_cap:  # it shows less than the coarser run before it
             break
         finest = finer
         levels.append(Level(finest.step, measures(finest)))
@@ -94,7 +97,7 @@ def refined(
             estimates[name] = error_of(levels, name, order)
             if estimates[name] > rtol and name not in UNREFINED:
                 is_converged = False
-        if finest.stopped_by == "max_events" or is_converged:
+        if met_cap or is_converged:
             break
     return finest, estimates
 
@@ -102,11 +105,13 @@ def refined(
 def error_of(levels: Sequence[Level], name: str, order: float) -> float:
     """Estimated error of a measure on the last level, relative to its largest value.
 
-    With q(g) the result of a coarser step g, an error that falls with the power p of
-    the step h is abs(q(g) - q(h))/((g/h)^p - 1); one of higher order is less. The
-    estimate is the largest over the last coarser levels: errors that differ from level
-    to level are not all equal by accident. With fewer than `MIN_LEVELS` levels it is
-    inf. Where all values are 0 it is not relative.
+    With q(g) the result of a coarser step g, an error that falls with the power p =
+    `order` of the step h is abs(q(g) - q(h))/((g/h)^p - 1); one of higher order is
+    less. The estimate is `SAFETY_FACTOR` times the largest of these over the last
+    `MAX_COMPARED` coarser levels: errors that differ from level to level are not all
+    equal by accident. A duration is known to a part of a step at best. Where all values
+    are 0 the error is not relative. With fewer than `MIN_LEVELS` levels, and where a
+    measure overflows, it is inf.
     """
     if len(levels) < MIN_LEVELS:
         return math.inf
@@ -135,12 +140,13 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
 def comparable_runs(
     runs: Sequence[GridRun], finest: GridRun, order: float
 ) -> list[tuple[float, GridRun]]:
-    """Return the last coarser runs, and a share for the error.
+    """Pairs of a share and a run: the last `MAX_COMPARED` runs coarser than the finest.
 
-    That share of the differences of fields bounds the error. An error that falls with
-    the power p = `order` of the step h is 1/((g/h)^p - 1) of the difference from a run
-    with step g. There are none if the levels are too few, or if the states would take
-    too much memory.
+    The share, times the difference of fields from those of that run, bounds the error
+    of the finest. An error that falls with the power p = `order` of the step h is
+    1/((g/h)^p - 1) of the difference from a run with step g; the share is
+    `SAFETY_FACTOR` times this. `runs` come from coarse to fine. The list is empty if
+    there are too few levels, or if states of these runs take too much memory.
     """
     coarser = [run for run in runs if run.step > finest.step]
     coarser = coarser[-MAX_COMPARED:]
@@ -148,36 +154,35 @@ def comparable_runs(
         return []
     if sum(run.states_bytes for run in coarser) > MAX_STATES_BYTES:
         return []
-    shares = []
+    pairs = []
     for run in coarser:
         share = SAFETY_FACTOR / ((run.step / finest.step) ** order - 1)
-        shares.append((share, run))
-    return shares
+        pairs.append((share, run))
+    return pairs
 
 
 def measures_of(run: GridRun) -> dict[str, Array]:
-    """Measures of the outcome of a run, by name.
+    """Measures of the outcome of a run, by name: arrays in SI units.
 
-    They are velocities, impulses, peak forces and durations. Restitution follows from
-    the impulses. A row without contacts has no forces among its measures. Bonds and
-    joints count in runs to a given end only. The last impulse and the last peak force
-    are round-off, an entry that only sets a scale.
+    They are velocities, see `velocities_of`, and impulses, peak forces and durations of
+    contacts; a name is left out if nothing has such a measure. Impacts of rigid bodies
+    have an impulse alone. Bonds and joints count in runs to a given end only, with
+    impulses and peak forces. The last impulse and the last peak force are round-off, an
+    entry that only sets a scale. Restitution follows from the impulses.
     """
     measures = {VELOCITY: velocities_of(run)}
     impulses: list[float] = []
     peaks: list[float] = []
     durations: list[float] = []
-    left = outside_of(run, 0)  # forces of rigid bonds follow from there, link by link
+    left = outside_of(run, side=0)  # forces of rigid bonds follow from there
     forces = contact_forces(run, left)
     for k, force in enumerate(forces):
         if k in run.row.unilateral_links:
             impulses.append(float(force.sum()) * run.step)
-            # Impacts of rigid bodies have no peak force and no duration:
-            # their impulse jumps.
+            # The impulse of an impact jumps: it has no peak force and no duration.
             if run.row.links[run.row.contact_link[k]].law != Law.IMPACT:
-                begins, ends = run.force_spans(
-                    run.force_intervals(k)
-                )  # times of all its forces, s
+                intervals = run.force_intervals(k)
+                begins, ends = run.force_spans(intervals)  # of all its forces, s
                 peaks.append(largest_force(force))
                 durations.append(float((ends - begins).sum()))
         elif run.stopped_by == "until":
@@ -199,7 +204,8 @@ def measures_of(run: GridRun) -> dict[str, Array]:
 def _impulses_of_bond(force: Array, step: float) -> list[float]:
     """Impulse of a bond or joint in all of a run, N s, and the largest on the way.
 
-    The last may be small beside the largest. A run without steps has no last one.
+    The largest, of absolute values, sets the scale: the whole one may be small beside
+    it. A run without steps has the largest only, which is 0.
     """
     impulse = np.cumsum(force) * step  # up to the end of each step
     largest = float(np.abs(impulse).max(initial=0.0))
@@ -214,10 +220,10 @@ def round_off_of(run: GridRun) -> float:
 def velocities_of(run: GridRun) -> Array:
     """Scale of velocities, and after it velocities at the end of a run, m/s.
 
-    Errors are relative to the largest entry, so to the scale at least. The velocities
-    are the means of groups of joined bodies none of which is driven: these last after
-    the last contact. At a given end those of rods and of rigid masses are added, which
-    oscillate in their groups.
+    Errors are relative to the largest entry, so to the scale at least. The velocities,
+    in the frame, are the means of groups of joined bodies none of which is driven:
+    these last after the last contact. In a run to a given end those of each rod and of
+    each rigid mass follow, which oscillate in their groups.
     """
     mesh = run.mesh
     v = run.grid.velocity
@@ -225,17 +231,18 @@ def velocities_of(run: GridRun) -> Array:
     for first, last in mesh.groups:
         nodes = slice(first, last + 1)
         if not mesh.is_prescribed[nodes].any():
-            velocities.append(
-                float(mesh.mass[nodes] @ v[nodes] / mesh.mass[nodes].sum())
-            )
+            mass = mesh.mass[nodes]
+            velocities.append(float(mass @ v[nodes] / mass.sum()))
     if run.stopped_by == "until":
         for start, stop in run.row.spans:
-            if stop > 0:  # a rod, with these segments
+            if stop > 0:  # a rod, with the segments from `start` to `stop`
                 first = mesh.first[start]
                 last = mesh.last[stop]
-                # Either node of a cell has half of its mass.
-                halves = mesh.cell_mass[first + 1 : last + 1] / 2
-                momentum = halves @ v[first:last] + halves @ v[first + 1 : last + 1]
-                velocities.append(float(momentum / (2 * halves.sum())))
+                # Half of the mass of a cell sits at its left node, half at its right.
+                half_mass = mesh.cell_mass[first + 1 : last + 1] / 2
+                v_left = v[first:last]
+                v_right = v[first + 1 : last + 1]
+                momentum = half_mass @ v_left + half_mass @ v_right
+                velocities.append(float(momentum / (2 * half_mass.sum())))
         velocities.extend(v[mesh.node_of_mass])
     return np.array(velocities)

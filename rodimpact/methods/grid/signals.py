@@ -45,18 +45,20 @@ STEP_RTOL = 1e-9
 def make_run(run: GridRun, until: float | None) -> Run:
     """Make the `Run` that all methods return of a finished run on a grid to `until`, s.
 
-    It has the times of the proof and of the last contact, totals of contacts, the
-    status in sentences, the coarser runs for errors of fields, and a function that
-    makes the signals.
+    It has the times of the proof and of the last contact (nan without a proof), totals
+    of contacts, the status in sentences, the coarser runs for errors of fields, and a
+    function that makes the signals when they are asked for. `until` is None in a run to
+    its proof.
     """
-    outside = outside_of(run, 0), outside_of(run, 1)
-    forces = contact_forces(run, outside[0])
-    intervals = []
+    left = outside_of(run, side=0)
+    right = outside_of(run, side=1)
+    forces = contact_forces(run, left)
+    intervals = []  # times of forces, s [n, 3], by contact
     contacts = []
     for k, force in enumerate(forces):
-        of_contact = run.force_intervals(k)
-        intervals.append(of_contact)
-        contacts.append(_tally(run, k, force, of_contact))
+        contact_times = run.force_intervals(k)
+        intervals.append(contact_times)
+        contacts.append(_tally(run, k, force, contact_times))
     t_end = until
     if t_end is None:
         t_end = float(run.times[-1])
@@ -66,12 +68,13 @@ def make_run(run: GridRun, until: float | None) -> Run:
     if run.proved >= 0:
         t_proved = float(run.times[run.proved])
         t_final = _last_contact_end(run, intervals, t_end)
-        proof = proof_sentence(any(x.episodes for x in contacts), t_final)
+        has_touched = any(tally.episodes for tally in contacts)
+        proof = proof_sentence(has_touched, t_final)
     events = run.steps * len(run.row.links)
-    end = run.steps * STEP_TICKS
+    end = run.steps * STEP_TICKS  # ticks
     if until and not run.steps:  # the run ends before half a step
         end = math.ceil(until / run.clock.tick)
-    steep = bool(run.coarser) and order_of(run.row) < 1
+    steep = bool(run.coarser) and order_of(run.row) < 1  # jumps stay steep
     coarser = []
     for share, other in run.coarser:
         coarser.append(Coarser(share, steep, partial(make_run, other, until)))
@@ -89,21 +92,23 @@ def make_run(run: GridRun, until: float | None) -> Run:
         contacts=tuple(contacts),
         accuracy=run.estimates,
         coarser=tuple(coarser),
-        make_signals=lambda: _signals(run, forces, intervals, outside),
+        make_signals=lambda: _signals(run, forces, intervals, (left, right)),
     )
 
 
 def _last_contact_end(run: GridRun, intervals: list[Floats], t_end: float) -> float:
     """Time at which the last contact ended in a proved run to `t_end`, s.
 
-    It is found by `status.last_contact`, which says when it is 0, inf or nan.
-    `intervals` are the times of `GridRun.force_intervals` of each contact.
+    It is 0 if no contact pressed, inf if one goes on pressing for ever, and nan if
+    bodies still touch and may part later, see `status.last_contact`. `intervals` are
+    the times of `GridRun.force_intervals`, s [n, 3], of each contact.
     """
-    # End of the last force of each contact, and the opening after it
+    # End of the last force of each contact that pressed, and the opening after it
     ends = []
-    for of_contact in intervals:
-        if len(of_contact):
-            ends.append(of_contact[-1, 1:].tolist())
+    for contact_times in intervals:
+        if len(contact_times):
+            _, force_end, opening = contact_times[-1].tolist()
+            ends.append((force_end, opening))
     round_trip = 2 * run.clock.longest_rod * run.clock.tick  # s
     return last_contact(ends, t_end, round_trip)
 
@@ -112,10 +117,10 @@ def _last_contact_end(run: GridRun, intervals: list[Floats], t_end: float) -> fl
 
 
 def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
-    """Sentences on why the run ended, its mesh, and how accurate it is.
+    """Sentences on why the run ended at `t_end`, s, its mesh, and how accurate it is.
 
-    `proof` is the sentence of its proof of finality, `events` the number of steps times
-    links.
+    `proof` is the sentence of its proof of finality, "" without one, `events` the
+    number of steps times links. Warnings of soil and of large strains follow.
     """
     cap = f"{events} steps times ends"
     end = format_si(t_end, "s")
@@ -135,10 +140,11 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
 
 
 def _overshoot_sentence(run: GridRun) -> str:
-    """Warning of a peak force that depends on the mesh; empty if it does not.
+    """Warning of a peak force that depends on the mesh; "" if it does not.
 
     It does where flat ends of damped rods or of rods with lateral inertia meet, and
-    where waves overshoot by more than is told.
+    where waves overshoot by more than `OVERSHOOT_TO_TELL` and `run.rtol`. The sentence
+    begins with a space.
     """
     reason = ""
     if run.peak_error == math.inf:
@@ -156,8 +162,10 @@ def _overshoot_sentence(run: GridRun) -> str:
 def _accuracy_sentence(run: GridRun) -> str:
     """Stated errors of the outcome, and the remedy where they are too large.
 
-    Peak forces and durations may stay inaccurate: they depend on few steps and on weak
-    forces.
+    Errors that are not known (inf) are left out, and "" is returned where none is. The
+    remedy is given if another error than those of peak force and duration is larger
+    than `run.rtol`: these two depend on few steps and on weak forces, and may stay
+    inaccurate. The sentences begin with a space.
     """
     stated = []
     for name, error in run.estimates.items():
@@ -179,8 +187,10 @@ def _accuracy_sentence(run: GridRun) -> str:
 def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTally:
     """Totals of contact k in SI units.
 
-    `force` is its mean force in each step, `intervals` are the times of
-    `GridRun.force_intervals`. An impact has no peak force (nan).
+    `force` is its mean force in each step, N, `intervals` are the times of
+    `GridRun.force_intervals`, s. A bond or joint has the largest mean as its peak
+    force, the duration 0, and nan as its first and last time, as a contact that never
+    pressed. An impact has no peak force (nan), and takes no time if it lasts a step.
     """
     law = run.row.system.contacts[k]
     begins, ends = run.force_spans(intervals)
@@ -188,8 +198,8 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
         peak = largest_force(force)
     else:
         peak = float(np.max(force, initial=0.0))
-    if law.law == "rigid" and law.restitution is not None:
-        # An impact takes no time, though it takes a step here.
+    is_impact = law.law == "rigid" and law.restitution is not None
+    if is_impact:
         peak = math.nan
         is_instant = ends - begins <= run.step * (1 + STEP_RTOL)
         ends = np.where(is_instant, begins, ends)
@@ -213,8 +223,10 @@ def _signals(
 ) -> Signals:
     """Signals of contacts, ends, masses and soil, and the motion.
 
-    The motion has the forces between pieces. `forces`, N, and `intervals`, s, are those
-    of the contacts; `outside` acts on both ends.
+    Forces, closings and soil are means over steps; gaps and velocities of masses are
+    straight lines between the ends of steps. The motion has the states that were kept,
+    with the forces between pieces. `forces`, N [contact][step], and `intervals`, s, are
+    those of the contacts; `outside` is what acts on the left and right end.
     """
     row = run.row
     edges = run.edges
@@ -223,8 +235,8 @@ def _signals(
         link = row.contact_link[k]
         gap = np.zeros(run.steps + 1)  # a bond has none
         closing = np.zeros(run.steps)
-        if k in row.by_law:
-            gap = run.contact(k)[1]
+        if k in row.by_law:  # a contact or a joint
+            _, gap = run.contact(k)
             closing = run.recorded(link, "closing")
         signal = ContactSignal(
             over_steps(run, force),
@@ -235,15 +247,14 @@ def _signals(
         contacts.append(signal)
     masses = {}
     for body, mass in enumerate(row.mass_of):
-        if mass >= 0:
+        if mass >= 0:  # a rigid mass, not a rod or a wall
             masses[body] = Pieces.through(edges, run.mass_velocity(mass))
     motion = run.motion()._replace(pushes=_pushes_on_nodes(run, forces, outside))
     shafts = {}
     for shaft, body in enumerate(shaft_bodies(row)):
         push = over_steps(run, run.recorded_soil(shaft, "force"))
-        shafts[body] = ShaftAction(
-            push, over_steps(run, run.recorded_soil(shaft, "power"))
-        )
+        power = over_steps(run, run.recorded_soil(shaft, "power"))
+        shafts[body] = ShaftAction(push, power)
     return Signals(motion, tuple(contacts), outside, edges, masses, shafts)
 
 
@@ -252,8 +263,10 @@ def _pushes_on_nodes(
 ) -> dict[int, Floats]:
     """Mean forces to the right from outside a piece in each step, N [step], by node.
 
-    `forces` are those of the contacts, of which bonds lie inside a piece; `outside`
-    acts on both ends of the row.
+    They are those of contacts and joints on the nodes at both sides, and of `outside`,
+    what acts on the left and right end of the row; None is a free end. Nodes without
+    such a force are left out. Of `forces`, those of the contacts, bonds do not count:
+    they lie inside a piece.
     """
     mesh = run.mesh
     pushes: dict[int, Floats] = {}
