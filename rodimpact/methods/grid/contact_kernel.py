@@ -45,8 +45,9 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     It solves x1 = x0 + c - y F(x0, x1), y the self mobility, for F and the overlap x1
     at the end of the step. F of a contact is `contact_laws.mean_force`, and is not
     negative; a joint is linear, and pulls as well. The link is not changed. Newton's
-    method begins at the guess link.overlap, or, where a contact can yield, beside or
-    beyond the overlap at which it does. Its last iterate is returned, converged or not.
+    method begins at the guess link.overlap, for a law that yields at the overlap at
+    which it does, or, if x1 is beyond that, at x0 + c. After `MAX_NEWTON_STEPS` the
+    last iterate is returned, without an error.
 
     Parameters
     ----------

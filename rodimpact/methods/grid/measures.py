@@ -239,8 +239,9 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
     At step end k their gap is larger than `open_gap`, m, for the first time since their
     force ended at `force_end`, in steps, or nan if it acts to the end of the run. They
     part at the last zero of the gap, but not before `force_end`. Numerical dispersion
-    opens small false gaps, though. If the gap was such a one, they part later, at the
-    vertex from which a parabola rises as the gap does when it passes `open_gap`.
+    opens small false gaps, though, which do not accelerate. After such a one they part
+    later, at the vertex from which a parabola rises as the gap does when it passes
+    `open_gap`.
     """
     # Python's max with nan as its second argument is the first one.
     last_zero = max(_passing_time(gap, k, 0.0), force_end)

@@ -121,10 +121,10 @@ class GridRun:
 
         `snapshots` is their number, 3 at least, or their times, s, beside which states
         are kept at the step ends before and after. Without it (None or 0) their number
-        follows from the memory that they may take, and is 64 at least. In threes, as
-        from `MIN_STATES_IN_THREES` of damped rods on, a state is kept with those one
-        step before and after, to be smoothed. Sets `_stride`, `_chosen_steps`,
-        `_max_states` and `_in_threes`.
+        follows from the memory that they may take, and is 64 at least. In threes, a
+        state is kept with those one step before and after, to be smoothed: states of
+        damped rods are, if there may be `MIN_STATES_IN_THREES` or more. `_stride`,
+        `_chosen_steps`, `_max_states` and `_in_threes` are set.
         """
         mesh = self.mesh
         self._stride = 1  # steps between two states, where none are chosen
@@ -377,7 +377,7 @@ class GridRun:
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
-        """Force and gap of a contact, or of a joint: not of a bond, which has none.
+        """Force and gap of a contact or a joint; a bond raises ValueError.
 
         Returns
         -------
@@ -397,8 +397,8 @@ class GridRun:
         """Begin and end of each force of a contact, and the opening after it, s [n, 3].
 
         A time that does not come is nan, see `contact_intervals`. There are none,
-        [0, 3], for a joint or bond, which cannot open. A gap counts as open from
-        `GAP_RESOLUTION` times the way on that bodies go in a step.
+        [0, 3], for a joint or bond, which cannot open. A gap counts as open if it is
+        more than `GAP_RESOLUTION` times the way that bodies go in a step.
         """
         if contact not in self.row.unilateral_links:
             return np.zeros((0, 3))

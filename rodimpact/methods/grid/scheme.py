@@ -258,8 +258,8 @@ def _refuse_soft(laws: Array, stiffness: Array, step: float) -> None:
     """Raise InvalidModel if a contact is so soft in steps that its forces vanish.
 
     `laws` are the links with time in seconds, `stiffness` [link] is theirs with time in
-    steps of `step`, s; below `SMALLEST_STIFFNESS` it is too small. A stiffness 0, as of
-    a rigid contact, is not meant.
+    steps of `step`, s; below `SMALLEST_STIFFNESS` it is too small. A stiffness of 0, as
+    of a rigid contact, is none. The first such contact is told.
     """
     k = laws["stiffness"]
     p = laws["exponent"]

@@ -110,8 +110,8 @@ def _jumps_at_ends(row: Row) -> bool:
     """Whether what is outside an end of the row differs at t = 0 from the body there.
 
     It may move or press differently. A free end has no force, a fixed one no velocity,
-    a moved or pushed one what is given first; a wave that comes in must begin with 0. A
-    wall or an absorbing end without a wave never differs here.
+    a moved or pushed one what is given first; a wave that comes in must begin with 0.
+    Any other end, as an absorbing one without a wave, never differs.
     """
     bodies = row.system.bodies
     left = _face(bodies[0], 0)

@@ -62,7 +62,8 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft_index: int, body: int) -> Array:
     resistance = np.bincount(nodes, half_cell_ultimate * mobilised)
     in_soil = np.flatnonzero(ultimate)  # nodes, counted from the left end of the rod
     ultimate = ultimate[in_soil]
-    resistance = np.clip(resistance[in_soil], -ultimate, ultimate)  # but for round-off
+    # Round-off may leave a resistance beyond the ultimate one.
+    resistance = np.clip(resistance[in_soil], -ultimate, ultimate)
     damping_factor = np.full(len(in_soil), float(soil.damping))
     is_smith = soil.law == SMITH
     if is_smith:

@@ -243,7 +243,7 @@ def _initial_push(grid: Grid, link: Any) -> float:
 
 
 def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
-    """Slow down damped ends that close before the first kick, as at contacts closed.
+    """Slow down damped ends of rigid contacts that close before the first kick.
 
     An end that closes inside a step is stopped over two steps, so that the mean force
     is right from then on. Where ends touch at t = 0 the first of the two steps would
