@@ -422,8 +422,9 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
 
     Links that are coupled by bodies between them make a chain, see `contact_kernel`;
     link `first` is the first of it. v are the velocities at the end of the step without
-    link forces, and stay. In each link the force is set, and the closing without forces
-    and the largest one from which it follows; gaps and closings stay.
+    link forces, and stay. The force of each link is set, with what it follows from:
+    `force_free_closing`, `max_closing`, `overlap` and `force_slope`. Gaps and closings
+    stay.
     """
     last = links[first].chain_end
     speed = 0.0  # largest speed of the bodies beside a link

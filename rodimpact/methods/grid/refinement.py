@@ -109,9 +109,9 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
     `order` of the step h is abs(q(g) - q(h))/((g/h)^p - 1); one of higher order is
     less. The estimate is `SAFETY_FACTOR` times the largest of these over the last
     `MAX_COMPARED` coarser levels: errors that differ from level to level are not all
-    equal by accident. A duration is known to a part of a step at best. Where all values
-    are 0 the error is not relative. With fewer than `MIN_LEVELS` levels, and where a
-    measure overflows, it is inf.
+    equal by accident. That of a duration is larger, and at least a part of a step, or a
+    step where forces jump. Where all values are 0 the error is not relative. With fewer
+    than `MIN_LEVELS` levels, and where a measure overflows, it is inf.
     """
     if len(levels) < MIN_LEVELS:
         return math.inf

@@ -162,10 +162,10 @@ def _overshoot_sentence(run: GridRun) -> str:
 def _accuracy_sentence(run: GridRun) -> str:
     """Stated errors of the outcome, and the remedy where they are too large.
 
-    Errors that are not known (inf) are left out, and "" is returned where none is. The
-    remedy is given if another error than those of peak force and duration is larger
-    than `run.rtol`: these two depend on few steps and on weak forces, and may stay
-    inaccurate. The sentences begin with a space.
+    Errors that are not known (inf) are not told; "" is returned for a run without
+    estimates. The remedy is given if another error than those of peak force and
+    duration is larger than `run.rtol`, or inf: these two depend on few steps and on
+    weak forces, and may stay inaccurate. The sentences begin with a space.
     """
     stated = []
     for name, error in run.estimates.items():
@@ -190,7 +190,8 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
     `force` is its mean force in each step, N, `intervals` are the times of
     `GridRun.force_intervals`, s. A bond or joint has the largest mean as its peak
     force, the duration 0, and nan as its first and last time, as a contact that never
-    pressed. An impact has no peak force (nan), and takes no time if it lasts a step.
+    pressed. An impact has no peak force (nan), and takes no time if it lasts a step or
+    less.
     """
     law = run.row.system.contacts[k]
     begins, ends = run.force_spans(intervals)
