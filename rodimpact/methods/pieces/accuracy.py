@@ -78,8 +78,10 @@ class Ended(NamedTuple):
 def prepare_second_run(fine: Any, coarse: Any) -> None:
     """Set what runs at a coarser tolerance need to be compared with finer ones.
 
-    They need other pieces, and the same end. `coarse` is changed: its pieces that no
-    tolerance limits will be halved, or twice as long where breaks come too densely.
+    Fields of `coarse` are changed. Its pieces that no tolerance limits will be halved:
+    else both runs would have the same. It goes on as long after its proof as `fine`.
+    Where `fine` took means of dense breaks, its least duration of pieces is
+    COARSER_FLOOR times as long.
 
     Parameters
     ----------
@@ -98,12 +100,13 @@ def prepare_second_run(fine: Any, coarse: Any) -> None:
 def hidden_errors(fine: Ended, fit: float) -> list[float]:
     """Relative errors that a second run does not show, [measure] of `MEASURES`.
 
-    `fit` is the largest miss of given functions by their pieces, over the velocity
-    scale. All measures have the round-off of both runs. With large tails, errors are
-    not small enough to fall evenly from run to run. Bodies that part very slowly rest
-    at any tolerance. A peak force, and a time at which a contact closes or opens, is
-    decided by single values of a polynomial: two runs may miss it alike. Durations and
-    times also have the time in which a force acted, but counted as none.
+    All measures have a common error: the round-off of the steps, an error that large
+    truncation errors add, the velocity of parting bodies that counted as rest, and
+    FIT_FACTOR times `fit`. This is the largest miss of given functions by their pieces,
+    over the velocity scale. Peak forces, durations and times are decided by values at
+    single places, which two runs may miss alike: peak forces also have what their
+    bounds leave open, durations and times the error of events, and the time in which a
+    force counted as none. This is added only if the measure has a value that is not 0.
     """
     run = fine.run
     tail = run.max_truncation_error / run.velocity_scale
@@ -139,9 +142,12 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
 def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
     """Relative error of each of the `MEASURES` by rounded transit times, [measure].
 
-    A wave that has crossed the row several times comes too early or too late by this
-    share of the time. So does the beginning and the end of each episode of a contact.
-    Forces and velocities change within the duration of a contact.
+    Each has `transit_error`. A wave that has crossed the row several times is shifted
+    by this share of the time, at most by that of the latest time. As forces and
+    velocities change within the longest duration of a force, the shift over this
+    duration is added to velocities, impulses and peak forces. It counts twice for each
+    episode in the durations: at its beginning and at its end. Nothing is added if no
+    force acted.
 
     Parameters
     ----------
@@ -173,15 +179,16 @@ def has_peak(link: Any) -> bool:
 def add_faint_times(fine: Ended, errors: list[float]) -> None:
     """Add the relative error of durations and times of a row without rods to `errors`.
 
-    A flight may be long there. A contact counts as pressing only once its overlap is
-    the length that `graze_velocity` makes in the reference time of the run. So each
-    episode begins too late and ends too early, by the time in which faces that close
-    with the velocity scale cover this length. A measure whose values are all 0 gets no
-    error.
+    `errors` is a list by measure, and is changed. A contact counts as pressing only
+    once its overlap is the length that `graze_velocity` makes in the reference time of
+    the run. So each episode begins too late and ends too early, by the time in which
+    faces that close with the velocity scale cover this length. A measure whose values
+    are all 0 gets no error.
     """
     run = fine.run
     episodes = max([1, *[link.episodes for link in fine.links]])
-    # Share of the reference time, at the beginning and at the end of an episode
+    # Share of the reference time, at the beginning and at the end of an episode.
+    # Without rods `shortest_transit` is the reference time.
     ratio = 2 * run.graze_velocity / run.velocity_scale
     faint = ratio * run.shortest_transit * run.tick_duration * episodes
     values = measures_of(fine)
@@ -192,10 +199,12 @@ def add_faint_times(fine: Ended, errors: list[float]) -> None:
 
 
 def measures_of(ended: Ended) -> list[list[float]]:
-    """Values of a run that the `MEASURES` compare, [measure][value].
+    """Values of a run that the `MEASURES` compare, [measure][value], in SI units.
 
     These are velocities of groups (of parts, where they are bonded to others),
-    impulses, peak forces, force durations and times, in SI units.
+    impulses, peak forces, force durations and times. A contact has three times: those
+    of its first and last force, and of its last opening. A time that never came is one
+    tick below 0.
     """
     run = ended.run
     impulses = []
@@ -225,8 +234,8 @@ def measures_of(ended: Ended) -> list[list[float]]:
 def differences(fine: Ended, coarse: Ended) -> list[float]:
     """Largest relative difference of two runs in each of the `MEASURES`, [measure].
 
-    It is relative to the largest value of the finer run, and 0 where all its values are
-    0. Differences of velocities are over the velocity scale.
+    It is relative to the largest absolute value of the finer run, for velocities to the
+    velocity scale; and 0 where all values of the finer run are 0.
     """
     relative = []
     coarse_values = measures_of(coarse)
@@ -265,9 +274,10 @@ def momentum_error(fine: Ended) -> float:
 
     Its velocity by the waves in its rods, `group_velocity`, lacks what pieces have
     lost. By Newton's law it is that at t = 0 plus (impulses from the left - impulses
-    from the right)/m. The difference is the error. It is not known, and 0 returned,
-    where a force acts on an end of the row, and while nodes have not all come to the
-    end.
+    from the right)/m. The difference is the error. Groups that a wall or an endless rod
+    holds are left out. The error is not known, and 0 returned, where a force acts on an
+    end of the row, and where the cap on steps ended the run: its nodes are at different
+    times.
     """
     run = fine.run
     for link in fine.links:
@@ -278,6 +288,7 @@ def momentum_error(fine: Ended) -> float:
         return 0.0
     worst = 0.0
     for first, head in enumerate(fine.parts):
+        # A group is named by the number of its first part, here `first`.
         mass = 0.0  # it stays 0 where `head` is not the first part of a group
         is_free = True
         for part in fine.parts[first : first + head.part_count]:
@@ -299,12 +310,13 @@ def momentum_error(fine: Ended) -> float:
 def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     """Relative error of each of the `MEASURES` of the finer of two runs, [measure].
 
-    It is DIFFERENCE_FACTOR times the difference of both runs in this measure, or a
-    share of the worst difference, which may be larger: two numbers agree by chance,
-    where others do not. A relative error of velocities moves an event by this part of
-    its `event_lag`, so that the share is larger for short times. The error of pieces
-    that no tolerance limits, which both runs have in common, is added. An error is 0
-    where all values of the measure are.
+    It is DIFFERENCE_FACTOR times the difference of both runs in this measure, or times
+    a share of the worst difference, if that is larger: two numbers may agree by chance.
+    The worst is that of velocities, impulses, peak forces, or waves in rods. A relative
+    error of velocities moves an event by this part of its `event_lag`, so that the
+    share is larger for short times. The error of pieces that no tolerance limits, which
+    both runs have in common, is added. An error is 0 where all values of the measure
+    are.
     """
     apart = differences(fine, coarse)
     shared = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale

@@ -23,7 +23,7 @@ from .initial_lines import jumps_of, segments_of, varies
 
 
 def own_laws(row: Row) -> Functions:
-    """Laws of the user in a row: the number of the link, and the function of each."""
+    """Laws of the user in a row: pairs of the number of a link and its function."""
     laws = []
     for law, i in zip(row.system.contacts, row.contact_link, strict=True):
         if isinstance(law, model.Law):
@@ -32,9 +32,9 @@ def own_laws(row: Row) -> Functions:
 
 
 def has_profiles(row: Row) -> bool:
-    """Whether the initial state, or what acts from outside, varies in place or time.
+    """Whether an initial velocity or strain, or what acts on an end of the row, varies.
 
-    The initial state has velocities and strains. Numbers alone are no profiles.
+    It varies if it is a profile over place or time, not a number; see `varies`.
     """
     for rod, _, _ in segments_of(row):
         if varies(rod.velocity, rod.strain):
@@ -55,14 +55,15 @@ def closing_velocity(row: Row) -> Any:
 def contact_times(row: Row) -> dict[int, Any]:
     """Estimated contact time of each compliant link between rigid masses, s, by number.
 
-    A mass m that closes with velocity v on F = k d^p stops where m v^2/2 = k d^q/q with
-    q = p + 1, so at d = (q m/(2 k))^(1/q) v^(2/q). It takes about d/v, and comes back:
-    the time is 3 d/v. All masses count as the largest.
+    The time is a number, or an array by member. A mass m that closes with velocity v on
+    F = k d^p stops where m v^2/2 = k d^q/q with q = p + 1, so at d = (q m/(2 k))^(1/q)
+    v^(2/q). It takes about d/v, and comes back: the time is 3 d/v. All masses count as
+    the largest, v is the largest closing velocity, or 1 m/s where nothing closes.
     """
     v = closing_velocity(row)
     times = {}
     for i, link in enumerate(row.links):
-        if np.any(np.asarray(link.stiffness) > 0):
+        if np.any(np.asarray(link.stiffness) > 0):  # it is compliant
             q = link.exponent + 1
             # This is d/v^(2/q).
             depth = (q / 2 * largest(row.masses) / link.stiffness) ** (1 / q)
@@ -71,7 +72,7 @@ def contact_times(row: Row) -> dict[int, Any]:
 
 
 def reference_time(row: Row, until: float | None) -> Any:
-    """Longest transit, s.
+    """Longest transit time of a segment, s; a number, or an array by member.
 
     Without rods it is `until`, unless that is None or 0; else the longest time of a
     contact or a flight, and 1 where there is none of these.
@@ -88,8 +89,8 @@ def reference_time(row: Row, until: float | None) -> Any:
 def refuse_short_contacts(row: Row, tick: Any) -> None:
     """Raise InvalidModel if a contact lasts too few ticks to be followed.
 
-    The row has no rods. `tick` is the duration of a tick, s. Where nothing moves no
-    contact closes, and none is refused.
+    The row has no rods. `tick` is the duration of a tick, s. The error names the first
+    such contact. Where nothing moves no contact closes, and none is refused.
     """
     speeds = velocities_of(row)
     moving = largest(speeds) > smallest(speeds)
@@ -110,9 +111,10 @@ def refuse_short_contacts(row: Row, tick: Any) -> None:
 
 
 def velocity_scale(row: Row, time: Any) -> Any:
-    """Scale of velocities, m/s; 1 where nothing moves.
+    """Scale of velocities, m/s, a number or an array by member; 1 where nothing moves.
 
-    `time` is how long forces act in a row without rods, s.
+    With rods it is `row.scale`. Without rods it follows from `time`, s, for which
+    forces act.
     """
     if row.segments:
         scale = np.asarray(row.scale)
@@ -126,8 +128,9 @@ def member_clock(
 ) -> tuple[float, list[int]]:
     """Duration of a tick of one member, s, and its `times` in ticks.
 
-    The times, s, are the transit times of the segments, then others. The clock counts
-    to `end`, s; `longest` is the longest transit or the reference time, s.
+    `times`, s, are the transit times of the segments, then others. The clock counts to
+    `end`, s; `longest` is the longest transit or the reference time, s, and a whole
+    number of ticks.
 
     Raises
     ------
@@ -150,13 +153,15 @@ def family_clock(
     """The clock of a family, and the places of jumps inside segments, in ticks.
 
     The clock counts transit times, and times to jumps, in whole ticks, for each member;
-    `until` is the end of the run, s, if any. Jumps are those of `jumps_of`: by segment
-    and share of its length, the ticks of a wave from its left end.
+    `until` is the end of the run, s, or None for the default horizon. The second result
+    has an entry for each jump of `jumps_of`: its segment and share of the length, and
+    the ticks of a wave from the left end of the segment to it.
 
     Raises
     ------
     InvalidModel
-        If transit times are too far apart for one clock, or the run is too long for it.
+        If transit times are too far apart for one clock, the run is too long for it,
+        or a contact of a row without rods is too short.
     """
     transits = [s.transit_time for s in row.segments]
     reference = reference_time(row, until)

@@ -103,8 +103,9 @@ class Members:
     def __init__(self, row: Row, request: RunRequest) -> None:
         """Lay out the records of all members, and put the first member on a `Batch`.
 
-        The clock is chosen, and the pieces at t = 0 are made. The batch gets empty logs
-        and a matrix for the largest node.
+        The clock is chosen, and the pieces at t = 0 are made; `fit` and `carried` are
+        those of `InitialLines`. The batch is in machine form, with empty logs and a
+        matrix for the largest node. Nothing runs yet.
         """
         self.row = row
         self.request = request
@@ -153,7 +154,7 @@ class Members:
         return State(*[self.batch.array(name) for name in State._fields])
 
     def ended(self, member: int) -> Ended:
-        """Records of a member that has run, as objects."""
+        """Copies of the run, links and parts of a member that has run, as objects."""
         runs = as_objects(self.runs[member])
         links = as_objects(self.links[member])
         parts = as_objects(self.parts[member])
@@ -165,12 +166,15 @@ class Members:
         should_stop: Callable[[], bool] = lambda: False,
         report: ProgressReport = no_report,
     ) -> None:
-        """Run members of these numbers, each to its end.
+        """Run members of these numbers, one after another, each to its end.
+
+        `should_stop` is asked before the first of every MEMBERS_PER_CHECK members.
+        `report` is handed to each run.
 
         Raises
         ------
         Stopped
-            If `should_stop`, asked now and then, says so.
+            If `should_stop` says so.
         """
         for count, m in enumerate(members):
             if count % MEMBERS_PER_CHECK == 0 and should_stop():
@@ -178,9 +182,9 @@ class Members:
             self.run_member(m, report)
 
     def load(self, member: int = 0) -> None:
-        """Put the records of a member on the batch.
+        """Put the records of a member on the batch, in the form of the batch.
 
-        Its pieces at t = 0 go into the log there.
+        Its pieces at t = 0 go to the beginning of the log there; further rows stay.
         """
         batch = self.batch
         records = {}
@@ -203,14 +207,14 @@ class Members:
             self.records(name)[member] = self.batch.array(name)
 
     def run_member(self, member: int = 0, report: ProgressReport = no_report) -> None:
-        """Run a member to its end and store its records.
+        """Run a member to its end, or to the limit of steps, and store its records.
 
         It runs in slices of steps, each of which ends with CAP until the run has come
-        to its end or to the limit of the request. Between two it may change from plain
-        Python to machine code.
+        to its end. After each such slice the steps are reported, and the run may change
+        from plain Python to machine code.
         """
         batch = self.batch
-        batch.choose_form(MIN_RUN_TIME)
+        batch.choose_form(MIN_RUN_TIME)  # plain Python, until machine code pays
         self.load(member)
         limit = self.request.limit
         steps = 0  # done so far
@@ -227,7 +231,7 @@ class Members:
             if stop == Stop.CAP:
                 report(steps, self._expected_steps(run))
                 batch.choose_form(seconds)
-        self._set_limit(limit)
+        self._set_limit(limit)  # the limit of the last slice may be smaller
         self.store(member)
 
     def _set_limit(self, limit: int) -> None:
@@ -241,7 +245,9 @@ class Members:
     def _expected_steps(self, run: Run) -> int | None:
         """Estimated number of steps of a run to a given time.
 
-        It is None where a proof ends the run, and as long as some node is at t = 0.
+        It is at most the limit of the request. Steps are taken to be evenly spread over
+        time. It is None where a proof ends the run, and as long as some node is at t =
+        0.
         """
         reached = min(node.now for node in self.batch.objects("nodes"))
         if run.ticks_after_proof != NEVER or reached <= 0:
@@ -250,9 +256,9 @@ class Members:
         return min(self.request.limit, expected)
 
     def _run_slice(self) -> Stop:
-        """Run on up to the limit of the run.
+        """Run on up to the limit of the run; return why it stopped, never FULL.
 
-        Logs grow as often as they are full. Return why it stopped, which is never FULL.
+        Logs that are full are made longer, as often as it takes.
 
         Raises
         ------
@@ -278,7 +284,8 @@ class Members:
     def _remedy(self) -> str:
         """Advice, for an error, against too many pieces.
 
-        Where transit times are very unequal, it names the shortest segment.
+        It is to stop earlier, or to take a larger rtol. Where transit times are very
+        unequal it names the shortest segment instead.
         """
         transits = [float(np.max(transit)) for transit in self.clock.transits]
         shortest = min(transits, default=0.0)

@@ -11,15 +11,17 @@ from .records import Link, Links, Node, Run
 
 
 def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> None:
-    """Raise `event_error` and `event_lag` of a link by what an event may be wrong, s.
+    """Raise `event_error` and `event_lag`, s, of the link that has an event.
 
-    The event is in a piece of duration h, s. Its guard is wrong by the error of its
-    polynomial there, which makes `event_error`; all of h if the guard changes by less
+    The event is in a piece of duration h, s. It is a zero of each guard that leads to
+    the status of the event. `event_error` is the time by which the error of the
+    polynomial of the guard moves its zero, or all of h if the guard changes by less
     than that.
 
     All that went before is wrong, too: where velocities are wrong by v, a force is
     wrong by v/Y, and an overlap by v times its memory, the time for which it keeps an
-    error of velocity. For a v of the velocity scale that makes `event_lag`.
+    error of velocity. `event_lag` is the time by which this moves the zero for v =
+    velocity scale. A guard that barely changes leaves it as it is.
     """
     link = links[event.link]
     for which in range(contact_laws.guard_count(link)):
@@ -30,7 +32,8 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
             # dg/dt, as y goes from -1 to 1 in the time h
             rate = abs(series.slope(node.scratch_series, event.position)) * 2 / h
             if error < rate * h:
-                # A guard of velocities or forces is wrong by 1 for a v of the scale.
+                # A guard of velocities or forces, which is in units of their scale, is
+                # wrong by 1 for a v of the scale.
                 lag = 1 / rate
                 # One of overlaps is wrong by v times the memory, over its own scale.
                 if contact_laws.follows_overlap(link, which):
@@ -45,8 +48,8 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
 def overlap_memory(run: Run, link: Link) -> float:
     """Return the time for which an overlap keeps an error of the closing velocity, s.
 
-    It is the shortest transit, or d/(Y F) where the force F of an overlap d soon undoes
-    it; both are those at the start of the piece.
+    It is the shortest transit, or d/(Y F) if that is shorter: a force F soon undoes an
+    overlap d. Both are those at the start of the piece.
     """
     transit = run.shortest_transit * run.tick_duration
     overlap = link.overlaps[0]

@@ -40,10 +40,10 @@ def guard_length(run: Run, h: float) -> float:
 
 
 def set_guard_values(run: Run, link: Link, node: Node, which: int, h: float) -> int:
-    """Set `node.scratch_values` to a guard of a link at the points of a piece.
+    """Set `node.scratch_values` to guard `which` of a link at the points of a piece.
 
-    The piece has the duration h, s. Return the status that follows if this guard falls
-    below 0.
+    The piece is solved, and has the duration h, s. The values are dimensionless. Return
+    the status that follows if this guard falls below 0.
     """
     length = guard_length(run, h)
     status = 0  # the same at all points
@@ -64,8 +64,9 @@ def set_guard_values(run: Run, link: Link, node: Node, which: int, h: float) -> 
 def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
     """Return the first event in a piece, of any guard of any link of a node.
 
-    The piece has the duration h, s. Without an event it is at 1, the end of the piece,
-    and its link is NONE.
+    The piece is solved, and has the duration h, s. Without an event the position is 1,
+    the end of the piece, and the link NONE. Of events at the same place it is the one
+    of the first link. Both scratch arrays of the node are overwritten.
     """
     position = 1.0
     first = NONE  # link of the first event so far
@@ -84,12 +85,15 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
 
 
 def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
-    """Return the place at which guard `which` of a link falls below 0, or NOWHERE.
+    """Return the place y at which guard `which` of a link falls below 0, or NOWHERE.
 
-    `node.scratch_values` has its values at the points. A guard that is about 0 at the
-    start is not trusted there: if it is negative at a later point, and `find_crossing`
-    sees it positive nowhere in between, the event is at the start, -1. A guard that is
-    negative at no point may still dip below 0 between two of them.
+    `node.scratch_values` has its values at the points; `node.scratch_series` is
+    overwritten. A guard of velocities or forces that starts negative gives -1, the
+    start, unless the link is at rest. Else the first point after the start with a
+    negative value decides: `find_crossing` looks for the zero before it. If there is
+    none, `find_dip` looks for a zero between two points. Values that only round-off, or
+    the swing of a soft start, makes negative are ignored; so are dips that the
+    truncation error can make.
     """
     follows_overlap = contact_laws.follows_overlap(link, which)
     ignored_depth = ROUND_OFF  # values down to its negative count as 0 at the points
@@ -116,12 +120,12 @@ def find_event(run: Run, link: Link, node: Node, which: int, h: float) -> float:
 
 
 def find_crossing(node: Node, j: int) -> float:
-    """Return the place at which an event function falls below 0 before point j.
+    """Return the place y at which an event function falls below 0 before point j.
 
     `node.scratch_values` has its values at the points, and gets its series into
-    `node.scratch_series`; the first negative value is that at point j. If the function
-    is 0 or less at the point before, and does not rise above 0 after it, that point is
-    returned: the start of the piece, -1, if j = 1.
+    `node.scratch_series`; the first negative value after the start is that at point j.
+    If the function is 0 or less at the point before, and does not rise above 0 after
+    it, the place of that point is returned: the start of the piece, -1, if j = 1.
     """
     series.set_series(node.scratch_values, node.scratch_series)
     low = X[j - 1]
@@ -134,11 +138,12 @@ def find_crossing(node: Node, j: int) -> float:
 
 
 def find_dip(node: Node, depth: float) -> float:
-    """Return the place at which an event function dips below 0, or NOWHERE.
+    """Return the place y at which an event function dips below 0, or NOWHERE.
 
-    The dip is between two points. `node.scratch_values` has its values at the points,
-    of which none is negative. A contact may close or let go for a shorter time than
-    points are apart. A dip below 0 by less than `depth` is none.
+    The dip is between two points: a contact may close or let go for a shorter time than
+    points are apart. `node.scratch_values` has the values at the points, none of them
+    negative but by round-off; `node.scratch_series` is overwritten. A dip below 0 by
+    less than `depth` is none.
     """
     zero = NOWHERE
     least = series.smallest(node.scratch_values)

@@ -27,13 +27,13 @@ RESTING_RTOL = 1e-8
 
 
 def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -> None:
-    """Change the status of link i of a node at a tick.
+    """Change the status of link i of a node at a tick, and its state with it.
 
-    The order of the break that this makes is set. A contact that closes starts with
-    overlap 0. Rigid bodies that close strike, which decides their status anew. What
-    stops to yield gets the yield force that it has reached; what starts to, or comes to
-    a knot of its table, gets exactly the overlap there, and the hardening after a
-    knot.
+    The overlap of a contact that opens or closes is 0. Rigid bodies that close strike,
+    which decides their status anew. What stops to yield gets the yield force that it
+    has reached; what starts to, or comes to a knot of its table, gets exactly the
+    overlap there, and the hardening after a knot. `break_order` is 0 if the force may
+    jump, else 1.
     """
     run = state.runs[0]
     # Machine code counts no references to borrowed arrays.
@@ -68,11 +68,11 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
 
 
 def closing_of(masses: Masses, node: Node, q: int) -> float:
-    """Return the closing velocity of link q between rigid bodies.
+    """Return the closing velocity of link q between rigid bodies, m/s.
 
     It is that at the start of the next piece. In front of the first link and behind the
     last one is a wall, whose velocity is the wave from outside. Between pieces the
-    first value over the piece, that of index 0, is the present one.
+    value of index 0 is the present one.
     """
     if q == 0:
         before = node.incoming[0][0]
@@ -98,7 +98,8 @@ def inverse_mass(masses: Masses, node: Node, q: int) -> float:
 def apply_impulse(masses: Masses, node: Node, q: int, impulse: float) -> None:
     """Change the velocities of both masses beside link q by an impulse J in it, N s.
 
-    It drives them apart: -J/m on the left, J/m on the right. A wall keeps its velocity.
+    It drives them apart: -J/m on the left, J/m on the right. Velocities of index 0 are
+    changed, the present ones. A wall keeps its velocity.
     """
     if q > 0:
         before = inverse_mass(masses, node, q - 1)
@@ -120,14 +121,15 @@ def resolve_impacts(
     """Let link i of a node strike, together with all other impact contacts that touch.
 
     Each takes the least impulse J >= 0 that leaves it a closing of at most -e times the
-    one before (Moreau, in CISM 302, 1988), by Gauss-Seidel sweeps. Bodies that would
-    part too slowly to matter come to rest. Velocities of masses, states of the links
-    and the log of contacts are set.
+    one before (Moreau, in CISM 302, 1988), by Gauss-Seidel sweeps, MAX_SWEEPS at most.
+    Bodies that would part too slowly to matter come to rest. Velocities of masses,
+    states of the links and the log of contacts are set.
 
     Meanwhile `force[0]` of a striking link is its impulse, N s, `closing[0]` the
     closing velocity before and `closing_after` the one that is wanted; `unknown_index`
     is NONE at the other links.
     """
+    # Which links strike, and what closing they are to have afterwards
     for q in range(node.link_count):
         link = links[node.first_link + q]
         is_touching = node.first_link + q == i or link.overlap >= 0
@@ -135,7 +137,7 @@ def resolve_impacts(
         if link.law == Law.IMPACT and is_touching:
             link.unknown_index = q
             closing = closing_of(masses, node, q)
-            link.closing_after = 0.0
+            link.closing_after = 0.0  # also where bodies part already
             if closing > 0:
                 link.closing_after = -link.restitution * closing
             parting = -link.closing_after
@@ -144,8 +146,9 @@ def resolve_impacts(
                 link.closing_after = 0.0
             link.force[0] = 0.0
             link.closing[0] = closing
+    # Sweeps: each impulse in turn is changed until no closing is too large
     for _ in range(MAX_SWEEPS):
-        largest = 0.0
+        largest = 0.0  # largest change of a closing in this sweep, m/s
         for q in range(node.link_count):
             link = links[node.first_link + q]
             if link.unknown_index != NONE:
@@ -172,9 +175,11 @@ def finish_impact(
 ) -> None:
     """Set the status of link i after an impact; log its impulse.
 
-    The impact left the velocity `closing`. The contact is open (OPEN); or at rest
-    (REST) if the bodies do not part, or so slowly that it does not matter. A contact
-    that got no impulse (`force[0]`, N s) did not strike: it is not logged.
+    The impact left the velocity `closing`, m/s. The contact is open (OPEN); or at rest
+    (REST) if the bodies do not part, or so slowly that it does not matter. Its overlap
+    and break order become 0. A strike is logged, and counted in the totals of the link
+    and the run. A contact that got no impulse (`force[0]`, N s) did not strike: it is
+    not logged.
     """
     struck = link.force[0] > 0
     link.overlap = 0.0
@@ -199,9 +204,10 @@ def finish_impact(
 def record_piece(state: State, node: Node, ticks: int) -> None:
     """Take the piece of a node that was solved, of `ticks` from now, as done.
 
-    States of the links and masses become those at its end; impulses, peaks, durations
-    and the log of contacts are continued; and what the run keeps is stored. `now` of
-    the node stays.
+    The state of each link and mass becomes that at its end. Of the links, impulse, peak
+    force, `force_ticks`, `faint_ticks` and `fading_ticks` are continued, and a change
+    of touching is logged. Forces, overlaps and velocities are appended to the lines of
+    the history, if the run keeps it. `now` of the node stays.
     """
     run = state.runs[0]
     h = ticks * run.tick_duration
@@ -261,8 +267,9 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
 def set_end_state(link: Link, h: float) -> None:
     """Set overlap, rate and acceleration of a link to those at the end of a piece.
 
-    The piece has the duration h. d' = closing - Y F, and d'' is the difference quotient
-    between the last two points.
+    The piece has the duration h, s. d' = closing - Y F, and d'' is the difference
+    quotient between the last two points. `break_order` becomes SMOOTH, until an event
+    sets it.
     """
     link.break_order = SMOOTH
     link.overlap = link.overlaps[N]
@@ -276,22 +283,24 @@ def set_end_state(link: Link, h: float) -> None:
 def raise_peak(link: Link, node: Node) -> None:
     """Raise the peak force of a link, and its bound, by the forces of a piece.
 
-    The bound is the peak and what the polynomial and the search for its maximum may
-    miss.
+    The forces are `link.force`, N, at the points. The bound is raised to the largest
+    force of the piece plus what its polynomial and the search for the maximum may miss.
+    `node.scratch_series` is overwritten.
     """
-    # A maximum below the peak so far is not looked for.
+    # A maximum below the peak so far, the last argument, is not looked for.
     peak = series.maximum(link.force, node.scratch_series, link.peak_force)
+    # Error of the polynomial, and of the search
     error = series.error_at(link.force, peak.place) + peak.miss
     link.peak_force = max(link.peak_force, peak.value)
     link.peak_force_bound = max(link.peak_force_bound, peak.value + error)
 
 
 def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
-    """Return whether a touching contact presses, at an overlap that counts.
+    """Return whether a closed contact presses with a force that counts.
 
-    The force is in N, the overlap in m. A compliant contact presses from an overlap on
-    that `graze_velocity` makes in the shortest transit. Other forces count if they make
-    more than that velocity.
+    The force is in N, the overlap in m. A compliant contact presses if the force is
+    positive and the overlap is more than `graze_velocity` makes in the shortest
+    transit. Another one presses if its force makes more than that velocity.
     """
     if link.law >= Law.SPRING:  # its force follows from its overlap
         transit = run.shortest_transit * run.tick_duration
@@ -300,13 +309,14 @@ def presses(run: Run, link: Link, force: float, overlap: float) -> bool:
 
 
 def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
-    """Return for how many ticks a contact has been closed with a faint force.
+    """Return for how many ticks a compliant contact has been closed with a faint force.
 
-    The contact is compliant; the time ends now. `touch` is what it did in the last
-    piece, of `ticks`. A force that starts smoothly is faint at first; once it presses,
-    it has begun when the contact closed. A force that stays faint for long is
-    round-off: then NONE is returned until the contact opens or presses. It is 0 if no
-    compliant contact is closed.
+    The time ends with the last piece, of `ticks`; `touch` is what the contact did in
+    it. Such a piece without any positive force is not counted. A force that starts
+    smoothly is faint at first; once it presses, it has begun when the contact closed. A
+    force that stays faint for long is round-off: then NONE is returned until the
+    contact opens or presses. The count is 0 if the contact presses, is open, or is not
+    compliant.
     """
     faint = link.faint_ticks
     # From SPRING on a law is that of an overlap, from PRESS on a contact has a force.
@@ -325,8 +335,9 @@ def log_contact_change(
 ) -> None:
     """Log that link i presses, only touches or is open from a tick on.
 
-    `touch` is the status: PRESS, GRAZE or OPEN. First and last force, episodes, the
-    last opening and `cut_ticks`, the time cut from forces, are continued in the link.
+    `touch` is the status: PRESS, GRAZE or OPEN. A row is appended to the log, with
+    impulse 0. The link gets `logged_status`; its first and last force, episodes, last
+    opening and `cut_ticks`, the time cut from forces, are continued.
     """
     if touch == Status.PRESS:
         if link.first_force_tick == NONE:
@@ -336,9 +347,8 @@ def log_contact_change(
     elif link.logged_status == Status.PRESS:
         link.last_force_tick = tick
         if link.status >= Status.PRESS:  # the force has become faint
-            link.cut_ticks += (
-                link.fading_ticks
-            )  # its last piece, which counts no longer
+            # Its last piece counts no longer.
+            link.cut_ticks += link.fading_ticks
     if touch == Status.OPEN:
         # It pressed in this episode, and its force was faint in the end.
         is_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
@@ -361,10 +371,11 @@ def log_contact_change(
 def keep_history(state: State, node: Node, link: Link, ticks: int) -> None:
     """Append what a link did in a piece of `ticks` to the lines of its history.
 
-    The piece begins now. The lines keep the force; of joints and contacts the overlap
-    d; of what yields also the closing velocity closing - Y F, as d is the elastic
-    overlap alone there, and the plastic one grows, too. They follow each other from
-    `link.history_line` on.
+    The piece begins at `now` of the node. The lines follow each other from
+    `link.history_line` on: the force; of joints and contacts the overlap d; of what
+    yields also the closing velocity closing - Y F, as d is the elastic overlap alone
+    there, and the plastic one grows, too. The scratch arrays of the node are
+    overwritten.
     """
     run = state.runs[0]
     all_lines = state.lines
