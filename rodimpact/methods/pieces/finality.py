@@ -41,10 +41,12 @@ TRUNCATION_SHARE = 1e-3
 def check_finality(state: State, tick: int) -> None:
     """Decide at a tick whether the run is over, or when to look again.
 
-    Every node has reached this tick. The motion of all groups is set. If a proof of
-    finality succeeds, `proved_tick` and `end_tick` of the run are set; else
-    `next_proof_tick` is the tick of the next look. `stop_reason` becomes DONE at the
-    end of the run. The first check only notes the velocities at t = 0.
+    Every node has reached this tick; `last_proof_tick` becomes it. If a proof of
+    finality succeeds, `proved_tick` and `end_tick` of the run are set, else
+    `next_proof_tick`, the tick of the next look. `stop_reason` becomes DONE at the end
+    of the run. The motion of all groups is set, unless there was a proof before and no
+    bodies are joined: then it no longer changes. The first check tries no proof; it
+    notes the velocities at t = 0.
     """
     run = state.runs[0]
     parts = state.parts
@@ -77,7 +79,8 @@ def check_finality(state: State, tick: int) -> None:
 def read_lines_at(state: State, tick: int) -> None:
     """Move the read pieces of all lines that have pieces to a tick.
 
-    A run that the cap on steps ends has read some lines beyond that tick.
+    A run that the cap on steps ends has read some lines beyond that tick: there they
+    are read from the first piece on.
     """
     run = state.runs[0]
     for l in range(len(state.lines)):
@@ -92,7 +95,8 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
 
     It is 0 if no contact presses and none can close again, or if nothing changes any
     more. Else it is a tick or more: the longest of the finite times in which open
-    contacts get far enough apart if bodies go on as they move now.
+    contacts get far enough apart if bodies go on as they move now. Velocities below
+    REST_RTOL of the scale, and a share of the tolerance, count as 0.
     """
     # Velocities below this one count as 0, m/s.
     tolerance = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance
@@ -128,8 +132,10 @@ def time_until_apart(
 ) -> float:
     """Return the time until a contact may be proved not to close again, s.
 
-    The contact is between two groups. The time is 0 if it may be proved now, see
-    `finality_kernel.separation_time`.
+    The contact is between the groups `left` and `right`, which are given by their first
+    parts. The time is 0 if it may be proved now, and infinite if the mean motions do
+    not part, see `finality_kernel.separation_time`. Velocities up to `tolerance`, m/s,
+    count as 0.
     """
     opening = right.reference_velocity - left.reference_velocity
     least_opening = -math.inf  # least velocity with which the two faces can part
@@ -169,9 +175,9 @@ def max_deviation(group: GroupPart, compliance: float) -> float:
 def update_groups(state: State, tick: int) -> None:
     """Set the motion of all groups at a tick that every node has reached.
 
-    The first part of each group gets its velocity, its reference velocity and energy,
-    the bounds of its waves, and the deviations of its ends. All parts get mean
-    velocity, energy and moments.
+    The lines have been read up to this tick. The first part of each group gets its
+    velocity, its reference velocity and energy, the bounds of its waves, and the
+    deviations of its ends. All parts get mean velocity, energy and moments.
     """
     parts = state.parts
     for first in range(len(parts)):
@@ -211,12 +217,14 @@ def update_groups(state: State, tick: int) -> None:
 
 
 def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
-    """Set the mean velocity of a part, its energy and its wave moments.
+    """Set the mean velocity of a part, its vibration energy, and moments of its waves.
 
-    The energy is that about the velocity `speed`. In a segment v = (a + b)/2 and c
-    strain = (b - a)/2. So over y from -1 to 1 the mean velocity is (integral of
-    a + integral of b)/4, and the energy m (integral of a^2 + integral of b^2)/8, a and
-    b less the speed. A mass has m (v - speed)^2/2, the spring of a joint k d^2/2.
+    The energy, and the integrals and moments of the waves of a segment, are those of
+    velocities less `speed`, m/s. In a segment v = (a + b)/2 and c strain = (b - a)/2.
+    So over y from -1 to 1 the mean velocity is (integral of a + integral of b)/4, and
+    the energy m (integral of a^2 + integral of b^2)/8. A mass has m (v - speed)^2/2,
+    the spring of a joint k d^2/2. Anchors have no energy; neither they nor joints get a
+    mean velocity.
     """
     part.vibration_energy = 0.0
     if part.kind == Part.MASS:
@@ -242,12 +250,13 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
 
 
 def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None:
-    """Set the deviation of an end of a group, and the bound of it later.
+    """Set `end_deviations` and `compliance_integrals` of a group for one of its ends.
 
-    It deviates from the reference motion. The group has the parts from `first` to
-    before `stop`, and a `mass`, kg. The deviation is the integral of g strain dx over
-    the group, as the left end moves to the left if the group stretches;
-    `compliance_integrals` is s below.
+    The first is the displacement of the end from the reference motion now, m: the
+    integral of g strain dx over the group, as the left end moves to the left if the
+    group stretches. The second is s of the bound sqrt(2 E s) of this displacement
+    later. The group has the parts from `first` to before `stop`, and a `mass`, kg;
+    `side` is 0 for its left end, 1 for its right one.
 
     With E the energy about the reference motion, elastic parts move the end by sqrt(2 E
     s) at most, s = integral of g^2 dx/(E A), g the mass fraction beyond x as seen from
@@ -293,7 +302,7 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
                 stretch += 2 * g0 * math.sqrt(heavier_side) / joint.damping
         elif part.kind == Part.ENDLESS:
             compliance = part.compliance  # so large that no force holds its end
-    if stretch > 0:
+    if stretch > 0:  # both bounds add, see above: their sum is sqrt(2 E) reach
         reach = math.sqrt(compliance) + stretch
         compliance = reach * reach
     group.end_deviations[side] = deviation
@@ -301,12 +310,13 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
 
 
 def bound_end_velocities(state: State, first: int, stop: int) -> None:
-    """Set the bounds of the waves under way in a group.
+    """Set `min_wave`, `max_wave` and `ends_follow_waves` of a group.
 
-    Whether they bound its ends too is set as well. The bounds begin at the reference
-    velocity, which is set before. The ends of a group that is one segment, free or
-    between walls, can only take velocities of the waves in it, of their reflections,
-    and of its anchor. So it is with a group that is a single part, such as a mass.
+    The group has the parts from `first` to before `stop`. The first two bound its
+    reference velocity, the waves under way in it, and their reflections at walls, m/s;
+    they are the reference velocity before. `ends_follow_waves` says whether its ends
+    can take no other velocities. That is so for one segment, free or between walls, and
+    for a group that is a single part, such as a mass.
     """
     group = state.parts[first]
     segments = 0
@@ -360,8 +370,8 @@ def wave_bounds(
 ) -> tuple[float, float]:
     """Return bounds of `low`, `high` and the waves under way in line l, m/s.
 
-    Under way is what lies from the read piece of the line on. The values of a series
-    are within c[0] -/+ (abs(c[1]) + abs(c[2]) + ...).
+    Under way is what lies from the read piece of the line on, to its last one. The
+    values of a series are within c[0] -/+ (abs(c[1]) + abs(c[2]) + ...).
     """
     i = all_lines[l].read_piece
     while i != NONE:

@@ -27,7 +27,8 @@ JUMP_RTOL = 1e-12
 def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
     """Yield for each segment its rod, its number, and where it begins in the rod, m.
 
-    The number counts from 0.
+    Segments are numbered through the row, from 0 on. Bodies without segments yield
+    nothing.
     """
     for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
         begin: Any = 0.0
@@ -37,10 +38,11 @@ def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
 
 
 def jumps_of(row: Row) -> list[tuple[int, float]]:
-    """Jumps of the initial state inside segments.
+    """Jumps of the initial velocity and strain inside segments, of `Steps` only.
 
-    Each has its segment, and the share of its length to the left. Jumps at the ends of
-    segments are none of these; one that velocity and strain share is twice.
+    Each is a pair: the number of its segment, and the share of the length of the
+    segment on the left of it. Jumps at the ends of segments are left out; one that
+    velocity and strain share stands twice.
     """
     jumps = []
     for rod, s, begin in segments_of(row):
@@ -63,10 +65,10 @@ def varies(*profiles: Any) -> bool:
 
 
 def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
-    """Array of records [member, i] of objects.
+    """Records, [member, i], of objects, as an array of the dtype `record`.
 
-    Their fields hold a number, or one for each member. `record` is their dtype. A field
-    may also be a list of such numbers.
+    A field of an object is a number, an array with one number for each member, or a
+    list of such numbers. Lists of lists are left 0, see `_copy_list`.
     """
     records = np.zeros((*row.system.shape, len(objects)), record)
     for i, source in enumerate(objects):
@@ -80,14 +82,15 @@ def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
 
 
 def _copy_list(target: Any, values: list[Any]) -> None:
-    """Copy numbers, or arrays by member, to a field of records.
+    """Copy a list of numbers, or of arrays by member, to a field of records.
 
-    The records are still 0. Lists of lists are values over a piece: nothing has set
-    them, so they stay 0.
+    The last axis of `target` is the place in the list. The records are still 0. Lists
+    of lists are values over a piece: nothing has set them, so they stay 0.
     """
     for j, number in enumerate(values):
         if isinstance(number, list):
             return
+        # A plain 0 is there already; most numbers of a piece are such zeros.
         is_zero = type(number) is float and number == 0.0
         if not is_zero:
             target[..., j] = number
@@ -133,7 +136,8 @@ class InitialLines:
     ) -> None:
         """Make the pieces of all lines: two for each segment, then those from outside.
 
-        `jumps` are those of `family_clock`, in ticks.
+        `jumps` are those of `family_clock`: ticks by segment and share of its length.
+        This sets all attributes of the class.
         """
         self._row = row
         self._clock = clock
@@ -150,8 +154,8 @@ class InitialLines:
     def _add(self, pieces: Any) -> int:
         """Append pieces, [member, piece], to `log` and an `InitialLine` to `lines`.
 
-        Return the number of the line. The pieces get their line, and the rows of those
-        that follow them.
+        Return the number of the line. Two fields of the pieces are set: their line, and
+        `next`, the row of the following one in the joined log.
         """
         number = len(self.log)
         # Row of the joined log at which the line begins
@@ -177,12 +181,15 @@ class InitialLines:
     ) -> Any:
         """Pieces, [piece], that fit a signal between two ticks.
 
-        `fit` and `carried` are raised. The signal is the sum of these profiles times
-        factors, and as wrong as they are.
+        The signal is the sum of `profiles`, each a profile with its factor in m/s. Two
+        errors, over the velocity scale, are raised: `fit` by the largest miss and by
+        the errors of samples, `carried` by the errors of polynomials. Polynomials along
+        a rod are the state of an earlier run: they are kept but for round-off. Those of
+        a drive (`is_drive`) are fitted within the tolerance, as all else.
         """
         scale = float(self._clock.scale)
         tolerance = self._request.tolerance * scale / 4  # m/s
-        # Polynomials are the state of an earlier run.
+        # Polynomials along a rod are the state of an earlier run.
         is_state = any(isinstance(profile, Polynomials) for profile, _ in profiles)
         if is_state and not is_drive:
             largest_miss = EXACT_FIT * scale  # keeps the waves of an earlier run
@@ -204,8 +211,9 @@ class InitialLines:
     def _add_under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Add the lines of both waves in segment s at t = 0.
 
-        They are a = v - c strain and b = v + c strain. The segment begins in its rod at
-        `begin`, m; v is the velocity in the frame.
+        They are a = v - c strain and b = v + c strain, m/s, with the v and strain of
+        the rod. The segment begins in its rod at `begin`, m; v is the velocity in the
+        frame. Where they vary there is one member only.
         """
         frame = self._clock.frame
         transit = self._clock.transits[s]
@@ -256,7 +264,8 @@ class InitialLines:
     def _add_outside(self, side: int) -> int:
         """Add the line from outside of an end; return its number.
 
-        It is NONE for the free end of a rod. `side` is 0 on the left, 1 on the right.
+        For the free end of a rod nothing is added, and NONE is returned; a free rigid
+        mass gets a line of force 0. `side` is 0 on the left, 1 on the right.
         """
         row = self._row
         kind, value = row.boundaries[side]
@@ -270,7 +279,8 @@ class InitialLines:
         return self._add(pieces)
 
     def _ends_with_rod(self, side: int) -> bool:
-        """Whether no rigid mass stands at an end."""
+        """Whether no rigid mass stands at an end: 0 on the left, 1 on the right."""
+        # The node k has the masses from first[k] to before first[k + 1].
         first = self._row.first_mass
         if side == 0:
             return bool(first[0] == first[1])
@@ -314,8 +324,9 @@ class InitialLines:
     def _steady(self, value: Any, signal: OutsideSignal) -> Any:
         """The piece, [member, 1], of a value that is constant.
 
-        Its signal is constant for ever, or in a frame that falls a straight line up to
-        the end of the run, which is given then.
+        The value acts on an end; `signal` makes the wave, velocity or force of it. This
+        is constant for ever. In a frame that falls it is a straight line, in a piece up
+        to a tick after the end of the run, which is given then.
         """
         tick = self._clock.tick
         start = signal.start + value * signal.factor

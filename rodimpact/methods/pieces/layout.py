@@ -74,9 +74,9 @@ class InitialLine(NamedTuple):
 
 
 def piece_of(start: Any, stop: Any, values: Any) -> Any:
-    """Record of a piece from tick `start` to `stop`.
+    """A piece from tick `start` to `stop`, with these first coefficients of its series.
 
-    It has these first coefficients of its series. The others are 0. Its break is
+    The others are 0. Its degree is 0 if there is one value, else N. Its break is
     SMOOTH; its `line` is still to be set, and no piece follows it.
     """
     piece = blank(1, PIECE)[0]
@@ -92,11 +92,11 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
 
 
 def initial_waves(velocity: Any, c_strain: Any, T: Any) -> list[Any]:
-    """Pieces of both waves in a segment at t = 0, m/s.
+    """Pieces of both waves in a segment at t = 0: to the right, and to the left, m/s.
 
-    They are a = v - c strain and b = v + c strain. v is its velocity in the frame,
-    `c_strain` is c times its strain, m/s, and T the transit time, ticks: what is under
-    way now has been sent since -T.
+    They are the constants a = v - c strain and b = v + c strain. v is the velocity in
+    the frame, `c_strain` is c times the strain, m/s, and T the transit time, ticks:
+    what is under way now has been sent since -T.
     """
     return [
         piece_of(-T, 0, [velocity - c_strain]),
@@ -119,9 +119,11 @@ def lay_out(
     initial_lines: list[InitialLine],
     outside: Any,
 ) -> list[list[Any]]:
-    """Lists of the records of a row at t = 0.
+    """Records of a row at t = 0: lists [run], nodes, links, masses, lines, parts.
 
-    They are its run, nodes, links, masses, lines and parts.
+    Their fields are numbers, or arrays by member. Lines of the history follow the
+    initial ones, if the request keeps them. Without a given end, the run goes on after
+    its proof if bodies are joined to others or the history is kept.
 
     Parameters
     ----------
@@ -167,15 +169,16 @@ def shortest_transit(clock: Clock) -> Any:
 
 
 def longest_body_time(row: Any, clock: Clock, shortest: Any) -> Any:
-    """Longest time in which a wave goes through a body, ticks.
+    """Longest time in which a wave goes through a body once, ticks.
 
-    It is `shortest` in a row without rods.
+    It is the sum of the transit times of a rod. In a row without rods it is `shortest`.
     """
     if len(clock.transits) > 0:
         times = [0]
     else:
         times = [shortest]
     for first, last in row.spans:  # first and last segment of a body, counted from 1
+        # A mass or a wall has the span 1, 0: no segments, and the time 0.
         times.append(sum(clock.transits[first - 1 : last]))
     return largest(times)
 
@@ -190,7 +193,8 @@ def make_run(
     """The record of a run before its first step: request, clock, tolerances and proof.
 
     `shortest` is the shortest transit, ticks. The log has the pieces of
-    `initial_lines`.
+    `initial_lines`. The more hard breaks one of these has in a transit, the shorter is
+    `min_break_spacing`.
     """
     run = blank(1, RUN)[0]
     # Mean number of hard breaks in the shortest transit, on the line with the most
@@ -223,11 +227,11 @@ def make_run(
 
 
 def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
-    """Set when a run looks for its proof of finality, and how often.
+    """Set when a run looks for its proof of finality, and `has_bonds`.
 
-    Times are ticks. `shortest` and `longest` are transit times. A run with an external
-    drive never does. It also sets `has_bonds`, which says that some contact cannot
-    open.
+    Times are ticks; `shortest` and `longest` are transit times. The first look is after
+    `proof_interval`, the least time between two looks. A run with an external drive
+    never looks. `has_bonds` is 1 if some contact cannot open.
     """
     run.proved_tick = NONE
     run.last_proof_tick = NONE
@@ -243,9 +247,10 @@ def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
 def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
     """Nodes from left to right, one more than there are segments.
 
-    `shortest` is a transit, ticks. Segment k, from 0 on, lies between the nodes k and
-    k + 1. Its line 2 k leads to the right, its line 2 k + 1 to the left. `outside` are
-    the lines from outside, left and right; NONE at the free end of a rod.
+    `shortest` is a transit, ticks. Segment k, from 0 on, lies between the nodes k and k
+    + 1. Its line 2 k leads to the right, its line 2 k + 1 to the left. `outside` are
+    the lines from outside to the left and the right end; NONE makes this a free end. No
+    wave goes out at the ends of the row.
     """
     n = len(row.segments)
     nodes = blank(n + 1, NODE)
@@ -278,10 +283,9 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
 def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]:
     """Links of all nodes, node by node, as they are at t = 0.
 
-    `time` is the shortest transit, s.
-
-    Each has its law, status and mobilities; impacts have a scale of resting forces,
-    laws of the user the steps of their difference quotients.
+    `time` is the shortest transit, s. Each has its law, status and mobilities; impacts
+    have a scale of resting forces, laws of the user the steps of their difference
+    quotients.
     """
     links = blank(len(row.links), LINK)
     for node in nodes:
@@ -303,9 +307,11 @@ def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]
 def set_law(link: Any, row_link: Any, i: int) -> None:
     """Set the law, the numbers and the status of link i at t = 0.
 
-    They come from the link of the row. Nothing has happened to it yet. A contact
-    without a gap presses (PRESS), one with a gap or an impact is open (OPEN), and all
-    else is a bond (BOND).
+    They come from the link of the row; `i` is also the number of its function, if its
+    law is one of the user. Nothing has happened to it yet. An impact is open (OPEN),
+    also if its bodies touch. Another contact that can open presses (PRESS) without a
+    gap, and is open with one. All else is a bond (BOND). The status may be an array by
+    member.
     """
     link.left_group = NONE
     link.right_group = NONE
@@ -344,10 +350,10 @@ def set_mobility(link: Any, node: Any, q: int) -> None:
 def set_effective_mobility(
     link: Any, node: Any, q: int, masses: list[Any], time: Any
 ) -> None:
-    """Set the closing velocity that 1 N in a link makes in a time, s/kg.
+    """Set `effective_mobility`, the closing velocity by 1 N in a link in a time, s/kg.
 
-    It is link q of a node; the time is in s. A rod end takes 1/Z, a mass m takes
-    time/m. `masses` are those of the row, kg.
+    It is link q of a node, whose `mobility` is set; the time is in s. A rod end takes
+    1/Z, a mass m takes time/m. `masses` are those of the row, kg.
     """
     # Link q lies between the masses q - 1 and q of the node, as far as there are any.
     first = max(q - 1, 0)
@@ -361,7 +367,7 @@ def set_effective_mobility(
 
 
 def make_masses(row: Any, clock: Clock) -> list[Any]:
-    """Rigid masses, with their velocities in the frame."""
+    """Rigid masses, with their velocities in the frame, m/s, at all points."""
     masses = blank(len(row.masses), MASS)
     for m, mass in enumerate(masses):
         mass.mass = row.masses[m]
@@ -372,8 +378,9 @@ def make_masses(row: Any, clock: Clock) -> list[Any]:
 def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int:
     """Set `history_line` of links and masses; return the number of all lines.
 
-    They begin with line `first`. A link keeps its force; a joint or a contact also its
-    overlap, which is minus the gap; and what yields its closing velocity.
+    These lines begin with number `first`, and follow those that are there already. A
+    link keeps its force; a joint or a contact also its overlap, which is minus the gap;
+    and what yields its closing velocity.
     """
     l = first
     for link in links:
@@ -392,9 +399,9 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
 def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> list[Any]:
     """All lines, `count` of them.
 
-    Those of `initial_lines` come first, the others are empty. Pieces at t = 0 stand at
-    the beginning of the log, line by line. The lines of a segment have its transit time
-    as delay, others none.
+    Those of `initial_lines` come first, the others have no pieces (NONE). Pieces at t =
+    0 stand at the beginning of the log, line by line; each line reads its first one.
+    The lines of a segment have its transit time as delay, others none.
     """
     lines = blank(count, LINE)
     for history_line in lines[len(initial_lines) :]:
@@ -418,8 +425,8 @@ def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> li
 def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> list[Any]:
     """Parts of all groups of bodies between contacts that open, from left to right.
 
-    Each link that opens gets the groups on its sides. `outside` are the lines from
-    outside.
+    Parts are segments, masses, joints, walls and endless rods. Each link that opens
+    gets its `left_group` and `right_group`. `outside` are the lines from outside.
     """
     parts: list[Any] = []
     head = 0  # first part of the group, which stands for the group

@@ -39,8 +39,9 @@ def at(piece: Piece, y: float) -> float:
 def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
     """Move the read piece of line l on to the one that arrives at a tick.
 
-    Behind the last piece it is the last one. Hard breaks that it passes are no longer
-    counted as unread.
+    A piece whose end arrives at this tick has been read. The last piece stays the read
+    one, also after its end. Hard breaks that are passed are no longer counted in
+    `unread_breaks`.
     """
     line = lines[l]
     # A piece has been read when its end has arrived, a delay after it was sent.
@@ -78,8 +79,8 @@ def known_until(lines: Lines, log: Log, l: int) -> int:
 def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
     """Return the tick of the first hard break by line l between `tick` and `end`.
 
-    `end` is returned if there is none. Neither `tick` nor `end` is between. The read
-    piece must not be later than `tick`.
+    A break at `tick` or at `end` itself does not count. `end` is returned if there is
+    none. The read piece must not be later than `tick`; it stays.
     """
     delay = lines[l].delay
     i = log[lines[l].read_piece].next
@@ -96,7 +97,7 @@ def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
     """Return the order of the break that arrives by line l at a tick.
 
     It is SMOOTH if there is none. At t = 0 it is 0: anything may jump. The read piece
-    has been moved to this tick by `advance_to`, and stays.
+    has been moved to this tick by `advance_to`, and is not moved here.
     """
     if tick == 0:
         return 0
@@ -112,7 +113,8 @@ def sample(
     """Set f to the wave that arrives by line l, at the points of a piece.
 
     The piece has `ticks` from `tick` on. If the wave jumps at the end of the piece, its
-    value is the one before. The read piece begins at `tick` or before, and stays.
+    value is the one before. The read piece begins at `tick` or before, and is not
+    moved.
     """
     begin = tick - lines[l].delay  # when the wave was sent
     piece = log[lines[l].read_piece]
@@ -121,7 +123,7 @@ def sample(
             f[j] = piece.coefficients[0]
         return
     for j in range(POINTS):
-        u = 0.5 * (X[j] + 1) * ticks  # time since `begin`
+        u = 0.5 * (X[j] + 1) * ticks  # time since `begin`, ticks
         # Go on to the piece that holds at this time; but not beyond a piece that ends
         # where the sampled time ends.
         while (
@@ -136,10 +138,11 @@ def sample(
 def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
     """Return the moments of the wave that a line sent, less a velocity.
 
-    It was sent over `ticks` from `begin`. i is the row of the log of a piece of the
-    line at or before `begin`; `speed` is the velocity, m/s. The moments are integrals
-    over y, from -1 at `begin` to 1 after `ticks`. Each piece is integrated with the
-    weights of the stages.
+    With w this difference they are the integrals of w, w y, w P2(y) and w^2 over y,
+    which goes from -1 at tick `begin` to 1 after `ticks`. i is the row of the log of a
+    piece of the line at or before `begin`; `speed` is the velocity, m/s. Times in which
+    nothing was sent add nothing. Each piece is integrated with the weights of the
+    stages.
     """
     whole = 0.0
     tilt = 0.0
@@ -172,9 +175,9 @@ def project(
 ) -> None:
     """Set f to the parabola nearest to the wave that arrives by line l.
 
-    The wave arrives in `ticks` from `tick` on; the read piece must not be later. The
-    parabola has the same momentum, and never more energy. f are its values at the
-    points.
+    The wave arrives in `ticks` from `tick` on; the read piece must not be later, and is
+    not moved. f gets the values at the points. The parabola has the same momentum, and
+    never more energy.
     """
     line = lines[l]
     begin = tick - line.delay  # when the wave was sent
@@ -197,6 +200,7 @@ def append_piece(
     A constant wave stays one piece as long as it is constant: a front is a piece of
     degree 0. If the new piece only goes on with it, the old one is made longer, and
     NONE is returned. The new piece has no break at its start (SMOOTH): callers set one.
+    It takes the row `piece_count`, which the log must have.
     """
     i = int(run.piece_count)
     line = lines[l]
@@ -235,8 +239,8 @@ def append_values(
 ) -> int:
     """Append a piece with the values f at its points to line l.
 
-    It has `ticks` from `tick` on. Return its row in the log, or NONE, as
-    `append_piece`. c is scratch.
+    It has `ticks` from `tick` on, and degree 0 if all values are the same. Return its
+    row in the log, or NONE, as `append_piece`. c is scratch.
     """
     # Machine code counts no references to borrowed arrays.
     lines = borrowed(lines)
@@ -256,8 +260,9 @@ def send(
 ) -> None:
     """Append `node.outgoing`, over `ticks` from now, to line l.
 
-    It begins with a break of `order`. `order` is the lowest that theory allows: where
-    less jumps, the break gets a higher order. Hard breaks are counted as unread.
+    It begins with a break of `order`, the lowest that theory allows: where less jumps,
+    the break gets a higher order. Hard breaks are counted as unread. Nothing more is
+    done if the last piece only goes on with the same constant.
 
     A constant wave that starts to change makes a hard break, however smooth the start
     is. So no piece of any node reaches across the arrival of this wave, and nothing
@@ -280,14 +285,14 @@ def send(
 def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
     """Raise the order of the break between pieces `old` and i if less jumps.
 
-    A hard break is counted. `break_order` of piece i is the lowest that theory allows.
-    A wave whose value does not jump has order 1 or more; one whose slope and curvature
-    do not jump either is SMOOTH. Jumps of these are taken as changes of values in a
-    quarter of the shortest transit.
+    Before, `break_order` of piece i is the lowest that theory allows. A wave whose
+    value does not jump has order 1 or more; one whose slope and curvature do not jump
+    either is SMOOTH. A break that stays hard is counted as unread.
 
-    That is s = (shortest transit)/(2 duration) in y, in which T_m changes by s
-    T_m' + s^2 T_m''/2. T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end of a piece,
-    with the signs (-1)^(m+1) and (-1)^m at its start.
+    Jumps of slope and curvature are taken as changes of values in a quarter of the
+    shortest transit. That is s = (shortest transit)/(2 duration) in y, in which T_m
+    changes by s T_m' + s^2 T_m''/2. T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end
+    of a piece, with the signs (-1)^(m+1) and (-1)^m at its start.
     """
     before = log[old]
     new = log[i]
@@ -317,9 +322,9 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
 def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
     """Send the piece that arrives at a free end back, unchanged.
 
-    Return the tick of its end. v = (a + b)/2 and no force: the wave that leaves is the
-    one that arrives, with its break. The piece is appended to the outgoing line; the
-    caller sets `now` of the node.
+    Return the tick of its end; the caller sets `now` of the node to it. v = (a + b)/2
+    and no force: the wave that leaves is the one that arrives, with its break. It is
+    appended to the outgoing line from `now` on.
     """
     # Side of the node on which its rod is
     if node.mobility[1] > 0:

@@ -72,9 +72,9 @@ class PieceResult(NamedTuple):
 def run_nodes(state: State) -> int:
     """Run all nodes to `end_tick`, or to the proof of finality.
 
-    Behind a proof come `ticks_after_proof` more. All is in the state: a run whose log
-    is full goes on with a longer one. The motion of its groups is set at each check of
-    finality, and at its end.
+    After a proof come `ticks_after_proof` more. All is in the state: a run that has
+    stopped with CAP or FULL can be called again, with a higher cap or longer logs, and
+    goes on. The motion of its groups is set at each check of finality, and at its end.
 
     Returns
     -------
@@ -124,7 +124,10 @@ def run_nodes(state: State) -> int:
 
 
 def earliest_node(nodes: Nodes) -> int:
-    """Return the number of the node that is furthest behind."""
+    """Return the number of the node that is furthest behind in time.
+
+    Of equal ones it is the first.
+    """
     k = 0
     for i in range(1, len(nodes)):
         if nodes[i].now < nodes[k].now:
@@ -137,8 +140,9 @@ def advance(state: State, node: Node) -> bool:
 
     The step is a piece, up to its first event. It moves the node on: states and totals
     of its links and masses, leaving waves, `now`, and `next_ticks`, the wanted duration
-    of the next piece. At an event the status of its link changes. Errors and steps that
-    took means are noted in the run.
+    of the next piece. At an event the status of its link changes. The run notes errors,
+    and steps that took means of dense breaks. Without a solution the node stays where
+    it is, and the run is stuck.
     """
     run = state.runs[0]
     all_lines = state.lines
@@ -181,7 +185,9 @@ def event_ticks(run: Run, status: int, result: PieceResult) -> int:
     """Return the ticks from the start of a piece to its event, 1 or more.
 
     `status` is that of the link before the event. The place of the event is rounded,
-    but down where a contact yields: the force stays below that at which it does.
+    but down where a contact yields: the force stays below that at which it does. An
+    open contact that closes just before the end, within `event_window`, closes at the
+    end.
     """
     full = result.ticks
     rounding = 0.5
@@ -199,11 +205,9 @@ def event_ticks(run: Run, status: int, result: PieceResult) -> int:
 def cut_piece(state: State, node: Node, full: int, ticks: int) -> None:
     """Shorten the piece that is solved at a node to its first `ticks`.
 
-    It had `full` ticks.
-
-    Its polynomials are restricted to them. An averaging node is solved anew: means over
-    the shorter time are needed, or momentum would be lost. With `full` ticks nothing
-    changes.
+    It had `full` ticks; with as many nothing changes. Its polynomials are restricted.
+    An averaging node is solved anew: means over the shorter time are needed, or
+    momentum would be lost.
     """
     run = state.runs[0]
     if ticks < full and node.is_averaging:
@@ -220,16 +224,18 @@ def record_error(
 ) -> None:
     """Raise the largest errors of a run by those of a piece, of which `ticks` are kept.
 
-    `is_limited` says that something else than the truncation error set the duration of
-    the piece. A run at another tolerance takes the same step then, and does not show
-    its error. Values decide when an event is, integrals all else.
+    `max_truncation_error` is raised unless the piece is too short to be judged.
+    `shared_error` is raised if the piece is limited: something else than the truncation
+    error set its duration (`is_limited`). A run at another tolerance takes the same
+    step then, and does not show its error. Pieces of an averaging node count for
+    neither.
     """
     run = state.runs[0]
     if node.is_averaging == 0 and result.ticks > MIN_PIECE_TICKS:
         run.max_truncation_error = max(run.max_truncation_error, result.error)
     if node.is_averaging == 0 and is_limited:
         has_no_event = result.event.link == NONE
-        # Without an event the integrals of the waves matter, else their values.
+        # Values decide when an event is. All else follows from integrals.
         remainder = nodes.wave_remainder(state.links, node, has_no_event)
         share = ticks / run.shortest_transit
         run.shared_error = max(run.shared_error, share * remainder)
@@ -240,7 +246,7 @@ def begin_after_event(state: State, node: Node, event: Event) -> None:
 
     The waves at the start of the piece are those at the end of the last one. If the
     link opens, the next proof of finality is tried as soon as all nodes have come so
-    far.
+    far. The next piece may be halved again for a comparison (`halved_until` is 0).
     """
     run = state.runs[0]
     node.halved_until = 0
@@ -257,8 +263,9 @@ def begin_after_event(state: State, node: Node, event: Event) -> None:
 def set_next_ticks(run: Run, node: Node, result: PieceResult, is_limited: bool) -> None:
     """Set `next_ticks`, the wanted duration of the next piece.
 
-    It follows from the error of this one. The error is about proportional to the N-th
-    power of the duration. A piece whose duration something else has limited
+    The error of a piece is about proportional to the N-th power of its duration: from
+    that of this one follows the duration that meets the tolerance, from MIN_GROWTH to
+    MAX_GROWTH times this one. A piece whose duration something else has limited
     (`is_limited`) does not make the next one shorter.
     """
     growth = MAX_GROWTH
@@ -287,8 +294,9 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
     That is the first of: the wanted duration, what is known of the waves, their next
     hard break, the end or the next proof of the run, and after a hard break twice the
     duration of the incoming piece. `is_after_break` says that a hard break arrives now.
-    In a comparison run a piece that the wanted duration does not limit is halved, and
-    so is the first. This sets `is_averaging` and `halved_until` of the node.
+    In a comparison run a piece that something else than the wanted duration limits is
+    halved, and so is the first. This sets `is_averaging` and `halved_until` of the
+    node.
 
     Where breaks are too dense to be followed one by one, see `is_dense`, the piece is
     averaging: it lasts up to `min_break_spacing` and takes means of its waves.
@@ -354,10 +362,11 @@ def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
 def solve(state: State, node: Node, ticks: int) -> PieceResult:
     """Solve a node on a piece of up to `ticks`, shortened until it is smooth.
 
-    An event at the start of the piece happens before the piece begins: the status of
-    its link is changed, and the piece is solved anew. So the event of the result is
-    after the start. Without a solution on a piece of one tick the result has 0 ticks.
-    After MAX_STATUS_CHANGES at the start it has no event.
+    Smooth is a truncation error within the tolerance; averaging pieces, and those of
+    MIN_PIECE_TICKS, need not be. An event at the start of the piece happens before the
+    piece begins: the status of its link is changed, and the piece is solved anew. So
+    the event of the result is after the start. Without a solution on a piece of one
+    tick the result has 0 ticks. After MAX_STATUS_CHANGES at the start it has no event.
     """
     run = state.runs[0]
     links = state.links
@@ -365,7 +374,8 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
     changes = 0  # changes of status at the start of the piece
     # So many changes are more than one for each pair of links: contacts chatter
     changes_of_chatter = MIN_CHATTER_CHANGES + node.link_count * node.link_count
-    ticks_before = ticks  # duration of the piece that failed before, and its error
+    # Duration and error of the piece that failed before; an error of 0 means none
+    ticks_before = ticks
     error_before = 0.0
     no_event = Event(1.0, NONE, 0)
     while True:
@@ -404,10 +414,10 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
 
 
 def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
-    """Set `node.incoming` to the waves from both sides in a piece.
+    """Set `node.incoming` to the waves from both sides in a piece of `ticks` from now.
 
-    The piece has `ticks` from now. The waves are values at the points of the piece, or
-    those of the nearest parabola if the node is averaging.
+    They are the values at the points of the piece, or those of the nearest parabola if
+    the node is averaging.
     """
     # Machine code counts no references to borrowed arrays.
     all_lines = borrowed(all_lines)
@@ -424,16 +434,16 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
 def shortening(
     tolerance: float, error: float, ticks_before: int, ticks: int, error_before: float
 ) -> float:
-    """Return the part of a piece whose error may be within the tolerance.
+    """Return the part of a piece, below 1, whose error may be within the tolerance.
 
-    The piece has `ticks`; the part is below 1. The error falls like a power of the
-    duration, `(tolerance/error)^(1/power)`. The power follows from the error of the
-    piece, and from that of a longer one of `ticks_before` ticks, which failed before; a
-    smooth piece has N. After a touch the force starts like a power of time, often 3/2,
-    and the error falls as slowly.
+    The piece has `ticks`. Its error falls like a power of the duration, so that the
+    part is about (tolerance/error)^(1/power), between bounds. The power follows from
+    the error of the piece, and from that of a longer one of `ticks_before` ticks, which
+    failed before; a smooth piece has N. After a touch the force starts like a power of
+    time, often 3/2, and the error falls as slowly.
 
     Without a solution `error` is below 0 and tells nothing: then the part is
-    MIN_GROWTH, as small as a piece may be wanted beside the one before it.
+    MIN_GROWTH.
     """
     if error <= 0:
         return MIN_GROWTH
@@ -456,9 +466,10 @@ def send_outgoing(
     """Append the waves that leave a node in a piece of `ticks` from now to their lines.
 
     `left_order` and `right_order` are the orders of the breaks that arrive from both
-    sides. A wave that leaves breaks with the one that arrives on its side, or with the
-    force of the first link there. Compliant links without damping, and masses between
-    links, make breaks smoother on their way.
+    sides. A wave that leaves breaks like the one that arrives on its side, or like the
+    force of the link there, whichever order is lower. Compliant links without damping,
+    and masses between links, make breaks smoother on their way. No wave leaves at an
+    end of the row.
 
     The waves of an averaging node are replaced by their nearest parabolas, and may
     jump.
