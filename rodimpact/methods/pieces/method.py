@@ -65,15 +65,16 @@ def solve(
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality.
 
-    Behind a proof it runs one round trip more. It runs once, with a tolerance that
-    follows from `rtol`, in `max_events` steps of nodes at most. A second, coarser run
-    then tells the errors: they are stated, and a result that misses `rtol` is not
-    refined.
+    After a proof waves go once more through the longest body and back. It runs once,
+    with a tolerance that follows from `rtol`, in `max_events` steps of nodes at most. A
+    second, coarser run then tells the errors: they are stated, and a result that misses
+    `rtol` is not refined. RTOL stands in for None.
 
     Raises
     ------
     InvalidModel
-        If no forces satisfy the laws: walls squeeze a rigid mass, say.
+        If numbers are beyond the scales, or no forces satisfy the laws: walls squeeze a
+        rigid mass, say.
     """
     if row.segments:
         check_scales(row)
@@ -96,8 +97,9 @@ def solve(
 def members_per_call(row: Row) -> int:
     """How many members to run in one call; 0 where each is to be run alone.
 
-    That is where profiles or drives vary, with laws of the user, and with bonds between
-    rigid bodies: their force follows from signals, which a family does not keep.
+    Each runs alone where profiles or drives vary, with laws of the user, and with bonds
+    between rigid bodies: their force follows from signals, which a family does not
+    keep.
     """
     has_rigid_bond = any(i < 0 for i in row.contact_link)  # such a bond is no link
     if has_profiles(row) or has_rigid_bond or own_laws(row):
@@ -118,7 +120,8 @@ def solve_family(
     """Columns of every member, as `family.family_columns` makes them.
 
     A member whose numbers are beyond the scales, or whose walls squeeze a mass, is
-    refused: its numbers are nan.
+    refused: its numbers are nan. The column "accuracy" is the largest stated error of
+    velocities, impulses and peak forces.
 
     Parameters
     ----------
@@ -128,7 +131,7 @@ def solve_family(
     should_stop : callable
         Asked now and then whether to give up.
     later_members : int
-        Members that other calls will run in this process.
+        Members that other calls will run in this process; not used.
     also : sequence of str
         "accuracy" if it is wanted.
 
@@ -161,8 +164,9 @@ def stated_errors(
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure].
 
-    All in `members` have run. They run again in other steps, at a coarser tolerance,
-    and the results are compared. Members that are not in `members` have nan.
+    `members` are the numbers of those that are wanted; all of them have run. They run
+    again in other steps, at a coarser tolerance, and the results are compared. The
+    others have nan. `should_stop` and `report` are handed to `Members.run_all`.
     """
     coarser = fine.request._replace(
         tolerance=COARSER * fine.request.tolerance, keep=False
@@ -258,9 +262,9 @@ def _doubts(clock: Clock, run: Any, log: Any, end_tick: int) -> str:
 def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     """Bound of the absolute strain in all segments up to a tick, without dimension.
 
-    The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c, each
-    twice its velocity. With abs(a) and abs(b) up to v it is at most v/c. A piece of a
-    wave is at most the sum of the absolute coefficients of its Chebyshev series.
+    The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c. With
+    abs(a) and abs(b) up to v it is at most v/c. A piece of a wave is at most the sum of
+    the absolute coefficients of its Chebyshev series.
 
     In the frame of the run, which falls, waves of a row that is held grow by g t
     without any strain. In the frame of the ground they are a + u(t) and b + u(t) with
@@ -322,7 +326,8 @@ def _tallies(
 ) -> tuple[ContactTally, ...]:
     """Totals of every contact, in SI units, of a run up to tick `now`; `tick` in s.
 
-    Bonds between rigid bodies need the signals of the run.
+    `links` are those of the run. Only where rigid bodies are bonded to each other
+    `make_signals` is called, as the force of such a bond follows from the signals.
     """
     tallies = []
     for k, i in enumerate(row.contact_link):
@@ -349,7 +354,11 @@ def _floats(columns: list[Any]) -> list[float]:
 
 
 def _body_velocities(family: Members) -> tuple[list[Any], list[Any]]:
-    """Velocities of the bodies before and after, m/s, [body] by member."""
+    """Velocities of the bodies before and after, m/s, two lists [body] by member.
+
+    They are those of their groups, see `groups.velocities_in_group`; walls are bodies,
+    too.
+    """
     groups_before, groups_after = _group_velocities(family)
     before = _velocities_by_body(family.row, groups_before)
     after = _velocities_by_body(family.row, groups_after)
@@ -357,7 +366,11 @@ def _body_velocities(family: Members) -> tuple[list[Any], list[Any]]:
 
 
 def _velocities_by_body(row: Row, group_velocities: list[Any]) -> list[Any]:
-    """Velocities of the bodies, m/s, [body] by member, from those of their groups."""
+    """Velocities of the bodies, m/s, [body] by member, from those of their groups.
+
+    `group_velocities` has one for each group of the system, from left to right. What a
+    wall holds has the velocity of the wall, see `groups.velocities_in_group`.
+    """
     free = movable(row.system)
     columns = []
     for group, speed in zip(groups(row.system), group_velocities, strict=True):
@@ -370,7 +383,9 @@ def _velocities_by_body(row: Row, group_velocities: list[Any]) -> list[Any]:
 def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     """Velocities of groups before and after, m/s, [group] by the shape of the family.
 
-    The frame moves with `row.frame` at t = 0 and falls: its velocity is frame + g t.
+    Each is that of the centre of mass, seen from the ground. The frame moves with
+    `row.frame` at t = 0 and falls: its velocity is frame + g t. "After" is the last
+    check of finality.
     """
     row = family.row
     parts = family.parts
@@ -395,7 +410,7 @@ def vibration_of(family: Members) -> list[Any]:
 
     It is that about the velocity of its group. That of a rod is the sum of its
     segments; a mass that is bonded to others has its share, by mass, of the energy of
-    the mass that they make together.
+    the mass that they make together. A wall, and a mass that is bonded to one, has 0.
     """
     row = family.row
     parts = family.parts
@@ -442,10 +457,10 @@ def _columns_of(family: Members, refused: Any) -> Columns:
 
 
 def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
-    """Totals of every contact in SI units, [contact] by member.
+    """Totals of every contact in SI units, by name of `CONTACT_COLUMNS`.
 
-    They have the names of `CONTACT_COLUMNS`. `zero_or_nan` is nan where a member is
-    refused, else 0; it is not added to `episodes`, which are counts. Impacts have no
+    Each is a list, [contact], of arrays by member. `zero_or_nan` is nan where a member
+    is refused, else 0; it is not added to `episodes`, which are counts. Impacts have no
     peak force: nan.
     """
     tick = family.runs[:, 0]["tick_duration"]
@@ -455,7 +470,7 @@ def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
         "duration": [],
         "episodes": [],
     }
-    for i in family.row.contact_link:
+    for i in family.row.contact_link:  # a link each: see `members_per_call`
         link = family.links[:, i]
         peak = np.where(link["law"] == Law.IMPACT, math.nan, link["peak_force"])
         contacts["impulse"].append(zero_or_nan + link["impulse"])

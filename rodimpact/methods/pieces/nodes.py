@@ -58,8 +58,9 @@ SWING_ROUND_OFF = 8e-15
 def overlap_changes(link: Link) -> bool:
     """Return whether the overlap of a link changes over a piece.
 
-    That of a bond, of bodies at rest and of a rigid contact that presses is constant. A
-    joint has the status BOND, but deforms.
+    That of a bond, of bodies at rest, and of a rigid contact that presses is constant.
+    That of a joint, which has the status BOND, changes; so does that of an open
+    contact, as a gap.
     """
     if link.status == Status.BOND:
         return bool(link.law == Law.JOINT)
@@ -89,9 +90,10 @@ def outer_link(node: Node, side: int) -> int:
 def start_forces(links: Links, node: Node) -> int:
     """Start a piece: set given forces of links, and number the unknown ones.
 
-    Given are pushes on the ends, 0 in open contacts, and the force between two rods
-    alone, which follows from the waves. An unknown force is 0 until it is found; its
-    number is `unknown_index`. Return the number of unknown forces.
+    Given are pushes on the ends, 0 in contacts that are open or only touch, and the
+    force of a bond or rigid contact alone between two rods, which follows from the
+    waves. An unknown force is 0 until it is found; its number is `unknown_index`, NONE
+    of a given one. Return the number of unknown forces.
     """
     unknown_count = 0
     for q in range(node.link_count):
@@ -122,8 +124,8 @@ def start_forces(links: Links, node: Node) -> int:
 def integrate(rate: Values, h: float, f: MutableValues) -> None:
     """Set f after f[0] to f[0] plus the integral of a rate.
 
-    The piece has the duration h, s. f and the rate are values at the points; that of
-    the rate at the start is not used.
+    The piece has the duration h, s. f and the rate, which is the rate per s, are values
+    at the points; that of the rate at the start is not used.
     """
     for j in range(N):
         s = 0.0  # integral over y, from -1 at the start of the piece to 1 at its end
@@ -136,11 +138,13 @@ def integrate(rate: Values, h: float, f: MutableValues) -> None:
 def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
     """Set velocities of masses, and closing and overlaps of links, by present forces.
 
-    m v' = F before - F behind,  closing = velocity on the left - on the right,
-    d' = share (closing - Y F) with the elastic share, 0 of a link that cannot deform.
+    They are those at the points of a piece of duration h, s, from the states at its
+    start:
 
-    h is the duration of the piece, s. `scratch_values` of the node holds derivatives
-    meanwhile.
+    m v' = F before - F behind,  closing = velocity on the left - on the right,
+    d' = share (closing - Y F) with the elastic share, 0 if `overlap_changes` denies it.
+
+    `scratch_values` of the node holds derivatives meanwhile.
     """
     for i in range(node.link_count - 1):
         before = links[node.first_link + i]
@@ -176,16 +180,16 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
 
 
 def linearise(link: Link, h: float, is_first: bool) -> float:
-    """Set the tangent of the force of a link at each stage.
+    """Set the tangent of the force of a link at each stage, and return the residual.
 
-    It is F = base + by_overlap d + by_closing closing. In the first Newton step the
-    tangent is taken at the extrapolated overlap d + d' u + d'' u^2/2, u the time since
+    The tangent is F = base + by_overlap d + by_closing closing. In the first Newton
+    step it is taken at the extrapolated overlap d + d' u + d'' u^2/2, u the time since
     the start of the piece, whose duration is h, s.
 
-    Return the residual, the largest difference of the law from the present force,
-    relative to the largest force, or to the round-off of the terms that cancel in it: a
-    law with damping has almost no force where bodies part almost as fast as it lets go.
-    Without any force it is 0.
+    The residual is the largest difference of the law from the present force, relative
+    to the largest force, or to the round-off of the terms that cancel in it: a law with
+    damping has almost no force where bodies part almost as fast as it lets go. Without
+    any force it is 0.
     """
     residual = 0.0
     largest = 0.0
@@ -212,9 +216,9 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
 def linearise_links(links: Links, node: Node, h: float, is_first: bool) -> float:
     """Linearise all links of a node whose forces are unknown.
 
-    Return the largest residual. A linear law needs one Newton step, whatever its
-    residual, and counts as 0. The residual of a nonlinear law is 1 in the first step,
-    whose tangents are taken at an extrapolation.
+    Return the largest residual of the nonlinear laws, in the first step 1, as its
+    tangents are taken at an extrapolation. A linear law needs one Newton step, whatever
+    its residual: without others 0 is returned.
     """
     residual = 0.0
     for q in range(node.link_count):
@@ -266,9 +270,9 @@ def set_equations(
 def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
     """Return the change of the closing of link q by a unit impulse in link p, 1/kg.
 
-    An impulse in the link itself drives the masses on both sides apart:
-    -1/m_left - 1/m_right. One in a neighbour pushes the mass between them towards link
-    q: 1/m. Others change nothing.
+    An impulse in the link itself drives the masses on both sides apart: -1/m_left -
+    1/m_right. One in a neighbour pushes the mass between them towards link q: 1/m.
+    Links further away change nothing: 0. The end of a rod counts as a mass without end.
     """
     # 1/m of the masses on both sides of link q; 0 for the end of a rod
     left = 0.0
@@ -291,9 +295,9 @@ def set_block(
 ) -> None:
     """Set the N by N block of G in the rows of a link, from `column` on.
 
-    It is that of the forces of one link. `by_impulse` is the change of the closing rate
-    of the link by a unit impulse of the other one, 1/kg; `is_same` says that both are
-    one. Changes x of that force, at the stages, change
+    It is that of the forces of one link, here the other one. `by_impulse` is the change
+    of the closing rate of the link by a unit impulse of the other one, 1/kg; `is_same`
+    says that both are one. Changes x of that force, at the stages, change
 
         closing by (h/2) by_impulse S x,
         d by share (h/2) S (change of closing - Y x if same),
@@ -342,17 +346,17 @@ def take_step(
 ) -> None:
     """Add the changes of forces to the forces, and update the motion.
 
-    They are the last column of G. Where dF/dd times the velocity scale times h is above
-    the force, the link is stiff: its overlap is a small difference of large numbers. It
-    is then computed from the force by the tangent law, d = (F - base - by_closing
-    closing)/by_overlap, as integrating the closing rate would lose digits.
+    The changes are the last column of G. Where dF/dd times the velocity scale times h
+    is above the force, the link is stiff: its overlap is a small difference of large
+    numbers. It is then computed from the force by the tangent law, d = (F - base -
+    by_closing closing)/by_overlap, as integrating the closing rate would lose digits.
     """
     solution = N * unknown_count  # column of G with the changes
     for q in range(node.link_count):
         link = links[node.first_link + q]
         stages = N
         if link.unknown_index == NONE:
-            stages = 0  # its force does not change
+            stages = 0  # its force is given and does not change
         for j in range(stages):
             link.force[j + 1] += G[N * link.unknown_index + j][solution]
     update_motion(links, masses, node, h)
@@ -409,8 +413,9 @@ def collocate(
 def set_initial_forces(links: Links, node: Node) -> None:
     """Set the unknown forces at the start of a piece, and their derivatives.
 
-    The contact laws give them. The force between bodies at rest follows no law: it is
-    extrapolated from the stages.
+    The contact laws give them, by the state of the link and its closing at the start.
+    The force between bodies at rest follows no law: it is extrapolated from the stages,
+    and its derivatives stay.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -433,10 +438,11 @@ def set_initial_forces(links: Links, node: Node) -> None:
 def forbid_pulling(links: Links, node: Node) -> None:
     """Let no contact of a node pull at any time in the piece.
 
-    The impulse stays as before. Where a force falls to 0 its polynomial may swing below
-    0 by about the tolerance. With m > 0 (`swing`) at least as large as that, and J the
-    integral of F over the piece of duration h, F := (F + m) J/(J + m h) is never
-    negative and has the integral J. Here J is taken over y, and the duration in y is 2.
+    Only its forces are changed, and their impulse stays as before. Where a force falls
+    to 0 its polynomial may swing below 0 by about the tolerance. With m > 0 (`swing`)
+    at least as large as that, and J the integral of F over the piece of duration h, F
+    := (F + m) J/(J + m h) is never negative and has the integral J. Here J is taken
+    over y, and the duration in y is 2. If J is not positive, F becomes 0.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -461,7 +467,7 @@ def forbid_pulling(links: Links, node: Node) -> None:
 
 
 def set_outgoing(links: Links, node: Node, side: int) -> None:
-    """Set `node.outgoing` to the wave that leaves a node on a side.
+    """Set `node.outgoing` to the wave that leaves a node on a side, m/s.
 
     It is that at the points of the piece. On the left (side 0) the wave a comes in and
     a - 2 F/Z leaves, F the force of the first link. On the right (side 1) b comes in
@@ -479,14 +485,16 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     """Return the truncation error of a piece, m/s: the largest tail of its series.
 
     The series are those of incoming and leaving waves, of velocities of masses, and of
-    forces. Incoming waves count too, as they may cancel in leaving ones. Forces count
-    as velocities: a push as 2 Y F, the force of a link as the velocity that it makes in
-    a typical piece.
+    forces; `node.outgoing` is overwritten. Incoming waves count too, as they may cancel
+    in leaving ones. Forces count as velocities: a push as 2 Y F, the force of a link as
+    the velocity that it makes in a typical piece. That of a single link between two
+    rods is seen in the waves.
     """
     worst = 0.0
     for side in range(2):
         link = links[outer_link(node, side)]
         velocity = 1.0  # per unit of the input
+        # PUSH_LEFT is of side 0, PUSH_RIGHT, the next number, of side 1.
         if link.law == Law.PUSH_LEFT + side:  # there is a push on this side
             velocity = 2 * link.effective_mobility  # the input is a force, not a wave
         error = series.truncation_estimate(node.incoming[side]) * velocity
@@ -531,7 +539,7 @@ def restrict_piece(links: Links, masses: Masses, node: Node, y: float) -> None:
 
     y is -1 at its start and 1 at its end. The values of its incoming waves, forces,
     overlaps, closing rates and velocities become those of the same polynomials at the
-    points of that part.
+    points of that part. `node.scratch_series` is overwritten.
     """
     for side in range(2):
         series.restrict(node.incoming[side], y, node.scratch_series)

@@ -38,9 +38,9 @@ class Fit(NamedTuple):
 def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> Pieces:
     """A profile along a rod, or over time, as a signal in ticks.
 
-    Its last value holds on. `length` is that of the rod, m, or the time, s, over which
-    samples without a step are spread. `ticks_of` makes ticks of places, m, or of times,
-    s.
+    A number makes a constant. The last value holds on. `length` is that of the rod, m,
+    or the time, s, over which samples without a step are spread. `ticks_of` makes ticks
+    of places, m, or of times, s.
     """
     if isinstance(profile, Steps):
         starts = np.array([0.0, *map(float, profile.at)])
@@ -59,7 +59,8 @@ def _from_samples(
     """Signal through samples.
 
     It has straight lines, or is a spline of degree 5 if they are smooth. Samples
-    without a step of their own are spread evenly over `length`.
+    without a step of their own are spread evenly over `length`, m or s. `ticks_of`
+    makes ticks of places or times.
     """
     samples = np.asarray(profile.values, dtype=float)
     if profile.step is None:
@@ -123,6 +124,7 @@ def in_pieces(
     Returns
     -------
     pieces : [n] PIECE
+        In order of time, with order and degree set; neither `line` nor `next` is.
     miss : float
         Largest difference from the signal.
     """
@@ -160,8 +162,9 @@ def _bends(series: Floats, widths: Ints, edges: Ints, inner: Ints) -> Floats:
     """By how much straight lines may miss a smooth curve where two pieces meet.
 
     Lines between samples w apart of a smooth curve, whose slope changes by k, miss it
-    by k w/8. There is one number from each piece to the next, [piece - 1], of pieces
-    that last `widths`, ticks, and meet at the edges with the numbers `inner`.
+    by k w/8. There is one number from each piece to the next, [piece - 1]. The pieces
+    last `widths`, ticks; the edges between them have the numbers `inner` among `edges`,
+    which are ticks.
     """
     kinks = _kinks(series, widths * 1.0)
     before = edges[inner] - edges[inner - 1]  # width of the interval before the edge
@@ -186,9 +189,9 @@ def _kinks(series: Floats, widths: Floats) -> Floats:
 def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
     """Whether an edge borders the constant stretch at the start or at the end, [edge].
 
-    Changes in an interval up to `round_off` count as none. A signal that never changes
-    has no such border. The first edge is never one, the last one is if the signal
-    changes up to it.
+    `edges` are the ticks between the intervals of the signal. Changes in an interval up
+    to `round_off` count as none. A signal that never changes has no such border. The
+    first edge is never one, the last one is if the signal changes up to it.
     """
     series = signal.cut(edges[:-1], int(edges[-1])).coefficients
     changing = np.flatnonzero(np.abs(series[:, 1:]).sum(axis=1) > round_off)
@@ -202,11 +205,11 @@ def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
 
 
 def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> Fit:
-    """Fit pieces of 2^n intervals without a jump inside.
+    """Fit pieces of 2^n intervals without a jump inside, in order of time.
 
-    Those that miss too much are halved. `jumps` says for each edge after the first
-    whether no piece may reach across it; `tolerance` is the largest miss. An interval
-    by itself keeps the series of the signal. The pieces are in order of time.
+    Intervals lie between `edges`, ticks. Pieces that miss the signal by more than
+    `tolerance` are halved. `jumps` says for each edge after the first whether no piece
+    may reach across it. An interval by itself keeps the series of the signal.
     """
     # Number of jumps up to the start of each interval
     jumps_before = np.cumsum(np.append(0, jumps[:-1]))
@@ -248,9 +251,10 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
 def _through(
     signal: Pieces, edges: Ints, first: Ints, width: int
 ) -> tuple[Floats, Floats]:
-    """Series through `width` intervals from each `first` on, and misses.
+    """Series through `width` intervals from each `first` on, and their misses.
 
-    Series are [piece, coefficient]. The miss of a piece is its largest difference from
+    Series are [piece, coefficient], misses are [piece]. `first` are numbers of
+    intervals between `edges`, ticks. The miss of a piece is its largest difference from
     the signal, at `SHARES` of each interval.
     """
     low = edges[first]
@@ -277,7 +281,8 @@ def backwards(pieces: Any) -> Any:
     """Pieces with time reversed: from the last to the first, at negative ticks.
 
     T_m(-y) = (-1)^m T_m(y). The break at the start of a piece is at its end then, and
-    so at the start of the next one. `pieces` is not changed.
+    so at the start of the next one; the first one has none (SMOOTH). `pieces` is not
+    changed.
     """
     back = pieces[::-1].copy()
     back["start"] = -pieces["end"][::-1]

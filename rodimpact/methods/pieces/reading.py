@@ -12,9 +12,10 @@ from . import lines
 def waves_of(log: Any, count: int) -> list[Any]:
     """The pieces of each of `count` lines of a log, as a table by line.
 
-    Each table has the ``log``, and lists by piece: ``piece``, its ``place`` in the log,
-    its ``start``, tick, and ``passed``, what `passed_by` gives up to the start: the
-    integrals of the wave and of its square.
+    Each table has the ``log``, and lists by piece, in order of time: ``piece``, its
+    ``place`` in the log, its ``start``, tick, and ``passed``, what `passed_by` gives up
+    to the start: the integrals of the wave and of its square. A line without pieces has
+    empty lists.
     """
     waves: list[Any] = [
         {"log": log, "piece": [], "place": [], "start": [], "passed": []}
@@ -57,8 +58,9 @@ def value_at(wave: Any, tick: float) -> float:
 def passed_by(wave: Any, tick: float) -> tuple[float, float]:
     """Integrals of a wave and of its square, over ticks, up to a tick.
 
-    They go from the start of its line, and are 0 before. Those up to the piece that
-    holds there are known: what this piece adds is integrated.
+    They go from the start of its line, and are 0 before. `wave` is a table of
+    `waves_of`: its ``passed`` are the integrals up to the piece at this tick, and what
+    this piece adds is integrated.
     """
     i = place_of(wave, tick)
     begin = wave["start"][i]

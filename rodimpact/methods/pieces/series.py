@@ -130,7 +130,10 @@ def slope(c: Values, y: float) -> float:
 
 
 def set_series(f: Values, c: MutableValues) -> None:
-    """Set c to the coefficients of the series with the values f at the points."""
+    """Set c to the coefficients of the series with the values f at the points.
+
+    Both are of degree N.
+    """
     for m in range(POINTS):
         # Coefficient m is the product of row m of SERIES with the values. The row is
         # taken out of the inner loop, as a view costs more than a product.
@@ -142,9 +145,9 @@ def set_series(f: Values, c: MutableValues) -> None:
 
 
 def integral(f: Values) -> float:
-    """Return the integral over y from -1 to 1 of a polynomial.
+    """Return the integral over y from -1 to 1 of a polynomial with values f.
 
-    It has the values f at the points. The value at the start, f[0], is not needed.
+    They are those at the points. The value at the start, f[0], is not needed.
     """
     s = 0.0
     for j in range(N):
@@ -242,7 +245,7 @@ def first_zero(c: Values, low: float, high: float) -> float:
     """Return the place between `low` and `high` at which the series c falls below 0.
 
     It is found by bisection. The series is 0 or more at `low`, and negative at `high`
-    and at the place returned.
+    and at the place returned. If it has several zeros there, this is one of them.
     """
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
@@ -285,11 +288,11 @@ def place_of_minimum(c: Values, low: float, high: float) -> float:
 
 
 def minimum(c: Values) -> float:
-    """Return the smallest value of the series c.
+    """Return the smallest value of the series c from -1 to 1, or a bound of it.
 
-    It is searched for beside the smallest of samples. A series is
-    c[0] - abs(c[1]) - abs(c[2]) - ... or more. If this bound is not negative, it is
-    returned in place of the smallest value.
+    A series is c[0] - abs(c[1]) - abs(c[2]) - ... or more. If this bound is not
+    negative, it is returned. Else the smallest value is searched for beside the
+    smallest of samples.
     """
     least = c[0]  # the bound
     for m in range(1, POINTS):
@@ -312,13 +315,13 @@ def minimum(c: Values) -> float:
 
 
 def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
-    """Return the largest value of a polynomial, and its place.
+    """Return the largest value of a polynomial, its place, and a possible miss.
 
     It has the values f at the points. c is scratch. The place is searched for beside
     the largest of these values. A vertex beside the outermost points counts too: a
     parabola through three points would miss it. If no value between the points can be
-    more than `least`, the largest of the values at the points is returned: a series is
-    c[0] + abs(c[1]) + abs(c[2]) + ... or less.
+    more than `least`, or none is found, the largest of the values at the points is
+    returned, with a miss of 0: a series is c[0] + abs(c[1]) + abs(c[2]) + ... or less.
     """
     best = 0  # point of the largest value
     for j in range(POINTS):

@@ -70,8 +70,9 @@ def _with_bonds(
     """Signals of all contacts, also of bonds between rigid bodies.
 
     Such a bond is no link, and None among `contacts`: its force follows from the forces
-    beside it, and from the velocities `masses` of the bodies. `push` acts on the left
-    end of the row, `tick` is the duration of a tick, s.
+    beside it, and from the velocities `masses` of the bodies. It has no gap and no
+    episodes. `push` acts on the left end of the row, `tick` is the duration of a tick,
+    s.
     """
 
     def inertia_force(body: int) -> Pieces:
@@ -129,9 +130,10 @@ def _with_wall_force(
 ) -> BoundaryAction | None:
     """What acts on an end of the row: on a wall the force of the nearest contact.
 
-    `body` stands at this end, and `contacts` begin there. Those that are None are bonds
-    of rigid bodies to the wall, which pass the force of the next contact on. The force
-    contains blows.
+    `body` stands at this end, and `contacts` begin there. If it is no wall, or there is
+    no contact but None, `outside` is returned as it is. Contacts that are None are
+    bonds of rigid bodies to the wall, which pass the force of the next contact on. The
+    force contains blows.
     """
     if outside is None or not isinstance(body, Wall):
         return outside
@@ -164,12 +166,12 @@ def _lines(log: Any, count: int) -> list[Pieces]:
 def _contact(
     link: Any, contact_events: Any, lines: list[Pieces], tick: float
 ) -> ContactSignal:
-    """Force, gap and closing velocity of a link, and its episodes.
+    """Force, gap and closing velocity of a link over ticks, and its episodes.
 
     `contact_events` are its rows in the log of contacts, which bound the episodes,
     `tick` is the duration of a tick, s. Blows, the impacts, are forces of one tick, in
-    which the closing velocity is that of their work. Bonds have no gap, and joints no
-    episodes.
+    which the closing velocity is that of their work. Bonds have neither gap nor closing
+    velocity, and joints no episodes.
     """
     # What the lines that follow this one keep: see `layout.number_history_lines`.
     history_line = link["history_line"]
@@ -197,7 +199,11 @@ def _contact(
 
 
 def _rate(signal: Pieces, factor: float) -> Pieces:
-    """Derivative of a signal by ticks times a factor; `NOTHING` of a constant one."""
+    """Derivative of a signal by ticks times a factor.
+
+    It is `NOTHING` if all pieces of the signal are constant; a jump between two has
+    none.
+    """
     if signal.size == 1:  # it has constants only
         return NOTHING
     per_tick = 2 * factor / signal.widths  # y runs through 2 in a piece
@@ -206,7 +212,10 @@ def _rate(signal: Pieces, factor: float) -> Pieces:
 
 
 def _with_tick_value(signal: Pieces, tick: int, value: float) -> Pieces:
-    """The signal with this value from `tick` to the next tick, and else as it was."""
+    """The signal with this value from `tick` to the next tick, and else as it was.
+
+    The given signal is not changed.
+    """
     ticks = each_once(signal.ticks, [tick, tick + 1])
     # The last piece begins at tick + 1 or later, and must last a tick.
     cut = signal.cut(ticks, max(signal.end, tick + 2))
@@ -221,8 +230,8 @@ def _outside(
 ) -> BoundaryAction | None:
     """Force on the left (0) or right (1) end of the row, and the velocity of that end.
 
-    None at a free end. `lines` are the signals of all lines, `frame` is the velocity of
-    the frame.
+    The velocity is seen from the ground, m/s. At a free end None is returned. `lines`
+    are the signals of all lines, `frame` is the velocity of the frame.
     """
     kind, value = row.boundaries[side]
     if kind == "none":

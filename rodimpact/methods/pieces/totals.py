@@ -16,7 +16,9 @@ MISSED_GOAL_FACTOR = 10.0
 def tally_of(link: Any, tick: float, now: int) -> ContactTally:
     """Totals of the contact that a link is, in SI units, in a run up to tick `now`.
 
-    `tick` is the duration of a tick, s. An impact has no peak force: it is nan.
+    `tick` is the duration of a tick, s. An impact has no peak force: it is nan. Without
+    any force the times of first and last force are nan; the last one is `now` while a
+    force acts.
     """
     is_impact = link.law == Law.IMPACT
     if is_impact:
@@ -38,9 +40,11 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
 def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     """Time of the end of the last contact, s; nan without a proof.
 
-    It is found by `status.last_contact`. Contacts that have pressed count. An impact is
-    over at once: one that is open now has parted, even though PRESS was logged last, as
-    it struck.
+    It is 0 if no contact pressed, and inf if one presses for ever.
+    `status.last_contact` finds it, from the ends of force and the openings of all
+    contacts that have pressed; an end is nan while the force acts, an opening while
+    there is none. An impact is over at once: one that is open now has parted, even
+    though PRESS was logged last, as it struck.
 
     `end` is the end of the run, s, `round_trip` the longest time in a body there and
     back, s.
@@ -64,7 +68,11 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
 
 
 def why_stopped(run: Any, has_given_end: bool) -> str:
-    """The reason why a run ended: "max_events", "until", "final" or "clock"."""
+    """The reason why a run ended: "max_events", "until", "final" or "clock".
+
+    The cap on steps comes first, then the given end, then a proof. "clock" is the end
+    of the clock without any of these.
+    """
     if run.stop_reason == Stop.CAP:
         return "max_events"
     if has_given_end:
@@ -77,7 +85,7 @@ def why_stopped(run: Any, has_given_end: bool) -> str:
 def end_of_run(
     run: Any, links: Any, system: Any, stopped_by: str, end: float, t_final: float
 ) -> RunEnd:
-    """Sentences on why a run ended.
+    """Sentences on why a run ended, with its proof if there was one.
 
     Parameters
     ----------
@@ -85,6 +93,7 @@ def end_of_run(
     links : list of LINK
     system : System
     stopped_by : str
+        As of `why_stopped`.
     end, t_final : float
         End of the run, and of the last contact, as of `last_of`, s.
     """
@@ -97,7 +106,11 @@ def end_of_run(
 
 
 def accuracy_sentence(worst: float, goal: float) -> str:
-    """Sentence of the status on the largest stated error; `goal` is rtol."""
+    """Sentence of the status on the largest stated error; `goal` is rtol.
+
+    If the error is more than MISSED_GOAL_FACTOR times the goal, another sentence says
+    so.
+    """
     text = f" Stated relative error: {worst:.1g}."
     if worst > MISSED_GOAL_FACTOR * goal:
         text += f" That is more than rtol = {goal:.6g} asks for."
