@@ -13,9 +13,9 @@ from rodimpact.methods import contact_laws, record_lists
 from rodimpact.methods.link import Law
 from rodimpact.methods.pieces import lines, nodes, profile_pieces, series
 from rodimpact.methods.pieces.records import (
-    HARD,
     LINE,
     LINK,
+    MAX_HARD_ORDER,
     NODE,
     NONE,
     PIECE,
@@ -182,7 +182,7 @@ def line_of(*pieces, delay=0):
     A piece is given by its start and end, the order of the break before it and its
     coefficients. In the log there is room for four more.
     """
-    hard_breaks = sum(order <= HARD for _, _, order, _ in pieces[1:])
+    hard_breaks = sum(order <= MAX_HARD_ORDER for _, _, order, _ in pieces[1:])
     last = len(pieces) - 1
     line = record_with(
         LINE,
@@ -361,7 +361,7 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
     lines.send(run, line, log, 0, node, 500, order)
 
     assert log[1].break_order == sent
-    assert line[0].unread_breaks == int(sent <= HARD)
+    assert line[0].unread_breaks == int(sent <= MAX_HARD_ORDER)
 
 
 @pytest.mark.parametrize(("sent", "order"), [(2.0, 0), (0.5, 1)])

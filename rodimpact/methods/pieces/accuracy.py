@@ -59,6 +59,8 @@ They come first, and their errors fall evenly.
 """
 VELOCITY = 0
 """Place of the velocity among the measures."""
+IMPULSE = 1
+"""Place of the impulse among them."""
 PEAK_FORCE = 2
 """Place of the peak force among them."""
 DURATION = 3
@@ -110,13 +112,15 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     """
     run = fine.run
     tail = run.max_truncation_error / run.velocity_scale
-    loose = LOOSE_FACTOR * tail**LOOSE_POWER
+    loose = LOOSE_FACTOR * tail**LOOSE_POWER  # small tails add next to nothing
     resting = run.resting_velocity / run.velocity_scale
-    # Velocities that the peak forces of the links make
+    # Velocities that the peak forces of the links make, m/s
     velocities = [link.peak_force * link.effective_mobility for link in fine.links]
     strongest = max_abs(velocities) / run.velocity_scale
     round_off = ROUND_OFF * (ROUND_OFFS_OF_STEP + math.sqrt(run.steps))
-    common = round_off * max(1.0, strongest) + loose + resting + FIT_FACTOR * fit
+    # Velocities that are larger than the scale, and cancel, have a larger round-off.
+    round_off = round_off * max(1.0, strongest)
+    common = round_off + loose + resting + FIT_FACTOR * fit
     errors = [common, common, common, common, common]  # of the `MEASURES`
     values = measures_of(fine)
     if all(part.kind != Part.SEGMENT for part in fine.parts):
@@ -318,21 +322,24 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     both runs have in common, is added. An error is 0 where all values of the measure
     are.
     """
-    apart = differences(fine, coarse)
+    apart = differences(fine, coarse)  # by measure
     shared = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale
     apart[VELOCITY] = max(apart[VELOCITY], momentum_error(fine))
-    # Velocities, impulses and peak forces; and the waves in rods
-    worst = max(apart[0], apart[1], apart[2], wave_difference(fine, coarse))
+    worst = max(
+        apart[VELOCITY],
+        apart[IMPULSE],
+        apart[PEAK_FORCE],
+        wave_difference(fine, coarse),
+    )
     lag = max_abs([link.event_lag for link in fine.links])
     errors = []
     for i, values in enumerate(measures_of(fine)):
         largest = max_abs(values)
-        share = LEAST_SHARE
-        is_time = i >= UNTIMED_MEASURES
-        if is_time and largest > 0:
-            share *= max(1.0, lag / largest)
         error = 0.0
         if largest > 0:
+            share = LEAST_SHARE
+            if i >= UNTIMED_MEASURES:  # durations and times
+                share *= max(1.0, lag / largest)
             error = DIFFERENCE_FACTOR * max(apart[i], share * worst) + shared
         errors.append(error)
     return errors

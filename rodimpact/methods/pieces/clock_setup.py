@@ -170,17 +170,18 @@ def family_clock(
     crossing_time = crossing_time_of(row)
     flight_time = flight_time_of(row, scale)
     jump_times = [share * transits[s] for s, share in jumps]
+    # Times that are counted, [time, member]: transit times, then times to jumps
     counted_times = [row.of(time) for time in (*transits, *jump_times)]
-    # Lists by member of the times that are counted: transit times, then times to jumps
-    times_of_members = np.array(counted_times).reshape(-1, row.members).T.tolist()
+    by_time = np.array(counted_times).reshape(-1, row.members)
+    times_of_members = by_time.T.tolist()
     longest_times = row.of(reference)  # `of` gives a number for each member
     crossing_times = row.of(crossing_time)
     flight_times = row.of(flight_time)
     segments = len(transits)
     tick: Any = np.zeros(row.members)  # duration of a tick, s
     end: Any = np.zeros(row.members)  # end of the run, s
-    ticks = np.zeros((segments, row.members), np.int64)  # transit times
-    counted: list[int] = []  # `counted_times` in ticks
+    transit_ticks = np.zeros((segments, row.members), np.int64)
+    counted: list[int] = []  # the times of one member in ticks
     for m, times in enumerate(times_of_members):
         longest = float(longest_times[m])
         if until is None:
@@ -190,14 +191,15 @@ def family_clock(
         else:
             end[m] = until
         tick[m], counted = member_clock(row, times, longest, float(end[m]))
-        ticks[:, m] = counted[:segments]
+        transit_ticks[:, m] = counted[:segments]
     shape = row.system.shape
     tick = tick.reshape(shape)
     last_tick: Any = np.rint(end.reshape(shape) / tick)
-    by_segment: Any = [*ticks.reshape((segments, *shape))]
+    by_segment: Any = [*transit_ticks.reshape((segments, *shape))]
     if not row.segments:
         refuse_short_contacts(row, tick)
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
-    # Only a single row, not a family, has states that jump:
-    # `counted` is that of its only member.
-    return clock, dict(zip(jumps, counted[segments:], strict=True))
+    # Only a single row, not a family, has states that jump: `counted` is that of its
+    # only member.
+    jump_ticks = counted[segments:]
+    return clock, dict(zip(jumps, jump_ticks, strict=True))

@@ -222,7 +222,7 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
             touch = Status.OPEN.value
         else:
             touch = Status.GRAZE.value
-        start = node.now  # since when it did that
+        touch_start = node.now  # since when it did that
         if link.status != Status.OPEN and link.status != Status.GRAZE:  # a force acts
             # The integral is over y, which runs through 2 in the time h.
             link.impulse += 0.5 * h * series.integral(link.force)
@@ -237,15 +237,17 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
                 touch = Status.PRESS.value
                 link.fading_ticks = 0
                 # The piece may end with a force that counts as none.
-                if not presses(run, link, link.force[N], link.overlaps[N]):
+                presses_at_end = presses(run, link, link.force[N], link.overlaps[N])
+                if not presses_at_end:
                     link.fading_ticks = ticks
-                # A force that was faint until now has begun when the contact closed.
-                start -= max(link.faint_ticks, 0)
-                link.force_ticks += node.now + ticks - start
+                # A force that was faint until now has begun when the contact closed;
+                # NONE, which is below 0, is a faint force that does not count.
+                touch_start -= max(link.faint_ticks, 0)
+                link.force_ticks += node.now + ticks - touch_start
         can_open = link.law >= Law.RIGID  # no bond, push or joint
         if can_open and touch != link.logged_status:
             log_contact_change(
-                run, state.contact_log, link, node.first_link + q, start, touch
+                run, state.contact_log, link, node.first_link + q, touch_start, touch
             )
         link.faint_ticks = count_faint_ticks(run, link, touch, ticks)
     for i in range(node.link_count - 1):

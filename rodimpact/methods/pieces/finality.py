@@ -63,11 +63,11 @@ def check_finality(state: State, tick: int) -> None:
             and run.stop_reason == Stop.NONE
             and tick < run.end_tick
         ):
-            time = time_until_over(run, state.links, parts)
-            # However long the time is, the tick of the next look stays below NEVER.
-            ticks = int(min(time / run.tick_duration, 0.5 * NEVER)) + 1
+            wait = time_until_over(run, state.links, parts)
+            # However long the wait is, the tick of the next look stays below NEVER.
+            ticks = int(min(wait / run.tick_duration, 0.5 * NEVER)) + 1
             run.next_proof_tick = tick + max(run.proof_interval, ticks)
-            if time == 0:
+            if wait == 0:  # it is proved
                 run.proved_tick = tick
                 run.next_proof_tick = NEVER
                 run.end_tick = min(run.end_tick, tick + run.ticks_after_proof)
@@ -109,19 +109,18 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
             continue
         left = parts[link.left_group]
         right = parts[link.right_group]
-        is_link_quiet = is_quiet(link, left, tolerance) and is_quiet(
-            link, right, tolerance
-        )
-        is_all_quiet = is_all_quiet and is_link_quiet
-        time = time_until_apart(link, left, right, tolerance)
+        is_left_quiet = is_quiet(link, left, tolerance)
+        is_right_quiet = is_quiet(link, right, tolerance)
+        is_all_quiet = is_all_quiet and is_left_quiet and is_right_quiet
+        wait = time_until_apart(link, left, right, tolerance)
         # A compliant contact counts as pressed until
         # it opens; a rigid one while it has a force.
         has_force = link.force[N] * link.effective_mobility > run.graze_velocity
         is_compliant = link.law > Law.IMPACT  # a spring, or a law after it
         is_pressed = link.status != Status.OPEN and (is_compliant or has_force)
-        is_over = is_over and time == 0 and not is_pressed
-        if link.status == Status.OPEN and time < math.inf:
-            longest = max(longest, time)
+        is_over = is_over and wait == 0 and not is_pressed
+        if link.status == Status.OPEN and wait < math.inf:
+            longest = max(longest, wait)
     if is_over or is_all_quiet:
         return 0.0
     return max(longest, run.tick_duration)

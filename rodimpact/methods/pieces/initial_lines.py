@@ -16,7 +16,7 @@ from ..scales import wave_of_strain
 from ..signals import Ints, Pieces
 from . import layout, profile_pieces
 from .layout import InitialLine, RunRequest
-from .records import HARD, NONE, PIECE
+from .records import MAX_HARD_ORDER, NONE, PIECE
 
 EXACT_FIT = 2.0**-48
 """Largest miss of waves of an earlier run, over the velocity scale."""
@@ -163,8 +163,7 @@ class InitialLines:
         count = pieces.shape[1]
         pieces["line"] = number
         pieces["next"] = [*range(first_row + 1, first_row + count), NONE]
-        # The lower the order of a break, the harder it is.
-        is_hard = pieces["break_order"][0, 1:] <= HARD
+        is_hard = pieces["break_order"][0, 1:] <= MAX_HARD_ORDER
         hard_breaks = int(np.sum(is_hard))
         duration = int(pieces["end"][0, -1] - pieces["start"][0, 0])
         self.log.append(pieces)
@@ -190,9 +189,10 @@ class InitialLines:
         scale = float(self._clock.scale)
         tolerance = self._request.tolerance * scale / 4  # m/s
         # Polynomials along a rod are the state of an earlier run.
-        is_state = any(isinstance(profile, Polynomials) for profile, _ in profiles)
-        if is_state and not is_drive:
-            largest_miss = EXACT_FIT * scale  # keeps the waves of an earlier run
+        has_polynomials = any(isinstance(p, Polynomials) for p, _ in profiles)
+        is_state = has_polynomials and not is_drive
+        if is_state:
+            largest_miss = EXACT_FIT * scale
         else:
             largest_miss = tolerance
         # The tolerance is also the smallest change that makes a break.
@@ -329,7 +329,6 @@ class InitialLines:
         to a tick after the end of the run, which is given then.
         """
         tick = self._clock.tick
-        start = signal.start + value * signal.factor
         if np.any(np.asarray(signal.slope) != 0):  # a velocity, whose factor is 1
             stop = np.rint(self._request.until / tick) + 1  # a tick more than the run
             # The straight line is middle + half y.
@@ -337,7 +336,7 @@ class InitialLines:
             middle = signal.start + value + half
             piece = layout.piece_of(0, stop, [middle, half])
         else:
-            piece = layout.constant_wave(start)
+            piece = layout.constant_wave(signal.start + value * signal.factor)
         return records_of_family([piece], PIECE, self._row)
 
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:

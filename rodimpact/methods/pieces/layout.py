@@ -198,17 +198,18 @@ def make_run(
     """
     run = blank(1, RUN)[0]
     # Mean number of hard breaks in the shortest transit, on the line with the most
-    breaks = 0
+    breaks_per_transit: Any = 0
     for line in initial_lines:
         run.piece_count += line.piece_count
         if line.hard_breaks > 0:
             in_transit = np.floor(line.hard_breaks * (shortest / line.ticks))
-            breaks = np.maximum(breaks, in_transit)
+            breaks_per_transit = np.maximum(breaks_per_transit, in_transit)
     reference = clock.reference / clock.tick
     run.tick_duration = clock.tick
     run.velocity_scale = clock.scale
     run.tolerance = request.tolerance * clock.scale
-    floors = FLOORS_PER_TRANSIT + FLOORS_PER_BREAK * breaks
+    # Number of pieces of the least duration, the floor, in the shortest transit
+    floors = FLOORS_PER_TRANSIT + FLOORS_PER_BREAK * breaks_per_transit
     run.min_break_spacing = np.maximum(shortest // floors, MIN_FLOOR)
     run.shortest_transit = shortest
     run.graze_velocity = GRAZE_VELOCITY * clock.scale

@@ -10,11 +10,16 @@ from typing import NamedTuple
 
 from ..compiling import borrowed
 from . import series
-from .records import HARD, NONE, SMOOTH, Lines, Log, Node, Piece, Run
+from .records import MAX_HARD_ORDER, NONE, SMOOTH, Lines, Log, Node, Piece, Run
 from .series import POINTS, WEIGHTS, MutableValues, N, Values, X
 
 CONTINUITY_RTOL = 1e-4
 """Jump of a wave over the tolerance, below which the wave counts as continuous."""
+SMOOTHNESS_RTOL = 4
+"""Change of values by jumps of slope and curvature, over the tolerance.
+
+Up to it the wave counts as smooth.
+"""
 
 
 class Moments(NamedTuple):
@@ -50,7 +55,7 @@ def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
         and log[line.read_piece].end + line.delay <= tick
     ):
         line.read_piece = log[line.read_piece].next
-        if log[line.read_piece].break_order <= HARD:  # the lower its order, the harder
+        if log[line.read_piece].break_order <= MAX_HARD_ORDER:
             line.unread_breaks -= 1
 
 
@@ -66,7 +71,7 @@ def rewind(lines: Lines, log: Log, l: int) -> None:
     # A break is at the start of a piece; that of the first one is not counted.
     i = log[line.first_piece].next
     while i != NONE:
-        if log[i].break_order <= HARD:  # the lower its order, the harder
+        if log[i].break_order <= MAX_HARD_ORDER:
             line.unread_breaks += 1
         i = log[i].next
 
@@ -84,11 +89,11 @@ def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
     """
     delay = lines[l].delay
     i = log[lines[l].read_piece].next
-    # The break at the start of piece i arrives at the tick start + delay. It is hard if
-    # its order is low.
+    # The break at the start of piece i arrives a delay after it was sent.
     while i != NONE and log[i].start + delay < end:
-        if log[i].break_order <= HARD and log[i].start + delay > tick:
-            return int(log[i].start + delay)
+        arrival = log[i].start + delay
+        if log[i].break_order <= MAX_HARD_ORDER and arrival > tick:
+            return int(arrival)
         i = log[i].next
     return end
 
@@ -117,18 +122,17 @@ def sample(
     moved.
     """
     begin = tick - lines[l].delay  # when the wave was sent
+    end = begin + ticks
     piece = log[lines[l].read_piece]
-    if piece.degree == 0 and begin + ticks <= piece.end:  # one constant piece holds
+    if piece.degree == 0 and end <= piece.end:  # one constant piece holds all the time
         for j in range(POINTS):
             f[j] = piece.coefficients[0]
         return
     for j in range(POINTS):
         u = 0.5 * (X[j] + 1) * ticks  # time since `begin`, ticks
-        # Go on to the piece that holds at this time; but not beyond a piece that ends
-        # where the sampled time ends.
-        while (
-            piece.next != NONE and begin + u > piece.end and piece.end < begin + ticks
-        ):
+        # Go on to the piece that holds at this time. By round-off the last time may be
+        # beyond `end`: a piece that ends there is not left.
+        while piece.next != NONE and begin + u > piece.end and piece.end < end:
             piece = log[piece.next]
         # Place of this time in the piece, from -1 to 1
         y = 2 * ((begin - piece.start) + u) / (piece.end - piece.start) - 1
@@ -153,19 +157,18 @@ def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
         low = max(begin, piece.start)
         high = min(begin + ticks, piece.end)
         if high > low:
+            share = (high - low) / ticks  # of the time, in this piece
             for j in range(N):
                 u = 0.5 * (X[j + 1] + 1) * (high - low)  # time since `low`
                 # Places of this time: in the piece, and in the time of the moments
                 in_piece = 2 * ((low - piece.start) + u) / (piece.end - piece.start) - 1
                 y = 2 * ((low - begin) + u) / ticks - 1
-                v = at(piece, in_piece) - speed
-                # v times its weight:
-                # the part of the piece is (high - low)/ticks of the time
-                w = (high - low) / ticks * WEIGHTS[j] * v
-                whole += w
-                tilt += w * y
-                bend += w * (1.5 * y * y - 0.5)  # P2
-                square += w * v
+                w = at(piece, in_piece) - speed
+                weighted = share * WEIGHTS[j] * w
+                whole += weighted
+                tilt += weighted * y
+                bend += weighted * (1.5 * y * y - 0.5)  # P2
+                square += weighted * w
         i = piece.next
     return Moments(whole, tilt, bend, square)
 
@@ -272,13 +275,13 @@ def send(
     i = append_values(
         run, lines, log, l, node.now, ticks, node.outgoing, node.scratch_series
     )
-    if i != NONE and order <= HARD:  # a hard break, if the wave does jump
+    if i != NONE and order <= MAX_HARD_ORDER:  # a hard break, if the wave does jump
         log[i].break_order = order
         classify_break(run, lines, log, old, i)
-    if i != NONE and log[i].break_order > HARD:  # no hard break so far
+    if i != NONE and log[i].break_order > MAX_HARD_ORDER:  # no hard break so far
         starts_to_change = log[old].degree == 0 and log[i].degree > 0
         if starts_to_change:
-            log[i].break_order = HARD
+            log[i].break_order = MAX_HARD_ORDER
             lines[l].unread_breaks += 1
 
 
@@ -313,9 +316,9 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
         sign = -sign
     if abs(jump) <= CONTINUITY_RTOL * run.tolerance:
         new.break_order = max(new.break_order, 1)
-        if abs(slope) + abs(bend) <= 4 * run.tolerance:
+        if abs(slope) + abs(bend) <= SMOOTHNESS_RTOL * run.tolerance:
             new.break_order = SMOOTH
-    if new.break_order <= HARD:  # it stays a hard one
+    if new.break_order <= MAX_HARD_ORDER:  # it stays a hard one
         lines[new.line].unread_breaks += 1
 
 
@@ -351,5 +354,5 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
         # The start of the piece arrives now,
         # and its break is sent on: one more, if it is hard.
         log[i].break_order = piece.break_order
-        lines[target].unread_breaks += piece.break_order <= HARD
+        lines[target].unread_breaks += piece.break_order <= MAX_HARD_ORDER
     return int(stop)

@@ -15,7 +15,7 @@ from ..compiling import borrowed
 from ..states import Status, Stop
 from . import event_errors, event_location, events, finality, lines, nodes, series
 from .event_location import Event
-from .records import HARD, NEVER, NONE, Lines, Log, Node, Nodes, Run, State
+from .records import MAX_HARD_ORDER, NEVER, NONE, Lines, Log, Node, Nodes, Run, State
 from .series import N
 
 MAX_STATUS_CHANGES = 1000
@@ -105,9 +105,9 @@ def run_nodes(state: State) -> int:
         # `last_proof_tick` is the tick of the last check, whether it proved anything or
         # not. The first one is due at once: it notes the velocities at t = 0.
         is_due = run.last_proof_tick == NONE or earliest.now >= check_tick
-        is_log_full = run.piece_count + step_rows > len(state.log)
-        event_rows = run.contact_event_count + step_events
-        is_full = is_log_full or event_rows > len(state.contact_log)
+        rows_after = run.piece_count + step_rows  # of the logs, after one more step
+        events_after = run.contact_event_count + step_events
+        is_full = rows_after > len(state.log) or events_after > len(state.contact_log)
         if not is_due and run.steps >= run.max_steps:
             run.stop_reason = Stop.CAP.value
         elif not is_due and is_full:
@@ -152,8 +152,7 @@ def advance(state: State, node: Node) -> bool:
         lines.advance_to(all_lines, log, node.incoming_lines[side], tick)
     left_order = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
     right_order = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
-    # The lower the order of a break, the harder it is.
-    is_after_break = left_order <= HARD or right_order <= HARD
+    is_after_break = left_order <= MAX_HARD_ORDER or right_order <= MAX_HARD_ORDER
     limit = piece_end(state, node, is_after_break) - tick
     result = solve(state, node, limit)
     if result.ticks == 0:
@@ -314,7 +313,8 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
     )
     if run.next_proof_tick > tick:
         limit = min(limit, run.next_proof_tick)
-    end = min(limit, tick + node.next_ticks)
+    wanted_end = tick + node.next_ticks
+    end = min(limit, wanted_end)
     # The first hard break before `end`, or `end` itself
     end = lines.next_break(all_lines, log, left, tick, end)
     end = lines.next_break(all_lines, log, right, tick, end)
@@ -331,11 +331,11 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
         # that begins with it.
         for side in range(2):
             source = node.incoming_lines[side]
-            # The lower the order of a break, the harder it is.
-            if lines.order_at(all_lines, log, source, tick) <= HARD:
+            if lines.order_at(all_lines, log, source, tick) <= MAX_HARD_ORDER:
                 piece = log[all_lines[source].read_piece]
-                end = min(end, tick + 2 * (piece.end - piece.start))
-    is_limited = tick == 0 or end < tick + node.next_ticks
+                incoming_ticks = piece.end - piece.start
+                end = min(end, tick + 2 * incoming_ticks)
+    is_limited = tick == 0 or end < wanted_end
     if run.halves_pieces and is_limited and end > node.halved_until:
         # A first piece, like one that breaks limit, is as long at any tolerance: the
         # comparison differs there only if it halves the piece. The second half is not
@@ -389,13 +389,14 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
         is_accepted = is_smooth or node.is_averaging or ticks <= MIN_PIECE_TICKS
         if error >= 0 and is_accepted:
             event = event_location.next_event(run, links, node, h)
-            start_ticks = 0.5  # an event before is at the start
+            start_ticks = 0.5  # an event earlier than this is at the start
             if event.link != NONE and links[event.link].status == Status.OPEN:
-                # It closes with what arrives at the start
+                # A contact closes together with what arrives at the start
                 start_ticks = run.event_window
             # The position of the event runs from -1 at the start to 1 at the end.
             ticks_to_event = 0.5 * (event.position + 1) * ticks
-            if event.link == NONE or ticks_to_event >= start_ticks:
+            is_after_start = ticks_to_event >= start_ticks
+            if event.link == NONE or is_after_start:
                 return PieceResult(ticks, error, event)
             changes += 1
             if changes > MAX_STATUS_CHANGES:

@@ -445,11 +445,14 @@ def _columns_of(family: Members, refused: Any) -> Columns:
     before, after = _body_velocities(family)
     final = (run["proved_tick"] >= 0) & ~refused
     is_capped = run["stop_reason"] == Stop.CAP
+    vibration = zero_or_nan
+    for energy in vibration_of(family):
+        vibration = vibration + energy
     return family_columns(
         row.system,
         before=[zero_or_nan + velocity for velocity in before],
         after=[zero_or_nan + velocity for velocity in after],
-        vibration=sum(vibration_of(family), zero_or_nan),  # of all bodies together
+        vibration=vibration,
         contacts=_contact_columns(family, zero_or_nan),
         final=final,
         status=status_column(refused, final, is_capped, family.request.until),

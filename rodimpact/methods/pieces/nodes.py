@@ -106,16 +106,15 @@ def start_forces(links: Links, node: Node) -> int:
         if acts and (node.link_count > 1 or overlap_changes(link)):
             link.unknown_index = unknown_count
             unknown_count += 1
+        # Bonds and contacts that press have given forces only between two rods.
+        holds = is_bond or link.status == Status.PRESS
+        is_alone = holds and link.unknown_index == NONE
         for j in range(POINTS):
             link.force[j] = 0.0
             if is_push:
                 side = link.law - Law.PUSH_LEFT  # 0 for PUSH_LEFT, 1 for PUSH_RIGHT
                 link.force[j] = node.incoming[side][j]
-            elif link.unknown_index == NONE and (
-                is_bond or link.status == Status.PRESS
-            ):
-                # It is the only link between two rods, and its faces keep one velocity:
-                # closing - Y F = 0.
+            elif is_alone:  # its faces keep one velocity: closing - Y F = 0
                 closing = node.incoming[0][j] - node.incoming[1][j]
                 link.force[j] = closing / link.mobility
     return unknown_count
@@ -305,32 +304,34 @@ def set_block(
     with S = STAGES, S S = TWICE and the elastic share. The block is 1 (if same, and not
     at rest) less by_closing times the first and by_overlap times the second.
     """
-    # Factors of the matrices in the docstring
     half = 0.5 * h
-    by_closing = half * by_impulse
-    share = half * elastic_share(link)
-    by_force = 0.0  # share (h/2) Y
+    closing_factor = half * by_impulse  # closing changes by this times S x
+    overlap_factor = half * elastic_share(link)  # d by this times S (...)
+    own_factor = 0.0  # share (h/2) Y, if same
     identity = 0.0
     if is_same:
-        by_force = share * link.mobility
+        own_factor = overlap_factor * link.mobility
         if link.status != Status.REST:
             identity = 1.0
-    # Number of stages by which a mass between both links couples them
+    # Columns to which S S adds: it is the effect of a mass, on its velocity and then on
+    # the overlap. Without a mass between both links `by_impulse` is 0.
     if by_impulse == 0:
-        coupled = 0
+        twice_columns = 0
     else:
-        coupled = N
+        twice_columns = N
     for j in range(N):
         row = G[N * link.unknown_index + j]
         stages = STAGES[j]
         twice = TWICE[j]
-        # Changes x of the force change what the tangent
-        # law says at stage j by (a S + b S S) x.
-        a = link.by_closing[j + 1] * by_closing - link.by_overlap[j + 1] * by_force
-        b = link.by_overlap[j + 1] * share * by_closing
+        # Changes x of the force change what the tangent law says at stage j, which is
+        # point j + 1, by (a S + b S S) x.
+        by_closing = link.by_closing[j + 1]
+        by_overlap = link.by_overlap[j + 1]
+        a = by_closing * closing_factor - by_overlap * own_factor
+        b = by_overlap * overlap_factor * closing_factor
         for m in range(N):
             row[column + m] = -a * stages[m]
-        for m in range(coupled):
+        for m in range(twice_columns):
             row[column + m] -= b * twice[m]
         row[column + j] += identity
 
@@ -364,10 +365,8 @@ def take_step(
         link = links[node.first_link + q]
         if link.unknown_index != NONE and overlap_changes(link):
             for j in range(1, POINTS):
-                is_stiff = link.by_overlap[j] * run.velocity_scale * h > abs(
-                    link.force[j]
-                )
-                if is_stiff:
+                typical_rise = link.by_overlap[j] * run.velocity_scale * h  # N
+                if typical_rise > abs(link.force[j]):  # it is stiff
                     damped = link.by_closing[j] * link.closing[j]
                     elastic = link.force[j] - link.base[j] - damped
                     link.overlaps[j] = elastic / link.by_overlap[j]

@@ -12,7 +12,7 @@ from numpy.polynomial import chebyshev
 from ...model import Polynomials, Samples, Steps
 from ..signals import ROUND_OFF, Floats, Ints, Pieces, each_once
 from .lines import CONTINUITY_RTOL
-from .records import HARD, PIECE, SMOOTH
+from .records import MAX_HARD_ORDER, PIECE, SMOOTH
 from .series import POINTS, SERIES, N, X
 
 MAX_LEVELS = 12
@@ -134,8 +134,10 @@ def in_pieces(
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
     jumps = changes > CONTINUITY_RTOL * break_size + round_off
     borders = _borders_of_rest(signal, edges, round_off)  # [edge]
-    # No piece reaches across a jump, or into what is constant.
-    fitted = _fit_longest(signal, edges, jumps | borders[1:], largest_miss)
+    # No piece reaches across a jump, or into what is constant. `jumps` leaves out the
+    # first edge: its place k is edge k + 1.
+    barriers = jumps | borders[1:]
+    fitted = _fit_longest(signal, edges, barriers, largest_miss)
     first = fitted.first  # interval with which each piece begins, that is its edge
     series = fitted.series
     is_constant = np.abs(series[:, 1:]).sum(axis=1) <= round_off
@@ -147,7 +149,7 @@ def in_pieces(
     # The order of a break is 0 where the value jumps, 1 where the slope does.
     kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)
     order = np.where(jumps[inner - 1], 0, kink_order)
-    order = np.where(borders[inner], np.minimum(order, HARD), order)
+    order = np.where(borders[inner], np.minimum(order, MAX_HARD_ORDER), order)
     pieces = np.zeros(len(series), PIECE)
     pieces["start"] = starts
     pieces["end"] = stops
@@ -216,32 +218,32 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
     n = len(edges) - 1
     # Number of intervals of a piece: first the least power of 2 that is not below n
     width = 1 << min(MAX_LEVELS, max(n - 1, 0).bit_length())
-    first = np.arange(0, n, width)  # first interval of each piece that is tried
+    tried = np.arange(0, n, width)  # first interval of each piece that is tried
     firsts = list[Ints]()  # first intervals of pieces that fit
     all_series = list[Floats]()
     worst = 0.0
     while width > 1:
-        stop = np.minimum(first + width, n)
-        is_whole = first + width == stop  # it does not go beyond the last interval
+        stop = np.minimum(tried + width, n)
+        is_whole = tried + width == stop  # it does not go beyond the last interval
         # No jump is between its first interval and its last one.
-        has_no_jump = jumps_before[stop - 1] == jumps_before[first]
+        has_no_jump = jumps_before[stop - 1] == jumps_before[tried]
         may_fit = is_whole & has_no_jump
-        series, misses = _through(signal, edges, first[may_fit], width)
-        fits = misses <= tolerance  # among those that may fit
-        good = may_fit.copy()  # the same among all that are tried
-        good[may_fit] = fits
+        series, misses = _through(signal, edges, tried[may_fit], width)
+        fits = misses <= tolerance  # of those that may fit
+        is_accepted = may_fit.copy()  # of all that are tried
+        is_accepted[may_fit] = fits
         worst = max(worst, misses[fits].max(initial=0.0))
-        firsts.append(first[good])
+        firsts.append(tried[is_accepted])
         all_series.append(series[fits])
         width //= 2
-        halved = first[~good]
-        first = np.concatenate((halved, halved + width))  # both halves are tried
-        first = first[first < n]
+        halved = tried[~is_accepted]
+        tried = np.concatenate((halved, halved + width))  # both halves are tried next
+        tried = tried[tried < n]
     # What is left are single intervals.
-    own_series = signal.cut(edges[:-1], int(edges[-1])).coefficients[first]
-    single = np.zeros((len(first), POINTS))
+    own_series = signal.cut(edges[:-1], int(edges[-1])).coefficients[tried]
+    single = np.zeros((len(tried), POINTS))
     single[:, : own_series.shape[1]] = own_series
-    firsts.append(first)
+    firsts.append(tried)
     all_series.append(single)
     begin = np.concatenate(firsts)
     order = np.argsort(begin)

@@ -40,7 +40,7 @@ class Part(IntEnum):
 
 
 SMOOTH = 99  # order of a break where no derivative jumps
-HARD = 2  # largest order of a break that ends a piece: a jump of the second derivative
+MAX_HARD_ORDER = 2  # a break ends a piece if a derivative up to this one jumps
 NONE = -1  # no piece, no line, no link, no tick
 NEVER = 1 << 61  # tick that is never reached
 
