@@ -292,8 +292,9 @@ def momentum_error(fine: Ended) -> float:
         return 0.0
     worst = 0.0
     for first, head in enumerate(fine.parts):
-        # A group is named by the number of its first part, here `first`.
-        mass = 0.0  # it stays 0 where `head` is not the first part of a group
+        if head.part_count == 0:  # it is not the first part of a group
+            continue
+        mass = 0.0
         is_free = True
         for part in fine.parts[first : first + head.part_count]:
             mass += part.mass
@@ -302,6 +303,7 @@ def momentum_error(fine: Ended) -> float:
         if is_free and mass > 0:
             momentum = 0.0  # gained since t = 0
             for link in fine.links:
+                # A link knows a group by the number of its first part.
                 if link.right_group == first:
                     momentum += link.impulse
                 if link.left_group == first:

@@ -65,9 +65,9 @@ def contact_times(row: Row) -> dict[int, Any]:
     for i, link in enumerate(row.links):
         if np.any(np.asarray(link.stiffness) > 0):  # it is compliant
             q = link.exponent + 1
-            # This is d/v^(2/q).
-            depth = (q / 2 * largest(row.masses) / link.stiffness) ** (1 / q)
-            times[i] = 3 * depth * v ** (2 / q - 1)
+            depth_factor = (q / 2 * largest(row.masses) / link.stiffness) ** (1 / q)
+            # d is depth_factor v^(2/q), which is divided by v.
+            times[i] = 3 * depth_factor * v ** (2 / q - 1)
     return times
 
 
@@ -95,8 +95,8 @@ def refuse_short_contacts(row: Row, tick: Any) -> None:
     speeds = velocities_of(row)
     moving = largest(speeds) > smallest(speeds)
     times = contact_times(row)
-    for k, i in enumerate(row.contact_link):
-        if i not in times:
+    for k, i in enumerate(row.contact_link):  # contact k is link i
+        if i not in times:  # it is not compliant
             continue
         is_short = times[i] <= MIN_TRANSIT * tick
         if not np.any(moving & is_short):
@@ -143,7 +143,8 @@ def member_clock(
     transits = counted[: len(row.segments)]
     if transits and min(transits) <= MIN_TRANSIT:
         s = transits.index(min(transits))  # the shortest segment, counted from 0
-        raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
+        path = row.paths[s + 1]  # paths are counted from 1
+        raise InvalidModel([too_short(path, times[s], max(times))])
     return longest / longest_ticks, counted
 
 

@@ -222,6 +222,7 @@ class Members:
         while stop == Stop.CAP and steps < limit:
             slice_steps = COMPILED_STEPS
             if not batch.is_compiled:
+                # Each slice is half as long as all before it: few decisions, none late
                 slice_steps = max(PLAIN_STEPS, steps // 2)
             self._set_limit(min(limit, steps + slice_steps))
             stop = self._run_slice()
@@ -250,7 +251,8 @@ class Members:
         0.
         """
         reached = min(node.now for node in self.batch.objects("nodes"))
-        if run.ticks_after_proof != NEVER or reached <= 0:
+        is_ended_by_proof = run.ticks_after_proof != NEVER
+        if is_ended_by_proof or reached <= 0:
             return None
         expected = int(run.steps * (float(run.end_tick) / reached)) + 1
         return min(self.request.limit, expected)
@@ -292,7 +294,8 @@ class Members:
         longest = max(transits, default=0.0)
         if longest <= UNEQUAL_TRANSITS * shortest:
             return "stop earlier, or take a larger rtol"
-        path = self.row.paths[transits.index(shortest) + 1]
+        s = transits.index(shortest)  # counted from 0, while paths are from 1
+        path = self.row.paths[s + 1]
         return (
             f"no piece is longer than the transit time of {path}, which is "
             f"{shortest / longest:.1g} of the longest: make it longer, replace it by a "

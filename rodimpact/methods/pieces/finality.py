@@ -53,16 +53,13 @@ def check_finality(state: State, tick: int) -> None:
     if run.proved_tick == NONE or run.has_bonds:  # joined bodies go on changing
         read_lines_at(state, tick)
         update_groups(state, tick)
-        if run.last_proof_tick == NONE:
+        # The cap on steps has ended the run, or this is its last tick.
+        has_ended = run.stop_reason != Stop.NONE or tick >= run.end_tick
+        wants_proof = run.next_proof_tick < NEVER and not has_ended
+        if run.last_proof_tick == NONE:  # the first check
             for i in range(len(parts)):
                 parts[i].initial_velocity = parts[i].group_velocity
-        # A proof is wanted, and the run has not ended: neither by the cap on steps, nor
-        # at its last tick.
-        elif (
-            run.next_proof_tick < NEVER
-            and run.stop_reason == Stop.NONE
-            and tick < run.end_tick
-        ):
+        elif wants_proof:
             wait = time_until_over(run, state.links, parts)
             # However long the wait is, the tick of the next look stays below NEVER.
             ticks = int(min(wait / run.tick_duration, 0.5 * NEVER)) + 1

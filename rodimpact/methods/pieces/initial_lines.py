@@ -163,6 +163,8 @@ class InitialLines:
         count = pieces.shape[1]
         pieces["line"] = number
         pieces["next"] = [*range(first_row + 1, first_row + count), NONE]
+        # Breaks and duration are those of the first member: members of a family have a
+        # single piece each.
         is_hard = pieces["break_order"][0, 1:] <= MAX_HARD_ORDER
         hard_breaks = int(np.sum(is_hard))
         duration = int(pieces["end"][0, -1] - pieces["start"][0, 0])
@@ -232,7 +234,7 @@ class InitialLines:
         # before t = 0, so that time runs against x.
         wave = (v + strain.times(-c)).plus(-frame)
         pieces = self._fit_pieces(wave, 0, T, *profiles)
-        self._add(profile_pieces.backwards(pieces)[None])
+        self._add(profile_pieces.backwards(pieces)[None])  # [member, piece]
         # The part of b at x left the right end T - x/c before t = 0.
         wave = (v + strain.times(c)).plus(-frame).later(-T)
         pieces = self._fit_pieces(wave, -T, 0, *profiles)

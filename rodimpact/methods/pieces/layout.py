@@ -275,7 +275,8 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
         end.outgoing_lines[side] = NONE
         if outside[side] == NONE:
             end.is_free_end = 1
-        if row.boundaries[side][0] == "absorbing":  # an endless rod is bonded to it
+        if row.boundaries[side][0] == "absorbing":
+            # An endless rod, which goes on with the last segment, has its impedance.
             inner_side = 1 - side
             end.mobility[side] = end.mobility[inner_side]
     return nodes

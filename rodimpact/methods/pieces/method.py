@@ -172,6 +172,7 @@ def stated_errors(
         tolerance=COARSER * fine.request.tolerance, keep=False
     )
     coarse = Members(fine.row, coarser)
+    # Record arrays have their fields as attributes, like a single run.
     prepare_second_run(fine.runs.view(np.recarray), coarse.runs.view(np.recarray))
     coarse.run_all(members, should_stop, report)
     errors = np.full((len(fine.runs), len(runs.MEASURES)), math.nan)
@@ -239,8 +240,8 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
         events=run.steps,
         contacts=_tallies(row, ended.links, tick, end_tick, make_signals),
         motion=(
-            Motion(_floats(before), [], math.nan),
-            Motion(_floats(after), vibration, math.nan),
+            Motion(velocities=_floats(before), vibration=[], kinetic=math.nan),
+            Motion(velocities=_floats(after), vibration=vibration, kinetic=math.nan),
         ),
         accuracy=accuracy,
         make_signals=make_signals,

@@ -114,7 +114,8 @@ def _masses(
     masses = {}
     for body, m in enumerate(row.mass_of):
         if m >= count:  # the body is bonded to a wall
-            speed = float(row.boundaries[m - count][1])
+            side = m - count  # 0 for the left wall, 1 for the right one
+            speed = float(row.boundaries[side][1])
             masses[body] = Pieces.through([0, end], np.full(2, speed)) - frame
         elif m >= 0:
             velocity = lines[state.masses["history_line"][m]]
@@ -187,9 +188,9 @@ def _contact(
     # An impact takes no time; here it takes the tick before it.
     blow_ticks = np.maximum(blows["tick"] - 1, 0)
     for blow_tick in np.unique(blow_ticks):
-        together = blows[blow_ticks == blow_tick]
-        impulse = together["impulse"].sum()
-        work = (together["impulse"] * together["mean_closing"]).sum()
+        simultaneous = blows[blow_ticks == blow_tick]
+        impulse = simultaneous["impulse"].sum()
+        work = (simultaneous["impulse"] * simultaneous["mean_closing"]).sum()
         force = _with_tick_value(force, int(blow_tick), float(impulse) / tick)
         closing = _with_tick_value(closing, int(blow_tick), float(work / impulse))
     if link["law"] < Law.RIGID:  # a joint does not open
