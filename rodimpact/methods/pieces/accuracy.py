@@ -104,11 +104,14 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
 
     All measures have a common error: the round-off of the steps, an error that large
     truncation errors add, the velocity of parting bodies that counted as rest, and
-    FIT_FACTOR times `fit`. This is the largest miss of given functions by their pieces,
-    over the velocity scale. Peak forces, durations and times are decided by values at
-    single places, which two runs may miss alike: peak forces also have what their
-    bounds leave open, durations and times the error of events, and the time in which a
-    force counted as none. This is added only if the measure has a value that is not 0.
+    FIT_FACTOR times `fit`, the largest miss of given functions by their pieces; all
+    over the velocity scale.
+
+    Single values decide peak forces, and times at which contacts close and open: two
+    runs may miss them alike. So peak forces also have what their bounds leave open;
+    durations and times have the error of events, the time in which a force counted as
+    none, and without rods what `add_faint_times` adds. A measure whose values are all 0
+    has the common error only.
     """
     run = fine.run
     tail = run.max_truncation_error / run.velocity_scale
@@ -190,7 +193,8 @@ def add_faint_times(fine: Ended, errors: list[float]) -> None:
     are all 0 gets no error.
     """
     run = fine.run
-    episodes = max([1, *[link.episodes for link in fine.links]])
+    all_episodes = [link.episodes for link in fine.links]
+    episodes = max([1, *all_episodes])  # most of any contact
     # Share of the reference time, at the beginning and at the end of an episode.
     # Without rods `shortest_transit` is the reference time.
     ratio = 2 * run.graze_velocity / run.velocity_scale

@@ -178,10 +178,10 @@ def family_clock(
     longest_times = row.of(reference)  # `of` gives a number for each member
     crossing_times = row.of(crossing_time)
     flight_times = row.of(flight_time)
-    segments = len(transits)
+    segment_count = len(transits)
     tick: Any = np.zeros(row.members)  # duration of a tick, s
     end: Any = np.zeros(row.members)  # end of the run, s
-    transit_ticks = np.zeros((segments, row.members), np.int64)
+    transit_ticks = np.zeros((segment_count, row.members), np.int64)
     counted: list[int] = []  # the times of one member in ticks
     for m, times in enumerate(times_of_members):
         longest = float(longest_times[m])
@@ -192,15 +192,15 @@ def family_clock(
         else:
             end[m] = until
         tick[m], counted = member_clock(row, times, longest, float(end[m]))
-        transit_ticks[:, m] = counted[:segments]
+        transit_ticks[:, m] = counted[:segment_count]
     shape = row.system.shape
     tick = tick.reshape(shape)
     last_tick: Any = np.rint(end.reshape(shape) / tick)
-    by_segment: Any = [*transit_ticks.reshape((segments, *shape))]
+    by_segment: Any = [*transit_ticks.reshape((segment_count, *shape))]
     if not row.segments:
         refuse_short_contacts(row, tick)
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
     # Only a single row, not a family, has states that jump: `counted` is that of its
     # only member.
-    jump_ticks = counted[segments:]
+    jump_ticks = counted[segment_count:]
     return clock, dict(zip(jumps, jump_ticks, strict=True))

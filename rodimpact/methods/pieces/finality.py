@@ -178,9 +178,9 @@ def update_groups(state: State, tick: int) -> None:
     parts = state.parts
     for first in range(len(parts)):
         group = parts[first]
-        stop = first + group.part_count
         if group.part_count == 0:  # a part that is not the first of its group
             continue
+        stop = first + group.part_count
         momentum = 0.0
         mass = 0.0
         for k in range(first, stop):
@@ -189,7 +189,7 @@ def update_groups(state: State, tick: int) -> None:
             update_part(state, parts[k], 0.0, tick)
             momentum += parts[k].mass * parts[k].mean_velocity
             mass += parts[k].mass
-        if mass > 0:
+        if mass > 0:  # it is 0 for a lone wall
             group.group_velocity = momentum / mass
         group.reference_velocity = group.group_velocity
         if group.anchor_line != NONE:
@@ -228,9 +228,10 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
         excess = part.mean_velocity - speed
         part.vibration_energy = part.mass * (excess * excess) / 2
     elif part.kind == Part.SEGMENT:
+        # Segment s has the lines 2 s, to the right, and 2 s + 1, to the left.
         transit = state.lines[2 * part.index].delay
         squares = 0.0
-        for way in range(2):  # a, to the right, and b, to the left
+        for way in range(2):  # a and b
             # What is under way at the tick was sent in the transit time before it.
             head = state.lines[2 * part.index + way].read_piece
             wave = lines.moments(state.log, head, tick - transit, transit, speed)

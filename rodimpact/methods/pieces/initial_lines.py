@@ -182,14 +182,15 @@ class InitialLines:
     ) -> Any:
         """Pieces, [piece], that fit a signal between two ticks.
 
-        The signal is the sum of `profiles`, each a profile with its factor in m/s. Two
-        errors, over the velocity scale, are raised: `fit` by the largest miss and by
-        the errors of samples, `carried` by the errors of polynomials. Polynomials along
-        a rod are the state of an earlier run: they are kept but for round-off. Those of
-        a drive (`is_drive`) are fitted within the tolerance, as all else.
+        The signal is the sum of `profiles`, each with its factor in m/s. Polynomials
+        along a rod are the state of an earlier run: they are kept but for round-off.
+        All else, also those of a drive (`is_drive`), is fitted within a quarter of the
+        tolerance. Two errors, over the velocity scale, are raised: `fit` by the largest
+        miss and by the errors of samples, `carried` by the errors of polynomials.
         """
         scale = float(self._clock.scale)
-        tolerance = self._request.tolerance * scale / 4  # m/s
+        # A quarter of the tolerance of pieces, m/s
+        tolerance = self._request.tolerance * scale / 4
         # Polynomials along a rod are the state of an earlier run.
         has_polynomials = any(isinstance(p, Polynomials) for p, _ in profiles)
         is_state = has_polynomials and not is_drive
@@ -349,9 +350,10 @@ class InitialLines:
         what acts on the ends of a family is constant in time.
         """
         until = self._request.until
-        assert until is not None
+        assert until is not None  # a drive demands an end of the run
         tick = float(self._clock.tick)
-        # A tick more than the run: the signal has a value at its last instant, too.
+        # A tick more than the run, which lasts one at least: the signal has a value at
+        # its last instant, too.
         stop = round(max(until, tick) / tick) + 1
 
         def ticks_of(t: Any) -> Ints:
@@ -367,7 +369,7 @@ class InitialLines:
         if kind == "force":
             # F changes the wave that leaves its end by 2 F/Z, and the end itself by
             # F/Z. Where the wave goes on into other segments it is at most 2 F over the
-            # least Z.
+            # least Z. Without rods it is 0.
             impedances = [float(segment.impedance) for segment in self._row.segments]
             velocity_per_value = 2 / min(impedances, default=math.inf)
         else:

@@ -87,7 +87,8 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
     piece.degree = 0
     if len(values) > 1:
         piece.degree = N
-    piece.coefficients = [*values, *([0.0] * (POINTS - len(values)))]
+    zeros = [0.0] * (POINTS - len(values))
+    piece.coefficients = [*values, *zeros]
     return piece
 
 
@@ -260,7 +261,8 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
         node.first_mass = row.first_mass[k]
         node.first_link = k + node.first_mass
         node.link_count = row.first_mass[k + 1] - row.first_mass[k] + 1
-        # Lines of the segment k - 1 on the left, and of the segment k on the right
+        # Lines of the segment k - 1 on the left, and of the segment k on the right; for
+        # the ends of the row they are replaced below.
         node.incoming_lines = [2 * (k - 1), 2 * k + 1]
         node.outgoing_lines = [2 * (k - 1) + 1, 2 * k]
         for side in range(2):
@@ -444,6 +446,7 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
                 link.right_group = head
             elif link.law == Law.JOINT:
                 compliance = joint_compliance(link.stiffness)
+                # A joint has no mass, and a mass no compliance.
                 add_part(parts, head, Part.JOINT.value, i, 0.0, compliance)
             if q < node.link_count - 1:
                 m = node.first_mass + q

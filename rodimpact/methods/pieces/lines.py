@@ -62,8 +62,8 @@ def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
 def rewind(lines: Lines, log: Log, l: int) -> None:
     """Move the read piece of line l back to its first one.
 
-    All its hard breaks count as unread again. A read piece only moves on, while
-    the proof of finality reads a line from an earlier tick.
+    All its hard breaks count as unread again. This is for reading the line at an
+    earlier tick, as `advance_to` only moves on.
     """
     line = lines[l]
     line.read_piece = line.first_piece

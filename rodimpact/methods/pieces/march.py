@@ -108,10 +108,11 @@ def run_nodes(state: State) -> int:
         rows_after = run.piece_count + step_rows  # of the logs, after one more step
         events_after = run.contact_event_count + step_events
         is_full = rows_after > len(state.log) or events_after > len(state.contact_log)
-        if not is_due and run.steps >= run.max_steps:
-            run.stop_reason = Stop.CAP.value
-        elif not is_due and is_full:
-            run.stop_reason = Stop.FULL.value
+        if not is_due:
+            if run.steps >= run.max_steps:
+                run.stop_reason = Stop.CAP.value
+            elif is_full:
+                run.stop_reason = Stop.FULL.value
         if is_due or run.stop_reason == Stop.CAP:  # a capped run gets its final motion
             finality.check_finality(state, min(earliest.now, run.end_tick))
         elif run.stop_reason == Stop.NONE:
@@ -153,7 +154,7 @@ def advance(state: State, node: Node) -> bool:
     left_order = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
     right_order = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
     is_after_break = left_order <= MAX_HARD_ORDER or right_order <= MAX_HARD_ORDER
-    limit = piece_end(state, node, is_after_break) - tick
+    limit = piece_end(state, node, is_after_break) - tick  # longest duration, ticks
     result = solve(state, node, limit)
     if result.ticks == 0:
         return False
@@ -319,7 +320,7 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
     end = lines.next_break(all_lines, log, left, tick, end)
     end = lines.next_break(all_lines, log, right, tick, end)
     averaged_end = min(limit, tick + run.min_break_spacing)
-    if end < averaged_end:
+    if end < averaged_end:  # an averaging piece would be longer
         is_left_dense = is_dense(run, all_lines, log, left, tick)
         is_right_dense = is_dense(run, all_lines, log, right, tick)
         if is_left_dense or is_right_dense:

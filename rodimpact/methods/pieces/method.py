@@ -280,7 +280,7 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     for s, segment in enumerate(row.segments):
         wave_speeds[s] = float(segment.wave_speed)
         transit_times[s] = float(segment.transit_time)
-    segments = waves["line"] // 2
+    segments = waves["line"] // 2  # number of the segment, [piece]
     speeds = wave_speeds[segments]
     bounds = np.abs(waves["coefficients"]).sum(axis=1)  # bounds of abs(a) or abs(b)
     bound = float((bounds / speeds).max(initial=0.0))
@@ -293,6 +293,7 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     )
     middle = (waves["start"] + ends) / 2 * clock.tick  # s
     half_duration = (ends - waves["start"]) / 2 * clock.tick  # s
+    # u(t) = frame + g t is the series u(middle) + g half_duration y.
     above_ground = waves["coefficients"].copy()
     above_ground[:, 0] += clock.frame + gravity * middle
     above_ground[:, 1] += gravity * half_duration
@@ -375,7 +376,7 @@ def _velocities_by_body(row: Row, group_velocities: list[Any]) -> list[Any]:
     free = movable(row.system)
     columns = []
     for group, speed in zip(groups(row.system), group_velocities, strict=True):
-        inside = [i for i in group if i in free]
+        inside = [i for i in group if i in free]  # no walls, and nothing bonded to one
         for velocity in velocities_in_group(row.system, group, inside, speed):
             columns.append(row.of(velocity))
     return columns

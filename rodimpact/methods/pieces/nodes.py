@@ -294,9 +294,9 @@ def set_block(
 ) -> None:
     """Set the N by N block of G in the rows of a link, from `column` on.
 
-    It is that of the forces of one link, here the other one. `by_impulse` is the change
-    of the closing rate of the link by a unit impulse of the other one, 1/kg; `is_same`
-    says that both are one. Changes x of that force, at the stages, change
+    Its columns are the forces of a link that may be another one. `by_impulse` is the
+    change of the closing rate of `link` by a unit impulse in that one, 1/kg; `is_same`
+    says that both are one. Changes x of its force, at the stages, change
 
         closing by (h/2) by_impulse S x,
         d by share (h/2) S (change of closing - Y x if same),

@@ -149,6 +149,7 @@ def in_pieces(
     # The order of a break is 0 where the value jumps, 1 where the slope does.
     kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)
     order = np.where(jumps[inner - 1], 0, kink_order)
+    # The border of a constant stretch is a hard break in any case.
     order = np.where(borders[inner], np.minimum(order, MAX_HARD_ORDER), order)
     pieces = np.zeros(len(series), PIECE)
     pieces["start"] = starts
@@ -182,9 +183,11 @@ def _kinks(series: Floats, widths: Floats) -> Floats:
     (-1)^(k + 1) k^2 at -1; y runs through 2 in a piece.
     """
     k = np.arange(POINTS)
-    # Slopes at the end and at the start of each piece
-    at_stop = series @ k**2 * 2 / widths
-    at_start = series @ (k**2 * (-1.0) ** (k + 1)) * 2 / widths
+    slopes_at_stop = k**2  # of each T_k, by y
+    slopes_at_start = k**2 * (-1.0) ** (k + 1)
+    # Slopes of each piece, per tick
+    at_stop = series @ slopes_at_stop * 2 / widths
+    at_start = series @ slopes_at_start * 2 / widths
     return np.abs(at_start[1:] - at_stop[:-1])
 
 

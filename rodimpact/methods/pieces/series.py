@@ -132,7 +132,7 @@ def slope(c: Values, y: float) -> float:
 def set_series(f: Values, c: MutableValues) -> None:
     """Set c to the coefficients of the series with the values f at the points.
 
-    Both are of degree N.
+    f and c have POINTS entries each.
     """
     for m in range(POINTS):
         # Coefficient m is the product of row m of SERIES with the values. The row is

@@ -46,11 +46,11 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
             of_link = contact_events[contact_events["link"] == i]
             contact = _contact(state.links[i], of_link, lines, clock.tick)
         contacts.append(contact)
+    left = _outside(row, 0, lines, frame, state)
+    right = _outside(row, 1, lines, frame, state)
     # Contacts are counted from the end whose wall they touch.
-    left = _with_wall_force(_outside(row, 0, lines, frame, state), bodies[0], contacts)
-    right = _with_wall_force(
-        _outside(row, 1, lines, frame, state), bodies[-1], contacts[::-1]
-    )
+    left = _with_wall_force(left, bodies[0], contacts)
+    right = _with_wall_force(right, bodies[-1], contacts[::-1])
     push = NOTHING
     if left:
         push = left.push
@@ -150,6 +150,7 @@ def _lines(log: Any, count: int) -> list[Pieces]:
     A line without pieces has `NOTHING`.
     """
     log = log[np.argsort(log["line"], kind="stable")]  # line by line, in order of time
+    # Row at which each line begins, and the end of the last one
     bounds = np.searchsorted(log["line"], np.arange(count + 1))
     lines = []
     for start, stop in pairwise(bounds):
@@ -185,7 +186,7 @@ def _contact(
     else:
         closing = _rate(gap, -1.0 / tick)
     blows = contact_events[contact_events["impulse"] > 0]
-    # An impact takes no time; here it takes the tick before it.
+    # An impact takes no time; here it takes the tick before it, or the first one.
     blow_ticks = np.maximum(blows["tick"] - 1, 0)
     for blow_tick in np.unique(blow_ticks):
         simultaneous = blows[blow_ticks == blow_tick]
