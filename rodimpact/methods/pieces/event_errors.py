@@ -13,15 +13,14 @@ from .records import Link, Links, Node, Run
 def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> None:
     """Raise `event_error` and `event_lag`, s, of the link that has an event.
 
-    The event is in a piece of duration h, s. It is a zero of each guard that leads to
-    the status of the event. `event_error` is the time by which the error of the
-    polynomial of the guard moves its zero, or all of h if the guard changes by less
-    than that.
+    The event is in a piece of duration h, s: a zero of each guard that leads to its
+    status. `event_error` is raised to the time by which the error of the polynomial of
+    the guard moves this zero, or to all of h if the guard changes by less than that.
 
-    All that went before is wrong, too: where velocities are wrong by v, a force is
-    wrong by v/Y, and an overlap by v times its memory, the time for which it keeps an
-    error of velocity. `event_lag` is the time by which this moves the zero for v =
-    velocity scale. A guard that barely changes leaves it as it is.
+    `event_lag` is raised to the time by which wrong velocities before move the zero, if
+    they are wrong by the velocity scale. With velocities wrong by v a force is wrong by
+    v/Y, and an overlap by v times `overlap_memory`. A guard that barely changes leaves
+    it as it is.
     """
     link = links[event.link]
     for which in range(contact_laws.guard_count(link)):

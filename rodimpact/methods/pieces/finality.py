@@ -249,20 +249,13 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
 def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None:
     """Set `end_deviations` and `compliance_integrals` of a group for one of its ends.
 
-    The first is the displacement of the end from the reference motion now, m: the
-    integral of g strain dx over the group, as the left end moves to the left if the
-    group stretches. The second is s of the bound sqrt(2 E s) of this displacement
-    later. The group has the parts from `first` to before `stop`, and a `mass`, kg;
-    `side` is 0 for its left end, 1 for its right one.
-
-    With E the energy about the reference motion, elastic parts move the end by sqrt(2 E
-    s) at most, s = integral of g^2 dx/(E A), g the mass fraction beyond x as seen from
-    the end. At the left and at the right of a part it is g0 and g1.
-
-    A dashpot c transmits the change of the momentum of either side. A momentum of the
-    mass m is sqrt(2 E m) at most, so its change is at most twice that, and the stretch
-    2 sqrt(2 E m)/c. Both bounds add: the end moves by sqrt(2 E) (sqrt(s) + sum of 2 g
-    sqrt(m)/c) at most.
+    The group has the parts from `first` to before `stop`, and a `mass`, kg; `side` is 0
+    for its left end, 1 for its right one. The deviation is the displacement of the end
+    from the reference motion now, m: the integral of g strain dx over the group, as the
+    left end moves to the left if the group stretches. g is the mass fraction beyond x
+    as seen from the end, or 1 in a group with an anchor. Later the end deviates by
+    sqrt(2 E s) at most, with the energy E about the reference motion and the compliance
+    integral s, m/N.
     """
     group = state.parts[first]
     is_anchored = group.anchor_line != NONE
@@ -270,7 +263,7 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
     sign = 2 * side - 1
     passed = 0.0  # mass of the parts so far
     deviation = 0.0
-    compliance = 0.0
+    compliance = 0.0  # s of elastic parts: the integral of g^2 dx/(E A)
     stretch = 0.0  # largest stretch of dashpots, over sqrt(2 E)
     for k in range(first, stop):
         part = state.parts[k]
@@ -294,12 +287,15 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
             if part.compliance > 0:  # it has a spring
                 deviation -= sign * joint.overlap * g0
                 compliance += part.compliance * (g0 * g0)
-            else:  # a dashpot alone
+            else:
+                # A dashpot c alone transmits the change of the momentum of either side.
+                # A momentum of the mass m is sqrt(2 E m) at most, its change is twice
+                # that, and the stretch 2 sqrt(2 E m)/c.
                 heavier_side = max(passed, mass - passed)
                 stretch += 2 * g0 * math.sqrt(heavier_side) / joint.damping
         elif part.kind == Part.ENDLESS:
             compliance = part.compliance  # so large that no force holds its end
-    if stretch > 0:  # both bounds add, see above: their sum is sqrt(2 E) reach
+    if stretch > 0:  # both bounds add: the end moves by sqrt(2 E) reach at most
         reach = math.sqrt(compliance) + stretch
         compliance = reach * reach
     group.end_deviations[side] = deviation

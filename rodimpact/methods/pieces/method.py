@@ -265,13 +265,9 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
 
     The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c. With
     abs(a) and abs(b) up to v it is at most v/c. A piece of a wave is at most the sum of
-    the absolute coefficients of its Chebyshev series.
-
-    In the frame of the run, which falls, waves of a row that is held grow by g t
-    without any strain. In the frame of the ground they are a + u(t) and b + u(t) with
-    the velocity u(t) of the frame. Values that meet have left the ends of the segment
-    at times that differ by its transit time T at most, so that the strain is at most
-    v/c + g T/(2 c). The smaller bound is taken.
+    the absolute coefficients of its Chebyshev series. In a row that falls this is done
+    in the frame of the ground as well, and the smaller bound is taken. Without segments
+    the bound is 0.
     """
     row = clock.row
     waves = log[log["line"] < 2 * len(row.segments)]  # two lines a segment come first
@@ -283,15 +279,18 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     segments = waves["line"] // 2  # number of the segment, [piece]
     speeds = wave_speeds[segments]
     bounds = np.abs(waves["coefficients"]).sum(axis=1)  # bounds of abs(a) or abs(b)
-    bound = float((bounds / speeds).max(initial=0.0))
+    bound_in_frame = float((bounds / speeds).max(initial=0.0))
     gravity = float(row.system.gravity)
     if gravity == 0:
-        return bound
+        return bound_in_frame
+    # In the frame of the run, which falls, waves of a row that is held grow by g t
+    # without any strain. In the frame of the ground they are a + u(t) and b + u(t) with
+    # the velocity u(t) of the frame. Values that meet have left the ends of the segment
+    # at times that differ by its transit time T at most: the bound is v/c + g T/(2 c).
     # A constant wave may last beyond the run.
-    ends = np.where(
-        waves["degree"] == 0, np.minimum(waves["end"], end_tick), waves["end"]
-    )
-    middle = (waves["start"] + ends) / 2 * clock.tick  # s
+    is_constant = waves["degree"] == 0
+    ends = np.where(is_constant, np.minimum(waves["end"], end_tick), waves["end"])
+    middle = (waves["start"] + ends) / 2 * clock.tick  # time, s
     half_duration = (ends - waves["start"]) / 2 * clock.tick  # s
     # u(t) = frame + g t is the series u(middle) + g half_duration y.
     above_ground = waves["coefficients"].copy()
@@ -299,7 +298,8 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     above_ground[:, 1] += gravity * half_duration
     bounds = np.abs(above_ground).sum(axis=1)
     bounds += abs(gravity) * transit_times[segments] / 2
-    return min(bound, float((bounds / speeds).max(initial=0.0)))
+    bound_on_ground = float((bounds / speeds).max(initial=0.0))
+    return min(bound_in_frame, bound_on_ground)
 
 
 def _struck_together(row: Row) -> str:
