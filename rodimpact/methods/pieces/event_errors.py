@@ -20,7 +20,7 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
     `event_lag` is raised to the time by which wrong velocities before move the zero, if
     they are wrong by the velocity scale. With velocities wrong by v a force is wrong by
     v/Y, and an overlap by v times `overlap_memory`. A guard that barely changes leaves
-    it as it is.
+    it as it is. The scratch arrays of the node are overwritten.
     """
     link = links[event.link]
     for which in range(contact_laws.guard_count(link)):

@@ -29,11 +29,11 @@ RESTING_RTOL = 1e-8
 def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -> None:
     """Change the status of link i of a node at a tick, and its state with it.
 
-    The overlap of a contact that opens or closes is 0. Rigid bodies that close strike,
-    which decides their status anew. What stops to yield gets the yield force that it
-    has reached; what starts to, or comes to a knot of its table, gets exactly the
-    overlap there, and the hardening after a knot. `break_order` is 0 if the force may
-    jump, else 1.
+    The overlap of a contact that opens or closes is 0; `overlap_acceleration` is 0
+    after any change. Rigid bodies that close strike, which decides their status anew.
+    What stops to yield gets the yield force that it has reached; what starts to, or
+    comes to a knot of its table, gets exactly the overlap there, and the hardening
+    after a knot. `break_order` is 0 if the force may jump, else 1.
     """
     run = state.runs[0]
     # Machine code counts no references to borrowed arrays.

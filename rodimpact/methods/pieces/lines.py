@@ -327,7 +327,8 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
 
     Return the tick of its end; the caller sets `now` of the node to it. v = (a + b)/2
     and no force: the wave that leaves is the one that arrives, with its break. It is
-    appended to the outgoing line from `now` on.
+    appended to the outgoing line from `now` on; a hard break is counted as unread. The
+    incoming line is read up to `now`.
     """
     # Side of the node on which its rod is
     if node.mobility[1] > 0:

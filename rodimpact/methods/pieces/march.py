@@ -363,11 +363,12 @@ def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
 def solve(state: State, node: Node, ticks: int) -> PieceResult:
     """Solve a node on a piece of up to `ticks`, shortened until it is smooth.
 
-    Smooth is a truncation error within the tolerance; averaging pieces, and those of
-    MIN_PIECE_TICKS, need not be. An event at the start of the piece happens before the
-    piece begins: the status of its link is changed, and the piece is solved anew. So
-    the event of the result is after the start. Without a solution on a piece of one
-    tick the result has 0 ticks. After MAX_STATUS_CHANGES at the start it has no event.
+    The solution is left in the links and masses of the node. Smooth is a truncation
+    error within the tolerance; averaging pieces, and those of MIN_PIECE_TICKS, need not
+    be. An event at the start of the piece happens before the piece begins: the status
+    of its link is changed, and the piece is solved anew. So the event of the result is
+    after the start. Without a solution on a piece of one tick the result has 0 ticks.
+    After MAX_STATUS_CHANGES at the start it has no event.
     """
     run = state.runs[0]
     links = state.links
