@@ -1,4 +1,4 @@
-"""Displacement of a body's centre of mass over a run, from the forces on its faces."""
+"""Displacement of a body's centre of mass over a run, from the forces on the body."""
 
 from typing import NamedTuple
 
@@ -20,21 +20,28 @@ class FacePushes(NamedTuple):
 def final_displacement(run: Run, fields: Fields, body: int) -> float:
     """Displacement of the centre of mass of a body at the end of the run, m.
 
-    Newton's law integrated twice: m u = p0 t + integral(J) dt + m g t^2/2, p0 the
-    momentum at t = 0 and J the impulse of the forces on the two faces. A wall or a
-    rigid mass moves as one point, so that its displacement is that of any point.
+    Of a rod it follows from Newton's law integrated twice:
+    m u = p0 t + integral(J) dt + m g t^2/2, p0 the momentum at t = 0 and J the impulse
+    up to a time of the forces on the two faces, and of soil or drag along the shaft.
+    The displacement of a wall or a rigid mass is read from `fields`, since all its
+    points move alike.
     """
     clock = fields.clock
     last_tick = fields.end
     time = last_tick * clock.tick
-    if body not in fields.rods:
+    is_rod = body in fields.rods
+    if not is_rod:
         return float(fields.displacement(body, 0.0, time))
     impulse_integral = 0.0  # N s^2
     # A push acts to the right on the left face (1), to the left on the right (-1).
     for push, sign in zip(pushes_on(run, body), INWARD, strict=True):
         if push is not None:
-            in_ticks = float(push.integrated_twice(last_tick))  # N ticks^2
-            impulse_integral += sign * in_ticks * clock.tick * clock.tick
+            twice_integrated = float(push.integrated_twice(last_tick))  # N ticks^2
+            impulse_integral += sign * twice_integrated * clock.tick * clock.tick
+    shaft_action = fields.signals.shafts.get(body)
+    if shaft_action is not None:  # its push is positive to the right
+        twice_integrated = float(shaft_action.push.integrated_twice(last_tick))
+        impulse_integral += twice_integrated * clock.tick * clock.tick
     mass = clock.mass(body)
     start_velocity = float(fields.momentum(body, 0.0) / mass)
     by_gravity = float(clock.system.gravity) * time * time / 2
@@ -44,11 +51,11 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
 def pushes_on(run: Run, body: int) -> FacePushes:
     """Forces on the left and the right face of a body.
 
-    Each is the force of a contact, or of an end of the row.
+    Each is the force of a contact, or at an end of the row that of a wall, a drive or
+    an absorbing end. It is None at a free end of the row.
     """
     signals = run.signals
-    # What acts on the ends of the row: a wall, a drive or an absorbing end, or None.
-    left_action, right_action = signals.boundary_actions
+    left_action, right_action = signals.boundary_actions  # None at a free end
     left = None
     right = None
     # Contact k lies between the bodies k and k + 1.

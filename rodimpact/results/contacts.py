@@ -58,9 +58,12 @@ class ContactHistory:
     """
 
     def __init__(self, index: int, fields: Fields, run: Run) -> None:
-        """Take the totals and the signals of the contact of that index from a run."""
-        # The method sums up each contact, and gives its signals in ticks.
-        tally = run.contacts[index]
+        """Take the totals and the signals of the contact of that index from a run.
+
+        The law is that of the system, as it was at t = 0. Signals stay in ticks, and
+        `fields` and its clock turn times into ticks.
+        """
+        tally = run.contacts[index]  # totals
         signal = run.signals.contacts[index]
         self.index = index
         self.law = run.system.contacts[index]
@@ -84,38 +87,42 @@ class ContactHistory:
         return self.push.at(ticks, side)
 
     def gap(self, t: ArrayLike) -> Floats:
-        """Distance between the two bodies, m, of the shape of t; just after each time.
+        """Distance between the two bodies, m, just after times t, s, of their shape.
 
-        Exactly 0 while they touch rigidly; minus the indentation in a compliant
-        contact, the stretch of a joint. If the contact has yielded, the gap is that of
-        the deformed faces. ValueError for times outside the solution.
+        It is exactly 0 while they touch rigidly, never negative at a `Rigid` contact,
+        minus the indentation in a compliant contact, and the stretch of a joint. If the
+        contact has yielded, the gap is that of the deformed faces. ValueError for times
+        outside the solution.
         """
         ticks = self._fields.to_ticks_beside(t, "right")
         gap = self._gap.at(ticks)
         if isinstance(self.law, Rigid):
-            return np.maximum(gap, 0.0)  # rigid faces do not overlap: less is round-off
+            # Rigid faces do not overlap: a negative gap is round-off.
+            return np.maximum(gap, 0.0)
         return gap
 
     def law_at(self, t: float) -> ContactLaw:
-        """The law of the contact as it is at the time t, s, as a new law.
+        """The law with which a run that goes on from the time t, s, has to begin.
 
-        A joint has its stretch, and a `Plastic` contact is hardened by the largest
-        force that it has borne up to t. Other laws do not change, and are returned
-        themselves.
+        A joint becomes a new one with its stretch at t. A `Plastic` contact becomes a
+        new one that is hardened by the largest force that it has borne up to t. Other
+        laws do not change, and are returned themselves. ValueError for a time outside
+        the solution.
         """
         t = scalar("t", t, "s")
-        ticks = self._fields.to_ticks(t)
+        tick = self._fields.to_ticks(t)
         if isinstance(self.law, Joint):
             stretch = float(self.gap(t))
             return self.law.replace(stretch=stretch)
         if isinstance(self.law, Plastic):
-            # The overlap is minus the gap: it is largest where the gap is smallest,
-            # among the starts of the pieces of the gap up to t, and t itself.
-            earlier_gaps = self._gap.values[self._gap.ticks <= ticks]
-            smallest_earlier = float(np.min(earlier_gaps, initial=0.0))
-            largest_overlap = -min(smallest_earlier, float(self.gap(t)))
-            # The gap counts from the yielded faces, so the overlap is elastic: F = k
-            # overlap.
+            # The overlap is minus the gap, so it is largest where the gap is smallest.
+            # The gap is read where its pieces begin, and at t itself.
+            earlier_gaps = self._gap.values[self._gap.ticks <= tick]
+            smallest_earlier = float(np.min(earlier_gaps, initial=0.0))  # 0: no overlap
+            smallest_gap = min(smallest_earlier, float(self.gap(t)))
+            largest_overlap = -smallest_gap
+            # The gap counts from the yielded faces, so the overlap is elastic, and the
+            # force is k times the overlap.
             force_reached = self.law.stiffness * largest_overlap
             return self.law.hardened(force_reached)
         return self.law
@@ -123,14 +130,17 @@ class ContactHistory:
     def breakpoints(self) -> Breakpoints:
         """Force and gap at the times between which straight lines follow them.
 
-        Force and velocities jump at these times alone. Where the force changes smoothly
-        there are more of them: straight lines between them follow force and gap to 5e-5
-        of their ranges.
+        Values are those just after each time. If the force is constant between jumps,
+        the times are those of its jumps. Else there are more: force and velocities jump
+        at these times alone, and straight lines between them follow force and gap to
+        5e-5 of their ranges.
         """
-        ticks = self.push.ticks
-        has_constant_pieces = self.push.size == 1  # one coefficient a piece
-        if not has_constant_pieces:
-            # Straight lines between its marks follow a signal closely.
+        is_constant_between_jumps = self.push.size == 1  # one coefficient a piece
+        if is_constant_between_jumps:
+            ticks = self.push.ticks
+        else:
+            # Straight lines between the marks of a signal follow it closely. The marks
+            # of both signals are merged, in order.
             ticks = each_once(self.push.marks, self._gap.marks)
         times = ticks * self._tick
         return Breakpoints(times, self.push.at(ticks), self._gap.at(ticks))
@@ -157,10 +167,10 @@ class ContactHistory:
     def permanent_set(self) -> float:
         """Permanent set of the contact at the end of the run, m; 0 or more.
 
-        The gap is that of the deformed faces: it exceeds the distance of the undeformed
-        faces by this set, which grows from 0. The distance of the undeformed faces
-        changes as the displacements of the right end of the left body and of the left
-        end of the right body do.
+        The gap is that of the deformed faces. It exceeds the distance of the undeformed
+        faces by this set, which grows from 0. That distance grows by the displacement
+        of the right body's left end less that of the left body's right end. So the set
+        is the growth of the gap less the growth of this distance.
         """
         fields = self._fields
         times = [0.0, fields.end * fields.clock.tick]
@@ -168,10 +178,10 @@ class ContactHistory:
         right_end = getattr(left_body, "length", 0.0)  # 0 in a wall or a rigid mass
         u_left = fields.displacement(self.index, right_end, times)
         u_right = fields.displacement(self.index + 1, 0.0, times)
-        parting = u_right - u_left  # of the undeformed faces, [start, end]
-        at_start, at_end = self.gap(times) - parting
-        growth = float(at_end - at_start)
-        return max(0.0, growth)  # round-off may make it negative
+        distance_growth = u_right - u_left  # of the undeformed faces, [start, end]
+        at_start, at_end = self.gap(times) - distance_growth
+        permanent_set = float(at_end - at_start)
+        return max(0.0, permanent_set)  # round-off may make it negative
 
     def to_dataframe(self) -> Any:
         """The episodes as a pandas DataFrame, one a row (extra ``dataframe``).
@@ -192,7 +202,7 @@ class ContactHistory:
         return pandas.DataFrame(self.episodes, columns=list(Episode._fields))
 
     def __repr__(self) -> str:
-        """Index and law of the contact, and its totals."""
+        """Index, kind of law, episodes and totals, as one line in angle brackets."""
         law = type(self.law).__name__
         return (
             f"<contact {self.index} ({law}): {len(self.episodes)} episodes, "

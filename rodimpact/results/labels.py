@@ -63,7 +63,7 @@ _RESULTS = {
 def quantity_of_parameter(system: System, path: str) -> Quantity:
     """Name and unit of the number of a system at a path.
 
-    A path that is not known is its own name.
+    A path that is not known is its own name, with the unit "1".
 
     Examples
     --------
@@ -82,11 +82,11 @@ def quantity_of_parameter(system: System, path: str) -> Quantity:
 
 
 def _of_path(system: System, path: str) -> Quantity:
-    """Name and unit of the number at a path.
+    """Name and unit of the number at a path, whose parts are divided by dots.
 
-    LookupError or ValueError for some paths that are not known.
+    A path that is not known is its own name, with the unit "1", or raises LookupError
+    or ValueError. Indices in paths count from 0, in names of bodies and parts from 1.
     """
-    # Indices in paths count from 0, names of bodies and their parts from 1.
     match path.split("."):
         case ["gravity"]:
             return _quantity(path, FIELDS["gravity"])
@@ -97,7 +97,7 @@ def _of_path(system: System, path: str) -> Quantity:
         case ["contacts", contact, field]:
             law = system.contacts[int(contact)]
             number = getattr(law, field, None)
-            if number is None:
+            if number is None:  # the law has no such number
                 return Quantity(path, "1")
             name, unit = _quantity(field, law.fields[field])
             return Quantity(f"{name} of contact {_pair(system, contact)}", unit)
@@ -109,7 +109,7 @@ def _of_path(system: System, path: str) -> Quantity:
             owner = f"segment {int(segment) + 1} of {_body(system, body)}"
         case ["bodies", body, field, "values", number]:
             owner = f"piece {int(number) + 1} of {_body(system, body)}"
-        case ["bodies", body, field, "at", number]:
+        case ["bodies", body, field, "at", number]:  # place of a jump of a profile
             label = _quantity(field, FIELDS[field]).name
             jump = f"jump {int(number) + 1} of {label}"
             return Quantity(f"place of {jump}, {_body(system, body)}", "m")
@@ -117,7 +117,7 @@ def _of_path(system: System, path: str) -> Quantity:
             owner = _body(system, body)
         case _:
             return Quantity(path, "1")
-    # The cases above that have set an owner come here.
+    # A case that has not returned has set the field, and its owner.
     name, unit = _quantity(field, FIELDS[field])
     return Quantity(f"{name} of {owner}", unit)
 
@@ -125,8 +125,9 @@ def _of_path(system: System, path: str) -> Quantity:
 def quantity_of_column(system: System, column: str) -> Quantity:
     """Name and unit of a column of results or of a field, such as ``"stress"``.
 
-    The name tells the contact if there are several. Any name that is no column is taken
-    for the path of a number, see `quantity_of_parameter`.
+    A column such as ``impulse.1`` ends in the index of a body or of a contact. The
+    label names this body, and the contact if the row has several. Any name that is no
+    column is taken for the path of a number, see `quantity_of_parameter`.
 
     Examples
     --------
@@ -142,11 +143,10 @@ def quantity_of_column(system: System, column: str) -> Quantity:
         return Quantity(f"displacement of {_body(system, index)} at the end", "m")
     if kind == "largest_stress":
         return Quantity(f"largest stress in {_body(system, index)}", "Pa")
-    if kind in _RESULTS:
-        name, unit = _RESULTS[kind]
-    else:
-        name, unit = quantity_of_parameter(system, column)
-    if index and len(system.contacts) > 1:
+    if kind not in _RESULTS:
+        return quantity_of_parameter(system, column)
+    name, unit = _RESULTS[kind]
+    if index and len(system.contacts) > 1:  # the index is that of a contact
         name = f"{name} at contact {_pair(system, index)}"
     return Quantity(name, unit)
 
@@ -159,10 +159,10 @@ def dataset(
 ) -> Any:
     """An xarray Dataset with labels of all its variables and coordinates.
 
-    Both are (dimensions, values) by name; `attributes` are those of the Dataset. It has
-    two more, of which the case is left out if it holds a law that is a function:
-    ``version`` of rodimpact, and ``case``, the text of the case file; of a family,
-    ``case_of_first_member``.
+    Variables and coordinates are (dimensions, values) by name. The Dataset has the
+    given `attributes` and two more: ``version``, that of rodimpact, and ``case``, the
+    text of the case file. Of a family it is ``case_of_first_member``. The case is left
+    out if it holds a law that is a function, which no file keeps.
     """
     xarray = optional("xarray", "xarray")
     attributes["version"] = __version__
@@ -180,9 +180,9 @@ def dataset(
 
 
 def _labelled(system: System, variables: dict[str, Any]) -> dict[str, Any]:
-    """Variables with labels, by name, from variables of dimensions and values.
+    """Variables or coordinates, (dimensions, values) by name, with their labels.
 
-    A variable with labels is (dimensions, values, attributes).
+    A variable with labels is (dimensions, values, attributes), as xarray takes it.
     """
     labelled = {}
     for name, variable in variables.items():
@@ -198,9 +198,10 @@ def _body(system: System, index: str) -> str:
 
 
 def _quantity(name: str, field: QuantityField) -> Quantity:
-    """Label of a declared number, else its name without underscores, and its unit.
+    """Label and unit of a number of that name, as its field declares them.
 
-    A number without a unit has the unit "1", and a strain "".
+    A number without a label has its own name, with spaces for underscores. A number
+    without a unit has the unit "1", and a strain "".
     """
     label = field.label
     if not label:
@@ -215,7 +216,7 @@ def _of_end(system: System, side: str, path: list[str]) -> Quantity:
     """Name and unit of a number of the value that drives an end of the row.
 
     `side` is "left" or "right", and `path` the path within that value: ["values", "0"],
-    ["at", "0"], ["step"], or empty.
+    ["at", "0"] or ["step"]. Any other path, such as the empty one, names the value.
     """
     end = system.ends[SIDES.index(side)]
     # The kind of the end declares its label: a force, a velocity or a strain.

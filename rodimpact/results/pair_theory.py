@@ -35,39 +35,44 @@ class PairTheory(NamedTuple):
 
     @property
     def source(self) -> str:
-        """Where the closed form comes from, in a word or two for figures."""
-        if np.isfinite(self.impedance).all():
+        """Where the closed form comes from, for figures.
+
+        "Saint-Venant 1867" for two rods, "textbook, box 10.4" for a rod and a wall, and
+        "Boussinesq" for a rod and a rigid mass.
+        """
+        both_are_rods = np.isfinite(self.impedance).all()
+        if both_are_rods:
             return "Saint-Venant 1867"
-        has_wall = np.isinf(self.mass).any()
+        has_wall = np.isinf(self.mass).any()  # rods and rigid masses are finite
         if has_wall:
             return "textbook, box 10.4"
         return "Boussinesq"
 
     def mapped(self, change: Callable[[Floats], Floats]) -> PairTheory:
-        """A family with `change(array)` in place of each array of each body."""
+        """A new family with `change(array)` in place of each array of each body."""
         changed = []
-        for left, right in self:  # both impedances, both transit times, and so on
+        # Each field of this tuple holds an array of the left and of the right body.
+        for left, right in self:
             changed.append(np.stack([change(left), change(right)]))
         return PairTheory(*changed)
 
     def interpolated(self, members: Floats, wanted: Floats) -> PairTheory:
         """The family at other values of the parameter of its one axis.
 
+        Each array is interpolated by logarithms, or itself if a number in it has none.
+        With the logarithms of a length, an area, a density or a modulus as `members`
+        this is exact: impedances, transit times and masses are powers of these.
+
         Parameters
         ----------
         members, wanted : array
-            Values of the parameter: of the members, and those that are wanted. With
-            logarithms this is exact, since impedances, transit times and masses are
-            powers of lengths, areas, densities and moduli. Arrays with numbers that
-            have no logarithm are interpolated themselves.
+            Values of the parameter: of the members, increasing, and those wanted.
         """
 
         def between(values: Floats) -> Floats:
-            """Values of the members, interpolated by logarithms at the wanted ones.
-
-            Values that have no logarithm are interpolated themselves.
-            """
-            if (values <= 0).any() or np.isinf(values).any():  # without logarithms
+            """Values of the members, interpolated at the wanted parameters."""
+            lacks_logarithms = (values <= 0).any() or np.isinf(values).any()
+            if lacks_logarithms:
                 return np.interp(wanted, members, values)
             logarithms = np.interp(wanted, members, np.log(values))
             return np.exp(logarithms)
@@ -77,9 +82,11 @@ class PairTheory(NamedTuple):
     def collision(self) -> PairCollision:
         """Collision of each member by its closed form, at its closing speed.
 
-        Members that do not approach each other have a closing speed of 1 m/s here.
+        Members whose bodies do not approach each other get a closing speed of 1 m/s: a
+        reader of the result must leave them out, as `column` does.
         """
-        # Index 0 is the left body, 1 the right one.
+        # Index 0 is the left body, 1 the right one. A wall and a rigid mass have an
+        # infinite impedance. All members have the same kinds of bodies.
         Z = self.impedance
         T = self.transit_time
         left_velocity, right_velocity = self.velocity
@@ -115,7 +122,8 @@ class PairTheory(NamedTuple):
 def _velocity_after(family: PairTheory, pair: PairCollision, body: int) -> Floats:
     """Velocity of the left body (0) or the right one (1) after the impulse J, m/s.
 
-    It is v - J/m of the left body, and v + J/m of the right one.
+    It is v - J/m of the left body, and v + J/m of the right one. A wall, whose mass is
+    infinite, keeps its velocity.
     """
     change = pair.impulse / family.mass[body]
     if body == 0:
@@ -136,12 +144,16 @@ COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
 
 
 def pair_theory(system: System) -> PairTheory | None:
-    """The numbers of a family whose collision has a closed form.
+    """The numbers of a family whose collision has a closed form, else None.
 
-    None if there is no closed form, or no members approach each other.
+    It has one if two bodies, one of them a rod at least, meet at a `Rigid` contact,
+    neither gravity nor an end acts on them, both have `_body_numbers`, and the bodies
+    of some member approach each other.
     """
     is_pair = len(system.bodies) == 2
     if not is_pair or not isinstance(system.contacts[0], Rigid):
+        return None
+    if "rod" not in system.kinds:  # a restitution is given, and no wave runs
         return None
     # Gravity, or something at the ends, acts on the row if it differs from this one.
     without_loads = System(system.bodies, system.gaps, system.contacts)
@@ -152,7 +164,8 @@ def pair_theory(system: System) -> PairTheory | None:
     if left is None or right is None:
         return None
     arrays = []
-    for of_left, of_right in zip(left, right, strict=True):  # impedances, and so on
+    # Both impedances, then both transit times, masses and velocities.
+    for of_left, of_right in zip(left, right, strict=True):
         left_array = np.broadcast_to(of_left, system.shape)
         right_array = np.broadcast_to(of_right, system.shape)
         arrays.append(np.stack([left_array, right_array]))
@@ -175,18 +188,19 @@ class _BodyNumbers(NamedTuple):
 
 
 def _body_numbers(body: Body) -> _BodyNumbers | None:
-    """Numbers that the closed forms take of a body.
+    """Numbers that the closed forms take of a body; of a wall the mass is infinite.
 
     None if it is a rod that is not uniform, has damping or lateral inertia, has initial
     strain, or whose velocity is a profile along it.
     """
     if not isinstance(body, Rod):
-        mass = getattr(body, "mass", np.inf)  # a wall has none
+        mass = getattr(body, "mass", np.inf)  # a wall has no such number
         return _BodyNumbers(np.inf, 0.0, mass, body.velocity)
     segment = body.segments[0]
+    # An ideal segment has one area, no damping and no lateral inertia.
     is_ideal = len(body.segments) == 1 and segment.ideal
-    moves_as_one = isinstance(body.velocity, float | np.ndarray)
-    is_strained = np.any(body.strain != 0)  # a profile is strain, too
+    moves_as_one = isinstance(body.velocity, float | np.ndarray)  # else it is a profile
+    is_strained = np.any(body.strain != 0)  # a profile differs from 0, and is strain
     if not is_ideal or not moves_as_one or is_strained:
         return None
     return _BodyNumbers(

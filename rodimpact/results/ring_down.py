@@ -87,13 +87,13 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     """How vibration dies out from `start` to `end`, s; see `Solution.ring_down`.
 
     Energies are read at `DECAY_SAMPLES` + 1 equally spaced times, or at the states of a
-    grid next to them. The fitted decay time stands beside the one of the slowest mode
-    of all rods, and the largest change of momentum. InvalidModel if a grid has kept too
-    few states in between.
+    grid next to them. The decay time is fitted to them. The mode beside it is the
+    slowest one of all rods, each free by itself. The row must have a rod. InvalidModel
+    if a grid has kept fewer than `MIN_DECAY_SAMPLES` of at least so many steps.
     """
     even_times = np.linspace(start, end, DECAY_SAMPLES + 1)
     known_ticks = fields.nearest_energy_ticks(fields.to_ticks(even_times))
-    ticks = np.unique(known_ticks)
+    ticks = np.unique(known_ticks)  # several times may have the same nearest state
     # Few states are a mistake only where the grid had more steps than it kept: a
     # shorter time may have few steps, all of them kept.
     has_steps_enough = end - start > MIN_DECAY_SAMPLES * fields.step
@@ -132,26 +132,28 @@ class RodMode(NamedTuple):
 def _slowest_mode(fields: Fields) -> RodMode:
     """The mode whose decay time is the longest, of all rods, each free by itself.
 
-    The decay time is inf without damping.
+    The decay time is inf without damping. There must be a rod; of rods with equal decay
+    times it is the last one.
     """
     modes = []
     for body, rod in fields.rods.items():
         # Angular frequency, rad/s, and decay rate of the amplitude, 1/s
-        omega, rate = lasting_mode(rod.segments)
+        omega, amplitude_rate = lasting_mode(rod.segments)
         decay_time = math.inf
-        if rate > 0:
-            decay_time = 1 / (2 * rate)  # energy decays twice as fast as the amplitude
+        if amplitude_rate > 0:
+            # The energy decays twice as fast as the amplitude.
+            decay_time = 1 / (2 * amplitude_rate)
         frequency = omega / (2 * math.pi)
         modes.append(RodMode(decay_time, body, frequency))
-    return max(modes)  # by their first field, the decay time
+    return max(modes)  # by the first field, the decay time, then by the body
 
 
 def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
-    """Largest change of the row's momentum over the momenta of all bodies together.
+    """Largest change of the row's momentum, as a share of a scale; 0 if nothing moves.
 
-    The momentum of a body of mass m is taken to be sqrt(2 m E) = m sqrt(2 E/m), as if
-    it had all the energy E of motion and vibration, J [time], at its largest: this
-    scale needs the vibration energy, J [time]. The change is 0 if nothing moves.
+    The scale is the sum of momenta m sqrt(2 E/m) of the movable bodies, each of mass m,
+    as if each had all the energy E of the row. E is the largest kinetic energy plus
+    `vibration`, J [time].
     """
     largest_energy = (states.kinetic + vibration).max()
     scale = 0.0  # kg m/s
@@ -166,15 +168,16 @@ def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) ->
 
 
 def _decay_time(times: Floats, vibration: Floats, round_off: float) -> float:
-    """Time, s, in which the vibration falls to 1/e.
+    """Time, s, in which the vibration energy, J [time], falls to 1/e.
 
-    It is inf if the vibration does not fall, or the time is not known. A straight line,
-    log(vibration) = constant - rate t, is fitted in the last third of the record; the
-    time is 1/rate. Energies [time] of no more than `round_off`, J, are left out.
+    A straight line, log(vibration) = constant - rate t, is fitted in the last third of
+    the record; the time is 1/rate. Energies of no more than `round_off`, J, are left
+    out before. The time is inf if the vibration does not fall, or if fewer than three
+    energies are left in this third.
     """
-    is_known = vibration > round_off
-    t = times[is_known]
-    energy = vibration[is_known]
+    is_counted = vibration > round_off
+    t = times[is_counted]
+    energy = vibration[is_counted]
     if len(t) == 0:
         return math.inf
     duration = t[-1] - t[0]

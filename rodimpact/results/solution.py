@@ -576,7 +576,7 @@ class Solution(Shown):
         ------
         ValueError
             If the collision is not proved to be over, something acts on the row from
-            outside, or too few states were kept.
+            outside, the row has no rod, or too few states were kept.
 
         Examples
         --------
@@ -592,6 +592,8 @@ class Solution(Shown):
         demand(self.final, "ring_down", f"the collision is not over. {self.status}")
         message = "gravity or a driven end acts on and on"
         demand(not self.outcome.driven, "ring_down", message)
+        has_rod = len(self.fields.rods) > 0
+        demand(has_rod, "ring_down", "the row has no rod that could vibrate")
         start = self.t_final
         if not start < self.t_end:  # inf if a contact presses for ever
             start = self.t_proved

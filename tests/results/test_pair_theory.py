@@ -60,6 +60,7 @@ ENDLESS = (ri.Free(), ri.Absorbing())
         ri.System([STRIKER, rod(material=DAMPED)]),
         ri.System([STRIKER, TAPERED]),
         ri.System([STRIKER, STEPPED]),
+        ri.System([MASS, ri.Wall()], contacts=[ri.Rigid(restitution=0.5)]),
     ],
 )
 def test_there_is_no_closed_form_where_none_holds(system):

@@ -66,6 +66,13 @@ def test_a_driven_row_has_no_ring_down():
         driven.ring_down()
 
 
+def test_a_row_without_a_rod_has_no_ring_down():
+    bodies = [ri.RigidMass(0.1, velocity=1.0), ri.Wall()]
+    system = ri.System(bodies, contacts=[ri.Rigid(restitution=0.5)])
+    with pytest.raises(ValueError, match=r"ring_down: the row has no rod"):
+        ri.solve(system).ring_down()
+
+
 def test_too_few_states_are_no_ring_down():
     solution = ri.solve(pair(LOSSY), until=8e-3, cells=40, snapshots=10)
     message = r"ring_down: only .* states were kept .*snapshots"

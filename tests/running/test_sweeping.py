@@ -693,6 +693,15 @@ def test_a_dataset_has_coordinates_names_and_units(map_of_six):
     assert length.attrs == {"long_name": "length of rod 1", "units": "m"}
 
 
+def test_a_number_that_varies_is_labelled_in_a_row_of_several_contacts():
+    pytest.importorskip("xarray")
+    striker = ri.Rod(np.array([0.2, 0.4]), area=1e-4, material=STEEL, velocity=1.0)
+    struck = ri.Rod(0.4, area=1e-4, material=STEEL)
+    data = ri.sweep(ri.System([striker, struck, struck])).to_xarray()
+    assert data["bodies.0.length"].attrs["long_name"] == "length of rod 1"
+    assert data["impulse.1"].attrs["long_name"] == "impulse at contact 2-3"
+
+
 def test_a_missing_package_is_named(monkeypatch):
     result = ri.sweep(pair(0.4, 1e-4))
     monkeypatch.setitem(sys.modules, "pandas", None)
@@ -811,6 +820,21 @@ def assert_readings_of_second_member_are_those_of_fields(result, until):
             mean_displacement, rel=1e-4, abs=1e-9
         )
         assert result.largest_stresses[i][1] == pytest.approx(largest_stress, rel=1e-9)
+
+
+def test_the_displacement_of_a_pile_counts_the_soil_along_its_shaft():
+    soil = ri.Soil(resistance=4e5, quake=2.5e-3)
+    speeds = np.array([1.0, 2.0])
+    pile = ri.Rod(15.0, area=0.0094, material=STEEL, velocity=speeds, shaft=soil)
+    family = ri.System([pile])
+
+    result = ri.sweep(family, until=3e-3, cells=50, also=["displacement"])
+
+    x = np.linspace(0.0, 15.0, 2001)
+    solution = ri.solve(family[1], until=3e-3, cells=50)
+    mean_displacement = np.trapezoid(solution.displacement(0, x, 3e-3), x) / 15.0
+    assert result.displacements[0][1] == pytest.approx(mean_displacement, rel=1e-6)
+    assert result.displacements[0][1] < 0.9 * 2.0 * 3e-3  # the soil has slowed the pile
 
 
 def test_ground_that_yields_takes_the_yield_force_times_the_set():
