@@ -131,17 +131,18 @@ class ShaftWorks(NamedTuple):
 
 
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
-    """Velocities and energies of the groups at ticks [time].
+    """Velocities and energies of groups of bonded bodies at ticks [time].
 
-    The ticks are some at which energies are known. The velocity of a group is its
+    Energies must be known at these ticks, see `Fields.nearest_energy_ticks`. Only
+    bodies that can move count, see `movable_groups`. The velocity of a group is its
     momentum over its mass. A group in which no body can move, such as a wall alone, has
     the velocity 0, and no mass or energy.
     """
     clock = fields.clock
     times = ticks * clock.tick
     movable_bodies = movable_groups(clock.system)  # by group
-    mass = np.zeros((len(movable_bodies), 1))  # a column, kg [group, 1]
-    velocities = np.zeros((len(movable_bodies), len(ticks)))
+    mass = np.zeros((len(movable_bodies), 1))  # kg [group, 1], to broadcast with times
+    velocities = np.zeros((len(movable_bodies), len(ticks)))  # m/s [group, time]
     vibrational_kinetic = np.zeros((len(clock.system.bodies), len(ticks)))
     strain = np.zeros(vibrational_kinetic.shape)
     for g, bodies in enumerate(movable_bodies):
@@ -151,7 +152,7 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
             momentum = momentum + _momentum(fields, body, times)
         if len(bodies) > 0:
             velocities[g] = momentum / mass[g]
-        # The kinetic energies of its bodies are relative to the velocity of the group.
+        # Vibrational kinetic energies are relative to the velocity of the group.
         for body in bodies:
             energies = _energies(fields, body, ticks, velocities[g])
             vibrational_kinetic[body] = energies.kinetic
@@ -169,9 +170,10 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
 
 
 def movable_groups(system: System) -> list[list[int]]:
-    """Bodies of each group of bonded bodies that can move, [group][body].
+    """Indices of the bodies that can move in each group of bonded bodies.
 
-    Walls and the masses that are bonded to them cannot, so a group may have none.
+    They are [group][body], from left to right. Walls and masses that are bonded to
+    walls cannot move, so the list of a group may be empty.
     """
     free_bodies = movable(system)
     movable_bodies = []
@@ -199,12 +201,13 @@ def _energies(
 ) -> BodyEnergies:
     """Energies of a rod or of a rigid mass at ticks [time], each J [time].
 
-    The kinetic energy is relative to the velocity of its group, m/s [time]. A rigid
-    mass has no strain energy.
+    The kinetic energy is relative to the velocity of its group, m/s [time]. The strain
+    energy of a rigid mass is 0. Energies must be known at these ticks.
     """
     kinetic = np.zeros(len(ticks))
     strain = np.zeros(len(ticks))
-    if body not in fields.rods:
+    is_rod = body in fields.rods
+    if not is_rod:
         times = ticks * fields.clock.tick
         relative_velocity = fields.velocity(body, 0.0, times) - group_velocity
         mass = fields.clock.mass(body)
@@ -220,12 +223,11 @@ def _energies(
 def stored_energy(law: Any, gap: Floats) -> Floats:
     """Energy that a contact or a joint of this law stores at each gap, m, in J.
 
-    Its compression is minus the gap. Laws without `stored`, such as `Rigid`, store no
-    energy.
+    Its compression is minus the gap. It is 0 where a contact is open, and everywhere
+    for a law without the method `stored`, such as `Rigid`.
     """
     compression = -gap
-    # An open contact stores nothing; a joint stores energy in tension, too.
-    if law.opens:
+    if law.opens:  # a joint does not: it stores energy in tension, too
         compression = np.maximum(compression, 0.0)
     if not hasattr(law, "stored"):
         return np.zeros(compression.shape)
@@ -243,8 +245,9 @@ class ContactEnergies(NamedTuple):
 def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactEnergies:
     """Energies of all contacts together at times t in s, the first of which is 0.
 
-    A contact loses the work that the bodies do on it, less the change of its stored
-    energy.
+    A contact loses the work that the bodies do on it, less the growth of its stored
+    energy. The loss is `numerical` at a rigid contact without a restitution, which
+    loses energy to the cells of a grid alone, and `dissipated` at any other contact.
     """
     stored = np.zeros(t.shape)
     dissipated = np.zeros(t.shape)
@@ -254,7 +257,6 @@ def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactE
         stored_here = stored_energy(law, history.gap(t))
         stored += stored_here
         loss = history.work_until(t) - (stored_here - stored_here[0])
-        # Without a restitution, rigid contact loses energy to cells of a grid alone.
         is_ideal = isinstance(law, Rigid) and law.restitution is None
         if is_ideal:
             numerical += loss
@@ -266,8 +268,9 @@ def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactE
 def ledger(
     fields: Fields, contacts: Sequence[ContactHistory], states: BondedGroups
 ) -> EnergyLedger:
-    """Energy ledger at the ticks of the states, the first of which is 0.
+    """Energy ledger at the ticks of the states; each entry is J [time].
 
+    The first tick must be 0, since losses and works count from it. In the balance,
     residual = energy gained + energy lost + works on shafts - works of boundaries and
     of gravity.
     """
@@ -277,7 +280,7 @@ def ledger(
     at_contacts = _contact_energies(contacts, ticks * fields.clock.tick)
     damped = fields.viscous_loss(ticks)
     on_shafts = _works_on_shafts(fields, ticks)
-    vibrational_kinetic = states.vibrational_kinetic.sum(axis=0)
+    vibrational_kinetic = states.vibrational_kinetic.sum(axis=0)  # of all bodies
     strain = states.strain.sum(axis=0)
     gained = states.kinetic - states.kinetic[0]
     gained = gained + (vibrational_kinetic - vibrational_kinetic[0])
@@ -307,17 +310,18 @@ def ledger(
 
 
 def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
-    """Integrals of push times speed from t = 0 to each tick, J.
+    """Works of walls, drives and absorbing ends on the row, from t = 0 to each tick.
 
-    Each kind of what is outside has an integral of its own. Pushes point into the row
-    and speeds to the right, so the power has the sign `INWARD`: 1 at the left end, -1
-    at the right end.
+    Each is the integral of push times speed, J, over the ends of its kind; 0 without
+    such an end. A push is positive into the row, a speed to the right, so the power is
+    push times speed at the left end, and its opposite at the right end (`INWARD`).
     """
+    # By the kinds of ends, which are the names of the fields of `BoundaryWorks`
     works: dict[str, Floats] = {}
     for kind in BoundaryWorks._fields:
         works[kind] = np.zeros(ticks.shape)
     for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
-        if end_action is not None:
+        if end_action is not None:  # a free end has none
             power = end_action.push * end_action.speed
             power_integral = power.integral(0, ticks)
             works[end_action.kind] += sign * power_integral * fields.clock.tick
@@ -325,23 +329,28 @@ def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
 
 
 def _works_on_shafts(fields: Fields, ticks: Ints) -> ShaftWorks:
-    """Work done on what acts along the shafts of rods, from t = 0 to each tick."""
-    works = ShaftWorks(np.zeros(ticks.shape), np.zeros(ticks.shape))
+    """Works on soil and drag along the shafts of all rods, from t = 0 to each tick, J.
+
+    A work is positive where soil or drag takes energy from the rods.
+    """
+    on_soil = np.zeros(ticks.shape)
+    on_drag = np.zeros(ticks.shape)
     for body, action in fields.signals.shafts.items():
-        array = works.soil
-        if isinstance(fields.rods[body].shaft, Drag):
-            array = works.drag
         # The power is that on the rod: it is negative where soil or drag takes energy.
         work_on_rod = action.power.integral(0, ticks) * fields.clock.tick
-        array -= work_on_rod  # in place: it is the array of `works`
-    return works
+        if isinstance(fields.rods[body].shaft, Drag):
+            on_drag -= work_on_rod
+        else:
+            on_soil -= work_on_rod
+    return ShaftWorks(on_soil, on_drag)
 
 
 def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
-    """Work of gravity since t = 0, J [time].
+    """Work of gravity on the row from t = 0 to the ticks of the states, J [time].
 
-    It is g times the integral of the momentum over time, which is (p0 + m g t/2) t plus
-    the integral of the impulses from outside, with the momentum p0 at t = 0.
+    It is g times the integral of the momentum over time. This integral is
+    (p0 + m g t/2) t, with the momentum p0 at t = 0, plus the integral over time of the
+    impulses from the ends of the row and from shafts. Without gravity it is 0.
     """
     clock = fields.clock
     ticks = states.ticks
@@ -357,26 +366,28 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
             by_push = sign * push_integral * clock.tick * clock.tick
             momentum_integral = momentum_integral + by_push
     for action in fields.signals.shafts.values():
-        # Unlike a push on an end, one on a shaft is always positive to the right.
+        # A push on a shaft needs no sign: it is positive to the right, as momentum is.
         by_shaft = action.push.integrated_twice(ticks) * clock.tick * clock.tick
         momentum_integral = momentum_integral + by_shaft
     return np.asarray(clock.gravity * momentum_integral)
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
-    """Totals of a finished run: the ledger at its beginning and its end.
+    """Totals of a finished run: motion before and after, works, losses and residuals.
 
-    Velocities that the method itself has found, `run.motion`, take the place of those
-    of the fields. The residuals of momentum and energy are relative to their scales.
+    They are those of the ledger at the first and the last tick at which energies are
+    known. If the method itself has found the motion (`run.motion`), its velocities
+    before and after and its vibration energies after take the place of those of the
+    fields. The residuals of momentum and energy are relative to their scales.
     """
     clock = run.clock
     first_and_last = np.array([0, run.end])
-    ticks = np.unique(fields.nearest_energy_ticks(first_and_last))
+    ticks = np.unique(fields.nearest_energy_ticks(first_and_last))  # one if end is 0
     states = bonded_groups(fields, ticks)
     energies = ledger(fields, contacts, states)
     before = _motion_at(run.system, states, energies, 0)
     after = _motion_at(run.system, states, energies, -1)
-    if run.motion is not None:  # the method itself has found these
+    if run.motion is not None:
         found_before, found_after = run.motion
         before = before._replace(velocities=found_before.velocities)
         after = after._replace(
@@ -415,10 +426,11 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
 def _energy_scale(
     mass: float, works: Works, velocity_scale: float, initial_energy: float
 ) -> float:
-    """Energy to which the energy that is missing in the balance is relative, J.
+    """Scale of the energy that is missing in the balance, J.
 
-    It is the initial energy, that of the mass of all bodies (kg) at the velocity scale
-    (m/s), and the absolute works from outside.
+    It is the sum of the initial energy, of m V^2/2 with the `mass` m of all movable
+    bodies, kg, and the velocity scale V, m/s, and of the absolute works of gravity,
+    walls, drives, absorbing ends, soil and drag.
     """
     scale = initial_energy + mass * velocity_scale**2 / 2
     scale += abs(works.gravity_work)
@@ -431,10 +443,11 @@ def _energy_scale(
 
 
 def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
-    """Missing momentum in the balance at the end of the run, relative to a scale.
+    """Missing momentum in the balance at the last tick of the states, over a scale.
 
-    That is the momentum gained, less the impulse from outside and m g t. The scale is
-    the momentum of all masses at the velocity scale, and all impulses of contacts.
+    Missing is the momentum gained less the impulse from outside and m g t. The scale is
+    the momentum of all masses at the velocity scale, plus the absolute impulses of
+    contacts; nan, an unknown impulse, does not count. It is 0 where the scale is 0.
     """
     clock = run.clock
     last_tick = states.ticks[-1]
@@ -454,18 +467,21 @@ def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
 def _motion_at(
     system: System, states: BondedGroups, energies: EnergyLedger, k: int
 ) -> Motion:
-    """Motion of all bodies at the k-th tick of the states.
+    """Motion of all bodies, walls among them, at the k-th tick of the states.
 
     A body has the velocity of its group, m/s, or of the wall that holds it, and its own
-    vibration energy, J. The kinetic energy, J, is one number: that of all centres of
-    mass together.
+    vibration energy, J, 0 for a wall. The kinetic energy, J, is one number: that of all
+    centres of mass together.
     """
-    velocities = []  # of the bodies from left to right, as groups are neighbours
+    # By body from left to right: each group holds neighbours, and groups are in order.
+    velocities = []
     for g, group in enumerate(groups(system)):
         movable_bodies = states.movable_bodies[g]
         group_velocity = states.velocity[g, k]
-        of_bodies = velocities_in_group(system, group, movable_bodies, group_velocity)
-        for velocity in of_bodies:
+        body_velocities = velocities_in_group(
+            system, group, movable_bodies, group_velocity
+        )
+        for velocity in body_velocities:
             velocities.append(float(velocity))
     vibration = states.vibration[:, k].tolist()  # from [body, time]
     return Motion(velocities, vibration, float(energies.kinetic[k]))
@@ -474,8 +490,8 @@ def _motion_at(
 def _impulse_from_outside(fields: Fields, tick: int) -> float:
     """Impulse to the right on the row from t = 0 to a tick, N s, without gravity.
 
-    It is that of what acts on the two ends of the row, and of soil and drag along
-    shafts.
+    It is that of walls, drives and absorbing ends at the two ends of the row, and of
+    soil and drag along shafts.
     """
     impulse = 0.0
     for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):

@@ -82,10 +82,10 @@ class ExtremeStress(NamedTuple):
 def strongest(peaks: Iterable[StressPeak]) -> StressPeak:
     """The peak of largest absolute stress; `NO_STRESS` if there is none, or all are 0.
 
-    Of several that are equal but for round-off it is the earliest one, and of these the
-    leftmost.
+    Of peaks that are equal but for round-off, `EQUAL_STRESS_RTOL`, it is the earliest
+    one, and of several at that time the leftmost.
     """
-    candidates = [NO_STRESS, *peaks]
+    candidates = [NO_STRESS, *peaks]  # a stress of 0, so that there is a largest one
     largest = max(abs(peak.stress) for peak in candidates)  # Pa
     if largest == 0:
         return NO_STRESS

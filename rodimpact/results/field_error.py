@@ -65,6 +65,10 @@ class CoarserSolution(NamedTuple):
 def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> FieldError:
     """Stated errors of the fields of a solution, by comparison with coarser meshes.
 
+    The difference of a field on two meshes is the largest one over all rods and points,
+    and over times up to two steps of the coarser mesh from t. The error is that share
+    of it which `Coarser.share` gives, and of several coarser meshes the largest error.
+
     Parameters
     ----------
     fine : Solution
@@ -75,9 +79,8 @@ def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> Fie
     Returns
     -------
     FieldError
-        With q(h) a value on the finer mesh and q(g) that on a coarser one, the largest
-        of share abs(q(g) - q(h)) over all rods, points, coarser meshes, and times near
-        t; see `Coarser`. Velocity and stress are inf where waves are steep.
+        Errors are inf at times that no coarser run reaches. Those of velocity and
+        stress are inf at all times if waves are steep.
     """
     errors: dict[str, Floats] = {}
     for name in FieldError._fields:
@@ -96,8 +99,10 @@ def _error_of(
     """Stated error of the field of that name near times t, s, [time].
 
     It is the largest by any coarser mesh; inf at times that no coarser run reaches.
+    Each mesh gives its `Coarser.share` of the largest difference near a time.
     """
-    error = np.full(t.size, np.inf)  # inf: no mesh has been compared at this time
+    largest_error = np.zeros(t.size)
+    is_compared = np.zeros(t.size, dtype=bool)
     for mesh, coarse in coarser:
         time_step = coarse.fields.step  # s
         delays = time_step * np.array(COMPARED_STEPS)
@@ -106,20 +111,20 @@ def _error_of(
         is_reached = times.max(axis=1) <= coarse.t_end
         if not is_reached.any():
             continue
+        difference = _largest_difference(name, fine, coarse, times[is_reached])
         # The finer mesh has at most this share of the difference as its error.
-        by_this_mesh = mesh.share * _difference(name, fine, coarse, times[is_reached])
-        by_others = error[is_reached]  # a copy
-        by_others[np.isinf(by_others)] = 0.0  # this mesh is the first to be compared
-        error[is_reached] = np.maximum(by_others, by_this_mesh)
-    return error
+        by_this_mesh = mesh.share * difference
+        largest_error[is_reached] = np.maximum(largest_error[is_reached], by_this_mesh)
+        is_compared |= is_reached
+    return np.where(is_compared, largest_error, np.inf)
 
 
-def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
+def _largest_difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
     """Largest absolute difference of a field of two solutions near each time, [time].
 
-    It is the largest one over all rods, over the compared points of each, and over the
+    It is the largest one over all rods, over `COMPARED_POINTS` of each, and over the
     times near each time, `times` [time, delay], s. `name` is that of the field. Walls
-    and rigid masses are left out.
+    and rigid masses are left out; 0 without a rod.
     """
     largest = np.zeros(len(times))
     instants = times.ravel()
@@ -128,7 +133,8 @@ def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
             continue
         x = np.linspace(0.0, float(rod.length), COMPARED_POINTS)
         column = x[:, None]
-        # The methods of that name, such as `Solution.stress`, give [point, instant].
+        # The methods of that name, such as `Solution.stress`, give [point, instant],
+        # with an instant for each time and delay.
         fine_values = getattr(fine, name)(body, column, instants)
         coarse_values = getattr(coarse, name)(body, column, instants)
         over_points = np.abs(fine_values - coarse_values).max(axis=0)  # [instant]

@@ -65,14 +65,14 @@ class Location(NamedTuple):
 
 
 def to_side(ticks: Ints, side: Side) -> Ints:
-    """Ticks moved just after ("right") or before the jumps there.
+    """Ticks moved to just after ("right") or just before ("left") a jump there.
 
-    The ticks were rounded from times. They move by the round-off of a time, ticks/2^51:
-    a float cannot name a single tick beyond 2^51 of them. Smaller ones stay.
+    The ticks were rounded from times, and a float does not resolve single ticks beyond
+    2^51. So a tick moves by ticks/2^51, rounded down: one below 2^51 stays.
     InvalidModel for any other side.
     """
     check_choice("side", side, ("right", "left"))
-    round_off = ticks >> 51  # ticks/2^51, rounded down: 0 for most runs
+    round_off = ticks >> 51  # ticks/2^51, rounded down
     if side == "right":
         return ticks + round_off
     return ticks - round_off
@@ -105,17 +105,16 @@ class Fields(Protocol):
     rods: dict[int, Rod]  # by body
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        """Keep the arguments, and find what the fields need of the run.
+        """Keep the arguments; take the motion of the signals and the rods of the row.
 
-        They need the motion, the shortest time that is resolved, and the rods. `end` is
-        in ticks.
+        `end` is the last tick. The time step, s, is the class's `resolution` in ticks.
         """
         self.clock = clock
         self.end = end
         self.signals = signals
         self.motion = signals.motion
-        self.step = clock.tick * self.resolution  # of the class, in ticks
-        self.rods = {}
+        self.step = clock.tick * self.resolution
+        self.rods = {}  # by index of the body
         for i, body in enumerate(clock.system.bodies):
             if isinstance(body, Rod):
                 self.rods[i] = body
@@ -147,15 +146,15 @@ class Fields(Protocol):
     def averaged(self, body: int, x: Floats, t: Floats) -> MeanState:
         """Mean velocity and strain at points x, m [point], between times t, s.
 
-        They are the differences of displacements, and of integrals of the strain, over
-        durations. The n times are rounded to ticks and increase, and have n - 1
-        intervals: the means are [point, interval].
+        They are the growth of the displacement, and of the integral of the strain, over
+        each interval divided by its duration. The n times must increase, also once they
+        are rounded to ticks; they have n - 1 intervals. The means are
+        [point, interval].
         """
         ticks = self.to_ticks(t)
         displacement = self.displacement(body, x[:, None], t)  # [point, time]
-        # Strain times ticks, [point, time]
-        strain_integral = self.strain_integral(body, x, ticks)
-        durations = np.diff(ticks)
+        strain_integral = self.strain_integral(body, x, ticks)  # ticks, [point, time]
+        durations = np.diff(ticks)  # ticks, [interval]
         velocity = np.diff(displacement) / (durations * self.clock.tick)
         strain = np.diff(strain_integral) / durations
         return MeanState(velocity, strain)
@@ -208,14 +207,14 @@ class Fields(Protocol):
     # Where and when -----------------------------------------------------------------
 
     def to_ticks(self, t: ArrayLike) -> Ints:
-        """Nearest ticks of times in s, the last tick at most.
+        """Nearest ticks of times in s, of their shape; the last tick at most.
 
-        ValueError for times outside the solution. A time may lie beyond the end by a
-        tick, since times are rounded.
+        ValueError for times outside the solution. A time may lie beyond the end by
+        `END_RTOL` and a tick, since times are rounded, and gets the last tick.
         """
         t = array("t", t, "s")
         end = self.end * self.clock.tick
-        latest = end * (1 + END_RTOL) + self.clock.tick  # times are rounded
+        latest = end * (1 + END_RTOL) + self.clock.tick
         inside = (t >= 0) & (t <= latest)
         if not inside.all():
             # `demand` puts the first value outside in place of {0!r}.
@@ -236,11 +235,12 @@ class Fields(Protocol):
         return np.array([0.0, *accumulate(lengths)])
 
     def locate(self, body: int, x: ArrayLike) -> Location:
-        """Segments in which points x, m, of a rod lie, and the places in them.
+        """Segments in which points x, m, of a rod lie, and the distances in them.
 
-        A place is the distance from the left end of the segment, m. A point between two
-        segments lies in the right one. ValueError for a body that is no rod, and for
-        points outside of the rod.
+        Segments have their number in the row, counted from 1. A distance is that from
+        the left end of the segment, m. A point between two segments lies in the right
+        one. ValueError for a body that is no rod, and for points outside of the rod by
+        more than round-off.
         """
         self._check_rod(body)
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
@@ -327,20 +327,23 @@ class Fields(Protocol):
     def velocity(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        """Velocity, m/s; x and t broadcast, and x is 0 in a mass or a wall.
+        """Velocity in the laboratory, m/s; x in m and t in s broadcast.
 
-        It is the velocity in the clock's frame, plus that of the frame, which falls
-        with gravity. A wall has its own velocity alone.
+        Of a rod and a mass it is the velocity in the clock's frame, plus that of the
+        frame at t = 0, plus g t. A wall has its own velocity alone. ValueError for
+        points outside of a rod, x other than 0 in a mass or a wall, and times outside
+        the solution.
         """
         ticks = self.to_ticks_beside(t, side)
         points = array("x", x, "m")
         if self._is_rod(body):
+            # It includes the velocity of the frame at t = 0.
             velocity = self.rod_velocity(body, points, ticks, side)
         else:
             ticks = self._rigid_ticks(body, points, ticks)
             if self._is_wall(body):
                 wall_velocity = self._wall_velocity(body) + 0.0  # no -0.0
-                return np.full(ticks.shape, wall_velocity)
+                return np.full(ticks.shape, wall_velocity)  # gravity does not move it
             in_frame = self.signals.masses[body].at(ticks, side)  # of the rigid mass
             velocity = in_frame + self.clock.frame
         if self.clock.gravity:
@@ -349,15 +352,18 @@ class Fields(Protocol):
         return velocity
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Displacement from the place at t = 0, m; arguments as for the velocity.
+        """Displacement in the laboratory, m; x in m and t in s broadcast.
 
-        It is the one in the clock's frame, plus that of the frame, which falls with
-        gravity: g t^2/2. A wall has that of its own velocity alone.
+        It counts from t = 0; in a rod from the unstrained rod, see `rod_displacement`.
+        Of a rod and a mass it is the displacement in the clock's frame, plus that of
+        the frame, plus g t^2/2. A wall has that of its own velocity alone. ValueError
+        as for `velocity`.
         """
         clock = self.clock
         ticks = self.to_ticks(t)
         points = array("x", x, "m")
         if self._is_rod(body):
+            # It includes the displacement of the frame without gravity.
             displacement = self.rod_displacement(body, points, ticks)
         else:
             ticks = self._rigid_ticks(body, points, ticks)
@@ -373,9 +379,10 @@ class Fields(Protocol):
     def strain(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        """Strain in a rod, positive in tension; x and t broadcast.
+        """Strain in a rod, positive in tension; x in m and t in s broadcast.
 
-        InvalidModel for a body that is no rod.
+        `side` decides at jumps. ValueError for a body that is no rod, points outside of
+        it, and times outside the solution.
         """
         ticks = self.to_ticks_beside(t, side)
         self._check_rod(body)
@@ -383,9 +390,10 @@ class Fields(Protocol):
         return self.rod_strain(body, points, ticks, side)
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Strain rate in a rod, 1/s; x and t broadcast.
+        """Strain rate in a rod, 1/s; x in m and t in s broadcast.
 
-        InvalidModel for a body that is no rod.
+        It is 0 but on a grid. ValueError for a body that is no rod, points outside of
+        it, and times outside the solution.
         """
         ticks = self.to_ticks(t)
         self._check_rod(body)
@@ -394,10 +402,11 @@ class Fields(Protocol):
 
     @cached_property
     def positions(self) -> list[float]:
-        """Where each body's left end would lie unstrained at t = 0, m; the first at 0.
+        """Places of the left ends of all bodies at t = 0, m, by body; the first is 0.
 
-        The place of a point of a body is its position + x + displacement. The position
-        of a wall is that of its face.
+        The next left end lies behind the length and the initial elongation of a rod,
+        the gap, and the stretch of a joint. The place of a point is position + x +
+        displacement. The position of a wall is that of its face.
         """
         clock = self.clock
         system = clock.system
