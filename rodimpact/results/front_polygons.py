@@ -48,9 +48,11 @@ class FrameClock(NamedTuple):
 
 
 def wave_of(ticks: list[int], values: list[float]) -> Any:
-    """A wave as a table of lists, from the ticks of its fronts and its values, m/s.
+    """A wave as a table of three lists, each with an entry for each of its fronts.
 
-    Its third column ``passed`` has the integral up to each front, m/s ticks.
+    ``tick`` and ``value`` are the arguments themselves: the fronts in order, and the
+    value from each of them on, m/s. ``passed`` is the integral from the first front to
+    each of them, m/s ticks, so that it begins with 0.
     """
     passed = [0.0]
     for i in range(len(ticks) - 1):
@@ -85,21 +87,23 @@ def edges_of(wave: Any, start: int, stop: int) -> list[int]:
 def initial_elongation(piece: Any) -> Any:
     """Elongation of a segment at t = 0: integral of (b - a)/2 from -T to 0, m/s ticks.
 
-    Its waves a and b leave the left and the right end, see `polygons_of`.
+    Its waves a and b leave the left and the right end, see `polygons_of`, and T is its
+    transit time in ticks.
     """
     a = piece["rightward"]
     b = piece["leftward"]
     T = piece["ticks"]
-    of_b = integral_to(b, 0) - integral_to(b, -T)
-    twice = of_b - integral_to(a, 0) + integral_to(a, -T)
+    integral_of_b = integral_to(b, 0) - integral_to(b, -T)
+    twice = integral_of_b - integral_to(a, 0) + integral_to(a, -T)
     return twice / 2
 
 
 def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
     """Rectangles of a segment that have a part between the ticks `start` and `stop`.
 
-    These are the bounds of p and of q, and for each range of p the first range of q
-    with such a part, and the one after the last.
+    Fronts between the bounds start - T and stop divide p into ranges, and q likewise.
+    For each range of p the lattice has the first range of q with such a part, and the
+    one after the last.
     """
     T = piece["ticks"]
     p = edges_of(piece["rightward"], start - T, stop)
@@ -108,16 +112,17 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
     first = []
     after_last = []
     for k in range(len(p) - 1):
-        # Bounds of q: in the segment abs(q - p) <= T, in the interval
-        # 2 start <= p + q + T <= 2 stop.
+        # In the interval 2 start <= p + q + T <= 2 stop. For p from p[k] to p[k + 1]
+        # this bounds q by the largest p from below, by the smallest p from above.
         earliest = start - T + (start - p[k + 1])
         latest = stop - T + (stop - p[k])
+        # In the segment abs(q - p) <= T.
         low = max(p[k] - T, earliest)
         high = min(p[k + 1] + T, latest)
-        # The first range of q contains `low`, or is the first of all if `low` lies
-        # before it.
+        # Range j lasts from q[j] to q[j + 1]. The first one contains `low`; it is range
+        # 0 if `low` lies before q[0].
         first.append(bisect_right(q, low, 1) - 1)
-        # The range after the last one begins at `high` or later, if there is one.
+        # The ranges before this index begin before `high`. There are `last` ranges.
         after_last.append(bisect_left(q, high, 0, last))
     return Lattice(p, q, first, after_last)
 
@@ -127,8 +132,8 @@ def region(
 ) -> list[Corner]:
     """Corners (p, q) of the part of a rectangle in the segment and the interval.
 
-    That is where abs(q - p) <= T and 2 start <= p + q + T <= 2 stop; no corners if the
-    part has no area.
+    The rectangle has the ranges of p and q. Its part is where abs(q - p) <= T and
+    2 start <= p + q + T <= 2 stop; no corners if that has no area.
     """
     p0, p1 = p_range
     q0, q1 = q_range
@@ -142,10 +147,10 @@ def region(
 def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
     """Part of a polygon in which n0 p + n1 q <= bound; no corners if that has no area.
 
-    The depth of a corner is bound - n0 p - n1 q, positive inside. Corners inside stay,
-    and sides are cut where the depth is 0, between corners whose depths have different
-    signs. Sides run along p, along q or diagonally, so that they are cut at whole
-    ticks.
+    The depth of a corner is bound - n0 p - n1 q: positive inside, 0 on the edge.
+    Corners inside and on the edge stay, and sides are cut where the depth is 0, between
+    corners whose depths have different signs. Sides run along p, along q or diagonally,
+    so that they are cut at whole ticks.
     """
     inside: list[Corner] = []
     depth = [bound - n0 * p - n1 * q for p, q in corners]
@@ -157,7 +162,8 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
         there = depth[j]
         if here >= 0:
             inside.append(corners[i])
-        if (here < 0 and there > 0) or (here > 0 and there < 0):
+        crosses_edge = (here < 0 and there > 0) or (here > 0 and there < 0)
+        if crosses_edge:
             p, q = corners[i]
             next_p, next_q = corners[j]
             p_cut = crossing(p, next_p, here, there)
@@ -167,13 +173,13 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
 
 
 def crossing(start: int, stop: int, here: int, there: int) -> int:
-    """Tick at which a linear depth is 0.
+    """Tick at which a linear depth is 0, between the ticks `start` and `stop`.
 
-    The depth is `here` at the tick `start`, and `there` at `stop`. Both divisions are
-    exact, since the cut lies at a whole tick, see `clip`. The quotient comes first,
-    since products may exceed 2^53, up to which JavaScript has every whole number.
+    The depth is `here` at `start`, and `there` at `stop`. Both divisions are exact,
+    since the cut lies at a whole tick, see `clip`. The quotient comes first, since
+    products may exceed 2^53, up to which JavaScript has every whole number.
     """
-    if start == stop:
+    if start == stop:  # the side of the polygon runs along the other of p and q
         return start
     fall_per_tick = (here - there) // (stop - start)
     return start + here // fall_per_tick
@@ -182,8 +188,8 @@ def crossing(start: int, stop: int, here: int, there: int) -> int:
 def count_of_regions(rods: Any, start: int, stop: int, limit: float) -> int:
     """Number of regions of constant state in rods between two ticks.
 
-    For the rods see `polygons_of`. If there are more than `limit`, counting stops at
-    some number above it.
+    For the rods see `polygons_of`. Counting stops after the segment with which it
+    exceeds `limit`: then the count is above `limit`, but not the full number.
     """
     count = 0
     for rod in rods:
@@ -198,7 +204,10 @@ def count_of_regions(rods: Any, start: int, stop: int, limit: float) -> int:
 def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> Any:
     """Polygons of constant state between two ticks: lists by the names of `Regions`.
 
-    The polygons of all rods are in the same lists, rod by rod and piece by piece.
+    The polygons of all rods are in the same lists, rod by rod and piece by piece. Lists
+    have an entry for each polygon, ``start`` one more, and ``x``, ``t`` and
+    ``displacement`` an entry for each vertex. In each rod x and the initial
+    displacement count from its left end.
 
     Parameters
     ----------
@@ -245,7 +254,7 @@ def add_segment(
     start: int,
     stop: int,
 ) -> None:
-    """Add the polygons of a segment to lists by the names of `Regions`.
+    """Add the polygons of a segment to the lists of `polygons`, see `polygons_of`.
 
     Where the wave a that left at p meets the wave b that left at q, the velocity is
     (a + b)/2 + frame and the strain (b - a)/(2 c), at x = (q - p + T)/(2 T) length and
@@ -262,6 +271,7 @@ def add_segment(
     lattice = lattice_of(piece, start, stop)
     p_edges = lattice.p
     q_edges = lattice.q
+    # The displacement at the left end counts from t = 0, where p = 0 and q = -T.
     a_passed_at_start = integral_to(a, 0)
     b_passed_at_start = integral_to(b, -T)
     for k in range(len(lattice.first)):
@@ -277,8 +287,7 @@ def add_segment(
             polygons["strain"].append(strain)
             polygons["stress"].append(strain * piece["youngs_modulus"])
             for p, q in region(p_range, q_range, T, start, stop):
-                # Twice the displacement, m/s ticks: in the frame, then with that of the
-                # frame
+                # Twice the displacement, m/s ticks. p + q + T is twice the tick.
                 a_passed = integral_to(a, p) - a_passed_at_start
                 twice_in_frame = a_passed + integral_to(b, q) - b_passed_at_start
                 twice = twice_in_frame + frame * (p + q + T)

@@ -105,9 +105,9 @@ class Gauge:
     def strain_rate(self) -> Floats:
         """Mean strain rate from each time to the next, 1/s, one for each time.
 
-        (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] - t[i]): jumps
-        at the times are left out. The last rate is that up to `end`; an entry of no
-        duration has the rate 0.
+        It is (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] - t[i]),
+        so that jumps at the times are left out. The last rate is that up to `end`. An
+        entry of no duration has the rate 0.
         """
         stops = np.append(self.times[1:], self.end)
         durations = stops - self.times
@@ -124,11 +124,11 @@ class Gauge:
         return to_side(nearest, side)
 
     def signal(self, interval: float | None = None, name: str = "") -> Signal:
-        """Return the strain as a signal at equal intervals.
+        """Return the strain as a signal at equal intervals, the first sample at t = 0.
 
         A sample is a mean over an interval and a half to either side, weighted by a
         parabolic spline: it varies smoothly with the time of a jump, so that a fit can
-        follow it.
+        follow it. Beyond both ends of the record the strain counts as constant.
 
         Parameters
         ----------
@@ -171,10 +171,11 @@ class Gauge:
         So a mean is made of the integrals over cells of the strain, of u times the
         strain, and of u^2 times the strain.
         """
-        # Row r has the cells from r - 1.5 to r + 1.5 steps: n rows have n + 2 cells.
+        # Row r has three cells, from r - 1.5 to r + 1.5 steps. So n rows have n + 2
+        # cells, and these n + 3 bounds: one for each row and for the three that follow.
         following = rows[-1] + np.arange(1, 4)
         bounds_in_steps = np.append(rows, following) - 1.5
-        bounds = step * bounds_in_steps
+        bounds = step * bounds_in_steps  # ticks
         parts = self._cell_parts(bounds)
         cell_of_part = parts.cell
         begin = (parts.cuts[:-1] - bounds[cell_of_part]) / step  # u where a part begins
@@ -183,39 +184,42 @@ class Gauge:
         # times u^2 of the degree size + 1. Gauss's rule of n points is exact up to the
         # degree 2 n - 1.
         point_count = (self.record.size + 3) // 2
-        shares, weights = quadrature(point_count)  # points from 0 to 1, in the width
+        shares, weights = quadrature(point_count)  # points as shares of a part's width
         u = begin[:, None] + width * shares  # [part, point of the rule]
         strain = self.record.inside(parts.cuts[:-1], parts.cuts[1:], shares)
-        weighted = strain * weights * width
-        by_u = weighted * u
-        by_u2 = weighted * (u * u)
+        # The terms of the integrals over u, [part, point of the rule].
+        terms = strain * weights * width
+        terms_u = terms * u
+        terms_u2 = terms * (u * u)
         # Sums over the points of the rule, and then over the parts of each cell.
         cell_count = len(bounds) - 1
-        integral = np.bincount(cell_of_part, weighted.sum(axis=1), cell_count)
-        integral_u = np.bincount(cell_of_part, by_u.sum(axis=1), cell_count)
-        integral_u2 = np.bincount(cell_of_part, by_u2.sum(axis=1), cell_count)
+        integral = np.bincount(cell_of_part, terms.sum(axis=1), cell_count)
+        integral_u = np.bincount(cell_of_part, terms_u.sum(axis=1), cell_count)
+        integral_u2 = np.bincount(cell_of_part, terms_u2.sum(axis=1), cell_count)
+        # The integral over each cell with the weight that it has as the first, the
+        # second and the third cell of a row.
         rising = integral_u2 / 2  # by u^2/2
         middle = integral / 2 + integral_u - integral_u2  # by 1/2 + u - u^2
         falling = integral / 2 - integral_u + integral_u2 / 2  # by (1 - u)^2/2
-        # The i-th row has the cells i, i + 1 and i + 2.
+        # The i-th of these rows has the cells i, i + 1 and i + 2.
         means: Floats = rising[:-2] + middle[1:-1] + falling[2:]
         return means
 
     def _cell_parts(self, bounds: Floats) -> CellParts:
-        """Cells cut where the strain has another polynomial.
+        """Cells cut at breaks, where the strain goes on by another polynomial.
 
-        The cells lie between increasing bounds, ticks. A cell without such a break in
-        it is one part.
+        The cells lie between increasing bounds, ticks. A cell without a break is one
+        part. A break at a bound makes a part of no width.
         """
         all_breaks = self.record.breaks
         first, stop = all_breaks.searchsorted(bounds[[0, -1]])
         breaks = all_breaks[first:stop]
-        # Index of the bound behind each break. The cell of this break has the index
-        # before it.
+        # Cell i lies between the bounds i and i + 1. This is the index of the bound
+        # behind each break, so the break lies in the cell next_bound - 1.
         next_bound = bounds[:-1].searchsorted(breaks, side="right")
-        cuts = np.insert(bounds, next_bound, breaks)
+        cuts = np.insert(bounds, next_bound, breaks)  # in order
         cell_count = len(bounds) - 1
-        # Each break makes one more part of its cell.
+        # Each break makes one more part of its cell, which stands behind the others.
         cell = np.insert(np.arange(cell_count), next_bound, next_bound - 1)
         return CellParts(cuts, cell)
 
@@ -240,10 +244,10 @@ class Gauge:
         write_table(path, list(columns), [block], force=force)
 
     def strain_at(self, t: ArrayLike) -> Floats:
-        """Strain at times t in s, from 0 to `end`; at a jump the value after it.
+        """Strain at times t in s, from 0 to `end`, of their shape.
 
-        It has the shape of t. ValueError for other times, but for round-off
-        (`RECORD_END_RTOL`) at the end.
+        At a jump it is the value after it. ValueError for times outside the record, but
+        for round-off (`RECORD_END_RTOL`) at the end.
         """
         t = array("t", t, "s")
         # `demand` puts the first value outside in place of {0!r}.
@@ -263,7 +267,8 @@ def gauges_to_csv(
 ) -> None:
     """Write strains of several gauges at equal intervals as one table.
 
-    It has a column of times, then one for each gauge. With the two gauges ``incident``
+    It has a column of times from 0 to the end of the shortest record, then a column of
+    strain for each gauge. With the two gauges ``incident``
     and ``transmitted`` this is the table of three columns that programs for split
     Hopkinson bars take.
 
@@ -273,7 +278,7 @@ def gauges_to_csv(
     gauges : mapping of str to Gauge
         Names of the columns, and records of one solution.
     interval : float, optional
-        Time between samples, s; by default a 10 000th of the record.
+        Time between samples, s; by default a 10 000th of the shortest record.
     force : bool
         Whether to replace an existing file.
 
@@ -318,7 +323,10 @@ def gauges_to_csv(
 
 
 def _table_blocks(records: list[Gauge], sampling: Sampling) -> Iterator[list[Floats]]:
-    """Blocks of rows of a table, each as columns: times, s, and all strains."""
+    """Blocks of up to `ROWS_PER_BLOCK` rows of a table, each as a list of columns.
+
+    The columns are the times, s, and the strain of each record at these times.
+    """
     for rows in _blocks(sampling.sample_count):
         times = sampling.step * rows
         columns = [times]
@@ -328,7 +336,10 @@ def _table_blocks(records: list[Gauge], sampling: Sampling) -> Iterator[list[Flo
 
 
 def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
-    """Return gauges by name as they are; InvalidModel for anything else."""
+    """Return a mapping of names to gauges as it is, also an empty one.
+
+    InvalidModel for anything else, and for a value in it that is no `Gauge`.
+    """
     if isinstance(gauges, Mapping):
         are_gauges = [isinstance(record, Gauge) for record in gauges.values()]
         if all(are_gauges):
@@ -348,7 +359,7 @@ def _sampling(interval: Any, end: float) -> Sampling:
         step = scalar("interval", interval, "s", "positive")
     else:
         step = end / DEFAULT_SAMPLES
-    if step == 0:  # a record of no duration has one sample
+    if step == 0:  # the record has no duration: any step gives one sample
         step = 1.0
     if end / step > MAX_TABLE_ROWS:
         least = end / MAX_TABLE_ROWS
@@ -356,7 +367,7 @@ def _sampling(interval: Any, end: float) -> Sampling:
             f"gives {end / step:.3g} rows, more than {MAX_TABLE_ROWS}; take at least"
         )
         raise invalid_argument("interval", f"{message} {least:.3g} s, got {step!r}")
-    # Rounded down, but for a last sample that is late by no more than round-off
+    # Rounded down; a last sample that is late by no more than round-off counts.
     interval_count = int(end / step * (1 + SAMPLE_COUNT_RTOL))
     return Sampling(step, interval_count + 1)
 

@@ -104,18 +104,20 @@ class GridFields(Fields):
     def _between_states(self, values: Floats, columns: Any, ticks: Ints) -> Floats:
         """Interpolate values [state, column] in time: in those columns, at ticks.
 
-        Columns, whole numbers or a slice, and ticks broadcast.
+        Columns, whole numbers or a slice, and ticks broadcast. After the last state its
+        values stay.
         """
         states = self.state_ticks
         last = len(states) - 1
         if last == 0:  # nothing moves: there is one state
             return np.asarray(values[np.zeros_like(ticks), columns])
-        # Index of the state before a tick
+        # Index of the state before a tick; at the last one and later there is still one
+        # behind it.
         before = np.searchsorted(states, ticks, side="right") - 1
         before = np.clip(before, 0, last - 1)
         after = before + 1
         duration = states[after] - states[before]
-        # After the last state its values stay.
+        # The share of the time from the state before to that after; 1 after the last.
         share = np.minimum((ticks - states[before]) / duration, 1.0)
         value_before = values[before, columns]
         value_after = values[after, columns]
@@ -124,15 +126,18 @@ class GridFields(Fields):
     def _interpolated(self, body: int, x: Floats, ticks: Ints, table: Table) -> Floats:
         """Interpolate a table at places x of a rod, m, and at ticks; the two broadcast.
 
-        ValueError for a place outside of the rod, or shapes that do not broadcast.
+        Where a field jumps in space it is the value to the right. ValueError for a
+        place outside of the rod, or shapes that do not broadcast.
         """
         location = self.locate(body, x)  # raises for places outside
         self._broadcast_shape(location.segment, ticks)  # raises for wrong shapes
         places = table.places
-        # At a jump a place is there twice; "right" takes the second one, to its right.
+        # Index of the place on the left of x. At a jump a place is there twice; "right"
+        # takes the second one.
         left = np.searchsorted(places, x, side="right") - 1
         left = np.clip(left, 0, len(places) - 2)
         distance = places[left + 1] - places[left]
+        # x may exceed the last place by round-off.
         share = np.minimum((x - places[left]) / distance, 1.0)
         value_left = self._between_states(table.values, left, ticks)
         value_right = self._between_states(table.values, left + 1, ticks)
@@ -146,8 +151,7 @@ class GridFields(Fields):
         They count from the left end of the rod. Two neighbouring segments share a node.
         """
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
-        # Counts have no entry for what lies left of the row: that of segment 1 has the
-        # index 0.
+        # Segment 1 has the index 0 in `counts`.
         cell_counts = self.motion.counts[first - 1 : last]
         edges = self.edges(body)
         places = []
@@ -166,15 +170,19 @@ class GridFields(Fields):
         return np.unique(np.concatenate(self._segment_places(body)))
 
     def _span(self, body: int) -> Span:
-        """The part of the mesh that is a rod."""
+        """The part of the mesh that is a rod: its nodes, its cells and their masses.
+
+        A node at an end of the rod has half the mass of the last cell alone, even if a
+        body is bonded to it there.
+        """
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
-        # Lists of first and last nodes are by this number: their entry 0 is empty.
+        # Segment 1 has the index 1 in these lists.
         first_node = self.motion.first[first]
         last_node = self.motion.last[last]
         nodes = slice(first_node, last_node + 1)
         cells = slice(first_node + 1, last_node + 1)  # cell n lies left of node n
-        # A node has half of the mass of the cell on either side.
         half = self.motion.cells.cell_mass[cells] / 2
+        # A node has half of the cell on its right, and half of that on its left.
         mass = np.append(half, 0.0) + np.append(0.0, half)
         return Span(nodes, cells, mass)
 
@@ -187,7 +195,7 @@ class GridFields(Fields):
 
     @cached_property
     def _velocity_tables(self) -> dict[int, Table]:
-        """Velocities of the nodes of each rod in the frame, m/s, by body."""
+        """Velocities at the nodes of each rod in the frame, m/s, by body."""
         tables = {}
         for body in self.rods:
             velocities = self._node_velocity[:, self._span(body).nodes]
@@ -203,9 +211,9 @@ class GridFields(Fields):
     def _strain_tables(self) -> StrainTables:
         """Strains of each rod, and their rates, 1/s, by body.
 
-        Places are the ends of segments, on either side of a step, and the middles of
-        cells. The rates are differences of the velocities of nodes, not of strains over
-        time.
+        Places are the two ends of each segment and the middles of its cells, so that
+        the border of two segments is there twice. The rates are differences of the
+        velocities of nodes over the cells, not of strains over time.
         """
         cells = cell_states(self.motion, self._cell_strain, self._node_velocity)
         strains = {}
@@ -218,6 +226,7 @@ class GridFields(Fields):
             for i, nodes in enumerate(self._segment_places(body)):
                 middles = (nodes[1:] + nodes[:-1]) / 2
                 places += [nodes[:1], middles, nodes[-1:]]
+                # [state, point], with the points at these places
                 in_segment = segment_strain(
                     self.motion,
                     cells,
@@ -236,15 +245,16 @@ class GridFields(Fields):
     def _displacement_tables(self) -> dict[int, Table]:
         """Displacements of the nodes of each rod in the frame, m, by body.
 
-        With the stretch s from the first node of the row to each node, a node n of a
-        rod with the left end l has the displacement u(n) = u(l) + s(n) - s(l). That of
-        l is u(l) = u(f) + growth of s(l) - s(f) since t = 0, with the first node f of
-        the bonded bodies to which it belongs.
+        They count from the unstrained rod whose left end is at its place at t = 0. With
+        the elongation s of all cells up to a node, a node n of a rod with the left end
+        l has the displacement u(n) = u(l) + s(n) - s(l). That of l is
+        u(l) = u(f) + growth of (s(l) - s(f)) since t = 0, with the first node f of the
+        bonded bodies to which the rod belongs.
         """
         motion = self.motion
-        # Cell n lies left of node n, and one cell more right of the last node.
+        # Cell n lies left of node n. The last cell lies right of the last node.
         elongation = self._cell_strain[:, :-1] * motion.cells.width[:-1]
-        stretch = np.cumsum(elongation, axis=1)  # m [state, node]
+        stretch = np.cumsum(elongation, axis=1)  # s, m [state, node]
         tables = {}
         for body in self.rods:
             nodes = self._span(body).nodes
@@ -253,10 +263,11 @@ class GridFields(Fields):
             stretch_at_left = stretch[:, nodes.start]
             stretch_in_piece = stretch_at_left - stretch[:, motion.starts[piece]]
             # The motion has m/s times steps, so that it takes the duration of a step.
-            u_first = motion.displacement[:, piece] * self.step
+            u_first = motion.displacement[:, piece] * self.step  # u(f), [state]
+            # Entry 0 is the state at t = 0.
             u_left = u_first + stretch_in_piece - stretch_in_piece[0]
-            without_stretch = u_left - stretch_at_left
-            displacement = stretch[:, nodes] + without_stretch[:, None]
+            u_less_stretch = u_left - stretch_at_left  # u(l) - s(l)
+            displacement = stretch[:, nodes] + u_less_stretch[:, None]
             tables[body] = Table(self._node_places(body), displacement)
         return tables
 
@@ -269,9 +280,10 @@ class GridFields(Fields):
         ticks: Ints,
         side: Side,  # noqa: ARG002
     ) -> Floats:
-        """Velocity, m/s, without that which gravity gives; x, m, and ticks broadcast.
+        """Velocity, m/s: that in the frame plus that of the frame at t = 0.
 
-        It has no jumps, so that both sides are the same.
+        The velocity g t by gravity is left out. x, m, and ticks broadcast. Values have
+        no jumps in time, so that both sides are the same.
         """
         in_frame = self._interpolated(body, x, ticks, self._velocity_tables[body])
         return in_frame + self.clock.frame
@@ -283,7 +295,11 @@ class GridFields(Fields):
         ticks: Ints,
         side: Side,  # noqa: ARG002
     ) -> Floats:
-        """Strain; x, m, and ticks broadcast. It has no jumps in time."""
+        """Strain, positive in tension; x, m, and ticks broadcast.
+
+        It has no jumps in time, so that both sides are the same. Where it jumps from
+        one segment to the next it is that of the right one.
+        """
         return self._interpolated(body, x, ticks, self._strain_tables.strain[body])
 
     def rod_strain_rate(self, body: int, x: Floats, ticks: Ints) -> Floats:
@@ -291,7 +307,7 @@ class GridFields(Fields):
         return self._interpolated(body, x, ticks, self._strain_tables.rate[body])
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Displacement, m, less the way that the frame falls.
+        """Displacement, m: that in the frame plus that of the frame without gravity.
 
         x, m, and ticks broadcast.
         """
@@ -299,9 +315,10 @@ class GridFields(Fields):
         return in_frame + self.clock.frame * (ticks * self.clock.tick)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the strain from t = 0 to each tick at points x, m, [point, tick].
+        """Integral of the strain from t = 0 to each tick, [point, tick], in ticks.
 
-        Its unit is the tick. Between states the strain is a straight line.
+        The points x, m, are [point], and ticks [tick]. Between states the strain is a
+        straight line.
         """
         states = self.state_ticks
         table = self._strain_tables.strain[body]
@@ -315,22 +332,24 @@ class GridFields(Fields):
     def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves A = v - c strain and B = v + c strain at the point x, m.
 
-        Velocity v, in the frame of the clock, and strain are interpolated to the point
-        in every state. The waves are lines between states.
+        They and the velocity v are in m/s, in the frame of the clock. Velocity and
+        strain are interpolated to the point in every state, and the waves are lines
+        between states. Between two segments the strain and the wave speed c are those
+        of the right one.
         """
         segment = int(self.locate(body, x).segment)
         c = self.clock.wave_speed[segment]
         ticks = self.state_ticks
         point = np.asarray(x)
+        # Both are [state], at the ticks of the states.
         v = self._interpolated(body, point, ticks, self._velocity_tables[body])
-        strain = self._interpolated(
-            body, point, ticks, self._strain_tables.strain[body]
-        )
+        strain_table = self._strain_tables.strain[body]
+        strain = self._interpolated(body, point, ticks, strain_table)
         c_strain = c * strain
         return PassingWaves(
             rightward=Pieces.through(ticks, v - c_strain),
             leftward=Pieces.through(ticks, v + c_strain),
-            # B - A, without the round-off of a difference
+            # This is B - A without the round-off of a difference.
             difference=Pieces.through(ticks, 2 * c_strain),
             wave_speed=c,
         )
@@ -338,30 +357,36 @@ class GridFields(Fields):
     # Integrals over bodies ------------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
-        """Sum of m v over the nodes of a rod at times t in s, kg m/s, interpolated."""
+        """Momentum of a rod at times t in s, kg m/s: sum of m v over its nodes.
+
+        The sum in the frame is interpolated between states; to it comes the momentum of
+        the rod's mass at the velocity of the frame, gravity included.
+        """
         span = self._span(body)
         # A product of matrices would give other bits for other numbers of states.
         node_momenta = self.motion.velocity[:, span.nodes] * span.mass
         momenta = node_momenta.sum(axis=1)  # [state]
         ticks = self.to_ticks(t)
-        in_frame = self._between_states(momenta[:, None], 0, ticks)
+        only_column = 0
+        in_frame = self._between_states(momenta[:, None], only_column, ticks)
         frame_velocity = self.clock.frame + self._fall_velocity(ticks)
         return np.asarray(in_frame + span.mass.sum() * frame_velocity)
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
         """Energy of a rod in the state at `tick`, which must be a tick of a state.
 
-        The kinetic energy is relative to a velocity, m/s.
+        The kinetic energy is relative to `velocity`, m/s in the laboratory. Both are
+        energies that the scheme conserves: in the kinetic one is a term in the step.
         """
         clock = self.clock
         span = self._span(body)
         step_number = tick // STEP_TICKS
         state = int(np.searchsorted(self.motion.when, step_number))
         in_frame = self.motion.velocity[state, span.nodes]
-        # The frame moves with its own velocity, and falls.
+        # Plus the velocity of the frame at t = 0 and g t, less the given velocity.
         v = in_frame + clock.frame + clock.gravity * tick * clock.tick - velocity
         energies = self.motion.energies(span.nodes, span.mass, state, v, self.step)
-        return RodEnergy(*energies)
+        return RodEnergy(*energies)  # kinetic, strain
 
     def viscous_loss(self, ticks: Ints) -> Floats:
         """Energy lost in damped material from t = 0 to each tick, J.
@@ -370,14 +395,14 @@ class GridFields(Fields):
         """
         step_numbers = ticks // STEP_TICKS
         states = np.searchsorted(self.motion.when, step_numbers)
-        energy_in_steps = self.motion.lost[states]  # W times steps
-        return np.asarray(energy_in_steps * self.step)
+        lost = self.motion.lost[states]  # since t = 0, W times steps
+        return np.asarray(lost * self.step)
 
     def mobilised(self, body: int, tick: int) -> Steps | float:
-        """Share of the resistance that is mobilised along a rod, at `tick`.
+        """Share of the soil's resistance that is mobilised along a rod, at `tick`.
 
-        It is constant about each node, from the middle of one cell to that of the next;
-        0 if no soil resists.
+        It is a step about each node, from the middle of one cell to that of the next;
+        the number 0 if no soil resists. Soil must hold the rod.
         """
         soil = self.soil_at_nodes(body, tick)
         if not soil.ultimate.any():
@@ -388,15 +413,17 @@ class GridFields(Fields):
         return Steps(soil.mobilised.tolist(), np.concatenate(middles).tolist())
 
     def soil_at_nodes(self, body: int, tick: int) -> SoilAtNodes:
-        """Soil about the nodes of a rod that soil holds, at `tick`, between states.
+        """Soil about each node of a rod at `tick`, interpolated between states.
 
-        The mobilised share is the static resistance over the ultimate one.
+        The mobilised share is the static resistance over the ultimate one, from -1 to
+        1. Both are 0 about a node that soil does not hold. ValueError for a rod without
+        soil or drag.
         """
-        soil = self.motion.soil
+        soil = self.motion.soil  # a record for each node in the soil of some rod
         nodes = self._span(body).nodes
         shaft = shaft_bodies(self.clock.row).index(body)  # index among rods in soil
-        columns = np.flatnonzero(soil["shaft"] == shaft)  # nodes in soil of this rod
-        held = soil["node"][columns] - nodes.start  # the same, by index in the rod
+        columns = np.flatnonzero(soil["shaft"] == shaft)  # records of this rod
+        held = soil["node"][columns] - nodes.start  # their nodes, by index in the rod
         resistance = self._between_states(
             self.motion.resistance, columns, np.asarray(tick)
         )
@@ -409,9 +436,9 @@ class GridFields(Fields):
         )
 
     def profile(self, body: int, tick: int) -> Profile:
-        """State of a rod at `tick`, interpolated: velocity and strain of each cell.
+        """State of a rod at `tick`, between states: velocity and strain of each cell.
 
-        The velocity of a cell is the mean of those of its two nodes.
+        The velocity of a cell is the mean of those of its two nodes, in the laboratory.
         """
         span = self._span(body)
         at_tick = np.asarray(tick)
@@ -426,9 +453,10 @@ class GridFields(Fields):
     # Extreme stress -------------------------------------------------------------------
 
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """The largest stresses, from kept states and from the forces on ends.
+        """Largest tension and compression in a rod, in kept states and by end forces.
 
-        They are `NO_STRESS` where there is no tension, or no compression.
+        The forces are those on the ends of the rod in all time steps. Where there is no
+        tension, it is `NO_STRESS`; compression likewise.
         """
         tensions = []
         compressions = []
@@ -440,8 +468,11 @@ class GridFields(Fields):
         return ExtremeStress(strongest(tensions), strongest(compressions))
 
     def _state_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Highest and lowest stress E eps + eta d(eps)/dt in a rod at kept states."""
-        youngs_moduli = []
+        """Highest, then lowest stress E eps + eta d(eps)/dt in a rod at kept states.
+
+        The highest one may be compression, and the lowest one tension.
+        """
+        youngs_moduli = []  # of each segment, [point of the strain table]
         viscosities = []
         segments = self.rods[body].segments
         for segment, nodes in zip(segments, self._segment_places(body), strict=True):
@@ -453,6 +484,7 @@ class GridFields(Fields):
         rate = self._strain_tables.rate[body]
         elastic = np.concatenate(youngs_moduli) * strain.values
         stress = elastic + np.concatenate(viscosities) * rate.values
+        # Stress is [state, point]; an extreme is an index in all of it.
         for extreme in (stress.argmax(), stress.argmin()):
             state, point = np.unravel_index(extreme, stress.shape)
             x = float(strain.places[point])
@@ -460,30 +492,32 @@ class GridFields(Fields):
             yield StressPeak(float(stress[state, point]), x, t)
 
     def _end_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Stress by the largest push and pull on each end of a rod, of all time steps.
+        """Stress by the largest push and the largest pull on each end of a rod.
 
-        Free ends are left out, and those where lateral inertia takes a share of the
-        force.
+        They are those of all time steps, at the middle of the step; the stress is 0 if
+        an end is never pushed, or never pulled. Free ends are left out, and those where
+        lateral inertia takes a share of the force.
         """
         for end in self._loaded_ends(body):
             if end.push is None or end.segment.lateral_inertia is not None:
                 continue
             for sign in (1.0, -1.0):  # pushes, then pulls
-                force = sign * end.push
+                force = sign * end.push  # mean in each step, N
                 middle_of_step = int(np.argmax(force)) + 0.5
                 t = middle_of_step * self.step
-                # The forces are means over steps: the largest one in a step exceeds its
-                # mean. A push is compression, and negative.
+                # The largest force in a step exceeds its mean. A push is compression,
+                # and its stress is negative.
                 stress = -sign * largest_force(force) / end.area
                 yield StressPeak(stress, end.x, t)
 
     def _loaded_ends(self, body: int) -> tuple[LoadedEnd, LoadedEnd]:
         """The two ends of a rod, left and right, with the forces on them.
 
-        A force is that of a contact, or of an end of the row. The forces are means over
-        each time step, N; None at a free end.
+        A force is that of a contact, or at an end of the row that of a wall, a drive or
+        an absorbing end. Forces are means over each time step, N; None at a free end.
         """
         contacts = self.signals.contacts
+        # At the ends of the row; other ends of the rod have a contact instead.
         left_action, right_action = self.signals.boundary_actions
         left_push = _push_of(left_action)
         right_push = _push_of(right_action)

@@ -79,8 +79,9 @@ def cell_strains(motion: GridMotion, step: float) -> Floats:
 def cell_states(motion: GridMotion, strain: Floats, velocity: Floats) -> CellStates:
     """State of all cells, from their strains [state, cell] and node velocities, m/s.
 
-    The strain rate is the difference of the velocities of both nodes over the width.
-    The tension is the elastic force plus eta A times the rate.
+    The strain stays as it is. Its rate is the difference of the velocities of both
+    nodes [state, node] over the width. The tension is the elastic force of the motion
+    plus eta A times the rate.
     """
     cells = motion.cells
     rate = np.zeros(motion.force.shape)
@@ -97,17 +98,19 @@ def segment_strain(
 ) -> SegmentStrain:
     """Strain and its rate in a segment, the `number`-th of the row counted from 1.
 
-    At the ends both are extrapolated from cells. Then they are changed by d eps and d
-    rate, with d eps = step d rate, so that they give the stress that follows from the
-    momentum of the node: E d eps + eta d rate = the missing stress. Where lateral
-    inertia takes a share of the force they are not changed.
+    The points are its left end, its cells and its right end. At the ends both are
+    extrapolated from cells. Then d eps and d rate are added, so that the stress is that
+    which follows from the momentum of the node: E d eps + eta d rate = the missing
+    stress, with d eps = d rate times the time step, s. Where lateral inertia takes a
+    share of the force nothing is added.
     """
     E, eta = moduli(segment)
     first_node = motion.first[number]
     last_node = motion.last[number]
-    # The cells first_node + 1 to last_node, and a column at either side for the ends
+    # The cells of the segment are first_node + 1 to last_node. The cells beside them
+    # give their columns, the first and the last one, to the ends.
     columns = slice(first_node, last_node + 2)
-    strain = cells.strain[:, columns].copy()
+    strain = cells.strain[:, columns].copy()  # [state, point]
     rate = cells.rate[:, columns].copy()
     left = _left_end(motion, number, segment)
     right = _right_end(motion, number, segment)
@@ -119,13 +122,17 @@ def segment_strain(
         if not _has_lateral_inertia(motion, end):
             stress = _end_stress(motion, cells.tension, end)
             missing = stress - E * end_strain - eta * end_rate
+            # d eps = step d rate, put into E d eps + eta d rate = missing
             strain[:, column] += missing / (E + eta / step)
             rate[:, column] += missing / (E * step + eta)
     return SegmentStrain(strain, rate)
 
 
 def _left_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
-    """The left end of a segment, by its number from 1; cell n lies left of node n."""
+    """The left end of a segment, by its number in the row, counted from 1.
+
+    Cell n lies left of node n, so the first cell has the number of the node plus 1.
+    """
     node = motion.first[number]
     cell = node + 1
     second_cell = min(cell + 1, motion.last[number])
@@ -133,7 +140,10 @@ def _left_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
 
 
 def _right_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
-    """The right end of a segment, by its number from 1; cell n lies left of node n."""
+    """The right end of a segment, by its number in the row, counted from 1.
+
+    Cell n lies left of node n, so the last cell has the number of the node.
+    """
     node = motion.last[number]
     cell = node
     first_cell = motion.first[number] + 1
@@ -166,12 +176,13 @@ def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
     tension - inward (a m_cell/2 - force of the soil).
     """
     node = end.node
+    # Cell n lies left of node n and pulls it to the left, cell n + 1 to the right.
     force = tension[:, node + 1] - tension[:, node] + _push_on(motion, node)
     soil = _soil_on(motion, end)
     force = force + soil.on_node
-    half_cell_force = force * motion.cells.cell_mass[end.cell] / 2 / motion.mass[node]
-    half_cell_force = half_cell_force - soil.on_half_cell
-    end_tension = tension[:, end.cell] - end.inward * half_cell_force
+    inertia = force * motion.cells.cell_mass[end.cell] / 2 / motion.mass[node]
+    without_soil = inertia - soil.on_half_cell
+    end_tension = tension[:, end.cell] - end.inward * without_soil
     return np.asarray(end_tension / end.area)
 
 
@@ -186,40 +197,43 @@ class SoilForces(NamedTuple):
 
 
 def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
-    """Forces of the soil at an end of a segment.
+    """Forces of the soil at an end of a segment, N, to the right.
 
-    At an end of the rod its half cell bears all of the soil about the node; at a node
-    between two segments each half cell bears half of it.
+    At an end of the rod its half cell bears all of the rod's soil about the node; at a
+    node between two segments each half cell bears half of it. The node bears the soil
+    of both rods where two bonded rods share it.
     """
     soil = motion.soil
-    end_of_rod = -end.inward  # -1 if this were the left end of the rod, 1 the right one
+    # The code in `soil` of a rod's end at a node: -1 its left end, 1 its right end; 0
+    # between two segments.
+    end_of_rod = -end.inward
     on_node: Floats | float = 0.0
     on_half_cell: Floats | float = 0.0
-    # Two rods that are bonded share a node, and each may have its own soil there.
+    # There may be one record for each of two bonded rods.
     for i in np.flatnonzero(soil["node"] == end.node):
         force = motion.soil_force[:, i]
         on_node = on_node + force
-        if soil["end_of_rod"][i] == 0:
+        if soil["end_of_rod"][i] == 0:  # the node lies between two segments
             on_half_cell = force / 2
-        elif soil["end_of_rod"][i] == end_of_rod:
+        elif soil["end_of_rod"][i] == end_of_rod:  # else it is soil of the other rod
             on_half_cell = force
     return SoilForces(on_node, on_half_cell)
 
 
 def _push_on(motion: GridMotion, node: int) -> Floats:
-    """Force to the right on a node from outside its piece, N [state].
+    """Force to the right on a node from outside its piece, N [state]; 0 if none acts.
 
-    It has the shape [1] if there is none. Forces are kept as means over steps. At a
-    state between two steps the force is the mean of both, at the first and the last it
-    is extrapolated by half a step.
+    A piece is the mesh of bonded bodies. Forces are kept as means over steps. At a
+    state between two steps the force is the mean of both, at t = 0 and at the end it is
+    extrapolated by half a step. The mean of a single step holds for all states.
     """
     step_means = motion.pushes.get(node, np.zeros(1))
-    if len(step_means) == 0:  # nothing moves: no step was made
+    if len(step_means) == 0:  # nothing moves: there is one state, and no step was made
         return np.zeros(1)
     if len(step_means) == 1:
         return np.repeat(step_means, len(motion.when))
     first_and_last = 1.5 * step_means[[0, -1]] - 0.5 * step_means[[1, -2]]
     between = (step_means[1:] + step_means[:-1]) / 2
-    # The force after each number of steps, from 0 to all
+    # The force after each number of steps, from 0 to all of them
     after_steps = np.concatenate((first_and_last[:1], between, first_and_last[1:]))
     return np.asarray(after_steps[motion.when])

@@ -20,14 +20,16 @@ def node_velocities(motion: GridMotion) -> Floats:
 
     A node beside a cell with viscosity has the mean over two steps about each state;
     the others have their velocities as they are, and so have all nodes if there are
-    fewer than three states.
+    fewer than three states. The array of the motion is not changed, and is returned
+    itself where there are no means.
     """
     velocity = motion.velocity
     viscosity = motion.cells.viscous  # [cell]; cell n lies left of node n
-    is_damped = viscosity[:-1] + viscosity[1:] > 0  # whether a cell beside a node is
+    is_damped = viscosity[:-1] + viscosity[1:] > 0  # [node], by the cells beside it
     if not is_damped.any() or len(motion.when) < 3:
         return velocity
-    # Means are made in the span of damped nodes, and copied to these nodes alone.
+    # Means are made from the first to the last damped node, undamped nodes between them
+    # included, and copied to damped nodes alone.
     damped_nodes = np.flatnonzero(is_damped)
     first = int(damped_nodes[0])
     last = int(damped_nodes[-1])
@@ -44,20 +46,22 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
     """Means (v[n - 1] + 2 v[n] + v[n + 1])/4 about the states [state, node].
 
     `when` is the number of the time step of each state. Where the state of the step
-    before or after was not kept, the velocity itself stays, but for one-sided means at
-    both ends of the run.
+    before or after was not kept, the velocity itself stays, as it does at t = 0. The
+    state after t = 0 and the last one have one-sided means, if the states of the three
+    steps behind or before them were kept.
     """
     means = velocity.copy()
-    follows = np.diff(when) == 1  # whether a state is that of the next step
-    has_both_neighbours = follows[:-1] & follows[1:]
+    is_next_step = np.diff(when) == 1  # whether neighbouring states are a step apart
+    has_both_neighbours = is_next_step[:-1] & is_next_step[1:]
     mean = velocity[:-2] + velocity[2:]
     mean += 2 * velocity[1:-1]
     mean /= 4
     np.copyto(means[1:-1], mean, where=has_both_neighbours[:, None])
-    # At t = 0 velocities may jump: the first state is no neighbour of the second one.
-    if when[0] == 0 and len(when) > 4 and follows[:4].all():
+    # At t = 0 velocities may jump, so that state 1 has no mean over both its sides. The
+    # states 0 to 4 must be consecutive.
+    if when[0] == 0 and len(when) > 4 and is_next_step[:4].all():
         means[1] = _one_sided_mean(velocity[1:5])
-    if len(when) > 3 and follows[-3:].all():
+    if len(when) > 3 and is_next_step[-3:].all():
         means[-1] = _one_sided_mean(velocity[:-5:-1])  # the last four, backwards
     return means
 

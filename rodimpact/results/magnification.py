@@ -25,12 +25,13 @@ def drifts(reach: float, relative: float) -> bool:
 
 
 def magnified(length: float, reach: float, relative: float, strain: float) -> float:
-    """Magnification of displacements in a picture: 1, or a larger 1, 2, 5, 10, 20 ...
+    """Magnification of displacements in a picture: 1, 2, 5, 10, 20 ..., 1 at least.
 
-    `length` is that of the row, m, `strain` the largest strain, and `reach` and
-    `relative` are the movements of `drifts`. The movement to be seen is `reach`, but in
-    a row that drifts it is `relative`: the drift would hide it. Without movement and
-    strain it is 1.
+    It is rounded down from the factor with which the movement to be seen fills
+    `PICTURED_MOVEMENT` of the `length` of the row, m, and the largest `strain` becomes
+    no more than `MAX_PICTURED_STRAIN`. The movement to be seen is `reach`, m, the
+    farthest one. In a row that drifts (`drifts`) it is `relative`, m, the one within
+    the row, which the drift would hide. Without movement the magnification is 1.
     """
     movement = reach
     if drifts(reach, relative):
@@ -48,6 +49,7 @@ def round_down(number: float) -> float:
 
     It may exceed the number by `LEADING_DIGIT_RTOL` of it, for the sake of round-off.
     """
+    # The power of ten that begins with the leading digit of the number.
     base = 10.0 ** math.floor(math.log10(number) + LEADING_DIGIT_RTOL)
     for digit in (5, 2):
         if digit * base <= number * (1 + LEADING_DIGIT_RTOL):
