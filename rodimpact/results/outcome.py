@@ -171,14 +171,15 @@ class Outcome(OnlyContact[float]):
     def restitution(self) -> float:
         """Effective coefficient of restitution e of a collision at a single contact.
 
-        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass; 0 where
-        the bodies part with no more than round-off.
+        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass before (-)
+        and after (+); 0 where the bodies part with no more than round-off.
 
         Raises
         ------
         UndefinedRestitution
             If the run is not final, nothing met, the bodies did not approach each
-            other, or there is more than one contact.
+            other, gravity or a driven end acts, or the contacts that can open are not
+            one.
         """
         reason = self.why_no_restitution()
         if reason:
@@ -186,12 +187,15 @@ class Outcome(OnlyContact[float]):
         k = self.unilateral[0]
         before = self.velocities_before[k : k + 2]
         after = self.velocities_after[k : k + 2]
-        # The collision is final, and the contact pressed: no reason is left.
+        # Without a reason the collision is final, and the contact has pressed.
         e = effective_restitution(final=True, episodes=1, before=before, after=after)
         return float(e)
 
     def why_no_restitution(self) -> str:
-        """Return why `restitution` is undefined, as a sentence; "" if it is defined."""
+        """Return why `restitution` is undefined, as a sentence; "" if it is defined.
+
+        The reasons are those at which `restitution` raises an error.
+        """
         return no_restitution(
             self.unilateral,
             self.velocities_before,
@@ -204,10 +208,11 @@ class Outcome(OnlyContact[float]):
     def as_rigid(self) -> RigidCollision:
         """Return the collision as rigid-body mechanics sees it.
 
-        The two sides of the only contact collide with the effective `restitution`; the
-        velocities and the impulse are those of the rods. The energy lost is the energy
-        that vibration has gained. (If a side is bonded to a wall, its oscillation has
-        gained a part.)
+        The two sides of the only contact that can open collide with the effective
+        `restitution`, each as one body with its mass and its velocity before. The
+        velocities after and the impulse are those of the rods. The energy lost is the
+        energy that vibration has gained. (If a side is bonded to a wall, its
+        oscillation has gained a part.) An e above 1 releases energy.
 
         Returns
         -------
@@ -227,9 +232,10 @@ class Outcome(OnlyContact[float]):
         >>> round(outcome.as_rigid().energy_lost / sum(outcome.vibration_after), 12)
         1.0
         """
-        e = self.restitution
+        e = self.restitution  # raises if it is undefined
         first_on_right = self.unilateral[0] + 1  # body on the right of the contact
-        # All other contacts are joined: each side moves as one body.
+        # All other contacts are joined, so each side moves as one body: its velocity is
+        # that of the first or the last body of the row.
         left_mass = sum(self.masses[:first_on_right])
         right_mass = sum(self.masses[first_on_right:])
         return collide(
@@ -242,14 +248,15 @@ class Outcome(OnlyContact[float]):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All entries by name, with those of contacts, in JSON's terms.
+        """All entries by name as a new dictionary, in JSON's terms.
 
-        A nan stays a float.
+        Tuples become lists, and each contact a dictionary of its totals by name. A nan
+        stays a float.
         """
         entries: dict[str, Any] = {}
         for name, value in vars(self).items():
             entries[name] = json_ready(value)
-        # The loop has made a contact a list of totals; here each has its name.
+        # The loop has made each contact a list of totals, without their names.
         contacts = []
         for tally in self.contacts:
             contacts.append(tally._asdict())
@@ -297,8 +304,8 @@ class Outcome(OnlyContact[float]):
 def outcome_of(run: Run, totals: Totals) -> Outcome:
     """The outcome of a run with these totals.
 
-    The status of the run is followed by a warning if the balance of the totals does not
-    close.
+    Its status is that of the run, followed by a warning if the balance of the totals
+    does not close. It counts as driven if an end is driven or gravity acts.
     """
     system = run.system
     warning = _balance_warning(totals.momentum_residual, totals.energy_residual)
@@ -323,7 +330,10 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
 
 
 def _balance_warning(momentum: float, energy: float) -> str:
-    """Warning of large or unknown relative residuals, for a status; "" if small."""
+    """Warning of relative residuals that are large or nan, for the end of a status.
+
+    It is a sentence after a space, or "" if both are `MAX_SILENT_RESIDUAL` at most.
+    """
     missing = []
     residuals = {"momentum": abs(momentum), "energy": abs(energy)}
     for name, residual in residuals.items():

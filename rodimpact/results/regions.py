@@ -133,7 +133,10 @@ def regions_of(
 
 
 def nothing_to_draw(solution: Solution) -> str:
-    """Why there is no picture of a solution, with the remedy; "" if there is one."""
+    """Why there is no picture of a solution, a sentence; "" if there is one.
+
+    There is none of a run that ended at t = 0; its status tells the remedy.
+    """
     if solution.fields.end > 0:
         return ""
     ended = f"the run ended at {solution.t_end:.3g} s. {solution.status}"
@@ -141,19 +144,19 @@ def nothing_to_draw(solution: Solution) -> str:
 
 
 def readable_until(solution: Solution, limit: int) -> float:
-    """Latest time, s, up to which there are at most `limit` regions.
+    """Time, s, from t = 0 up to which there are at most `limit` regions.
 
-    It is one of t_end, t_end/2, t_end/4 and so on; the regions count from t = 0.
+    It is the first of t_end, t_end/2, t_end/4 and so on up to which this holds.
 
     Raises
     ------
     ValueError
-        If there are more at all times, the solution lasts no time, or the method has no
-        fronts.
+        If there are more at all these times, the solution lasts no time, or the method
+        has no fronts.
     """
     fields = _constant_fields(solution)
     stop = solution.t_end
-    _, last_tick = _interval(fields, 0.0, stop)
+    _, last_tick = _interval(fields, 0.0, stop)  # raises without duration
     rods = _rods(fields)
     while last_tick > 0 and count_of_regions(rods, 0, last_tick, limit) > limit:
         stop /= 2
@@ -168,7 +171,7 @@ def readable_until(solution: Solution, limit: int) -> float:
 
 
 def _constant_fields(solution: Solution) -> WaveFields:
-    """Fields that are constant between fronts; InvalidModel for others."""
+    """Fields of a solution if they are constant between fronts; else InvalidModel."""
     fields = solution.fields
     if not isinstance(fields, WaveFields) or not fields.constant_between_fronts:
         message = f'method "{solution.method}" has no fronts to draw between'
@@ -177,9 +180,10 @@ def _constant_fields(solution: Solution) -> WaveFields:
 
 
 def _interval(fields: WaveFields, start: float, stop: float) -> Interval:
-    """The ticks between two times, s; InvalidModel unless the second one is later.
+    """First and last tick of the interval between two times, s.
 
-    ValueError for times outside the solution.
+    InvalidModel unless `stop` is later by a tick at least, or if a time is not a
+    number. ValueError for times outside the solution.
     """
     start_time = scalar("start", start, "s", sign=UNCHECKED)
     stop_time = scalar("stop", stop, "s", sign=UNCHECKED)
@@ -191,7 +195,11 @@ def _interval(fields: WaveFields, start: float, stop: float) -> Interval:
 
 
 def _rods(fields: WaveFields) -> list[dict[str, Any]]:
-    """The rods with their waves, as `polygons_of` takes them."""
+    """The rods with their waves, as `polygons_of` takes them.
+
+    Each is a dictionary of ``body``, the index of the rod, and ``pieces``, its segments
+    from left to right as `_piece` makes them.
+    """
     rods = []
     for body, rod in fields.rods.items():
         pieces = []
@@ -202,14 +210,16 @@ def _rods(fields: WaveFields) -> list[dict[str, Any]]:
 
 
 def _piece(waves: SegmentWaves, segment: Segment) -> dict[str, Any]:
-    """A segment with its waves, as `polygons_of` takes it.
+    """A segment with its waves as a dictionary that `polygons_of` takes.
 
-    `wave_of` adds the integral of each wave to its ticks and values.
+    It has the transit time in ticks, length, wave speed, Young's modulus, and the waves
+    ``rightward`` and ``leftward``, each as lists of its ticks, values and integral, see
+    `wave_of`.
     """
     rightward = waves.rightward
     leftward = waves.leftward
     return {
-        "ticks": waves.transit,  # of a wave from end to end
+        "ticks": waves.transit,  # for a wave from end to end
         "length": waves.length,
         "wave_speed": waves.wave_speed,
         "youngs_modulus": float(segment.material.youngs_modulus),

@@ -62,7 +62,8 @@ def case_of(solution: Any) -> Case:
 def result_of(solution: Any) -> SavedResult:
     """The numbers of the outcome in the file of a solution, with their stated errors.
 
-    Numbers of bodies and contacts have names with their index, such as ``impulse.0``.
+    Method, status and reason of the end come with them. Numbers of bodies and contacts
+    have names with their index, such as ``impulse.0``.
     """
     outcome = solution.outcome
     numbers = {}
@@ -97,8 +98,9 @@ def difference(saved: SavedResult, solution: Any) -> str:
     Returns
     -------
     str
-        Sentence on the entries that differ by more than the stated errors; empty
-        without any.
+        Sentence on the entries that differ: numbers by more than the stated errors, and
+        ``method``, ``stopped_by`` and ``final`` at all. It lists
+        `MAX_LISTED_DIFFERENCES` of them and counts the others. Empty without any.
     """
     now = result_of(solution)
     reasons = []
@@ -132,8 +134,9 @@ def _allowed_differences(
     """Largest differences that the stated errors of both runs allow, by kind of number.
 
     A kind is a name without an index, such as ``impulse``. Each kind has a measure, see
-    `MEASURE_OF`, with a stated relative error. The difference is that error, of both
-    runs and with round-off, times the largest number of the measure in either run.
+    `MEASURE_OF`, with a stated relative error, 0 if none is stated. The difference is
+    the sum of the errors of both runs and of round-off, times the scale of the measure:
+    its largest number in either run. It is inf where an error is.
     """
     outcome = solution.outcome
     errors = {}  # relative, by measure
@@ -146,7 +149,9 @@ def _allowed_differences(
     errors[COUNT] = 0.0
     if errors[DURATION] == math.inf:
         errors[COUNT] = math.inf
-    scales = dict.fromkeys(errors, 0.0)  # largest number by measure, SI units
+    # The largest numbers by measure, in SI units. Velocities and energies are at least
+    # those before the collision.
+    scales = dict.fromkeys(errors, 0.0)
     scales[VELOCITY] = solution.run.clock.scale
     scales[ENERGY] = outcome.kinetic_before + sum(outcome.vibration_before)
     for numbers in (saved.numbers, now.numbers):
@@ -169,7 +174,8 @@ def _allowed_differences(
 def _agree(value: float, stored: float, allowed: float) -> bool:
     """Whether two numbers differ by no more than `allowed`; nan agrees with nan alone.
 
-    If `allowed` is inf, all numbers agree, nan with a number too.
+    If `allowed` is inf, all numbers agree, nan with a number too. An infinite number
+    agrees with the same infinite number alone.
     """
     if allowed == math.inf or value == stored:
         return True

@@ -49,7 +49,8 @@ class SegmentWaves(NamedTuple):
     def velocity(self, p: Ints, q: Ints, side: Side) -> Floats:
         """Velocity where the parts that left at p and q meet, (A(p) + B(q))/2.
 
-        It is in m/s, in the frame of the clock. The side is that of jumps of the waves.
+        It is in m/s, in the frame of the clock. `side` decides at jumps of the waves:
+        the value after ("right") or before.
         """
         A = self.rightward
         B = self.leftward
@@ -58,7 +59,7 @@ class SegmentWaves(NamedTuple):
     def strain(self, p: Ints, q: Ints, side: Side) -> Floats:
         """Strain where the parts that left at p and q meet, (B(q) - A(p))/(2 c).
 
-        The side is that of jumps of the waves.
+        `side` decides at jumps of the waves: the value after ("right") or before.
         """
         A = self.rightward
         B = self.leftward
@@ -68,9 +69,9 @@ class SegmentWaves(NamedTuple):
     def displacement(self, p: Ints, q: Ints, frame: float) -> Floats:
         """Displacement where the parts that left at p and q meet, m/s ticks.
 
-        It is (integral of A from 0 to p + integral of B from -T to q)/2 + frame t. It
-        counts from the displacement of the left end at t = 0. `frame` is the velocity
-        of the clock's frame, m/s, and 2 t = p + q + T.
+        It is (integral of A from 0 to p + integral of B from -T to q)/2 + frame t, with
+        the velocity `frame` of the clock's frame, m/s, and the tick t of the meeting,
+        2 t = p + q + T. It counts from the displacement of the left end at t = 0.
         """
         A = self.rightward
         B = self.leftward
@@ -97,16 +98,17 @@ class SegmentWaves(NamedTuple):
         A = self.rightward
         B = self.leftward
         T = self.transit
-        twice = A.integral(0, -T) + B.integral(-T, 0)
+        minus_A = A.integral(0, -T)  # backwards, so that it is minus the integral of A
+        twice = minus_A + B.integral(-T, 0)
         return float(twice) / 2
 
     def velocity_integral(self, ticks: Ints) -> Floats:
-        """Integral of v over the segment at `ticks`, m/s ticks.
+        """Integral of v over the segment at `ticks`, m/s ticks, of their shape.
 
         The variable of the integral is the time of travel. All parts of the waves in
         the segment at the tick t left its ends from t - T to t. So this is half the
         integral of A + B from t - T to t, in the frame of the clock. Times the
-        impedance it is the momentum.
+        impedance and s for a tick it is the momentum.
         """
         A = self.rightward
         B = self.leftward
@@ -117,11 +119,13 @@ class SegmentWaves(NamedTuple):
     def squared_integrals(self, tick: int, velocity: float) -> SquaredWaves:
         """Integrals of (A + B)^2 and (A - B)^2 over the segment at `tick`.
 
-        The variable of the integrals is the time of travel. Both waves, A rightward and
-        B leftward, are taken less a velocity, m/s, to which the kinetic energy is
-        relative. The part of A that left at `time` meets the part of B that left at
-        start + tick - `time`, so B is taken backwards.
+        The variable of the integrals is the time of travel, ticks. Both waves, A
+        rightward and B leftward, are taken less `velocity`, m/s in the clock's frame,
+        to which the kinetic energy is relative. Half of A + B less it is the velocity.
         """
+        # All parts in the segment left its ends from start = tick - T to tick. The part
+        # of A that left at `time` meets the part of B that left at start + tick - time.
+        # So B is taken backwards, and both are functions of `time`.
         start = tick - self.transit
         rightward = self.rightward.within(start, tick)
         leftward = self.leftward.within(start, tick).time_reversed(start + tick)
@@ -131,12 +135,13 @@ class SegmentWaves(NamedTuple):
         # Gauss's rule with as many points as coefficients is exact for the squares.
         point_count = max(rightward.size, leftward.size)
         shares, weights = quadrature(point_count)  # points from 0 to 1, in an interval
+        # Values less the velocity, [interval, point]
         A = rightward.inside(edges[:-1], edges[1:], shares) - velocity
         B = leftward.inside(edges[:-1], edges[1:], shares) - velocity
         total = A + B
         difference = A - B
         widths = np.diff(edges)
-        # Squares [interval, point] times the weights of points, times the widths.
+        # The weights of points give means over intervals, the widths their integrals.
         return SquaredWaves(
             of_sum=float((total * total) @ weights @ widths),
             of_difference=float((difference * difference) @ weights @ widths),
@@ -148,12 +153,14 @@ class SegmentWaves(NamedTuple):
         """Bounds of n pieces in which the state just after `tick` is constant, [n + 1].
 
         They are times of travel from the left end, ticks, from 0 to T. Smooth waves are
-        cut where straight lines between the bounds follow them closely.
+        cut where straight lines between the bounds follow them closely. A front within
+        round-off of an end of the segment makes no piece.
         """
         T = self.transit
         start = tick - T
-        # A front of A that left at `time` has run for tick - time; one of B for as long
-        # from the right end, so its time of travel from the left end is T less that.
+        # A front of A that left at `time` has travelled tick - time from the left end.
+        # A front of B has travelled so long from the right end, so it lies
+        # T - (tick - time) = time - start from the left end.
         fronts_of_A = tick - self.rightward.within(start, tick).marks
         fronts_of_B = self.leftward.within(start, tick).marks - start
         bounds = each_once(fronts_of_A, fronts_of_B)
@@ -166,11 +173,12 @@ class SegmentWaves(NamedTuple):
     def smooth_bounds(self, tick: int) -> Ints:
         """Bounds of n parts in which both waves at `tick` are polynomials, [n + 1].
 
-        They are times of travel from the left end, ticks, from 0 to T; see
-        `piece_bounds`.
+        They are times of travel from the left end, ticks, from 0 to T. In a part each
+        wave is a single polynomial.
         """
         T = self.transit
         start = tick - T
+        # Times of travel from the left end, as in `piece_bounds`
         breaks_of_A = tick - self.rightward.breaks_in(start, tick)
         breaks_of_B = self.leftward.breaks_in(start, tick) - start
         return each_once([0], breaks_of_A, breaks_of_B, [T])

@@ -116,9 +116,10 @@ class Solution(Shown):
     """
 
     def __init__(self, run: Run, options: Options) -> None:
-        """Keep what the run says of itself; fields and outcome are found on demand.
+        """Keep the arguments, and copy what the run says of itself.
 
-        A run without `until` that is proved final counts as stopped by "final".
+        Fields, contacts and outcome are found on demand. A run without `until` that is
+        proved final counts as stopped by "final", whatever stopped it.
         """
         self.options = options
         self.run = run
@@ -139,7 +140,10 @@ class Solution(Shown):
 
     @cached_property
     def fields(self) -> Fields:
-        """The state of every point of the row at every time."""
+        """The state of every point of the row at every time.
+
+        `WaveFields` if the method has found waves, `GridFields` if states on a grid.
+        """
         signals = self.run.signals
         if isinstance(signals.motion, Waves):
             return WaveFields(self.run.clock, self.run.end, signals)
@@ -165,7 +169,7 @@ class Solution(Shown):
 
     @cached_property
     def contacts(self) -> tuple[ContactHistory, ...]:
-        """History of each contact."""
+        """History of each contact from left to right, contacts at walls included."""
         histories = []
         for i in range(len(self.run.contacts)):
             histories.append(ContactHistory(i, self.fields, self.run))
@@ -215,7 +219,8 @@ class Solution(Shown):
     ) -> Floats:
         """Stress E eps + eta d(eps)/dt in Pa, positive in tension.
 
-        The arguments are those of `velocity`.
+        The arguments are those of `velocity`. ValueError for a body that is no rod, and
+        for a place or time outside the solution.
         """
         strain = self.strain(body, x, t, side)
         stress = strain * self._property_along(body, x, "youngs_modulus")
@@ -230,7 +235,11 @@ class Solution(Shown):
     def axial_force(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        """Stress times area in N, positive in tension; arguments as in `velocity`."""
+        """Stress times area in N, positive in tension; arguments as in `velocity`.
+
+        ValueError for a body that is no rod, and for a place or time outside the
+        solution.
+        """
         stress = self.stress(body, x, t, side)
         return stress * self._property_along(body, x, "area")
 
@@ -321,10 +330,9 @@ class Solution(Shown):
 
     @cached_property
     def _coarser(self) -> list[CoarserSolution]:
-        """Solutions of the same collision on coarser meshes.
+        """Solutions of the same collision on coarser meshes; none without a search.
 
-        There are none unless the mesh was searched for. They are run here, as the
-        search keeps no fields.
+        The collision is run again on each mesh, since the search keeps no fields.
         """
         solutions = []
         for mesh in self.run.coarser:
@@ -344,11 +352,11 @@ class Solution(Shown):
         """Place in the laboratory in m.
 
         The left end of the row starts at 0. The arguments are those of `velocity`. The
-        place is that of the left end at t = 0 without strain, plus x, plus the
-        displacement.
+        place is that of the body's left end at t = 0, plus x, plus the displacement,
+        which raises ValueError for x and t outside the solution.
         """
         left_end = self.fields.positions[self._index(body)]
-        distance: float | Floats = 0.0
+        distance: float | Floats = 0.0  # x of a mass or a wall can be 0 alone
         if isinstance(self.system.bodies[body], Rod):
             distance = array("x", x, "m")
         return left_end + distance + self.displacement(body, x, t)
@@ -387,7 +395,10 @@ class Solution(Shown):
 
     @_ALLOW_UNDERFLOW
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
-        """Velocity of a body's centre of mass at times t in s, m/s, of their shape."""
+        """Velocity of a body's centre of mass at times t in s, m/s, of their shape.
+
+        That of a rod is its momentum over its mass, that of a mass or a wall its own.
+        """
         index = self._index(body)
         if not isinstance(self.system.bodies[index], Rod):
             return self.velocity(body, 0.0, t)
@@ -399,20 +410,22 @@ class Solution(Shown):
         """Record of a strain gauge at x, m from the left end of a body.
 
         It has an entry at each of the times between which straight lines follow both
-        waves. The strains of the waves count from the velocity at t = 0. ValueError for
-        a body that is no rod, and for a place outside of it.
+        waves at x: strain, velocity and the strains of both waves just after it. The
+        strains of the waves count from the velocity at t = 0. ValueError for a body
+        that is no rod, and for a place outside of it.
         """
         x = scalar("x", x, "m", sign=UNCHECKED)
         # With A = v - c eps, the wave running right, and B = v + c eps, the one running
         # left: eps = (B - A)/(2 c) and v = (A + B)/2, in the clock's frame.
         waves = self.fields.point_history(self._index(body), x)
         clock = self.fields.clock
-        # Straight lines between the marks of a signal follow it closely.
+        # Straight lines between the marks of a signal follow it closely. The marks of
+        # both waves are merged, in order.
         ticks = each_once(waves.rightward.marks, waves.leftward.marks)
         times = ticks * clock.tick
         rightward = waves.rightward.at(ticks)
         leftward = waves.leftward.at(ticks)
-        frame = clock.frame + clock.gravity * times  # its velocity, m/s
+        frame_velocity = clock.frame + clock.gravity * times  # m/s
         # With the initial velocity v0: eps = (v0 - A)/(2 c) + (B - v0)/(2 c).
         initial_velocity = (rightward[0] + leftward[0]) / 2
         strain_per_difference = 0.5 / waves.wave_speed
@@ -421,7 +434,7 @@ class Solution(Shown):
             x=x,
             times=times,
             strain=(leftward - rightward) * strain_per_difference,
-            velocity=(leftward + rightward) / 2 + frame,
+            velocity=(leftward + rightward) / 2 + frame_velocity,
             rightward=(initial_velocity - rightward) * strain_per_difference,
             leftward=(leftward - initial_velocity) * strain_per_difference,
             end=self.t_end,
@@ -472,16 +485,16 @@ class Solution(Shown):
         data: dict[str, Any] = {}
         for name in FIELDS_OF_ALL_BODIES + FIELDS_OF_RODS:
             field = self._field(name, x, t, inside)
-            data[name] = ["body", "x", "time"], field
+            data[name] = (["body", "x", "time"], field)
         mean_velocities = []
         for i in range(len(self.system.bodies)):
             mean_velocities.append(self.mean_velocity(i, t))
-        data["mean_velocity"] = ["body", "time"], np.array(mean_velocities)
+        data["mean_velocity"] = (["body", "time"], np.array(mean_velocities))
         for name in ("force", "gap"):
-            data[name] = ["contact", "time"], self._at_contacts(name, t)
-        energies = vars(self.energy(t))
+            data[name] = (["contact", "time"], self._at_contacts(name, t))
+        energies = vars(self.energy(t))  # [time] each, by the name of the part
         energy = np.array(list(energies.values()))
-        data["energy"] = ["part", "time"], energy
+        data["energy"] = (["part", "time"], energy)
         laws = []  # words such as "hertz"
         for contact_law in self.system.contacts:
             laws.append(contact_law.law)
@@ -501,8 +514,8 @@ class Solution(Shown):
     def _inside(self, x: Array) -> list[Any]:
         """Whether points x lie in each of the bodies, [body][point].
 
-        A point is in m from the left end of a body. InvalidModel for points that lie in
-        no body.
+        A point is in m from the left end of each body in turn. Only 0 lies in a wall or
+        a mass. InvalidModel for points that lie in no body.
         """
         longest = 0.0
         inside = []
@@ -517,23 +530,24 @@ class Solution(Shown):
         return inside
 
     def _field(self, name: str, x: Floats, t: Floats, inside: list[Any]) -> Floats:
-        """Values of the field of that name, [body, x, time]; nan where a body has none.
+        """Values of the field of that name, [body, x, time], just after times t, s.
 
-        `inside` tells which points lie in each body, see `_inside`.
+        `inside` tells which points x, m, lie in each body, see `_inside`. Values are
+        nan at other points, and in walls and masses where only rods have the field.
         """
         bodies = self.system.bodies
         values = np.full((len(bodies), x.size, t.size), np.nan)
         field = getattr(self, name)
         for i, body in enumerate(bodies):
             if isinstance(body, Rod) or name in FIELDS_OF_ALL_BODIES:
-                points = x[inside[i], None]  # [place, 1], to broadcast with t
+                points = x[inside[i], None]  # [point, 1], to broadcast with t
                 values[i, inside[i]] = field(i, points, t)
         return values
 
     def _at_contacts(self, name: str, t: Floats) -> Floats:
         """Values of `ContactHistory.force` or `gap`, by name, [contact, time].
 
-        The times t are in s.
+        They are in N or m, just after the times t, s.
         """
         values = np.empty((len(self.contacts), t.size))
         for k, contact in enumerate(self.contacts):
@@ -546,7 +560,8 @@ class Solution(Shown):
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s; each entry has their shape.
 
-        On a grid it is that of the state nearest to each time.
+        On a grid it is that of the state nearest to each time. Losses and works count
+        from t = 0. ValueError for times outside the solution.
         """
         ticks = self.fields.nearest_energy_ticks(self.fields.to_ticks(t))
         # A ledger counts from its first tick, which must be that of t = 0.
@@ -595,7 +610,8 @@ class Solution(Shown):
         has_rod = len(self.fields.rods) > 0
         demand(has_rod, "ring_down", "the row has no rod that could vibrate")
         start = self.t_final
-        if not start < self.t_end:  # inf if a contact presses for ever
+        lies_in_solution = start < self.t_end  # not if it is inf or nan
+        if not lies_in_solution:
             start = self.t_proved
         return ring_down(self.fields, start, self.t_end)
 
@@ -613,13 +629,13 @@ class Solution(Shown):
         Raises
         ------
         ValueError
-            If an end is driven by a function of time; the new system would begin within
-            it.
+            If an end is driven by a function of time, within which the new system would
+            begin, or the time lies outside the solution.
         """
         time = scalar("t", t, "s", sign=UNCHECKED)
         tick = int(self.fields.to_ticks(time))  # raises for times outside the solution
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
-            value = getattr(end, "value", None)  # a free end has none
+            value = getattr(end, "value", None)  # only a driven end has one
             if isinstance(value, PROFILES_IN_TIME):
                 message = "is driven by a function of time; drive it anew"
                 raise invalid_argument(f"ends.{side}", message)
@@ -642,7 +658,7 @@ class Solution(Shown):
         gaps = []
         contacts = []
         for contact in self.contacts:
-            gap = 0.0
+            gap = 0.0  # a joint has none: `law_at` gives its stretch
             if contact.law.opens:
                 gap = float(contact.gap(time))
             gaps.append(gap)
@@ -682,6 +698,7 @@ class Solution(Shown):
         return solution_table(self)
 
     def __repr__(self) -> str:
+        """Number of bodies, end time and what stopped the run, in angle brackets."""
         n = len(self.system.bodies)
         return (
             f"<Solution of {n} bodies to t = {self.t_end:.6g} s, "
@@ -698,7 +715,8 @@ class Solution(Shown):
         """Values of ``"area"``, or of a number of the material, at points x of a rod.
 
         The points are in m from the left end of the rod; the values have their shape.
-        Samples along a segment are interpolated.
+        Samples along a segment are interpolated. At a border of two segments the value
+        is that of the right one. ValueError as for `Fields.locate`.
         """
         location = self.fields.locate(body, x)
         values = np.empty(location.segment.shape)
@@ -710,7 +728,8 @@ class Solution(Shown):
                 value = getattr(segment.material, name)
             if isinstance(value, Samples):
                 value = value.values
-            samples = np.atleast_1d(value)  # a number is one sample, which holds on
+            # A number is a single sample, which `interp` gives at all points.
+            samples = np.atleast_1d(value)
             places = np.linspace(0.0, float(segment.length), len(samples))
             here = location.segment == number
             values[here] = np.interp(location.distance[here], places, samples)
@@ -723,7 +742,11 @@ def check_solution(value: Any) -> None:
 
 
 def check_has_rod(value: Any) -> None:
-    """Raise InvalidModel, a ValueError, unless a value is a `Solution` with a rod."""
+    """Raise InvalidModel unless a value is a `Solution` with a rod.
+
+    InvalidModel is a ValueError. The check is that of pictures of waves, as its message
+    tells.
+    """
     check_solution(value)
     if "rod" not in value.system.kinds:
         message = (

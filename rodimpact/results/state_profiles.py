@@ -37,11 +37,12 @@ class WaveSizes(NamedTuple):
 def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateProfiles:
     """Velocity and strain of a rod just after `tick`, as profiles along it.
 
-    They are `Polynomials` if a wave changes in a piece by more than round-off, else
-    `Steps`, or a number where the state is the same all along. Polynomials alone take
-    the stated `error` of velocities, m/s.
+    They are `Polynomials` if a wave changes in a piece by more than round-off. Else
+    each is `Steps`, or a number if it is the same all along. Polynomials alone take the
+    stated `error` of velocities, m/s. On a grid the steps are those of cells.
     """
-    # Without waves, or with constant ones, differences are steps, not round-off.
+    # The largest wave gives the round-off of steps. It stays 0 on a grid and for waves
+    # that are constant between fronts, where all differences count as steps.
     largest_wave = 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         largest = _largest_waves(fields, body, tick)
@@ -59,16 +60,18 @@ def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateP
 
 
 def _largest_waves(fields: WaveFields, body: int, tick: int) -> WaveSizes:
-    """Bounds of the waves in a rod at `tick`.
+    """Bounds of the waves in a rod at `tick`, m/s, over all its segments.
 
-    No Chebyshev polynomial exceeds 1, so a wave is at most the sum of its absolute
-    coefficients, and its change that of all but the first one, which is its mean.
+    No Chebyshev polynomial exceeds 1, so a wave in a piece is at most the sum of its
+    absolute coefficients. Its change from the first coefficient, the constant one, is
+    at most the sum of the others.
     """
     largest_wave = 0.0
     largest_change = 0.0
     for waves in fields.waves_along(body):
         start = tick - waves.transit
         for wave in (waves.rightward, waves.leftward):
+            # [piece, coefficient]
             sizes = np.abs(wave.within(start, tick).coefficients)
             wave_sizes = sizes.sum(axis=1)
             changes = sizes[:, 1:].sum(axis=1)
@@ -82,10 +85,11 @@ def _polynomials(
 ) -> StateProfiles:
     """Velocity and strain of a rod at `tick`, as `Polynomials`.
 
-    `error` is that of velocities, m/s. The intervals are those in which both waves are
-    single polynomials. In each interval a profile has as many values as the longest
-    polynomial has coefficients, at Chebyshev-Lobatto points. The velocity is
-    (A + B)/2, and the strain (B - A)/(2 c), see `SegmentWaves`.
+    `error` is that of velocities, m/s; that of strains is error/c with the slowest c.
+    The intervals are those in which both waves are single polynomials. In each interval
+    a profile has as many values as the longest polynomial has coefficients, at
+    Chebyshev-Lobatto points. The velocity is (A + B)/2 plus that of the frame, and the
+    strain (B - A)/(2 c), see `SegmentWaves`.
     """
     frame = fields.frame_velocity(tick)
     segments = list(fields.waves_along(body))
@@ -95,8 +99,8 @@ def _polynomials(
     angles = np.pi * np.arange(count) / (count - 1)
     shares = (1 - np.cos(angles)) / 2  # places of the points in an interval, 0 to 1
     ones = np.ones(count)  # constant waves have one value an interval, to be repeated
-    starts: list[float] = []
-    velocities = []
+    starts: list[float] = []  # left bounds of the intervals, m
+    velocities = []  # of each segment, [interval, point]
     strains = []
     ends = fields.edges(body)
     for i, waves in enumerate(segments):
@@ -105,6 +109,7 @@ def _polynomials(
         far = bounds[1:]
         # The part of A that has travelled for n ticks left the left end at tick - n.
         # What left first is farthest, so in order of time A begins at the far bound.
+        # Shares are symmetric: the values backwards are those from the near bound on.
         A_in_order_of_time = waves.rightward.inside(tick - far, tick - near, shares)
         A = A_in_order_of_time[:, ::-1]
         # B there has travelled for T - n ticks: it left the right end at tick - T + n.
@@ -129,8 +134,8 @@ def _polynomials(
 def _lasting_bounds(waves: SegmentWaves, tick: int) -> Ints:
     """Bounds of the parts of a segment in which both waves are polynomials, [n + 1].
 
-    They are times of travel from the left end, ticks. Parts that last no longer than a
-    sliver come of round-off, and are left out.
+    They are times of travel from the left end, ticks, from 0 to T. A part that lasts no
+    longer than `SLIVER_TICKS` comes of round-off, and is joined to its neighbour.
     """
     transit = waves.transit
     lasting = [0]
@@ -143,13 +148,14 @@ def _lasting_bounds(waves: SegmentWaves, tick: int) -> Ints:
 
 
 def _steps(edges: Floats, values: Floats, round_off: float) -> Number | Steps:
-    """Values between edges, m, as `Steps`; a number if they are all one.
+    """Values [n] between edges [n + 1], m, as `Steps`; a number if there is one step.
 
-    Neighbours that differ by up to `round_off` are one: the first of them.
+    A value that differs from its left neighbour by up to `round_off` goes on with its
+    step, which has its first value all along.
     """
     jumps = np.abs(np.diff(values)) > round_off
     begins = np.concatenate(([True], jumps))  # whether a step begins with a value
     if begins.sum() == 1:
         return float(values[0])
-    starts = edges[:-1][begins]
+    starts = edges[:-1][begins]  # the first one is the left end, which is no jump
     return Steps(values[begins].tolist(), starts[1:].tolist())

@@ -106,11 +106,12 @@ class Zeros(NamedTuple):
 
 
 def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
-    """Highest and lowest d = B - A where waves of a segment meet, up to the tick `end`.
+    """Meetings of two waves with the highest and the lowest d = B - A, up to `end`.
 
-    A, B, d and the domain of the meetings with its four sides are those of the module's
-    docstring. The lowest d is found as the highest of -d, from -A and -B. Each is None
-    where d has no such sign.
+    A and B leave the left and the right end of the segment, m/s; `end` is the last tick
+    of the run. Each is the earliest such meeting: the highest is None if d is positive
+    nowhere, the lowest if it is negative nowhere. The lowest d is found as the highest
+    of -d, from -A and -B.
     """
     T = waves.transit
     A = _between(waves.rightward, -T, end)
@@ -132,16 +133,17 @@ def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
 def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
     """The earliest meeting with the largest d; None if d is positive nowhere.
 
-    That is the best of the meetings on the four sides and inside. Those that differ by
-    no more than round-off are equal.
+    That is the best of the meetings on the four sides of the domain and inside. Those
+    that differ by no more than round-off, `EQUAL_STRESS_RTOL`, are equal.
     """
     meetings = []
-    largest = 0.0
+    largest = 0.0  # m/s; a negative d does not count
     for side in sides:
         meeting = _largest_on_side(side)
         if meeting is not None:
             meetings.append(meeting)
             largest = max(largest, meeting.difference)
+    # A meeting inside counts if it is as large as the best one on the sides.
     meeting = _largest_inside(domain, largest * (1 - EQUAL_STRESS_RTOL))
     if meeting is not None:
         meetings.append(meeting)
@@ -162,21 +164,24 @@ def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
 def _sides(domain: Domain) -> list[Side]:
     """The four sides: both ends of the segment, and the states at t = 0 and at the end.
 
-    At the left end p = t and q = t - T, at the right end p = t - T and q = t. A state
-    at the tick t is taken over the time p at which A left, with q = 2 t - T - p.
+    Each has d = B(q) - A(p) over a time of its own. At the left end this is t, with
+    p = t and q = t - T; at the right end p = t - T and q = t. In a state at the tick t
+    it is the tick p at which A left, with q = 2 t - T - p.
     """
     A = domain.A
     B = domain.B
     T = domain.T
-    at_left = _between(B.later(T) - A, 0, domain.end)
-    at_right = _between(B - A.later(T), 0, domain.end)
+    at_left = _between(B.later(T) - A, 0, domain.end)  # B(t - T) - A(t)
+    at_right = _between(B - A.later(T), 0, domain.end)  # B(t) - A(t - T)
     left_end = Side(at_left, p_rate=1, p_start=0, q_rate=1, q_start=-T)
     right_end = Side(at_right, p_rate=1, p_start=-T, q_rate=1, q_start=0)
     sides = [left_end, right_end]
     for t in (0, domain.end):
         p_plus_q = 2 * t - T
+        # B(p_plus_q - p) - A(p)
         state = _between(B.time_reversed(p_plus_q) - A, t - T, t)
-        # A little inside: where a piece of the state begins, B may have a break.
+        # Where a piece of the state begins, B may have a break. So the meeting is taken
+        # a little later in p, and as much earlier in q.
         q_start = p_plus_q - INSIDE_TICKS
         side = Side(state, p_rate=1, p_start=INSIDE_TICKS, q_rate=-1, q_start=q_start)
         sides.append(side)
@@ -186,7 +191,8 @@ def _sides(domain: Domain) -> list[Side]:
 def _largest_on_side(side: Side) -> Meeting | None:
     """The first meeting with the largest d on a side; None if all pieces are slivers.
 
-    d is read at the edges of its pieces, and at turning points.
+    d is read at the edges of its pieces, and at turning points. It may be negative. Of
+    values that are equal but for round-off the one with the earliest time is taken.
     """
     signal = side.difference
     is_long = _exceeds_sliver(signal)
@@ -216,7 +222,8 @@ def _largest_on_side(side: Side) -> Meeting | None:
 def _largest_inside(domain: Domain, least: float) -> Meeting | None:
     """Earliest meeting with the largest d, at breaks and turning points of both waves.
 
-    None if d is nowhere as large as `least`.
+    None if d is nowhere as large as `least`, m/s. Of values that are equal but for
+    round-off the earliest is taken.
     """
     # d = B(q) - A(p) is large where A is low and B is high. Pieces are left out that do
     # not make d as large as `least` even with the best piece of the other wave.
@@ -230,6 +237,7 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
     meets = np.flatnonzero(partners.first < partners.stop)  # samples with partners
     if len(meets) == 0:
         return None
+    # The largest d of each of these samples of A
     differences = _range_maxima(high.values, partners, meets) - low.values[meets]
     largest = float(differences.max())
     if largest < least:
@@ -240,14 +248,14 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
 
 
 def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
-    """For each tick p the ticks q with which it meets.
+    """For each tick p the range of indices in q, in order, with which it meets.
 
-    The ticks q are in order. They lie in the domain: abs(q - p) <= T and
-    0 <= p + q + T < 2 end.
+    These meetings lie in the domain: abs(q - p) <= T and 0 <= p + q + T < 2 end. The
+    range is empty (first = stop, or first > stop) if there is none.
     """
     T = domain.T
     earliest_q = np.maximum(p - T, -T - p)
-    # - 1: meetings at the last tick itself are those of a side.
+    # Less 1, since meetings at the last tick itself are those of a side.
     latest_q = np.minimum(p + T, 2 * domain.end - T - p - 1)
     first = q.searchsorted(earliest_q, side="left")
     stop = q.searchsorted(latest_q, side="right")
@@ -265,19 +273,20 @@ def _range_maxima(values: Floats, ranges: Ranges, chosen: Ints) -> Floats:
 def _earliest(
     low: Samples, high: Samples, partners: Ranges, chosen: Ints, least: float, T: int
 ) -> Meeting | None:
-    """Earliest meeting of the chosen samples of A with d >= `least`.
+    """Earliest meeting of the chosen samples of A with d >= `least`; None without any.
 
-    None if no sample is chosen. `low` has the samples of A and `high` those of B, both
-    in order of time, and d is B(q) - A(p). Each chosen sample has at least one such
-    meeting. The tick of a meeting is (p + q + T)/2, so that the earliest one has the
-    least p + q.
+    `low` has the samples of A and `high` those of B, both in order of time, and d is
+    B(q) - A(p), m/s. `chosen` are indices in `low`, in order. Each must have such a
+    meeting among its partners. The tick of a meeting is (p + q + T)/2, so that the
+    earliest one has the least p + q.
     """
     earliest: Meeting | None = None
     for k in chosen:
         p = int(low.ticks[k])
-        # What leaves at p meets only what left at q >= p - T: p + q is 2 p - T at
-        # least, and more for every later sample.
-        if earliest is not None and 2 * p - T >= earliest.p + earliest.q:
+        # What leaves at p meets only what left at q >= p - T, so p + q is 2 p - T at
+        # least. For later samples, with a larger p, it is no less.
+        least_p_plus_q = 2 * p - T
+        if earliest is not None and least_p_plus_q >= earliest.p + earliest.q:
             break
         first = int(partners.first[k])
         stop = int(partners.stop[k])
@@ -343,7 +352,8 @@ def _joined(first: Samples, second: Samples) -> Samples:
 def _edges(signal: Pieces, chosen: Mask) -> Samples:
     """First values of the chosen pieces, then their last ones.
 
-    Constant pieces have no last values of their own.
+    A last value is taken to be `INSIDE_TICKS` before the stop of its piece. Constant
+    pieces have no last values of their own.
     """
     starts = signal.ticks[chosen]
     first_values = Samples(starts, signal.values[chosen])
@@ -357,10 +367,11 @@ def _edges(signal: Pieces, chosen: Mask) -> Samples:
 
 
 def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
-    """Values inside the chosen pieces where the derivative is 0.
+    """Values inside the chosen pieces where the derivative is 0; none in straight ones.
 
-    The variable y of a piece runs from -1 at its start to 1 at its stop. A zero at y
-    lies (y + 1)/2 of the width behind the start, less a little at both ends.
+    The variable y of a piece runs from -1 at its start to 1 at its stop. A zero at y is
+    given the tick (y + 1)/2 of the way through the piece without its first and its last
+    `INSIDE_TICKS`.
     """
     # Pieces of fewer than three coefficients are straight.
     if signal.size < 3 or not chosen.any():
@@ -368,8 +379,8 @@ def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
     slopes = chebyshev.chebder(signal.coefficients, axis=1)
     # A slope keeps the sign of its constant term where the others cannot outweigh it.
     swing = _sum_of_sizes(slopes[:, 1:])
-    changes_sign = (swing > 0) & (swing >= np.abs(slopes[:, 0]))
-    zeros = _zeros(slopes, np.flatnonzero(chosen & changes_sign))
+    may_change_sign = (swing > 0) & (swing >= np.abs(slopes[:, 0]))
+    zeros = _zeros(slopes, np.flatnonzero(chosen & may_change_sign))
     pieces = zeros.series
     values = signal.at_own_time(pieces, zeros.y)
     inner_width = signal.widths[pieces] - 2 * INSIDE_TICKS
@@ -381,9 +392,9 @@ def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
 def _zeros(series: Floats, chosen: Ints) -> Zeros:
     """Zeros between -1 and 1 of the chosen Chebyshev series [series, coefficient].
 
-    They are eigenvalues, found together for all series of one degree. The real parts of
-    complex zeros are among them, which does no harm: each is a place where a value is
-    read.
+    `chosen` are indices of series. Zeros are eigenvalues, found together for all series
+    of one degree; a constant has none. The real parts of complex zeros are among them,
+    which does no harm: each is a place where a value is read.
     """
     degrees = _degrees(series)
     owners: list[Ints] = [np.zeros(0, np.int64)]  # series of each zero
@@ -392,6 +403,7 @@ def _zeros(series: Floats, chosen: Ints) -> Zeros:
         of_degree = chosen[degrees[chosen] == degree]
         if len(of_degree) == 0:
             continue
+        # Coefficients above this degree are negligible.
         matrices = _colleague_matrices(series[of_degree, : degree + 1])
         eigenvalues = np.linalg.eigvals(matrices).real
         owners.append(np.repeat(of_degree, degree))
@@ -405,12 +417,14 @@ def _zeros(series: Floats, chosen: Ints) -> Zeros:
 def _degrees(series: Floats) -> Ints:
     """Degree of each series without its negligible last coefficients, [series].
 
-    A series of zeros has no coefficient that counts, and gets the full degree.
+    See `NEGLIGIBLE_COEFFICIENT`. A series of zeros has no coefficient that counts, and
+    gets the full degree.
     """
     sizes = np.abs(series)
     largest = sizes.max(axis=1, keepdims=True)
     is_counted = sizes > largest * NEGLIGIBLE_COEFFICIENT
-    # Number of coefficients behind the last one that counts
+    # Number of coefficients behind the last one that counts: index of the first True,
+    # backwards
     negligible = np.argmax(is_counted[:, ::-1], axis=1)
     return np.asarray(series.shape[1] - 1 - negligible)
 
@@ -418,6 +432,7 @@ def _degrees(series: Floats) -> Ints:
 def _colleague_matrices(series: Floats) -> Floats:
     """Matrices [series, n, n] whose eigenvalues are the zeros of series of degree n.
 
+    A series [series, n + 1] has its coefficients in order, the last of which is not 0.
     With the vector (T_0(y), ..., T_(n - 1)(y)) of Chebyshev polynomials, a matrix gives
     y times the vector where the series is 0: y T_0 = T_1 and
     y T_k = (T_(k - 1) + T_(k + 1))/2, in which T_n follows from the series (Good, Q. J.
@@ -429,11 +444,12 @@ def _colleague_matrices(series: Floats) -> Floats:
     for k in range(degree - 1):
         matrices[:, k, k + 1] = 0.5
         matrices[:, k + 1, k] = 0.5
-    share_of_last = 0.5
+    # Row 0 is y T_0 = T_1, which has no half.
+    share_of_last = 0.5  # of T_n in the last row
     if degree > 1:
         matrices[:, 0, 1] = 1.0
-    else:
-        share_of_last = 1.0  # y T_0 = T_1 has no half
+    else:  # row 0 is the last row
+        share_of_last = 1.0
     # Where a series is 0, -T_n is the sum of these times T_0, ..., T_(n - 1).
     minus_last = series[:, :degree] / series[:, degree, None]
     matrices[:, degree - 1, :] -= share_of_last * minus_last

@@ -52,7 +52,10 @@ class WaveFields(Fields):
     """
 
     def waves(self, segment: int) -> SegmentWaves:
-        """The waves of the segment of that number in the row, counted from 1."""
+        """The waves of the segment of that number in the row, counted from 1.
+
+        They come with its transit time in ticks, length, wave speed and impedance.
+        """
         # The lists of the clock begin with what lies left of the row, at index 0; its
         # ticks are transit times. Line 2 s leaves the left end of segment s, and line
         # 2 s + 1 its right end.
@@ -82,9 +85,10 @@ class WaveFields(Fields):
     # Fields at points and times -----------------------------------------------------
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
-        """Velocity in a rod, m/s: half the sum of its two waves, plus the frame's own.
+        """Velocity in a rod, m/s: half the sum of its two waves plus the frame's own.
 
-        x, m, and ticks broadcast, and the result has their shape.
+        The frame's is that at t = 0: g t by gravity is left out. x, m, and ticks
+        broadcast, and the result has their shape. `side` decides at jumps.
         """
         frame = self.clock.frame
 
@@ -107,10 +111,11 @@ class WaveFields(Fields):
         return self._one_sided_values(body, x, ticks, side, strain)
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Displacement, m, less the way that the frame falls.
+        """Displacement, m, without the way g t^2/2 that the frame falls.
 
-        x, m, and ticks broadcast. The displacement is that of the left end of the
-        segment at t = 0 plus `SegmentWaves.displacement`.
+        x, m, and ticks broadcast. It is the displacement of the segment's left end at
+        t = 0 plus that since then at the point, the frame's included
+        (`SegmentWaves.displacement`).
         """
         frame = self.clock.frame
         tick = self.clock.tick
@@ -133,11 +138,12 @@ class WaveFields(Fields):
     def _initial_displacements(self) -> list[float]:
         """Initial displacement of the left end of each segment, m.
 
-        It follows from the strain at t = 0. The index is the number of the segment in
-        the row, counted from 1: entry 0 is not used. The left end of each rod has the
-        displacement 0.
+        It is the sum of the elongations of the rod's segments on its left at t = 0, so
+        0 at the left end of each rod. The index is the number of the segment in the
+        row, counted from 1: entry 0 is not used.
         """
         displacements = [0.0]
+        # Segments are numbered from left to right; walls and masses have none.
         for body in range(len(self.clock.spans)):
             displacement = 0.0
             for waves in self.waves_along(body):
@@ -147,7 +153,11 @@ class WaveFields(Fields):
         return displacements
 
     def _points(self, body: int, x: ArrayLike) -> Points:
-        """Points x of a rod, m, by segment, and by time of travel in whole ticks."""
+        """Segments of points x of a rod, m, and their times of travel in whole ticks.
+
+        A time of travel is that from the left end of the segment, rounded to ticks.
+        ValueError as for `locate`.
+        """
         segment, distance = self.locate(body, x)
         length = np.array(self.clock.length)[segment]
         transit = np.array(self.clock.ticks)[segment]
@@ -157,13 +167,14 @@ class WaveFields(Fields):
     def _one_sided_values(
         self, body: int, x: Floats, ticks: Ints, side: Side, formula: Formula
     ) -> Floats:
-        """Values of a field just after ("right") or before `ticks`.
+        """Values of a field by its formula, just after ("right") or before `ticks`.
 
-        x in m and ticks broadcast. `formula` must give values of that side. If x is a
-        column and ticks are a row, values of waves that are constant between fronts are
-        found faster, front by front.
+        x in m and ticks broadcast. The caller's `formula` must take the values of that
+        side; `side` is needed here only to find the faster way. This is taken on the
+        right side if waves are constant between fronts, x is a column and ticks are a
+        row in order: one value for each front.
         """
-        # A field that is constant between fronts has a front's value from it on.
+        # Then a value just after a front holds for all ticks up to the next front.
         holds_from_fronts = side == "right" and self.constant_between_fronts
         if holds_from_fronts and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)
@@ -172,7 +183,7 @@ class WaveFields(Fields):
     def _values(self, body: int, x: Floats, ticks: Ints, formula: Formula) -> Floats:
         """Values of a field by its formula, segment by segment.
 
-        x in m and ticks broadcast.
+        x in m and ticks broadcast; ValueError if they do not, or as for `locate`.
         """
         points = self._points(body, x)
         values = np.empty(self._broadcast_shape(points.offset, ticks))
@@ -181,8 +192,8 @@ class WaveFields(Fields):
             waves = self.waves(segment)
             here = segments == segment
             offset = offsets[here]  # time of travel from the left end, ticks
-            # The waves at a tick left the ends at p = tick - offset and
-            # q = tick - (T - offset).
+            # The waves that are here at a tick left the ends at p = tick - offset and
+            # at q = tick - (T - offset), which is p + 2 offset - T.
             p = all_ticks[here] - offset
             q = p + 2 * offset - waves.transit
             values[here] = formula(waves, p, q)
@@ -191,19 +202,19 @@ class WaveFields(Fields):
     def _grid_values(
         self, body: int, x: Floats, ticks: Ints, formula: Formula
     ) -> Floats:
-        """Values [point, tick] on a grid of a field that is constant between fronts.
+        """Values [point, tick] of a field that is constant between fronts.
 
-        For the grid see `_is_grid`. The formula gives one value for each front, which
-        is repeated for the ticks up to the next.
+        x is a column [point, 1], m, and ticks a row [tick] in order. The formula gives
+        one value for each front, which is repeated for the ticks up to the next.
         """
         points = self._points(body, x)
         values = []
         repeats = []
-        # Neighbouring points of one segment go together, from `start` to `stop`.
-        # Segments are counted from 1, so the first and the last point are beside
-        # another number, 0.
-        segment_edges = np.diff(points.segment, axis=0, prepend=0, append=0)
-        for start, stop in pairwise(np.flatnonzero(segment_edges)):
+        # Neighbouring points of one segment go together, from `start` to `stop`: these
+        # are indices at which the segment changes. Segments are counted from 1, so it
+        # changes before the first and after the last point, too, from and to 0.
+        changes = np.diff(points.segment, axis=0, prepend=0, append=0)
+        for start, stop in pairwise(np.flatnonzero(changes)):
             waves = self.waves(int(points.segment[start, 0]))
             offsets = points.offset[start:stop]
             runs = _constant_runs(waves, offsets, ticks, formula)
@@ -215,9 +226,10 @@ class WaveFields(Fields):
     def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves that pass the point x, m, from t = 0 to the end of the run.
 
-        The rightward wave arrives later than it left by the time of travel from the
-        left end, the leftward one by that from the right end. Both are cut at the
-        breaks of either.
+        They are in m/s, in the frame of the clock. The rightward wave arrives later
+        than it left by the time of travel from the left end of the segment, the
+        leftward one by that from the right end. Both are cut at the breaks of either.
+        ValueError as for `locate`.
         """
         point = self._points(body, x)
         offset = int(point.offset)
@@ -239,29 +251,32 @@ class WaveFields(Fields):
     # Integrals over bodies ----------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
-        """Momentum of a rod at times t in s, kg m/s.
+        """Momentum of a rod at times t in s, kg m/s, in the laboratory.
 
-        Sum over its segments of Z times the integral of v over the time of travel
-        through them.
+        It is the sum over its segments of Z times the integral of v over the time of
+        travel through them. The velocities of the frame, at t = 0 and by gravity, are
+        added.
         """
         clock = self.clock
         ticks = self.to_ticks(t)
         momentum: Any = 0.0
         for waves in self.waves_along(body):
+            # Both are integrals over the time of travel, m/s ticks.
             of_frame = clock.frame * waves.transit
-            velocity_integral = waves.velocity_integral(ticks) + of_frame  # m/s ticks
+            velocity_integral = waves.velocity_integral(ticks) + of_frame
             momentum = momentum + waves.impedance * velocity_integral * clock.tick
-        of_fall = clock.mass(body) * self._fall_velocity(ticks)
-        return np.asarray(momentum + of_fall)
+        by_gravity = clock.mass(body) * self._fall_velocity(ticks)
+        return np.asarray(momentum + by_gravity)
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
-        """Energy of a rod at `tick`; the kinetic energy is relative to a velocity, m/s.
+        """Kinetic and strain energy of a rod at `tick`, J.
 
-        Sums over its segments of Z/8 times the integrals of (A + B)^2 and of (A - B)^2,
-        see `SegmentWaves.squared_integrals`.
+        The kinetic energy is relative to `velocity`, m/s in the laboratory, which is
+        taken from both waves first. Energies are sums over the segments of Z/8 times
+        the integrals of (A + B)^2 and of (A - B)^2 over the time of travel.
         """
         clock = self.clock
-        # The velocity as it is in the frame, to which the waves refer
+        # The same velocity in the frame, to which the waves refer
         in_frame = velocity - clock.frame - clock.gravity * tick * clock.tick
         kinetic = 0.0
         strain = 0.0
@@ -273,11 +288,11 @@ class WaveFields(Fields):
         return RodEnergy(kinetic, strain)
 
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """The largest tension and compression of all segments of a rod.
+        """Largest tension and compression in a rod at any time of the run.
 
-        They are E/(2 c) times the extremes of B - A, with the leftward wave B and the
-        rightward wave A. Each peak has its stress, place and time; tension and
-        compression are found apart.
+        They are the largest of all its segments: E/(2 c) times the highest and the
+        lowest B - A, with the leftward wave B and the rightward wave A. Each has its
+        stress, place and time, and is `NO_STRESS` where the rod never has such stress.
         """
         tensions = []
         compressions = []
@@ -300,27 +315,32 @@ class WaveFields(Fields):
         """Stress, place and time where parts of the two waves of a segment meet.
 
         `per_difference` is E/(2 c), Pa s/m: stress over the difference of the waves.
+        Place and time are rounded to ticks of travel, so that a field read there has
+        this stress; at the right end of a segment the place is just left of the border.
         """
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
         segment = waves.segment
         T = waves.transit
         left = float(self.edges(body)[segment - first])
         # x = c (q - p + T)/2 and t = (p + q + T)/2, in whole ticks with halves rounded
-        # up: a field that is read there sees the same waves.
+        # up (+ 1): a field that is read there sees the same waves.
         offset = min((meeting.q - meeting.p + T + 1) // 2, T)
         tick = (meeting.p + meeting.q + T + 1) // 2
         x = left + waves.length * (offset / T)
-        if offset == T and segment < last:
-            x = math.nextafter(x, left)  # a border belongs to the segment on its right
+        is_at_border = offset == T and segment < last
+        if is_at_border:
+            # A border belongs to the segment on its right: take the next smaller x.
+            x = math.nextafter(x, left)
         stress = per_difference * meeting.difference
         return StressPeak(stress, x, tick * self.clock.tick)
 
     def profile(self, body: int, tick: int) -> Profile:
         """State of a rod just after `tick`: means of velocity and strain over pieces.
 
-        v = (A + B)/2 and strain = (B - A)/(2 c), with the wave A that left the left end
-        of a segment and B that left its right end. A front that leaves an end at `tick`
-        has left it, see `SegmentWaves.piece_bounds`.
+        Pieces lie between fronts and ends of segments; smooth waves are cut further,
+        see `SegmentWaves.piece_bounds`. With the wave A that left the left end of a
+        segment and B that left its right end, strain = (B - A)/(2 c), and v, m/s, is
+        (A + B)/2 plus the velocity of the frame, gravity included.
         """
         frame = self.frame_velocity(tick)
         edges = [np.zeros(1)]
@@ -338,6 +358,7 @@ class WaveFields(Fields):
             B = waves.leftward.means(tick - T + near_time, tick - T + far_time)
             velocities.append((A + B) / 2 + frame)
             strains.append((B - A) * waves.strain_per_difference)
+            # In place of the bounds 0 and T the exact ends of the segment
             inner = ends[i] + waves.length * (bounds[1:-1] / T)
             edges.append(np.append(inner, ends[i + 1]))
         return Profile(
@@ -361,19 +382,21 @@ def _constant_runs(
     """A field of a segment that is constant between fronts, at increasing ticks.
 
     `offsets` are the points [point, 1], ticks of travel from the left end. Each value
-    is found once, at the front from which it holds.
+    is found once, at the front from which it holds; `repeats` tells for how many of the
+    ticks. Both are [point, front + 1], in order of time.
     """
     T = waves.transit
     # Ticks at which the fronts of A and B pass each point, [point, front]
     fronts_of_A = waves.rightward.ticks[1:] + offsets
     fronts_of_B = waves.leftward.ticks[1:] + T - offsets
     fronts = np.concatenate((fronts_of_A, fronts_of_B), axis=1)
-    # Index of the first given tick at or after each front, in order of the fronts. A
-    # value holds for the ticks up to the first one of the next value.
-    first_held = np.sort(ticks.searchsorted(fronts.T), axis=0).T
+    # Index of the first given tick at or after each front, in order of the fronts that
+    # pass a point
+    first_held = np.sort(ticks.searchsorted(fronts), axis=1)
+    # A value holds from its own first tick to that of the next value. The value before
+    # all fronts begins at the index 0.
     repeats = np.diff(first_held, prepend=0, append=len(ticks))
-    # The first value holds before all fronts, so there is one value more than fronts.
-    # It is found at a tick long before them.
+    # That value is found at a tick long before all fronts.
     starts = np.sort(np.append(fronts, offsets + BEFORE_ALL_FRONTS, axis=1))
     p = starts - offsets
     q = starts + offsets - T
