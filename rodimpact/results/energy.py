@@ -287,6 +287,7 @@ def ledger(
     gained = gained + (strain - strain[0])
     gained = gained + at_contacts.stored - at_contacts.stored[0]
     lost = at_contacts.dissipated + damped + at_contacts.numerical
+    # Work on soil and drag is energy that leaves the bodies, as losses are.
     residual = gained + (lost + on_shafts.soil)
     residual = residual + on_shafts.drag
     for work in (*works, gravity_work):
@@ -385,8 +386,8 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     ticks = np.unique(fields.nearest_energy_ticks(first_and_last))  # one if end is 0
     states = bonded_groups(fields, ticks)
     energies = ledger(fields, contacts, states)
-    before = _motion_at(run.system, states, energies, 0)
-    after = _motion_at(run.system, states, energies, -1)
+    before = _motion_at(run.system, states, energies, k=0)
+    after = _motion_at(run.system, states, energies, k=-1)
     if run.motion is not None:
         found_before, found_after = run.motion
         before = before._replace(velocities=found_before.velocities)

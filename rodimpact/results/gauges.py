@@ -268,9 +268,8 @@ def gauges_to_csv(
     """Write strains of several gauges at equal intervals as one table.
 
     It has a column of times from 0 to the end of the shortest record, then a column of
-    strain for each gauge. With the two gauges ``incident``
-    and ``transmitted`` this is the table of three columns that programs for split
-    Hopkinson bars take.
+    strain for each gauge. With the two gauges ``incident`` and ``transmitted`` this is
+    the table of three columns that programs for split Hopkinson bars take.
 
     Parameters
     ----------
@@ -314,8 +313,8 @@ def gauges_to_csv(
             problems.append(("gauges", sentence))
     raise_if_problems(problems)
     records = list(gauges.values())
-    shortest = min(records, key=lambda record: record.end)
-    sampling = _sampling(interval, shortest.end)
+    earliest_end = min(record.end for record in records)
+    sampling = _sampling(interval, earliest_end)
     heads = [heading("time", "s")]
     for name in gauges:
         heads.append(heading(name, ""))

@@ -125,7 +125,8 @@ class Outcome(OnlyContact[float]):
     drive_work, gravity_work : float
         Work of driven ends and of gravity, J.
     driven : bool
-        Whether gravity or driven ends change the velocities besides the contacts.
+        Whether gravity, driven ends, or soil or drag along shafts change the velocities
+        besides the contacts.
 
     Examples
     --------
@@ -177,9 +178,8 @@ class Outcome(OnlyContact[float]):
         Raises
         ------
         UndefinedRestitution
-            If the run is not final, nothing met, the bodies did not approach each
-            other, gravity or a driven end acts, or the contacts that can open are not
-            one.
+            If the run is not final or is `driven`, nothing met, the bodies did not
+            approach each other, or the contacts that can open are not one.
         """
         reason = self.why_no_restitution()
         if reason:
@@ -305,7 +305,8 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
     """The outcome of a run with these totals.
 
     Its status is that of the run, followed by a warning if the balance of the totals
-    does not close. It counts as driven if an end is driven or gravity acts.
+    does not close. It counts as driven if an end is driven, soil or drag acts along a
+    shaft, or there is gravity.
     """
     system = run.system
     warning = _balance_warning(totals.momentum_residual, totals.energy_residual)

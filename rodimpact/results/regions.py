@@ -89,7 +89,7 @@ def regions_of(
     start, stop : float
         Interval of time, s; by default the whole solution.
     limit : float
-        Largest number of regions wanted; ``math.inf`` for all.
+        Largest number of regions wanted, 1 or more; ``math.inf`` for all.
 
     Returns
     -------
@@ -98,8 +98,8 @@ def regions_of(
     Raises
     ------
     ValueError
-        If there are more regions than `limit`, the interval is empty or outside the
-        solution, or the method has no fronts.
+        If there are more regions than `limit`, the limit is below 1, the interval is
+        empty or outside the solution, or the method has no fronts.
 
     Examples
     --------

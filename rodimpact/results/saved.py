@@ -62,7 +62,8 @@ def case_of(solution: Any) -> Case:
 def result_of(solution: Any) -> SavedResult:
     """The numbers of the outcome in the file of a solution, with their stated errors.
 
-    Method, status and reason of the end come with them. Numbers of bodies and contacts
+    The version of rodimpact, the method, and why and whether the collision ended come
+    with them. Numbers of bodies and contacts
     have names with their index, such as ``impulse.0``.
     """
     outcome = solution.outcome
@@ -167,7 +168,7 @@ def _allowed_differences(
         if error < math.inf:
             allowed[kind] = error * scales[measure]
         else:
-            allowed[kind] = math.inf  # also where the scale is 0
+            allowed[kind] = math.inf  # inf times a scale of 0 would be nan
     return allowed
 
 

@@ -121,7 +121,7 @@ class SegmentWaves(NamedTuple):
 
         The variable of the integrals is the time of travel, ticks. Both waves, A
         rightward and B leftward, are taken less `velocity`, m/s in the clock's frame,
-        to which the kinetic energy is relative. Half of A + B less it is the velocity.
+        to which the kinetic energy is relative.
         """
         # All parts in the segment left its ends from start = tick - T to tick. The part
         # of A that left at `time` meets the part of B that left at start + tick - time.

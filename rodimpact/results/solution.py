@@ -619,8 +619,9 @@ class Solution(Shown):
     def system_at(self, t: float) -> System:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 
-        Gaps, velocities and strains are those just after t, and the stretch of joints;
-        the gap of a compliant contact that is pressed is minus its overlap. The clock
+        Gaps, velocities and strains are those just after t, as are the stretch of
+        joints, the hardening of `Plastic` contacts and the mobilised share of soil. The
+        gap of a compliant contact that is pressed is minus its overlap. The clock
         starts anew. Waves are handed on as they are: constant between jumps they become
         `Steps`, else `Polynomials`, which carry the stated error of the velocities. So
         a run that goes on from there is as exact as one that did not stop. On a grid
