@@ -131,9 +131,9 @@ class ContactHistory:
         """Force and gap at the times between which straight lines follow them.
 
         Values are those just after each time. If the force is constant between jumps,
-        the times are those of its jumps. Else there are more: force and velocities jump
-        at these times alone, and straight lines between them follow force and gap to
-        5e-5 of their ranges.
+        the times are 0 and its jumps. Else there are more: force and velocities jump at
+        these times alone, and straight lines between them follow force and gap to 5e-5
+        of their ranges.
         """
         is_constant_between_jumps = self.push.size == 1  # one coefficient a piece
         if is_constant_between_jumps:

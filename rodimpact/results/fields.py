@@ -147,9 +147,8 @@ class Fields(Protocol):
         """Mean velocity and strain at points x, m [point], between times t, s.
 
         They are the growth of the displacement, and of the integral of the strain, over
-        each interval divided by its duration. The n times must increase, also once they
-        are rounded to ticks; they have n - 1 intervals. The means are
-        [point, interval].
+        each interval divided by its duration, [point, interval]. The n times must
+        increase, also once they are rounded to ticks; they have n - 1 intervals.
         """
         ticks = self.to_ticks(t)
         displacement = self.displacement(body, x[:, None], t)  # [point, time]

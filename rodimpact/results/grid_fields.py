@@ -170,10 +170,10 @@ class GridFields(Fields):
         return np.unique(np.concatenate(self._segment_places(body)))
 
     def _span(self, body: int) -> Span:
-        """The part of the mesh that is a rod: its nodes, its cells and their masses.
+        """The part of the mesh that is a rod: its nodes and cells, and masses of nodes.
 
-        A node at an end of the rod has half the mass of the last cell alone, even if a
-        body is bonded to it there.
+        A mass is that of the halves of the rod's cells beside the node, kg. A body that
+        is bonded to an end of the rod does not count.
         """
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
         # Segment 1 has the index 1 in these lists.

@@ -61,7 +61,7 @@ def moduli(segment: Segment) -> Moduli:
 
 
 def end_areas(segment: Segment) -> EndAreas:
-    """Areas at both ends of a segment, m^2."""
+    """Areas at both ends of a segment, m^2: of a tapered one its outer samples."""
     area = segment.area
     if isinstance(area, Samples):
         return EndAreas(float(area.values[0]), float(area.values[-1]))
@@ -227,7 +227,7 @@ def _push_on(motion: GridMotion, node: int) -> Floats:
     state between two steps the force is the mean of both, at t = 0 and at the end it is
     extrapolated by half a step. The mean of a single step holds for all states.
     """
-    step_means = motion.pushes.get(node, np.zeros(1))
+    step_means = motion.pushes.get(node, np.zeros(1))  # 0 where nothing acts
     if len(step_means) == 0:  # nothing moves: there is one state, and no step was made
         return np.zeros(1)
     if len(step_means) == 1:

@@ -267,7 +267,8 @@ class Outcome(OnlyContact[float]):
         """The outcome as a pandas DataFrame of one row (extra ``dataframe``).
 
         The columns bear the names of `SweepResult.columns`, so that ``pandas.concat``
-        joins several outcomes to one table. An undefined restitution is nan.
+        joins several outcomes to one table. An undefined restitution is nan, and
+        ``vibration`` is the energy of all bodies after.
 
         Examples
         --------

@@ -295,8 +295,9 @@ class Solution(Shown):
         """Stated errors of velocity, stress and displacement anywhere at times t in s.
 
         A grid whose mesh was searched for compares its fields with those of coarser
-        meshes. In the first steps after a jump the error is as large as the jump. The
-        fields of other methods are as accurate as their waves, see `accuracy`.
+        meshes, on which the first call runs the collision again. In the first steps
+        after a jump the error is as large as the jump. The fields of other methods are
+        as accurate as their waves, see `accuracy`.
 
         Returns
         -------

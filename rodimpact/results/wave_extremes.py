@@ -254,8 +254,9 @@ def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
     range is empty (first = stop, or first > stop) if there is none.
     """
     T = domain.T
+    # p + q + T is twice the tick of a meeting: 0 at t = 0, and less than 2 end, since
+    # meetings at the last tick itself are those of a side.
     earliest_q = np.maximum(p - T, -T - p)
-    # Less 1, since meetings at the last tick itself are those of a side.
     latest_q = np.minimum(p + T, 2 * domain.end - T - p - 1)
     first = q.searchsorted(earliest_q, side="left")
     stop = q.searchsorted(latest_q, side="right")

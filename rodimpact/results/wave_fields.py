@@ -369,7 +369,10 @@ class WaveFields(Fields):
 
 
 def _is_grid(x: Floats, ticks: Ints) -> bool:
-    """Whether places are a column [point, 1] and ticks a row [tick] in order."""
+    """Whether places are a column [point, 1] and ticks a row [tick] in order.
+
+    There must be a place at least; equal neighbouring ticks are in order.
+    """
     is_column = np.ndim(x) == 2 and np.size(x) > 0 and np.shape(x)[1] == 1
     if not is_column or ticks.ndim != 1:
         return False
