@@ -606,7 +606,7 @@ class Solution(Shown):
         1.0
         """
         demand(self.final, "ring_down", f"the collision is not over. {self.status}")
-        message = "gravity or a driven end acts on and on"
+        message = "gravity, a driven end, soil or drag acts on and on"
         demand(not self.outcome.driven, "ring_down", message)
         has_rod = len(self.fields.rods) > 0
         demand(has_rod, "ring_down", "the row has no rod that could vibrate")

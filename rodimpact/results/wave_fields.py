@@ -174,7 +174,7 @@ class WaveFields(Fields):
         right side if waves are constant between fronts, x is a column and ticks are a
         row in order: one value for each front.
         """
-        # Then a value just after a front holds for all ticks up to the next front.
+        # If so, a value just after a front holds for all ticks up to the next front.
         holds_from_fronts = side == "right" and self.constant_between_fronts
         if holds_from_fronts and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)
