@@ -45,7 +45,11 @@ class Alignment(NamedTuple):
 
 
 def alignment_sentence(alignment: Alignment, shifts: Shifts) -> str:
-    """The shifts, their limit, and the balance over all loading before and after."""
+    """Phrase on an alignment: its limit, both shifts, and the balance of the forces.
+
+    The balance is the imbalance over all loading, in percent of the mean force, with
+    the shifts and without them.
+    """
     return (
         "aligned by the start of loading alone, up to half of the peak stress, within "
         f"{format_si(alignment.limit, 's', 3)}: reflected wave taken "
@@ -57,7 +61,7 @@ def alignment_sentence(alignment: Alignment, shifts: Shifts) -> str:
 
 
 def _how_much_earlier(shift: float) -> str:
-    """A shift, s, in words: "433 ns earlier", or later if it is negative."""
+    """A shift, s, in words: "433 ns earlier" for 433e-9, "433 ns later" for -433e-9."""
     direction = "earlier"
     if shift < 0:
         direction = "later"
@@ -65,8 +69,9 @@ def _how_much_earlier(shift: float) -> str:
 
 
 def loading_imbalance(curve: Curve) -> float:
-    """Mean of abs(F1 - F2) over the mean of (F1 + F2)/2, while loading."""
+    """Mean of abs(F1 - F2) over the mean of (F1 + F2)/2, up to the largest strain."""
     input_force = curve.input_force[curve.loading]
     output_force = curve.output_force[curve.loading]
     difference = np.abs(input_force - output_force).mean()
-    return float(difference / ((input_force + output_force).mean() / 2))
+    mean_force = (input_force + output_force).mean() / 2
+    return float(difference / mean_force)

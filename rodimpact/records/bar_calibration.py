@@ -90,9 +90,9 @@ class BarCalibration:
     misfit: float
 
     def __str__(self) -> str:
-        """The numbers with their standard errors, a line each.
+        """Wave speed, Poisson ratio, gain, their standard errors, and the misfit.
 
-        A large misfit adds a line that says what is doubtful.
+        Each has a line. A misfit above `GOOD_MISFIT` adds a line of doubt.
         """
         lines = [
             f"wave speed: {self.wave_speed:.2f} +- {self.wave_speed_error:.2f} m/s",
@@ -126,7 +126,8 @@ def calibrate_bar(
         The way of the pulse between both records, m: from gauge to gauge, also through
         the joint of two equal bars, or from a gauge to the free end and back.
     bar : Rod
-        Uniform and round. Errors of its wave speed up to 10 % are corrected.
+        Uniform and round. Errors of its wave speed up to 10 % are corrected. Its
+        Poisson ratio may be missing.
 
     Returns
     -------
@@ -139,8 +140,9 @@ def calibrate_bar(
 
     Notes
     -----
-    Least squares over c0, nu, a gain and an offset. The standard errors follow from the
-    residual, which counts as noise that is white below the cut-off frequency.
+    Least squares over c0, nu, a gain and an offset; the offset is left out of the
+    result. The standard errors follow from the residual, which counts as noise that is
+    white below the cut-off frequency.
 
     Examples
     --------
@@ -161,14 +163,15 @@ def calibrate_bar(
     """
     check_kind("first", first, Signal, "incident.window(0.0, 2e-4)")
     check_kind("second", second, Signal, "incident.window(4e-4, 6e-4)")
-    way = scalar("distance", distance, "m", "positive")
+    distance = scalar("distance", distance, "m", "positive")
     check_kind("bar", bar, Rod, "Rod(2.0, diameter=0.02, material=steel)")
     if first.unit != second.unit:
         message = f"must be in the unit of first, {first.unit!r}, got {second.unit!r}"
         raise invalid_argument("second", message)
     if bar.segments[0].material.poisson_ratio is None:
         bar = _with_poisson_ratio(bar, USUAL_POISSON_RATIO)
-    pair = _pair(first, second, way, waves.Bar.of(bar))
+    mode = waves.Bar.of(bar)  # refuses a bar that is not uniform and round
+    pair = _pair_with_estimate(first, second, distance, mode)  # refuses a lost pulse
     search_end = _least_squares(pair)
     values = search_end.values
     errors = search_end.errors
@@ -212,10 +215,11 @@ class _Pair(NamedTuple):
     level: float  # plateau of the second record, in its unit
 
     def prediction(self, speed: float, nu: float) -> Floats:
-        """The first record at the times of the compared samples, after the distance.
+        """The first record, propagated over the distance, at the compared times.
 
-        Between its samples it is a cubic spline, beyond its ends its first and its last
-        value.
+        `speed` is c0, m/s, and `nu` Poisson's ratio. Gain and offset are left out.
+        Between its samples the record is a cubic spline, beyond its ends its first and
+        its last value.
         """
         from scipy.interpolate import CubicSpline
 
@@ -229,8 +233,10 @@ class _Pair(NamedTuple):
     def record(self, speed: float, nu: float) -> Floats:
         """The compared samples of the second record, below the cut-off frequency.
 
-        Propagated by no distance, a record has lost what the first mode does not carry.
+        The cut-off of the first mode follows from `speed`, c0 in m/s, and Poisson's
+        ratio `nu`.
         """
+        # Over no distance nothing disperses; frequencies above the cut-off are removed.
         bar = waves.Bar(speed, nu, self.radius)
         carried = filters.dispersed(
             self.second.values, self.second.dt, distance=0.0, bar=bar
@@ -239,33 +245,40 @@ class _Pair(NamedTuple):
         return compared
 
     def residuals(self, numbers: _Numbers) -> Floats:
-        """Prediction less second record, over the plateau."""
+        """Prediction less second record, divided by the plateau, [compared sample].
+
+        The prediction has the gain and the offset of the numbers.
+        """
         predicted = self.prediction(numbers.speed, numbers.nu)
         recorded = self.record(numbers.speed, numbers.nu)
         difference = numbers.gain * predicted + numbers.offset - recorded
         return np.asarray(difference / self.level)
 
 
-def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pair:
+def _pair_with_estimate(
+    first: Signal, second: Signal, distance: float, bar: waves.Bar
+) -> _Pair:
     """Both records with a first estimate of bar speed and gain.
 
-    InvalidModel without a pulse. The first record, moved by the speed of the given bar,
-    is shifted against the second one by up to `SEARCHED_SPEED_RTOL` of the travel time,
-    to where it fits best.
+    The first record, propagated over the distance, m, in the given bar, is shifted
+    against the second one by up to `SEARCHED_SPEED_RTOL` of the travel time, to where
+    it fits best. InvalidModel if the second record does not contain these times, or if
+    the best shift is at its limit. The offset begins at 0, nu at that of the bar.
     """
     travel = distance / bar.wave_speed
     slack = SEARCHED_SPEED_RTOL * travel
     moved = first.propagated(distance, bar)
-    low = max(second.start, moved.start - slack)
-    high = min(second.end, moved.end + slack)
-    may_be_pulse = (second.times >= low) & (second.times <= high)
+    search_start = max(second.start, moved.start - slack)
+    search_end = min(second.end, moved.end + slack)
+    may_be_pulse = (second.times >= search_start) & (second.times <= search_end)
     if np.count_nonzero(may_be_pulse) < MIN_COMPARED_SAMPLES:
         message = (
             f"must contain the pulse at {moved.start:.4g} to {moved.end:.4g} s, "
             f"got {second.start:.4g} to {second.end:.4g} s"
         )
         raise invalid_argument("second", f"{message}; give that part of the record")
-    misfit = second.window(low, high).misfit(moved, shift=(-slack, slack))
+    searched = second.window(search_start, search_end)
+    misfit = searched.misfit(moved, shift=(-slack, slack))
     if misfit.at_limit:
         percent = 100 * SEARCHED_SPEED_RTOL
         message = f"takes {percent:g} % more or less time than the bar speed says"
@@ -273,9 +286,9 @@ def _pair(first: Signal, second: Signal, distance: float, bar: waves.Bar) -> _Pa
             "distance", f"{message}; correct the distance, or the bar's wave speed"
         )
     measured_travel = travel + misfit.shift
-    low = first.start + measured_travel
-    high = first.end + measured_travel
-    compared = (second.times >= low) & (second.times <= high)
+    arrival = first.start + measured_travel
+    departure = first.end + measured_travel
+    compared = (second.times >= arrival) & (second.times <= departure)
     start = _Numbers(
         speed=distance / measured_travel,
         nu=bar.poisson_ratio,
@@ -305,7 +318,9 @@ class _SearchEnd(NamedTuple):
 def _least_squares(pair: _Pair) -> _SearchEnd:
     """Best numbers, their standard errors and the misfit, by least squares.
 
-    The variables x of the search begin at 1: a number is its start + its unit (x - 1).
+    The numbers are speed, nu, gain and offset; the misfit is the rms of the residuals.
+    The search runs over variables x = 1 + (number - start)/unit, which begin at 1. The
+    unit of nu is 1, that of the offset the plateau, those of the others their starts.
     """
     from scipy.optimize import least_squares
 
@@ -325,7 +340,7 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
         return pair.residuals(numbers_at(x))
 
     def jacobian(x: Floats) -> Floats:
-        """Derivatives of the residuals by the variables, [sample, variable].
+        """Derivatives of the residuals by the variables x, [sample, variable].
 
         Those by speed and nu are differences; gain and offset enter linearly.
         """
@@ -334,16 +349,17 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
         here = pair.residuals(numbers)
         faster = numbers._replace(speed=numbers.speed * (1 + SPEED_STEP))
         wider = numbers._replace(nu=numbers.nu + POISSON_STEP)
-        columns = [
+        by_numbers = [
             (pair.residuals(faster) - here) / (numbers.speed * SPEED_STEP),
             (pair.residuals(wider) - here) / POISSON_STEP,
             predicted / pair.level,
             np.full(len(here), 1 / pair.level),
         ]
-        scaled: Floats = np.stack(columns, axis=1) * units
-        return scaled
+        # A number grows by its unit while its variable x grows by 1.
+        by_variables: Floats = np.stack(by_numbers, axis=1) * units
+        return by_variables
 
-    # Of the variables only that of nu is bounded: 1 + nu - its start (unit 1).
+    # Only nu is bounded. Its variable is x = 1 + nu - start, since its unit is 1.
     low = np.full(len(start), -np.inf)
     high = np.full(len(start), np.inf)
     nu_index = _Numbers._fields.index("nu")
@@ -359,11 +375,12 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
         xtol=SEARCH_TOLERANCE,
     )
     bar = waves.Bar(pair.start.speed, pair.start.nu, pair.radius)
-    mean_square = float(np.mean(end.fun**2))  # of the residuals
-    # Noise below the cut-off frequency has two independent samples a period of it.
+    mean_square = float(np.mean(end.fun**2))  # `fun`: the residuals at the end
+    # Noise below the cut-off frequency has two independent samples in each period of
+    # that frequency. Fewer independent samples make larger errors.
     independent_share = min(1.0, 2 * bar.cut_off * pair.second.dt)
     covariance = np.linalg.inv(end.jac.T @ end.jac) * mean_square / independent_share
-    errors = units * np.sqrt(np.diag(covariance))
+    errors = units * np.sqrt(np.diag(covariance))  # of the numbers, not of x
     return _SearchEnd(
         values=numbers_at(end.x),
         errors=_Numbers(*errors.tolist()),

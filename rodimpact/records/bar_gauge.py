@@ -43,10 +43,10 @@ class BarGauge(FrozenDataclass):
     gain: float = quantity("", default=1.0, scalar=True)
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem of a record with a unit but no gain.
+        """Add a problem if the record has a unit and the gain is 1.
 
-        InvalidModel at once for a record that is no Signal. Both records of a pair must
-        have the same times and unit.
+        InvalidModel at once for a record that is no Signal and, without any problem,
+        for two records of different times or units.
         """
         check_kind("signal", self.signal, Signal, SIGNAL_EXAMPLE)
         if self.opposite is not None:
@@ -57,12 +57,15 @@ class BarGauge(FrozenDataclass):
                 ("signal", f"{message}; give bridge.strain(volts), or a gain")
             )
         if not problems:
-            # The strain adds both records, which refuses other times or another unit.
+            # The property adds both records, and so refuses other times or units.
             _ = self.strain
 
     @property
     def strain(self) -> Signal:
-        """Mean strain of the cross-section, with the sign of the signal."""
+        """The gain times the signal, or times the mean of both signals of a pair.
+
+        It has the sign of the signal, and no unit.
+        """
         signal = self.signal
         if self.opposite is not None:
             signal = (signal + self.opposite) / 2

@@ -37,7 +37,7 @@ FIRST_PULSE_RATIO = 0.4
 def instrumented_bars(
     input_gauges: Any, output_gauges: Any, bars: Any, compression: Any
 ) -> InstrumentedBars:
-    """Both bars with the records of their gauges.
+    """Both bars with the records of their gauges, see `_instrumented_bar`.
 
     The arguments are those of `reduce`, with `bars` one rod or two; InvalidModel names
     a wrong one.
@@ -65,7 +65,8 @@ def instrumented_bars(
 def output_bar_of(gauges: Any, bar: Any, compression: Any) -> InstrumentedBar:
     """The output bar of a direct impact with the records of its gauges.
 
-    InvalidModel unless `bar` is one uniform rod, and for gauges that are wrong.
+    The arguments are those of `reduce`. InvalidModel names a wrong one: `bar`, called
+    "bars" there, must be one uniform rod.
     """
     check_choice("compression", compression, SIGN_OF_COMPRESSION)
     if not _is_uniform(bar):
@@ -84,9 +85,9 @@ class Rods(NamedTuple):
 
 
 def rods_of(bars: Any) -> Rods:
-    """Input and output bar; one uniform rod stands for both.
+    """Input and output bar from one uniform rod, which stands for both, or from two.
 
-    InvalidModel unless the argument is one uniform rod or two.
+    InvalidModel for anything else.
     """
     rods = bars
     if not isinstance(bars, tuple | list):
@@ -98,13 +99,13 @@ def rods_of(bars: Any) -> Rods:
 
 
 def _is_uniform(rod: Any) -> bool:
-    """Whether a rod is a single one, of one section and one material.
+    """Whether the argument is a single rod of one section and one material.
 
-    A family of rods is not.
+    A family of rods is not, nor is anything else than a rod.
     """
     if not isinstance(rod, Rod) or len(rod.segments) != 1:
         return False
-    is_family = bool(System([rod]).shape)
+    is_family = bool(System([rod]).shape)  # the shape of a single system is ()
     return not rod.segments[0].tapered and not is_family
 
 
@@ -124,7 +125,8 @@ def _instrumented_bar(
     The records are sampled at the same times, positive in compression, and begin from a
     level of 0 at rest. The gauges come in the order in which the first pulse arrives at
     them. Records of an output bar that begin too late are preceded by more rest, see
-    `_from_arrival_at_face`.
+    `_from_arrival_at_face`. InvalidModel for wrong gauges, too little rest, or a first
+    pulse in tension.
     """
     checked = _checked_gauges(name, gauges, rod)
     signals = [gauge.strain for gauge in checked]
@@ -132,8 +134,10 @@ def _instrumented_bar(
     records = []
     for gauge, signal in zip(checked, signals, strict=True):
         # The last time may lie beyond the end by round-off.
-        strain = np.asarray(signal.at(np.minimum(times.values, times.end)))
+        within_record = np.minimum(times.values, times.end)
+        strain = np.asarray(signal.at(within_record))
         compressive = SIGN_OF_COMPRESSION[compression] * strain
+        # The error for a wrong sign tells the argument `compression`.
         pulse = _first_pulse(name, times.values, compressive, compression)
         records.append(_Record(gauge, pulse, compressive))
     records.sort(key=lambda record: record.first_pulse.start)
@@ -141,8 +145,9 @@ def _instrumented_bar(
     distances = []
     strains = []
     for record in records:
+        level = record.strain[:rest_samples].mean()
         distances.append(record.gauge.distance)
-        strains.append(record.strain - record.strain[:rest_samples].mean())
+        strains.append(record.strain - level)
     bar = InstrumentedBar(
         rod=rod,
         is_output=is_output,
@@ -158,19 +163,21 @@ def _instrumented_bar(
 
 
 def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
-    """The bar with records that begin before the pulse is at the face.
+    """The output bar with records that begin before the pulse is at its face.
 
-    More rest is put before its records. The wave in the output bar is at the face
-    before it is at a gauge. The added samples are those at rest again and again, so
-    that level and noise stay the same.
+    The wave in an output bar is at the face before it is at a gauge. Records that begin
+    later get more samples before them: those at rest again and again, so that level and
+    noise stay the same. `times` and `rest_samples` of the result count them. An input
+    bar, and a bar whose records begin early enough, are returned as they are.
     """
     if not bar.is_output:
         return bar
     longest_travel = bar.distances.max() / bar.speed
-    at_face = bar.pulse_start - longest_travel
+    at_face = bar.pulse_start - longest_travel  # no later than the wave is there, s
     missing_samples = math.ceil((bar.times[0] - at_face) / bar.dt)
     if missing_samples <= 0:
         return bar
+    # The records then also begin with some rest at the face.
     count = missing_samples + MIN_REST_SAMPLES
     earlier = bar.times[0] - bar.dt * np.arange(count, 0, -1)
     strains = []
@@ -186,26 +193,29 @@ def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
 
 
 def _checked_gauges(name: str, gauges: Any, rod: Rod) -> list[BarGauge]:
-    """The one gauge or two of a bar, as a list.
+    """The one gauge or two of a bar, as a list in the given order.
 
-    InvalidModel for anything else, a gauge beyond the bar, or two at one distance.
+    InvalidModel, which names the argument `name`, for anything else, a gauge at the far
+    end of the bar or beyond it, or two at one distance.
     """
-    checked: list[Any] = [gauges]
+    listed: list[Any] = [gauges]
     if isinstance(gauges, tuple | list):
-        checked = list(gauges)
+        listed = list(gauges)
+    length = float(rod.length)
     distances = set()
-    for gauge in checked:
+    for gauge in listed:
         check_kind(name, gauge, BarGauge, GAUGE_EXAMPLE)
         distances.add(gauge.distance)
-        if gauge.distance >= float(rod.length):
+        if gauge.distance >= length:
             message = f"a gauge is {gauge.distance:g} m from the specimen"
             raise invalid_argument(
-                name, f"{message}, but the bar is only {float(rod.length):g} m long"
+                name, f"{message}, but the bar is only {length:g} m long"
             )
-    is_one_or_two = 1 <= len(checked) <= 2
-    if not is_one_or_two or len(distances) < len(checked):
+    is_one_or_two = 1 <= len(listed) <= 2
+    some_are_at_one_place = len(distances) < len(listed)
+    if not is_one_or_two or some_are_at_one_place:
         raise invalid_argument(name, "must be one gauge, or two at different distances")
-    return checked
+    return listed
 
 
 class _Times(NamedTuple):
@@ -219,7 +229,8 @@ class _Times(NamedTuple):
 def _common_times(name: str, strains: list[Signal]) -> _Times:
     """Times that all records of a bar contain, at the steps of the first one.
 
-    InvalidModel, which names the argument `name`, if they contain too few in common.
+    The last of them may lie beyond the common `end` by round-off. InvalidModel, which
+    names the argument `name`, if fewer than twice `MIN_REST_SAMPLES` steps are common.
     """
     dt = strains[0].dt
     start = max(strain.start for strain in strains)
@@ -235,11 +246,11 @@ def _common_times(name: str, strains: list[Signal]) -> _Times:
 def _rest_samples(name: str, times: _Times, first: _Record) -> int:
     """Number of samples at rest before the first pulse of a bar.
 
-    InvalidModel if they are too few. `first` is the record of the gauge at which the
-    pulse arrives first.
+    `first` is the record of the gauge at which the pulse arrives first. InvalidModel,
+    which names the argument `name`, for fewer than `MIN_REST_SAMPLES`.
     """
     level = np.median(first.strain[:MIN_REST_SAMPLES])
-    end = rest_end(times.values, first.strain - level, first.first_pulse)
+    end = rest_end(times.values, first.strain - level, first.first_pulse)  # s
     count = int(np.searchsorted(times.values, end))
     if count < MIN_REST_SAMPLES:
         duration = format_si(MIN_REST_SAMPLES * times.dt, "s", digits=3)
@@ -253,8 +264,10 @@ def _rest_samples(name: str, times: _Times, first: _Record) -> int:
 
 
 def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> Pulse:
-    """Timing of the first pulse of a record, which is cut off where this pulse is over.
+    """Timing of the first pulse of a record, without what the record has after it.
 
+    The first pulse is where the mean of `SMOOTHED_SAMPLES` first exceeds
+    `FIRST_PULSE_RATIO` of the largest strain, and ends where that mean is back at rest.
     `strain` is positive in compression if `compression`, the sign in the records, is
     right. InvalidModel, which names the argument `name`, if the first pulse is a
     tension, or none can be timed.
@@ -265,7 +278,9 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     is_high = np.abs(smooth) > FIRST_PULSE_RATIO * np.abs(values).max()
     first = int(np.argmax(is_high))  # the first sample that is high
     if smooth[first] <= 0:
-        (other,) = SIGN_OF_COMPRESSION.keys() - {compression}
+        other = "negative"
+        if compression == "negative":
+            other = "positive"
         raise invalid_argument(
             name,
             "must begin with a compression; if the signs of all gauges differ, give "
@@ -276,7 +291,7 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     stop = len(values)  # index behind the last sample of the pulse
     if below.size:
         stop = first + int(below[0]) + 1
-    # How the pulse ends does not matter here: a sample of 0 ends it.
+    # How the pulse ends does not matter here: one more sample, of 0, ends it.
     ended = np.append(values[:stop], 0.0)
     dt = times[1] - times[0]
     try:

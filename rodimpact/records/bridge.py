@@ -62,8 +62,10 @@ class Bridge(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Add problems of a gain of 0, and of a Poisson ratio missing or useless.
 
-        An unknown kind is an error at once.
+        A full bridge needs the ratio, and a quarter bridge has no use for it. An
+        unknown kind is an error at once.
         """
+        # A gain that is no number is among the problems already.
         if isinstance(self.gain, float) and self.gain == 0:
             problems.append(("gain", "must not be 0"))
         check_choice("kind", self.kind, GAUGES_ALONG)
@@ -84,18 +86,15 @@ class Bridge(FrozenDataclass):
         over the strain along the bar.
         """
         nu = self.poisson_ratio
-        n = float(GAUGES_ALONG[self.kind])
-        if nu is not None:
-            # In a half bridge one gauge lies along and one across, in a full bridge two
-            # and two.
-            gauges_along = 2
-            if self.kind == "half":
-                gauges_along = 1
-            n = gauges_along * (1 + nu)
+        n = float(GAUGES_ALONG[self.kind])  # if no gauge lies across the bar
+        if nu is not None and self.kind == "half":
+            n = 1 + nu  # one gauge along the bar and one across
+        elif nu is not None:
+            n = 2 * (1 + nu)  # a full bridge: two gauges along and two across
         return 4 / (n * self.gauge_factor * self.excitation * self.gain)
 
     def strain(self, volts: Signal) -> Signal:
-        """Return the strain along the bar, positive in tension.
+        """Return the strain along the bar, positive in tension, at the same times.
 
         Raises
         ------

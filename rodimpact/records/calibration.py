@@ -128,9 +128,11 @@ class Calibration:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Contradictions between records and bars, as sentences.
+        """Contradictions between records and bars, as sentences: at most one.
 
-        Each has its number, its limit and a remedy.
+        The joint reflects another strain than the impedances tell, by more than
+        `REFLECTED_LIMIT` of the incident strain. The sentence has the numbers, the
+        limit and a remedy.
         """
         if abs(self.reflected - self.expected) <= REFLECTED_LIMIT:
             return ()
@@ -144,15 +146,18 @@ class Calibration:
         return (doubt,)
 
     def __str__(self) -> str:
-        """Table with a column for each bar, reflection at the joint, and doubts."""
-        rows = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
+        """Table with a column for each bar, reflection at the joint, and doubts.
+
+        Bending without gauges on both sides is "-". Each doubt has a line.
+        """
+        columns = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
         for k, title in enumerate(("input bar", "output bar")):
             speed = self.bars[k].segments[0].wave_speed
             bending = self.bending[k]
             bending_text = "-"
             if bending is not None:
                 bending_text = f"{100 * bending:.1f} %"
-            rows.append(
+            columns.append(
                 [
                     title,
                     f"{speed:.1f} +- {self.speed_errors[k]:.1f} m/s",
@@ -161,9 +166,9 @@ class Calibration:
                     bending_text,
                 ]
             )
-        columns = list(zip(*rows, strict=True))
+        rows = list(zip(*columns, strict=True))
         lines = [
-            align(columns),
+            align(rows),
             f"reflected at the joint: {100 * self.reflected:.2f} % of the incident "
             f"strain; expected from the impedances: {100 * self.expected:.2f} %",
         ]
@@ -173,7 +178,7 @@ class Calibration:
 
 
 def with_gains(calibration: Calibration, bars: InstrumentedBars) -> InstrumentedBars:
-    """Bars of a shot with their strains multiplied by the gains of a calibration."""
+    """New bars of a shot, with strains multiplied by the gains of a calibration."""
     input_gain, output_gain = calibration.gains
     return InstrumentedBars(
         _amplified(bars.input, input_gain), _amplified(bars.output, output_gain)
@@ -183,9 +188,10 @@ def with_gains(calibration: Calibration, bars: InstrumentedBars) -> Instrumented
 def with_one_error(
     calibration: Calibration, bars: InstrumentedBars
 ) -> Iterator[InstrumentedBars]:
-    """Bars in which one gain or one wave speed is changed by its standard error.
+    """Bars in which one gain or one wave speed is larger by its standard error.
 
-    They are four pairs of bars.
+    They are four pairs of bars: with the gain and then the speed of the input bar, then
+    those of the output bar. The given `bars` have the gains of the calibration already.
     """
     for k, name in enumerate(InstrumentedBars._fields):
         gain_factor = 1 + calibration.gain_errors[k] / calibration.gains[k]
@@ -267,23 +273,24 @@ def calibrate(
     problems: Problems = []
     check_progress(problems, progress)
     raise_if_problems(problems)
-    # each gauge of a bar is calibrated alone
+    # A bar must have one gauge here; `instrumented_bars` would take two.
     check_kind("input_gauges", input_gauges, BarGauge, GAUGE_EXAMPLE)
     check_kind("output_gauges", output_gauges, BarGauge, GAUGE_EXAMPLE)
     bars_as_given = instrumented_bars(input_gauges, output_gauges, bars, compression)
     with Progress(progress, "calibrate", "travel times") as report:
-        output = _with_output_speed(bars_as_given.output)
+        timed_output = _with_output_speed(bars_as_given.output)
         report(1, 2)
-        first = _with_input_speed(bars_as_given.input, output)
+        timed_input = _with_input_speed(bars_as_given.input, timed_output)
         report(2, 2)
-    input_bar = first.bar
-    output_bar = output.bar
+    input_bar = timed_input.bar
+    output_bar = timed_output.bar
     incident = input_bar.first_pulse.plateau
     transmitted = output_bar.first_pulse.plateau
     input_gain = 1.0
     if striker_speed is not None:
         V = scalar("striker_speed", striker_speed, "m/s", "positive")
-        input_gain = V / (2 * input_bar.speed) / incident
+        true_incident = V / (2 * input_bar.speed)
+        input_gain = true_incident / incident
     Z1 = input_bar.impedance
     Z2 = output_bar.impedance
     # The transmitted over the incident strain: the ratio of the forces, over E A of
@@ -304,7 +311,7 @@ def calibrate(
     calibration = Calibration(
         bars=(input_bar.rod, output_bar.rod),
         gains=(input_gain, output_gain),
-        speed_errors=(first.speed_error, output.speed_error),
+        speed_errors=(timed_input.speed_error, timed_output.speed_error),
         gain_errors=(input_error, output_error),
         reflected=_reflected_ratio(input_bar),
         expected=(Z2 - Z1) / (Z1 + Z2),
@@ -320,7 +327,7 @@ def calibrate(
 
 
 def with_speed(rod: Rod, speed: float) -> Rod:
-    """The rod with another wave speed: E = rho c^2."""
+    """The uniform rod with another wave speed, m/s; only E = rho c^2 changes."""
     segment = rod.segments[0]
     material = segment.material
     changed = material.replace(youngs_modulus=material.density * speed**2)
@@ -338,7 +345,7 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
     """Time the pulse that comes back to the output gauge from the far end of its bar.
 
     The result is the bar with the wave speed that this time gives, and the error of the
-    speed.
+    speed. InvalidModel if the record ends too early, or the speed is far off.
     """
     to_far_end = float(output_bar.rod.length) - float(output_bar.distances[0])
     path = 2 * to_far_end
@@ -347,7 +354,7 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
     def returned(bar: InstrumentedBar) -> Floats:
         """The pulse as it comes back to the gauge.
 
-        A free end turns the sign of the strain.
+        The far end is free, which turns the sign of the strain.
         """
         return -bar.propagated(passing, path)
 
@@ -359,9 +366,10 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
 def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     """Time the pulse from the input gauge through the joint to the output gauge.
 
-    The result is the input bar with the wave speed that this time gives. The error of
-    the speed has two independent parts: of the arrival, and of the travel time in the
-    output bar.
+    The result is the input bar with the wave speed that this time gives, if `output` is
+    the output bar with its measured speed. The error of the speed has two independent
+    parts: of the arrival, and of the travel time in the output bar. InvalidModel if the
+    record ends too early, or the speed is far off.
     """
     output_bar = output.bar
     input_path = float(input_bar.distances[0])
@@ -374,12 +382,11 @@ def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     timed = _fit_wave_speed(
         input_bar, path=input_path, recording=output_bar, predict=transmitted
     )
-    # Error of the travel time in the output bar, s: path/speed times the relative error
-    output_delay = (
-        output.speed_error / output_bar.speed * output_path / output_bar.speed
-    )
+    relative_error = output.speed_error / output_bar.speed
+    # Error of the travel time in the output bar, path/speed
+    output_time_error = relative_error * output_path / output_bar.speed
     # As speed = path/time, its error is speed^2/path times that of the time.
-    from_output = timed.bar.speed**2 / input_path * output_delay
+    from_output = timed.bar.speed**2 / input_path * output_time_error
     return timed._replace(speed_error=math.hypot(timed.speed_error, from_output))
 
 
@@ -391,25 +398,24 @@ def _fit_wave_speed(
 ) -> _Timed:
     """Fit the wave speed of a bar so that a pulse arrives when it is in the record.
 
-    The pulse, predicted for a wave speed by `predict`, runs along `path`, m, of the bar
-    and is recorded by the gauge of `recording`. The best shift of the prediction
-    corrects the travel time and so the speed, `SPEED_ITERATIONS` times. The standard
-    error of the arrival is s sqrt(2)/sqrt(sum of slope^2), with s the noise: both
-    pulses, shifted against each other, have it. InvalidModel if the record ends too
-    early, or the speed is far off the given one.
+    `predict` makes the strain at the gauge of `recording` from the bar with a wave
+    speed, after the pulse has run along `path`, m, of this bar. `SPEED_ITERATIONS`
+    times, the best shift of the prediction against the record corrects the travel time
+    and so the speed. InvalidModel if the record ends too early, or the speed is far off
+    the given one.
     """
     record = Signal(recording.strains[0], recording.times)
     for _ in range(SPEED_ITERATIONS):
         travel = path / bar.speed
         predicted = predict(bar)
-        size = np.abs(predicted)
-        pulse = np.flatnonzero(size > PULSE_THRESHOLD * size.max())
+        magnitude = np.abs(predicted)
+        pulse = np.flatnonzero(magnitude > PULSE_THRESHOLD * magnitude.max())
         first = pulse[0]
         last = pulse[-1]
         slack = TRAVEL_RANGE_RTOL * travel
         low = recording.times[first] - slack
         high = min(recording.times[last] + slack, recording.times[-1])
-        _check_record_end(recording, last, size)  # raises if the pulse is not over
+        _check_record_end(recording, last, magnitude)  # refuses a pulse not yet over
         misfit = record.window(low, high).misfit(
             Signal(predicted, recording.times), shift=(-slack, slack)
         )
@@ -421,24 +427,27 @@ def _fit_wave_speed(
             )
         measured_speed = path / (travel + misfit.shift)
         bar = bar._replace(rod=with_speed(bar.rod, measured_speed))
+    # Noise s shifts a pulse by s/sqrt(sum of slope^2). The prediction is made from a
+    # record, too, and so has noise of its own: hence the sqrt(2).
     slopes = np.diff(predicted)[first:last] / recording.dt
     arrival_error = _noise(recording) * math.sqrt(2) / math.sqrt(float(slopes @ slopes))
     # As speed = path/time, its error is speed^2/path times that of the time.
     return _Timed(bar, arrival_error * bar.speed**2 / path)
 
 
-def _check_record_end(recording: InstrumentedBar, last: int, size: Floats) -> None:
+def _check_record_end(recording: InstrumentedBar, last: int, magnitude: Floats) -> None:
     """InvalidModel if the record ends before a predicted pulse is over.
 
-    `size` is the absolute strain of the prediction [sample], and `last` the index of
-    the last sample that counts to the pulse.
+    `magnitude` is the absolute strain of the prediction [sample], and `last` the index
+    of the last sample that counts to the pulse. The error tells how long to record.
     """
     end = recording.times[-1]
-    is_over = last < len(size) - 1
+    is_over = last < len(magnitude) - 1
     if is_over:
         return
     pulse = recording.first_pulse
-    half = int(np.argmax(size >= 0.5 * abs(pulse.plateau)))  # first sample as large
+    is_half = magnitude >= 0.5 * abs(pulse.plateau)
+    half = int(np.argmax(is_half))  # the first such sample; 0 without any
     needed = max(recording.times[half], end) + pulse.width + 2 * pulse.rise
     message = f"the record ends at {end:.4g} s, before the pulse returns"
     remedy = f"from the far end; record up to {needed:.4g} s"
@@ -446,15 +455,15 @@ def _check_record_end(recording: InstrumentedBar, last: int, size: Floats) -> No
 
 
 def _reflected_ratio(input_bar: InstrumentedBar) -> float:
-    """Strain reflected at the joint over the incident strain, by least squares.
+    """Strain reflected at the joint divided by the incident strain, by least squares.
 
-    The incident pulse, as if all of it came back to the gauge, is fitted to what the
-    gauge records besides the incident pulse.
+    The incident pulse, as if all of it came back to the gauge with its sign, is fitted
+    to what the gauge records after the incident pulse.
     """
     incident = _passing(input_bar)
     returned = input_bar.propagated(incident, 2 * float(input_bar.distances[0]))
-    size = np.abs(returned)
-    is_pulse = size > PULSE_THRESHOLD * size.max()
+    magnitude = np.abs(returned)
+    is_pulse = magnitude > PULSE_THRESHOLD * magnitude.max()
     expected = returned[is_pulse]
     recorded = (input_bar.strains[0] - incident)[is_pulse]
     return float(expected @ recorded / (expected @ expected))
@@ -471,9 +480,10 @@ def _at_output_gauge(input_bar: InstrumentedBar, output_bar: InstrumentedBar) ->
     It is the strain at the times of the output bar, without the gains of the bars.
     """
     passing = _passing(input_bar)
+    # The input gauge records its pulse at other times than the output gauge.
     pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
-    same_steps = input_bar._replace(dt=output_bar.dt)
-    at_joint = same_steps.propagated(pulse, float(input_bar.distances[0]))
+    with_steps_of_output = input_bar._replace(dt=output_bar.dt)
+    at_joint = with_steps_of_output.propagated(pulse, float(input_bar.distances[0]))
     return output_bar.propagated(at_joint, float(output_bar.distances[0]))
 
 
@@ -485,13 +495,15 @@ class _Ratio(NamedTuple):
 
 
 def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
-    """Predicted pulse over the recorded one, by least squares.
+    """Factor from the pulse that a bar recorded to the predicted one, and its error.
 
-    With the predicted pulse p and the recorded one r it is sum(p r)/sum(r^2), and its
-    error is that of sum(r (p - ratio r))/sum(r^2). Residuals are correlated over a rise
-    time, so the error of the sum is that of blocks of this length.
+    By least squares, with the predicted pulse p and the recorded one r, it is
+    sum(p r)/sum(r^2), and its error is that of sum(r (p - ratio r))/sum(r^2). Residuals
+    are correlated over a rise time, so the error of the sum is that of blocks of this
+    length.
     """
-    is_pulse = np.abs(predicted) > PULSE_THRESHOLD * np.abs(predicted).max()
+    magnitude = np.abs(predicted)
+    is_pulse = magnitude > PULSE_THRESHOLD * magnitude.max()
     p = predicted[is_pulse]
     r = bar.strains[0][is_pulse]
     sum_of_squares = float(r @ r)
@@ -502,7 +514,7 @@ def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
 
 
 def _plateau_error(bar: InstrumentedBar) -> float:
-    """Standard error of the level of the plateau, over this level.
+    """Standard error of the level of the first pulse's plateau, divided by this level.
 
     The plateau of a pulse rings, and each rise time is one measurement of its level.
     The level is a median, which noise and the ends of the plateau displace: its
@@ -523,10 +535,10 @@ def _plateau_error(bar: InstrumentedBar) -> float:
 
 
 def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
-    """Sums of values, [sample], over blocks, [block].
+    """Sums of values, [sample], over blocks of consecutive samples, [block].
 
-    A block lasts the rise time of the pulse, but for the last one, which may be
-    shorter.
+    A block lasts the rise time of the bar's first pulse, and at least one sample; the
+    last one may be shorter.
     """
     block_samples = max(1, round(bar.first_pulse.rise / bar.dt))
     starts = np.arange(0, len(values), block_samples)
@@ -537,16 +549,17 @@ def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
 def _passing(bar: InstrumentedBar) -> Floats:
     """The record of the first gauge until its first pulse has passed, zero after it."""
     pulse = bar.first_pulse
+    # The width is that at half height: both feet take up to a rise time more.
     end = pulse.start + pulse.width + 2 * pulse.rise
     passing: Floats = np.where(bar.times < end, bar.strains[0], 0.0)
     return passing
 
 
 def _bending(gauge: BarGauge, bar: InstrumentedBar) -> float | None:
-    """Largest bending strain while the pulse passes, over the plateau of the mean.
+    """Largest bending strain while the pulse passes, divided by its plateau.
 
-    The pulse, its plateau and the time in which it passes are those of the first gauge
-    of the bar. None if only one side has a gauge.
+    The pulse is the first one of the bar: the mean of both sides. Bending counts from
+    its level before the pulse. None if only one side has a gauge.
     """
     bending = gauge.bending
     if bending is None:

@@ -91,25 +91,27 @@ def misfit_of(
     shift_range: Range | None,
     scale_range: Range | None,
 ) -> Misfit:
-    """Misfit with the best shift and scale within their bounds; None: without bounds.
+    """Misfit with the best shift, s, and scale of the model within their bounds.
 
-    Equal bounds fix a number. Those that may vary and end at a bound are named in
-    `at_limit`.
+    Equal bounds fix a number. A range of None has no bounds, but for the shift the
+    model and the record must overlap. `at_limit` names those of both numbers that may
+    vary and end at a bound, or with the overlap at its end. ValueError for a record
+    that is 0 everywhere.
     """
     comparison = _Comparison(record, model, plateau(record.values), scale_range)
-    if shift_range is None:
-        # The two must overlap.
+    is_bounded = shift_range is not None
+    if shift_range is not None:
+        low, high = shift_range
+    else:
         low = record.times[0] - model.times[-1]
         high = record.times[-1] - model.times[0]
-    else:
-        low, high = shift_range
     shift = low
-    near_bound = 0.0  # distance from a bound at which a shift is at the bound, s
+    near_bound = 0.0  # a shift that is as near to a bound, s, is at the bound
     if high > low:
         step = _grid_step(record, model, high - low)
         shift = _best_shift(comparison, low, high, step)
         near_bound = step
-        if shift_range is not None:
+        if is_bounded:
             near_bound = AT_BOUND_RTOL * (high - low)
     best = comparison.with_shift(shift)
     at_limit = []
@@ -139,9 +141,10 @@ class _Comparison:
     scale_range: Range | None
 
     def with_shift(self, shift: float) -> _Scaled:
-        """Misfit of the model later by `shift`, s, with the best scale that is allowed.
+        """Misfit of the model later by `shift`, s, and the best scale that is allowed.
 
-        It is the rms of the residuals over the plateau.
+        The misfit is the rms of scale times model less record, over all samples of the
+        record, divided by the record's plateau.
         """
         values = self.record.values
         shifted = self.model.at(self.record.times - shift)
@@ -151,9 +154,11 @@ class _Comparison:
         return _Scaled(rms / self.plateau, scale)
 
     def best_scale(self, product: Any, power: Any) -> Any:
-        """Scale by least squares, (model . record)/(model . model), in `scale_range`.
+        """Scale by least squares, product/power, moved into `scale_range`.
 
-        It is 1 for a model of zeros.
+        `product` is the sum of model times record over the samples, and `power` that of
+        model^2, as numbers or arrays. The scale of a model of zeros is 1, before it is
+        moved.
         """
         divisor = np.where(power > 0, power, 1.0)
         best = np.where(power > 0, product / divisor, 1.0)
@@ -175,13 +180,13 @@ def _grid_step(record: TimeSeries, model: TimeSeries, span: float) -> float:
 def _best_shift(comparison: _Comparison, low: float, high: float, step: float) -> float:
     """The shift from `low` to `high` with the smallest misfit, s.
 
-    The best shifts by whole steps are refined within a step to either side; the best of
-    all wins.
+    The best shifts on a grid of `step`, s, are refined within a step to either side;
+    the result is the best of them, refined or not.
     """
     from scipy.optimize import minimize_scalar
 
     times = comparison.record.times
-    options = {"xatol": 1e-9 * (times[-1] - times[0])}
+    options = {"xatol": 1e-9 * (times[-1] - times[0])}  # error of a shift, s
     on_grid = _best_shifts_on_grid(comparison, low, high, step)
     refined = []
     for shift in on_grid:
@@ -192,14 +197,14 @@ def _best_shift(comparison: _Comparison, low: float, high: float, step: float) -
             bounds=(max(shift - step, low), min(shift + step, high)),
         )
         refined.append(float(solution.x))
-    # Of two results of `with_shift` the one of the smaller misfit comes first.
+    # `with_shift` gives pairs, of misfit and scale: the smaller misfit comes first.
     return min([*refined, *on_grid], key=comparison.with_shift)
 
 
 def _best_shifts_on_grid(
     comparison: _Comparison, low: float, high: float, step: float
 ) -> list[float]:
-    """The best local minima of the misfit among the shifts ``high - j step``.
+    """Shifts, s, of the best local minima of the misfit, among ``high - j step``.
 
     The best comes first, and there are `REFINED_SHIFTS` at most. With the model m, the
     record y and the scale c the squared misfit is ``c^2 sum(m^2) - 2 c sum(m y) +
@@ -215,12 +220,12 @@ def _best_shifts_on_grid(
     m = comparison.model.at(times[0] - high + step * np.arange(n + n_shifts - 1))
     size = 1 << (len(m) - 1).bit_length()  # a power of two, no less than len(m)
     spectrum = np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size))
-    product = np.fft.irfft(spectrum, size)[:n_shifts]
+    product = np.fft.irfft(spectrum, size)[:n_shifts]  # sum(m y) for each j
     sums = np.concatenate(([0.0], np.cumsum(m * m)))  # sums[i] is that of m[:i]
     power = sums[n : n + n_shifts] - sums[:n_shifts]
-    power[power <= NEGLIGIBLE_POWER_RTOL * sums[-1]] = 0.0
+    power[power <= NEGLIGIBLE_POWER_RTOL * sums[-1]] = 0.0  # less is round-off
     c = comparison.best_scale(product, power)
-    # The term sum(y^2) is the same for all shifts.
+    # The term sum(y^2) is left out, since it is the same for all shifts.
     misfit = c * c * power - 2 * c * product
     # A local minimum is no larger than both neighbours; beyond the ends there is inf.
     padded = np.concatenate(([np.inf], misfit, [np.inf]))
@@ -230,7 +235,7 @@ def _best_shifts_on_grid(
     best_first = minima[order]
     shifts = []
     for j in best_first[:REFINED_SHIFTS]:
-        shift = min(max(high - j * step, low), high)
+        shift = min(max(high - j * step, low), high)  # round-off may pass `low`
         shifts.append(float(shift))
     return shifts
 

@@ -35,9 +35,9 @@ class Curve:
 
     @property
     def energy(self) -> Floats:
-        """Energy absorbed by the specimen, J, shape (n,).
+        """Energy that the specimen has absorbed up to each time, J, shape (n,).
 
-        It is the integral of F1 v1 - F2 v2 over time.
+        It is the integral of F1 v1 - F2 v2 over time, from 0 at the first time.
         """
         power = (
             self.input_force * self.input_velocity
@@ -51,7 +51,7 @@ class Curve:
         return slice(0, int(self.strain.argmax()) + 1)
 
     def at_strain(self, strain: Any, column: Floats) -> Floats:
-        """A column while loading, at strains instead of times.
+        """A column while loading, up to the largest strain, at strains, not times.
 
         Parameters
         ----------
@@ -90,9 +90,9 @@ class Faces(NamedTuple):
 
 
 def curve_of(faces: Faces, specimen: Specimen, times: Floats) -> Curve:
-    """The curve with the strain rate (v1 - v2)/L0.
+    """The curve with the strain rate (v1 - v2)/L0, from forces and velocities.
 
-    The strain is its integral from the first time on.
+    The strain is the integral of the rate, from 0 at the first time.
     """
     rate = (faces.input_velocity - faces.output_velocity) / specimen.length
     return Curve(

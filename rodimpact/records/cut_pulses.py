@@ -92,7 +92,7 @@ class _Pulse(NamedTuple):
 
     @property
     def level_error(self) -> float:
-        """Standard error of the level at rest; 0 without samples at rest."""
+        """Standard error of the level of n samples at rest, std/sqrt(n); 0 without."""
         count = len(self.rest_strain)
         if not count:
             return 0.0
@@ -108,10 +108,12 @@ class GaugePair(NamedTuple):
 
 
 def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
-    """One record for each bar in which its pulses lie, as a gauge.
+    """One gauge for each bar, with the bar's pulses in one record.
 
-    Each record begins with added rest. InvalidModel if the incident pulse is cut off,
-    or the reflected one begins before it.
+    Each record begins with added rest. Pulses with clocks of their own are moved to
+    when they must come after the incident one. The result has an error of v1 - v2 by
+    the levels at rest, too. InvalidModel if the incident pulse is cut off, or the
+    reflected one begins before it.
     """
     incident = _pulse_from_rest("incident", pulses.incident)
     reflected = _pulse_from_rest("reflected", pulses.reflected)
@@ -124,12 +126,14 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
     reflected_signal = reflected.signal
     transmitted_signal = transmitted.signal
     if pulses.clock == "own":
-        # Each leaves the specimen when the incident pulse has come there, and runs to
-        # its gauge.
-        delay = incident.onset + 2 * input_travel - reflected.onset
-        reflected_signal = reflected_signal.shifted(delay)
-        delay = incident.onset + input_travel + output_travel - transmitted.onset
-        transmitted_signal = transmitted_signal.shifted(delay)
+        # Both pulses leave the specimen when the incident pulse has come there, and run
+        # to their gauges.
+        reflected_delay = incident.onset + 2 * input_travel - reflected.onset
+        reflected_signal = reflected_signal.shifted(reflected_delay)
+        transmitted_delay = (
+            incident.onset + input_travel + output_travel - transmitted.onset
+        )
+        transmitted_signal = transmitted_signal.shifted(transmitted_delay)
     if reflected_signal.start < incident.signal.start:
         raise invalid_argument(
             "pulses",
@@ -137,7 +141,8 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
             'give clock="own" if each pulse has a time of its own',
         )
     input_record = _joined(incident.signal, reflected_signal)
-    # Each pulse has a level of its own: v1 - v2 is c1 (i - r) - c2 t.
+    # With the pulses i, r and t, v1 - v2 is c1 (i - r) - c2 t. Each pulse has a level
+    # of its own, so the three errors are independent.
     velocity_error = math.hypot(
         input_speed * incident.level_error,
         input_speed * reflected.level_error,
@@ -161,10 +166,11 @@ def _speed_of(rod: Rod) -> float:
 
 
 def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
-    """The strain of a pulse from its level at rest, and its begin.
+    """The strain of a pulse, less its level at rest, and its onset.
 
-    The level is 0 if there are fewer than `MIN_LEVEL_SAMPLES` samples at rest.
-    InvalidModel if the pulse cannot be timed.
+    With fewer than `MIN_LEVEL_SAMPLES` samples at rest the level is 0, and the result
+    has no samples at rest. InvalidModel, which names the argument `name`, if the pulse
+    cannot be timed.
     """
     strain = gauge.strain
     try:
@@ -205,7 +211,8 @@ def _check_end(incident: _Pulse) -> None:
 def _joined(first: Signal, second: Signal) -> Signal:
     """Both pulses in one record at the steps of the first one, zero between them.
 
-    Where they overlap the strains are added.
+    It lasts from the begin of the first to the end of the second one. Where they
+    overlap the strains are added.
     """
     dt = first.dt
     count = round((second.end - first.start) / dt)
@@ -216,15 +223,15 @@ def _joined(first: Signal, second: Signal) -> Signal:
 
 
 def _with_rest(signal: Signal, rest_strain: Floats) -> Signal:
-    """The record with more rest before it.
+    """The record with `ADDED_REST_SAMPLES` more samples before it, at its steps.
 
-    The rest consists of its own samples at rest again and again, or of zeros.
+    They are the samples at rest, `rest_strain`, again and again, or zeros without any.
     """
     dt = signal.dt
     times = signal.start - dt * np.arange(ADDED_REST_SAMPLES, 0, -1)
     values = np.zeros(ADDED_REST_SAMPLES)
     if rest_strain.size:
-        values = np.resize(rest_strain, ADDED_REST_SAMPLES)
+        values = np.resize(rest_strain, ADDED_REST_SAMPLES)  # repeated or cut
     return Signal(
         np.concatenate((values, signal.values)),
         np.concatenate((times, signal.times)),

@@ -51,12 +51,13 @@ class DirectImpactShot:
 
         With the compressive strains of the waves at the output face, F1 = F2 = E A
         (away + towards) and v2 = c (away - towards). The input face has v1, the speed
-        of the striker less the velocity that it has lost to the force.
+        of the striker less the velocity that it has lost to the force. The curve is at
+        `times`, which begin with the impact.
         """
         bar = self.output
         waves = waves_at_face(bar)
         force = bar.stiffness * (waves.away + waves.towards)
-        # `times` begin with the impact, before which no force acts.
+        # Before the impact no force acts: the bar has recorded noise.
         force[bar.times < self.times[0]] = 0.0
         input_velocity = self._speed() - self._lost_velocity(force)
         output_velocity = bar.speed * (waves.away - waves.towards)
@@ -76,11 +77,11 @@ class DirectImpactShot:
     def _lost_velocity(self, force: Floats) -> Floats:
         """Velocity that the striker's face has lost to a force, m/s.
 
-        Both are at the times of the bar, [sample]. The velocity is int F dt/m of a
-        rigid striker, and c (g + T(2 L) g) of a rod with a free far end. Here g is the
-        strain of the wave that leaves the face, of the force and all returned waves:
-        Z c g = F + Z c T(2 L) g, with Z c the stiffness. T(x) carries a wave over the
-        distance x.
+        Force and velocity are at the times of the bar, [sample]. A rigid striker has
+        lost int F dt/m, a rod with a free far end c (g + T(2 L) g). Here g is the
+        strain of the wave that leaves the face, and T(x) g this wave after the distance
+        x. The wave is that of the force and of all returned waves, g = F/(E A) +
+        T(2 L) g: a sum of passages.
         """
         striker = self.striker
         if isinstance(striker, RigidMass):
@@ -92,7 +93,10 @@ class DirectImpactShot:
         return guide.speed * (leaving_strain + returned_strain)
 
     def with_noise_alone(self, rng: np.random.Generator) -> DirectImpactShot:
-        """The shot with a gauge that records noise alone, and a striker at rest."""
+        """The shot with gauges that record random noise alone, and a striker at rest.
+
+        A draw of `rng` makes the noise, see `noise_of_bar`.
+        """
         return replace(
             self,
             output=noise_of_bar(self.output, rng),
@@ -110,7 +114,10 @@ class DirectImpactShot:
         return replace(self, output=later)
 
     def method_sentence(self) -> str:
-        """Sentence on how the velocity of the input face follows, and on its error."""
+        """Phrase on how the velocity of the input face follows from the striker.
+
+        It ends with the error of the time of the impact.
+        """
         kind = "a rigid mass"
         if isinstance(self.striker, Rod):
             kind = "a rod with a free far end"

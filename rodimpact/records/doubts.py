@@ -127,6 +127,8 @@ def doubts_of(
 ) -> tuple[str, ...]:
     """Sentences on all doubts about a shot, which was aligned by `shifts`, s.
 
+    They concern the size of the specimen, gauges of a bar that contradict each other,
+    times of arrival, the alignment (unless it is None), and the balance of the forces.
     The bars hold the strains as recorded, without the gains of a calibration.
     """
     doubts: list[str] = []
@@ -150,7 +152,8 @@ def doubts_of_equal_forces(
 ) -> tuple[str, ...]:
     """Sentences on all doubts about a shot with one gauge a bar and equal forces.
 
-    The waves overlap, so nothing is said about the reflected one.
+    They concern the size of the specimen, opposite gauges, and times of arrival. The
+    waves overlap, so nothing is said about the reflected one.
     """
     doubts: list[str] = []
     doubts += _oversized_specimen(specimen, bars)
@@ -164,7 +167,11 @@ def doubts_of_equal_forces(
 def doubts_of_direct_impact(
     bar: InstrumentedBar, specimen: Specimen
 ) -> tuple[str, ...]:
-    """Sentences on all doubts about a specimen and the gauges of its output bar."""
+    """Sentences on all doubts about a specimen and the gauges of its output bar.
+
+    They concern the size of the specimen, gauges that contradict each other, and the
+    speed of the pulse that comes back from the far end.
+    """
     doubts: list[str] = []
     doubts += _oversized_specimen(specimen, [bar])
     doubts += _unlike_opposite_gauges(bar)
@@ -192,9 +199,10 @@ def _percent(ratio: float) -> str:
 def _oversized_specimen(
     specimen: Specimen, bars: Iterable[InstrumentedBar]
 ) -> Iterator[str]:
-    """A doubt each if the specimen is longer than a bar, or its section is larger.
+    """A doubt if the specimen is longer than a bar, and one if its section is larger.
 
-    Millimetres that are given as metres make it so.
+    A section may exceed that of a bar by `MAX_SECTION_RATIO`. Millimetres that are
+    given as metres make a specimen so large.
     """
     shortest = math.inf
     smallest_section = math.inf
@@ -210,11 +218,12 @@ def _oversized_specimen(
             f"a bar of {format_si(shortest, 'm', 3)}; {remedy}"
         )
     if specimen.section > MAX_SECTION_RATIO * smallest_section:
-        thickness = math.sqrt(4 * specimen.section / math.pi)
-        bar_thickness = math.sqrt(4 * smallest_section / math.pi)
+        # Diameters of circles with these areas
+        diameter = math.sqrt(4 * specimen.section / math.pi)
+        bar_diameter = math.sqrt(4 * smallest_section / math.pi)
         yield (
-            f"the specimen is {format_si(thickness, 'm', 3)} thick (as a circle of "
-            f"its area), thicker than a bar of {format_si(bar_thickness, 'm', 3)}; "
+            f"the specimen is {format_si(diameter, 'm', 3)} thick (as a circle of "
+            f"its area), thicker than a bar of {format_si(bar_diameter, 'm', 3)}; "
             f"{remedy}"
         )
 
@@ -222,7 +231,8 @@ def _oversized_specimen(
 def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
     """A doubt for each pair of opposite gauges of which one records too little.
 
-    It records less than `MIN_OPPOSITE_RATIO` of the other over the first pulse.
+    It records less than `MIN_OPPOSITE_RATIO` of the other over the first pulse. Nothing
+    is said of a gauge without an opposite one.
     """
     for gauge, pulse in zip(bar.gauges, bar.first_pulses, strict=True):
         if gauge.opposite is None:
@@ -260,7 +270,11 @@ class _OppositeStrains(NamedTuple):
 
 
 def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
-    """Both records of a gauge during the first pulse, less their means before it."""
+    """Both records of a gauge during its first pulse, less their means before it.
+
+    The gauge must have an opposite record. The samples are those above a tenth of the
+    plateau, as many as the width of the pulse, in the unit of the records.
+    """
     assert gauge.opposite is not None
     times = gauge.signal.times
     # The pulse starts at a tenth of its plateau: its foot lies about one rise earlier.
@@ -275,13 +289,15 @@ def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
     """A doubt if the first pulse has another strain at the second of two gauges.
 
     The record of the first gauge, propagated to the second one, predicts what that
-    records, while no other wave is at either gauge. Nothing is said of one gauge, or if
-    that time is too short.
+    records, while no other wave is at either gauge. The ratio of both must lie between
+    `MIN_STATION_RATIO` and its inverse. Nothing is said of one gauge, or if that time
+    is too short.
     """
     if len(bar.distances) < 2:
         return
-    first, second = bar.distances  # in the order in which the pulse arrives
-    apart = abs(first - second)
+    first_distance = bar.distances[0]  # where the pulse arrives first
+    second_distance = bar.distances[1]
+    apart = abs(first_distance - second_distance)
     propagated = bar.propagated(bar.strains[0], apart)
     arrival = bar.pulse_start + apart / bar.speed
     until = arrival + _alone_at_second_gauge(bar)
@@ -290,28 +306,30 @@ def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
         return
     recorded = bar.strains[1][is_alone]
     expected = propagated[is_alone]
+    # Factor from the expected strain to the recorded one, by least squares
     ratio = float(recorded @ expected) / float(expected @ expected)
     most = 1 / MIN_STATION_RATIO
     if not MIN_STATION_RATIO <= ratio <= most:
         yield (
             f"of the two gauges of the {_bar_name(bar)}, the one "
-            f"{format_si(second, 'm', 3)} from the specimen records {_percent(ratio)} "
-            f"of the pulse that passes the one at {format_si(first, 'm', 3)}; at least "
+            f"{format_si(second_distance, 'm', 3)} from the specimen records "
+            f"{_percent(ratio)} of the pulse that passes the one at "
+            f"{format_si(first_distance, 'm', 3)}; at least "
             f"{_percent(MIN_STATION_RATIO)} and at most {_percent(most)} is expected; "
             "check bridges and gains of both"
         )
 
 
 def _alone_at_second_gauge(bar: InstrumentedBar) -> float:
-    """Time for which the first pulse is alone at the second gauge, s.
+    """Time from the arrival of the first pulse at the second gauge to its return, s.
 
-    Then it is back from the specimen in the input bar, from the far end in the output
-    bar.
+    In the input bar it returns from the specimen, in the output bar from the far end.
     """
-    to_end = float(bar.distances[1])
+    distance = float(bar.distances[1])  # from the specimen
+    to_reflection = distance
     if bar.is_output:
-        to_end = float(bar.rod.length) - to_end
-    return 2 * to_end / bar.speed
+        to_reflection = float(bar.rod.length) - distance
+    return 2 * to_reflection / bar.speed
 
 
 # Waves that arrive too early or too late
@@ -328,15 +346,18 @@ class _Onset(NamedTuple):
 
 
 def _onset(times: Floats, strain: Floats, pulse: Pulse) -> _Onset:
-    """Times between which a pulse with this timing began.
+    """Times between which a pulse with this timing began, s.
 
-    At `pulse.start` it has a tenth of its plateau. It takes no longer up to there than
-    `FOOT_TIME_RATIO` of the time from a tenth to a fifth.
+    The latest is `pulse.start`, where it has a tenth of its plateau. It takes no longer
+    up to there than `FOOT_TIME_RATIO` times the time from a tenth to a fifth: so much
+    before is the earliest.
     """
     fifth = 2 * START_RATIO * abs(pulse.plateau)  # the ratio is a tenth
     is_above = (times > pulse.start) & (np.abs(strain) >= fifth)
-    until_fifth = float(times[np.argmax(is_above)]) - pulse.start
-    return _Onset(pulse.start - FOOT_TIME_RATIO * until_fifth, pulse.start)
+    first_above = int(np.argmax(is_above))
+    until_fifth = float(times[first_above]) - pulse.start
+    earliest = pulse.start - FOOT_TIME_RATIO * until_fifth
+    return _Onset(earliest, latest=pulse.start)
 
 
 def _first_onset(bar: InstrumentedBar, gauge: int = 0) -> _Onset:
@@ -352,9 +373,10 @@ class _Delay(NamedTuple):
     at_tenth: float  # between the times at which both reach a tenth of their plateaus
 
     def contradicts(self, travel: float, later: float = 0.0) -> bool:
-        """Whether no onsets are apart by the travel time, s, or up to `later`, s, more.
+        """Whether this delay excludes a travel time, s, that may be longer by `later`.
 
-        The travel time may be off by `TRAVEL_RTOL` of itself.
+        The travel time may be off by `TRAVEL_RTOL` of itself. True if even then the
+        onsets are further apart, or nearer.
         """
         slack = TRAVEL_RTOL * travel
         is_late = travel + slack + later < self.least
@@ -363,11 +385,11 @@ class _Delay(NamedTuple):
 
 
 def _delay(before: _Onset, after: _Onset) -> _Delay:
-    """Time from the onset of one pulse to that of a later one.
+    """Time from the onset of one pulse to that of a later one, s.
 
-    The earlier one may have begun at any time from `earliest` to `latest`, and so may
-    the later one. At `latest` both have a tenth of their plateaus: pulses of one shape
-    have their onsets as far apart as these.
+    Each may have begun at any time from `earliest` to `latest`, so the result has a
+    least and a most time. At `latest` both have a tenth of their plateaus: pulses of
+    one shape have their onsets as far apart as these, `at_tenth`.
     """
     return _Delay(
         least=after.earliest - before.latest,
@@ -422,9 +444,10 @@ def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
-    """Onset of the first wave at the input gauge, before the struck end returns one.
+    """Onset of the first wave that passes the input gauge after the incident wave.
 
-    None without a wave that stands out, or if the record cuts it off.
+    It is searched before the struck end returns a wave. None without a wave that
+    reaches `MIN_REFLECTED_RATIO` of the incident one, or if the record cuts it off.
     """
     incident = bar.first_pulse
     passed = incident.start + incident.width + incident.rise
@@ -435,12 +458,13 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
     times = bar.times[between]
     is_faint = np.abs(strain) < MIN_REFLECTED_RATIO * abs(incident.plateau)
     # The fall of the incident wave, up to the first faint sample, is not yet the
-    # reflected one.
-    is_from_first_faint = np.logical_or.accumulate(is_faint)
-    if is_faint[is_from_first_faint].all():  # also if there is no faint sample
+    # reflected one: `is_behind` is true from there on.
+    is_behind = np.logical_or.accumulate(is_faint)
+    stands_out = not is_faint[is_behind].all()  # false, too, if no sample is behind
+    if not stands_out:
         return None
-    strain = strain[is_from_first_faint]
-    times = times[is_from_first_faint]
+    strain = strain[is_behind]
+    times = times[is_behind]
     try:
         pulse = first_part(times, strain)
     except ValueError:
@@ -451,7 +475,8 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
 def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterator[str]:
     """A doubt if the transmitted wave comes at another time than distances say.
 
-    A specimen of this length, m, may make it late.
+    A specimen of this length, m, may make it late, as a wave of
+    `SLOWEST_SPECIMEN_SPEED` in it would.
     """
     before = float(bars.input.distances[0])
     behind = float(bars.output.distances[0])
@@ -477,8 +502,8 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
     """A doubt if the pulse from the far end of the output bar has another bar speed.
 
     E and density of the bar say a wave speed; the pulse that comes back measures it.
-    Without such a pulse (a record too short, a trap or a damper at the far end) nothing
-    is said.
+    They may differ by `ECHO_RTOL`. Without such a pulse (a record too short, a trap or
+    a damper at the far end) nothing is said.
     """
     speed = _speed_of_echo(bar)
     if speed is None or abs(speed / bar.speed - 1) <= ECHO_RTOL:
@@ -496,14 +521,15 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _speed_of_echo(bar: InstrumentedBar) -> float | None:
-    """Speed of the first pulse to the far end and back, m/s.
+    """Speed of the first pulse of an output bar to the far end and back, m/s.
 
-    None if the pulse is not seen to come back. The pulse, propagated there and back
-    with its sign turned, is shifted against the record. It is not seen if the record is
-    too short, or what comes back does not fit it.
+    The pulse, propagated there and back with its sign turned, is shifted against the
+    record. None if it is not seen to come back: the record is too short, the pulse is
+    not over when it is back, or what comes back does not fit it.
     """
     # Distances are those from the specimen.
-    path = 2 * (float(bar.rod.length) - float(bar.distances[0]))
+    to_far_end = float(bar.rod.length) - float(bar.distances[0])
+    path = 2 * to_far_end
     travel = path / bar.speed
     slack = ECHO_SEARCH_RTOL * travel
     pulse = bar.first_pulse
@@ -521,6 +547,7 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
     predicted = TimeSeries(bar.times, -bar.propagated(passing, path))
     is_echo = (bar.times >= start) & (bar.times <= end)
     recorded = TimeSeries(bar.times[is_echo], bar.strains[0][is_echo])
+    # The far end may return a part of the pulse: any scale above 0 will do.
     misfit = misfit_of(
         recorded, predicted, shift_range=(-slack, slack), scale_range=None
     )
@@ -533,7 +560,7 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
 
 
 def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
-    """A doubt for each wave whose shift, s, is at the limit of the search, s."""
+    """A doubt for each wave whose shift, s, to either side is at the limit, s."""
     for wave, shift in shifts._asdict().items():
         if abs(shift) >= (1 - SHIFT_LIMIT_RTOL) * limit:
             yield (
@@ -545,7 +572,11 @@ def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
 
 
 def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
-    """A doubt if the alignment makes the balance over all loading much worse."""
+    """A doubt if the alignment makes the balance over all loading much worse.
+
+    The imbalance then exceeds both `MIN_WORSE_IMBALANCE` and `WORSE_IMBALANCE_RATIO`
+    times the imbalance without alignment.
+    """
     before = alignment.imbalance_before
     after = alignment.imbalance_after
     if after > MIN_WORSE_IMBALANCE and after > WORSE_IMBALANCE_RATIO * before:
@@ -560,24 +591,26 @@ def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
 def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
     """A doubt if the forces on both faces differ on the plateau of the output force.
 
-    `impedance` is that of the input bar, Z, kg/s: the incident force has an error,
-    which may explain a part of the difference.
+    Medians over the plateau are compared. The limit is `IMBALANCE_LIMIT` of the mean
+    force, and `INPUT_FORCE_RTOL` of the incident force, which has an error of its own.
+    `impedance` is that of the input bar, Z, kg/s.
     """
-    size = np.abs(curve.output_force)
-    is_plateau = size >= PLATEAU_RATIO * size.max()
+    output_size = np.abs(curve.output_force)
+    is_plateau = output_size >= PLATEAU_RATIO * output_size.max()
     input_force = curve.input_force[is_plateau]
     output_force = curve.output_force[is_plateau]
-    mean = float(np.median(np.abs(input_force) + np.abs(output_force))) / 2
+    mean_size = float(np.median(np.abs(input_force) + np.abs(output_force))) / 2
     difference = float(np.median(np.abs(input_force - output_force)))
     # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave,
     # Z c i.
     incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
-    limit = IMBALANCE_LIMIT * mean + INPUT_FORCE_RTOL * np.abs(incident_force).max()
+    input_error = INPUT_FORCE_RTOL * np.abs(incident_force).max()
+    limit = IMBALANCE_LIMIT * mean_size + input_error
     if difference > limit:
         yield (
-            f"the forces on the two faces differ by {_percent(difference / mean)} of "
-            f"their mean size on the plateau; at most {_percent(limit / mean)} is "
-            "expected; check distances and gains (ri.calibrate finds gains from a shot "
-            "with the bars together); if they are right, the specimen was not in "
+            f"the forces on the two faces differ by {_percent(difference / mean_size)} "
+            f"of their mean size on the plateau; at most {_percent(limit / mean_size)} "
+            "is expected; check distances and gains (ri.calibrate finds gains from a "
+            "shot with the bars together); if they are right, the specimen was not in "
             "equilibrium: use a shorter specimen or a slower rise of the pulse"
         )

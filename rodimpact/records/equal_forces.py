@@ -47,14 +47,16 @@ class EqualForceShot:
 
             F1 = F2 = E2 A2 (away + towards)     v2 = c2 (away - towards)
             incident + reflected = F1/(E1 A1)    v1 = c1 (incident - reflected)
+
+        The curve is at `times`.
         """
         input_bar = self.bars.input
         output_bar = self.bars.output
         output_waves = waves_with_free_end(output_bar)
         force = output_bar.stiffness * (output_waves.away + output_waves.towards)
-        # The strain at the input face, at the times of the input bar
-        face_strain = np.interp(input_bar.times, output_bar.times, force, left=0.0)
-        face_strain /= input_bar.stiffness
+        # The force is at the times of the output bar, and 0 before they begin.
+        face_force = np.interp(input_bar.times, output_bar.times, force, left=0.0)
+        face_strain = face_force / input_bar.stiffness
         incident = _incident_wave(input_bar, face_strain)
         reflected = face_strain - incident
         input_velocity = input_bar.speed * (incident - reflected)
@@ -83,16 +85,20 @@ class EqualForceShot:
         return replace(self, bars=self.bars._replace(output=output))
 
     def method_sentence(self) -> str:
-        """Sentence on how long the waves are separated, and on an offset by then."""
+        """Phrase on how long the waves are separated, and on an offset by then.
+
+        The offset is the error of the level at rest of the input record, which grows
+        with each passage of the waves; it is in percent of the incident wave.
+        """
         input_bar = self.bars.input
         duration = self.times[-1] - self.times[0]
+        # Time of a wave from the gauge to the specimen and back, s
         period = 2 * float(input_bar.distances[0]) / input_bar.speed
         passages = math.ceil(duration / period)
         noise = input_bar.strains[0, : input_bar.rest_samples].std()
         level_error = noise / math.sqrt(input_bar.rest_samples)
-        # An offset of the record adds once a passage of the waves: percents of the
-        # incident wave.
-        offset = 100 * passages * level_error / input_bar.first_pulse.plateau
+        # An offset of the record adds once a passage of the waves.
+        offset = 100 * passages * level_error / input_bar.first_pulse.plateau  # percent
         return (
             "waves separated by equal forces and a free far end of the output bar, "
             f"for {format_si(duration, 's', 4)}; an offset of the input record adds "
@@ -105,16 +111,18 @@ class EqualForceShot:
 def waves_with_free_end(bar: InstrumentedBar) -> Waves:
     """Waves at the face of an output bar with one gauge, whose far end is free.
 
-    With the length L, the distance z of the gauge, the effect T(x) of a way x, and the
-    wave a away from the face, the wave towards it is -T(2 L) a. The gauge has the
-    strain e = T(z) a - T(2 L - z) a, so that a = T(-z) e + T(2 (L - z)) a: a sum of
-    passages.
+    The bar has the length L, and its gauge the distance z. T(x) a is the wave a after
+    the distance x. With the wave a away from the face, the wave towards it is
+    -T(2 L) a. The gauge has the strain e = T(z) a - T(2 L - z) a, so that
+    a = T(-z) e + T(2 (L - z)) a: a sum of passages. Both waves are compressive strains
+    at the times of the bar; e counts from its first pulse on.
     """
     strain = from_pulse(bar, 0)
     distance = float(bar.distances[0])
-    gauge_at_face = bar.propagated(strain, -distance)
-    gauge_at_face[bar.times > bar.known_until[0]] = 0.0
     length = float(bar.rod.length)
+    gauge_at_face = bar.propagated(strain, -distance)
+    # Later waves at the face have not passed the gauge by the end of its record.
+    gauge_at_face[bar.times > bar.known_until[0]] = 0.0
     away = sum_of_passages(bar.guide, gauge_at_face, 2 * (length - distance))
     return Waves(towards=-bar.propagated(away, 2 * length), away=away)
 
@@ -122,11 +130,15 @@ def waves_with_free_end(bar: InstrumentedBar) -> Waves:
 def _incident_wave(bar: InstrumentedBar, face_strain: Floats) -> Floats:
     """Incident wave i at the face of an input bar with one gauge.
 
-    The strain s at the face, `face_strain`, is i + r. With the distance z of the gauge
-    and the effect T(x) of a way x, the gauge has the strain e = T(-z) i + T(z) (s - i),
-    so that i = T(z) e - T(2 z) s + T(2 z) i: a sum of passages.
+    The strain s at the face, `face_strain`, is i + r. The gauge has the distance z, and
+    T(x) i is the wave i after the distance x. The strain of the gauge is
+    e = T(-z) i + T(z) (s - i), so that i = T(z) e - T(2 z) s + T(2 z) i: a sum of
+    passages. All are at the times of the bar.
     """
     distance = float(bar.distances[0])
-    strain = from_pulse(bar, 0)
-    base = bar.propagated(strain, distance) - bar.propagated(face_strain, 2 * distance)
-    return sum_of_passages(bar.guide, base, 2 * distance)
+    gauge_strain = from_pulse(bar, 0)
+    gauge_at_face = bar.propagated(gauge_strain, distance)
+    face_strain_later = bar.propagated(face_strain, 2 * distance)
+    return sum_of_passages(
+        bar.guide, gauge_at_face - face_strain_later, distance=2 * distance
+    )

@@ -33,10 +33,11 @@ MIN_MEAN_STEPS = 1e-6
 def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
     """Values after a Gaussian filter whose gain is 1/sqrt(2) at a frequency, Hz.
 
-    The values are at equal steps of `dt`, s.
+    The values are at equal steps of `dt`, s; beyond the ends the first and the last
+    value hold. InvalidModel if the filtered record is too long.
     """
     # The response lasts 1/frequency to either side: 7.5 standard deviations.
-    tail = math.ceil(min(1 / dt / frequency, MAX_SAMPLES))
+    tail = math.ceil(min(1 / dt / frequency, MAX_SAMPLES))  # samples
     exponent = math.log(2) / 2  # exp(-exponent) is 1/sqrt(2)
 
     def gain(f: Floats) -> Floats:
@@ -57,7 +58,7 @@ def blurred(values: Floats, dt: float, deviation: float) -> Floats:
 
 
 def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats:
-    """Response of a Butterworth amplifier that is at rest before.
+    """Response of a Butterworth amplifier, at rest at the first value before it.
 
     The values are at equal steps of `dt`, s; the response is exact for straight lines
     between them. The gain is 1/sqrt(2) at the frequency, Hz; the order is 1 or 2.
@@ -73,7 +74,7 @@ def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats
     analog = signal.butter(order, 2 * math.pi * frequency, analog=True)
     # "foh", a first-order hold, takes straight lines between samples.
     top, bottom, _ = signal.cont2discrete(analog, dt, method="foh")
-    # The filter begins at rest, at 0: it takes the values from the first one on.
+    # `lfilter` begins at rest at 0: it takes differences from the first value.
     change = signal.lfilter(np.ravel(top), bottom, values - values[0])
     result: Floats = values[0] + change
     return result
@@ -89,8 +90,9 @@ LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
 def averaged(values: Floats, times: Floats, duration: float) -> Floats:
     """Means over a duration, s, centred at each sample.
 
-    They are exact for straight lines between samples. Steps may differ. Means over a
-    duration of next to nothing are the values themselves.
+    They are exact for straight lines between samples; beyond the ends the first and the
+    last value hold. Steps may differ. Means over less than `MIN_MEAN_STEPS` of the
+    shortest step are the values themselves.
     """
     if duration < MIN_MEAN_STEPS * np.diff(times).min():
         return values
@@ -110,10 +112,11 @@ def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
     """The pulse after a distance, m, along a `waves.Bar`.
 
     The values are at equal steps of `dt`, s. The travel time of long waves is left out,
-    so that the times stay the same.
+    so that the times stay the same. Frequencies above the cut-off are removed, also
+    over no distance. InvalidModel if the filtered record is too long.
     """
     duration = DISPERSION_TAIL * abs(distance) / bar.wave_speed
-    tail = math.ceil(min(duration / dt, MAX_SAMPLES))
+    tail = math.ceil(min(duration / dt, MAX_SAMPLES))  # samples
 
     def gain(f: Floats) -> Any:
         return first_mode(f, distance, bar)
@@ -127,26 +130,28 @@ def first_mode(f: Floats, distance: float, bar: Any) -> Any:
     The frequencies are evenly spaced from 0 on. Delays count from the arrival of long
     waves; no wave above the cut-off goes on.
     """
-    # A frequency stands for a band as wide as a step: its share below the cut-off.
+    # A frequency stands for a band as wide as a step, and the share of this band below
+    # the cut-off is carried.
     step = f[1]
     share_below = np.clip((bar.cut_off - f) / step + 0.5, 0.0, 1.0)
     carried = np.minimum(f, bar.cut_off)
-    delays = bar.delays(carried)  # s/m
+    delays = bar.delays(carried)  # s, of each metre
     return share_below * np.exp(-2j * np.pi * carried * delays * distance)
 
 
 def _filter(
     values: Floats, dt: float, gain: Callable[[Floats], Any], tail: int
 ) -> Floats:
-    """Values, at equal steps of `dt`, s, after a filter with a gain over frequency.
+    """Values, at equal steps of `dt`, s, after a filter.
 
-    The response of the filter lasts `tail` samples. The transform is periodic. A smooth
-    curve leads from the last value back to the first one, out of reach of the record.
-    InvalidModel if the record is longer than `MAX_SAMPLES` with this way back.
+    `gain` takes frequencies, Hz; the response of the filter lasts `tail` samples.
+    Beyond the ends the first and the last value hold, as far as the filter reaches. The
+    transform is periodic, so a smooth curve then leads from the last value back to the
+    first one. InvalidModel if the record is longer than `MAX_SAMPLES` with all this.
     """
     from scipy import fft
 
-    # Samples that are held at either end, and the least length of the way back: the
+    # Samples that are held at either end, and the least length of the curve back: the
     # response, and as a reserve a quarter of the record and 64 samples for short ones
     margin = tail + len(values) // 4 + 64
     if len(values) + 3 * margin > MAX_SAMPLES:
@@ -159,10 +164,11 @@ def _filter(
     after = np.full(margin, last)
     before = np.full(margin, first)
     # The rest of the period leads back, by half a period of a cosine.
-    back = np.arange(1, count - len(values) - 2 * margin + 1)
-    weight_of_last = (1 + np.cos(np.pi * back / (len(back) + 1))) / 2
-    way_back = first + (last - first) * weight_of_last
-    period = np.concatenate((values, after, way_back, before))
+    back_count = count - len(values) - 2 * margin
+    back = np.arange(1, back_count + 1)
+    weight_of_last = (1 + np.cos(np.pi * back / (back_count + 1))) / 2  # from 1 to 0
+    curve_back = first + (last - first) * weight_of_last
+    period = np.concatenate((values, after, curve_back, before))
     spectrum = fft.rfft(period) * gain(fft.rfftfreq(count, dt))
     result: Floats = fft.irfft(spectrum, count)[: len(values)]
     return result

@@ -54,7 +54,9 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     """Head of each column, from the lines before the numbers.
 
     The heads are in the last line with a cell for each column, or above a line of
-    units. Columns without heads are called "1", "2" and so on.
+    units. If they name no times, heads with times and units further up are taken; if
+    two are the same, the names of a line above. Columns without heads are called "1",
+    "2" and so on.
 
     Parameters
     ----------
@@ -68,7 +70,8 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     Raises
     ------
     FileFormatError
-        If the heads are not as many as the columns, or two are the same.
+        If the heads are not as many as the columns, mix numbers and words, or two are
+        the same.
     """
     texts = []
     for line in lines:
@@ -83,7 +86,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     if not rows:
         _check_no_heads(texts, form, count)
         return [Head(str(j + 1), "") for j in range(count)]
-    # No head of several is a number.
+    # The head of a single column may be a number.
     if count > 1 and form.is_number(rows[-1][0]):
         raise FileFormatError(
             f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or "
@@ -101,16 +104,18 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
 
 
 def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
-    """FileFormatError if the last line above the numbers has heads for other columns.
+    """FileFormatError if the last line above the numbers has heads, but not `count`.
 
     `texts` are the lines above the numbers, and `count` is the number of columns. The
-    heads may be numbers or words, two or more with a delimiter between them.
+    heads may be numbers or words, two or more with a delimiter between them. A table of
+    one column, or one without delimiters, is not judged.
     """
     cells = []
     if texts:
         cells = form.cells(texts[-1])
     # A single cell, or words between blanks, may be a sentence.
-    if not form.delimiter or min(count, len(cells)) < 2:
+    may_be_sentence = not form.delimiter or len(cells) < 2
+    if may_be_sentence or count < 2:
         return
     if all(map(form.is_number, cells)):
         raise FileFormatError(
@@ -157,12 +162,12 @@ def _last_heads(rows: list[list[str]]) -> list[Head]:
 
 
 def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
-    """Heads with times and a row of units below, above other rows.
+    """The lowest heads with times and a row of units right below, above other rows.
 
     Without them the result is the heads that are given. The recorder catman writes two
     dozen lines about each channel: its name, its unit, and so on.
     """
-    # Lines at the end are left out, one more each time.
+    # Rows at the end are left out, one more each time; two or more are left.
     for count in range(len(rows) - 1, 1, -1):
         with_units = _with_units_below(rows[:count])
         if with_units is not None and _has_times(with_units):
@@ -173,7 +178,7 @@ def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
 def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
     """Heads from the last row but one, with their units from the last row.
 
-    None unless all cells of the last row are known units.
+    Units may be in brackets. None unless all cells of the last row are known units.
     """
     if len(rows) < 2:
         return None
@@ -192,11 +197,11 @@ def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
 
     Without a delimiter heads end at blanks. If that does not give `count` heads, a unit
     in brackets is joined to what is before it; if that does not either, heads end at
-    two blanks or a tab. A last head more, for comments, is left out.
+    two blanks or a tab. One more head at the end, "Comment", is left out.
     """
     cells = form.cells(text)
     if not form.delimiter and len(cells) != count:
-        with_units_joined = re.sub(r"\s+([\[(])", r"\1", text)
+        with_units_joined = re.sub(r"\s+([\[(])", r"\1", text)  # "t [s]" to "t[s]"
         cells = with_units_joined.split()
         if len(cells) != count:
             cells = re.split(r"\s{2,}|\t", text)
@@ -213,6 +218,7 @@ def _head_of(cell: str) -> Head:
     known as one of what instruments measure; otherwise all of the text is the name.
     """
     text = cell.strip(" \"'")
+    # Group 1 of both patterns is the text before, group 2 the brackets or last word.
     match = IN_BRACKETS.fullmatch(text)
     if match and match[1]:
         return Head(one_line(match[1]), spelt(match[2].strip()))

@@ -70,13 +70,13 @@ class InstrumentedBar(NamedTuple):
 
     @property
     def known_until(self) -> Floats:
-        """For each gauge the time at the face of the last wave in its record, s.
+        """Time when the last wave that a record holds leaves the face, s, [gauge].
 
-        A jump rings for as long as the cut-off makes it; the end of the record lacks
-        this time.
+        The wave is at the gauge at the end of the record, less two periods of the
+        cut-off frequency, or a sample: so long a jump rings, and is not known.
         """
         travels = self.distances / self.speed
-        ringing = max(self.dt, 2 / self.guide.cut_off)
+        ringing = max(self.dt, 2 / self.guide.cut_off)  # the cut-off may be infinite
         until: Floats = self.times[-1] - travels - ringing
         return until
 

@@ -67,8 +67,9 @@ def as_written(_: int, line: str) -> str:
 def find_layout(lines: list[str]) -> Layout:
     """Layout of a file with these first lines.
 
-    The instrument is known by its first line or by its entries. If none is known, all
-    lines are taken as they are.
+    The instrument is known by its first line or by its entries, among the first
+    `MAX_ENTRY_LINES`. If none is known, all lines are taken as they are.
+    FileFormatError for a known instrument whose table cannot be read.
     """
     lines = lines[:MAX_ENTRY_LINES]
     mark = "\t"  # what parts two cells
@@ -143,8 +144,9 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
 def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
     """Layout of a file whose rows have no times, and may begin with a blank cell.
 
-    The time of row k is HResolution (k - 1) + HOffset, in HUnit, says the appendix on
-    the ASCII data file of the manuals.
+    The time of row k = 1, 2, ... is HResolution (k - 1) + HOffset, in HUnit, says the
+    appendix on the ASCII data file of the manuals. FileFormatError for several blocks,
+    or if these two are no numbers.
     """
     if first_value(entries, "blocknumber", "1") != "1":
         raise FileFormatError(
@@ -160,7 +162,7 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
             "lines above the numbers and give rate"
         ) from None
     channels = [name for name in entries["tracename"] if name]
-    first_row = 0
+    first_row = 0  # index of the line with the first row
     for index, line in enumerate(lines):
         if _has_numbers_alone(line):
             first_row = index
@@ -183,7 +185,7 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
 
 
 def _has_numbers_alone(line: str) -> bool:
-    """Whether all cells of a line are numbers, but for blank ones."""
+    """Whether all cells of a line are numbers, but for blank ones; one or more is."""
     cells = [cell for cell in _cells(line) if cell]
     try:
         for cell in cells:
@@ -194,7 +196,7 @@ def _has_numbers_alone(line: str) -> bool:
 
 
 def _keysight_entries(lines: list[str]) -> Entries:
-    """Entries such as ``XInc:,1e-9``, by their names in small letters."""
+    """Values of entries such as ``XInc:,1e-9``, by their names in small letters."""
     entries: Entries = {}
     for line in lines:
         match = KEYSIGHT_ENTRY.match(line.strip(' "'))
@@ -208,8 +210,9 @@ def _keysight_entries(lines: list[str]) -> Entries:
 def _keysight_layout(first_line: str, entries: Entries) -> Layout:
     """Layout of a file of one channel.
 
-    The name is in the first line, the units are among the entries. With several
-    channels or segments there is a pair of columns for each: FileFormatError.
+    The name is the last cell of the first line, if that is no entry, else "Channel 1".
+    The units are among the entries. With several channels or segments there is a pair
+    of columns for each: FileFormatError.
     """
     starts = [text for text in entries["xorg"] if text]  # of each channel or segment
     if len(starts) > 1:
@@ -257,8 +260,8 @@ def _labview_layout(
 def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
     """Function that puts the time before each line of a table without times.
 
-    The times follow from the entries X0 and Delta_X; FileFormatError if they are
-    missing.
+    The table begins below the line with the index `head_index`. The times follow from
+    the entries X0 and Delta_X; FileFormatError if they are missing.
     """
     try:
         start = float(first_value(entries, "x0", "").replace(",", "."))
@@ -290,8 +293,9 @@ def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
 def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
     """Layout of a file whose table stands below its entries, or to their right.
 
-    The heads are among its entries, or made of name and unit of the channel. Without
-    them all lines are taken as they are.
+    `is_beside` tells the latter. The heads are among its entries, or made of name and
+    unit of the channel for a table beside them. Otherwise all lines are taken as they
+    are.
     """
     time_unit = first_value(entries, "horizontal units", "")
     units = entries.get("vertical units", [])
@@ -314,10 +318,10 @@ def _head_line(channels: list[str], units: list[str], time_unit: str, mark: str)
     """A line of heads, with `mark` between them: the time, then the channels.
 
     A single unit is that of all channels; a channel may have none. Columns without a
-    name, and one of comments, have no numbers.
+    name, and one of comments, have no numbers and are left out.
     """
     while units and not units[-1]:
-        units = units[:-1]
+        units = units[:-1]  # blank ones at the end
     if len(units) == 1:
         units = units * len(channels)
     heads = [_head("time", time_unit)]

@@ -90,6 +90,9 @@ class MeanCurve(NamedTuple):
 def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:
     """Mean and scatter of the stress of several shots over their strain.
 
+    The common strains go from 0 to the largest one that all shots reach. The scatter is
+    the standard deviation from shot to shot.
+
     Parameters
     ----------
     shots : sequence of Reduction

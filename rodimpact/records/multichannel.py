@@ -82,6 +82,8 @@ def write_signals(
 def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     """Return signals as an xarray Dataset over ``time``, with units (extra ``xarray``).
 
+    Its attribute ``version`` is that of rodimpact.
+
     Parameters
     ----------
     signals : mapping of str to Signal
@@ -148,7 +150,8 @@ def signals_from_xarray(data: Any) -> dict[str, Signal]:
 def _times_of(signals: Any) -> Floats:
     """The times that all signals have.
 
-    InvalidModel if there is no signal, or their times differ.
+    InvalidModel if the argument is no mapping of signals, or an empty one, or if their
+    times differ.
     """
     if not isinstance(signals, Mapping) or not signals:
         message = (
@@ -157,13 +160,13 @@ def _times_of(signals: Any) -> Floats:
         raise invalid_argument("signals", f"{message}, got {shown(signals)}")
     for name, signal in signals.items():
         check_kind(f"signals.{name}", signal, Signal, "Signal([0.0, 1.0], dt=1e-6)")
-    first, *other_names = signals
-    times: Floats = signals[first].times
+    first_name, *other_names = signals
+    times: Floats = signals[first_name].times
     for name in other_names:
         if not np.array_equal(signals[name].times, times):
             raise invalid_argument(
                 "signals",
-                f"{shown(name)} and {shown(first)} have different times; use "
+                f"{shown(name)} and {shown(first_name)} have different times; use "
                 ".resampled(times=...) with the times of one of them",
             )
     return times

@@ -18,11 +18,11 @@ def noise_of_bars(bars: InstrumentedBars, rng: np.random.Generator) -> Instrumen
 
 
 def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> InstrumentedBar:
-    """A bar whose gauges record nothing but noise.
+    """The bar with gauges that record nothing but noise, drawn by `rng`.
 
-    The noise is a block bootstrap of the record before the pulse. Blocks keep the
-    correlation of the noise. They are short, since the mean over the whole rest was
-    subtracted as the baseline.
+    The noise of a gauge is a block bootstrap of its record before the pulse, with the
+    mean 0 over as many samples. Blocks keep the correlation of the noise. They are
+    short, since the mean over the whole rest was subtracted as the baseline.
     """
     block = max(2, bar.rest_samples // NOISE_BLOCKS)  # samples
     count = len(bar.times)
@@ -32,7 +32,8 @@ def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> Instrumented
         starts = rng.integers(0, bar.rest_samples - block + 1, n_blocks)
         samples = starts[:, None] + np.arange(block)  # indices [block, sample of it]
         noise = strain[samples].ravel()[:count]
-        drawn.append(noise - noise[: bar.rest_samples].mean())
+        baseline = noise[: bar.rest_samples].mean()
+        drawn.append(noise - baseline)
     # Sums of blocks vary less by this factor, because the rest has the mean 0.
     shrinkage = math.sqrt(1 - block / bar.rest_samples)
     return bar._replace(strains=np.array(drawn) / shrinkage)

@@ -47,18 +47,21 @@ class NumberForm(NamedTuple):
         return line.rstrip(f"{self.delimiter} \t\n")
 
     def cells(self, line: str) -> list[str]:
-        """Cells of a line; a cell may be in quotes."""
+        """Cells of a line, without blanks around them; a cell may be in quotes.
+
+        Blank cells at the end are left out.
+        """
         line = self.row(line)
         if not self.delimiter:
             return line.split()
         row = line.split(self.delimiter)
         if '"' in line:
-            with suppress(csv.Error):  # a cell without an end
+            with suppress(csv.Error):  # quotes that do not end: cut as without quotes
                 row = next(csv.reader([line], delimiter=self.delimiter), [])
         return list(map(str.strip, row))
 
     def count_numbers(self, line: str) -> int:
-        """How many numbers the line has; 0 if it has anything else."""
+        """How many numbers the line has; 0 if it has anything else, or a blank cell."""
         cells = self.cells(line)
         if all(map(self.is_number, cells)):
             return len(cells)
@@ -110,6 +113,7 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
     lines : list of str
         The first lines of the file.
     survey : Survey
+        Of the whole file: it tells decimal commas that the first lines do not show.
     decimal : str, optional
         The decimal sign, if the user gave it.
 
@@ -141,10 +145,11 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
 def _forms_from(
     lines: list[str], start: int, forms: list[NumberForm]
 ) -> list[NumberForm]:
-    """Forms in which the first rows from a line on have equally many numbers.
+    """Those of the forms in which the first rows from a line on are rows of numbers.
 
-    There are `FIRST_ROWS` of them. Blank lines between them do not count; there may be
-    fewer rows, if the lines end.
+    The first `FIRST_ROWS` rows must have equally many. Blank lines between them do not
+    count; there may be fewer rows, if the lines end. A blank line at `start` matches no
+    form.
     """
     # A blank line may stand below each row.
     nearest = lines[start : start + 2 * FIRST_ROWS]
@@ -160,12 +165,12 @@ def _forms_from(
 
 
 def _first_row(lines: list[str], start: int, form: NumberForm) -> int:
-    """Index of the first row of the table.
+    """Index of the first row of the table, which may lie above `start`.
 
-    Its form is that of the rows from `start` on. It is the first row of as many numbers
-    as that at `start`, two or more: below it may stand rows of other lengths, such as
-    one without some channels. A line of words ends the search: what is above it belongs
-    to the head. A blank line does not.
+    It is the first line of as many numbers as the line at `start`, in the same form:
+    below it may stand rows of other lengths, such as one without some channels. A line
+    of words ends the search: what is above it belongs to the head. A blank line does
+    not. A table of one column begins at `start`.
     """
     count = form.count_numbers(lines[start])
     if count == 1:
@@ -186,22 +191,25 @@ def _chosen(
 ) -> NumberForm:
     """One of the forms that match the first rows.
 
-    FileFormatError if the rows leave the form open. A form that finds several numbers
-    goes before one that finds a single one. If whole numbers fit both decimal signs, it
-    is a comma if one stands in the table, else a point.
+    A form that finds several numbers in the line at `start` goes before one that finds
+    a single one. If whole numbers fit both decimal signs, it is a comma if one stands
+    in the table, else a point. FileFormatError if commas may part numbers, or be
+    decimal ones, and the heads do not tell.
     """
     line = lines[start]
     # A line of one number is that number only if no form finds more.
     several = [form for form in matching if form.count_numbers(line) > 1]
     if not several:
         several = matching
+    # `several` is in the order of FORMS: with COMMAS first, no other delimiter but
+    # blanks fits.
     if several[0] == COMMAS:
         last_head = ""
         for head in lines[:start]:
             if head.strip():
                 last_head = head
-        # Another form takes the line for one number, with a decimal comma. It has
-        # columns if there are as many commas in the heads.
+        # Another form may take the line for one number, with a decimal comma. Its
+        # commas part columns if there are as many in the heads.
         may_be_decimal = len(several) < len(matching)
         commas = COMMAS.count_numbers(line) - 1
         if may_be_decimal and last_head.count(",") != commas:
@@ -221,9 +229,10 @@ def _chosen(
 
 
 def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
-    """What keeps a line in the middle of the file from being numbers, and the remedy.
+    """What keeps a line in the middle of the lines from being numbers, and the remedy.
 
-    The line is read in the form that finds most numbers in it.
+    It is the end of an error's sentence. The line is read in the form that finds most
+    numbers in it.
     """
     filled = [i for i, line in enumerate(lines) if line.strip()]
     if not filled:

@@ -66,13 +66,14 @@ class Pulse(NamedTuple):
 
 
 def pulse_of(times: Floats, values: Floats) -> Pulse:
-    """Timing of the pulse with the largest sample.
+    """Timing of the pulse with the largest sample, of either sign.
 
-    ValueError if the record cuts the pulse off. Between samples the values are linear.
+    Between samples the values are linear. ValueError if the record cuts the pulse off,
+    or is 0 everywhere.
     """
     sign = _sign_of(values)
-    # Beyond the ends there are samples below any level. A pulse that ends there has no
-    # time.
+    # Beyond the ends there are samples below any level. A pulse that begins or ends
+    # there has nan as the time.
     v = np.concatenate(([-np.inf], sign * values, [-np.inf]))
     t = np.concatenate(([np.nan], times, [np.nan]))
     top = _stretch_above(PLATEAU_RATIO * v.max(), t, v)
@@ -107,7 +108,12 @@ class _Stretch(NamedTuple):
 
 
 def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:
-    """The stretch about the largest sample; nan as a time if the record cuts it off."""
+    """The samples about the largest one that are no lower than a level.
+
+    The times at which the level is passed are linear between samples. A value below the
+    level must stand before the largest sample, and one after it; if its time is nan,
+    so is the result's.
+    """
     below = np.flatnonzero(values < level)
     # The nearest samples below the level: i before the largest sample, j after it
     after_top = int(np.searchsorted(below, values.argmax()))
@@ -120,7 +126,7 @@ def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:
 
 
 def plateau(values: Floats) -> float:
-    """Absolute median of the samples above 0.7 of the largest.
+    """Absolute median of the samples above 0.7 of the largest one, with its sign.
 
     ValueError if all samples are 0.
     """
@@ -141,11 +147,13 @@ def _sign_of(values: Floats) -> float:
 def first_part(times: Floats, values: Floats) -> Pulse:
     """Timing of the first pulse, which a pulse of the other sign may follow.
 
-    The result and the errors are those of `pulse_of`. As a specimen unloads, the second
-    part of the reflected wave may be the larger one.
+    The first pulse must reach `MIN_FIRST_PART_RATIO` of the largest sample. The result
+    and the errors are those of `pulse_of`. As a specimen unloads, the second part of
+    the reflected wave may be the larger one.
     """
-    size = np.abs(values)
-    first = int(np.argmax(size >= MIN_FIRST_PART_RATIO * size.max()))
+    magnitude = np.abs(values)
+    is_high = magnitude >= MIN_FIRST_PART_RATIO * magnitude.max()
+    first = int(np.argmax(is_high))  # the first sample that is high
     has_turned = values[first:] * values[first] < 0  # whether the sign is another one
     if has_turned.any():
         # Where the sign turns, a sample of 0 ends the first part.
@@ -167,18 +175,19 @@ def rest_end(times: Floats, values: Floats, pulse: Pulse) -> float:
 
 
 def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float:
-    """Last time before a tenth of the plateau at which a pulse is within its noise, s.
+    """Last time before `pulse.start` at which a pulse rises out of the noise, s.
 
-    It is not above a hundredth of the plateau, or three standard deviations of the
-    noise. It is the first time if no sample is as low.
+    There it passes a hundredth of its plateau, or three times `noise`, its standard
+    deviation, if that is larger. The time is linear between samples. It is the first
+    time of the record if no sample is as low.
     """
     level = max(ONSET_RATIO * abs(pulse.plateau), ONSET_NOISE_RATIO * noise)
-    size = np.sign(pulse.plateau) * values  # positive in the pulse
-    is_low = (times < pulse.start) & (size <= level)
+    height = np.sign(pulse.plateau) * values  # positive in the pulse
+    is_low = (times < pulse.start) & (height <= level)
     if not is_low.any():
         return float(times[0])
     i = int(np.flatnonzero(is_low)[-1])  # the last low sample
-    return float(np.interp(level, size[i : i + 2], times[i : i + 2]))
+    return float(np.interp(level, height[i : i + 2], times[i : i + 2]))
 
 
 def line_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
@@ -200,7 +209,8 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     """
     relative = np.sign(pulse.plateau) * values / abs(pulse.plateau)
     # The rise has the samples from `begin` to `end` - 1.
-    end = int(np.argmax((times > pulse.start) & (relative >= RISE_END_RATIO)))
+    is_behind_rise = (times > pulse.start) & (relative >= RISE_END_RATIO)
+    end = int(np.argmax(is_behind_rise))  # the first such sample
     is_low = relative[:end] < RISE_BEGIN_RATIO
     begin = 0
     if is_low.any():
@@ -209,7 +219,7 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
         return line_onset(times, values, pulse)
     rise_times = times[begin:end] - pulse.start
     parabola = np.polyfit(rise_times, relative[begin:end], 2)
-    # The begin is the zero that lies nearest to the first sample of the rise.
+    # The pulse begins at the zero that lies nearest to the first sample of the rise.
     zeros = np.roots(parabola)
     real_zeros = zeros[np.isreal(zeros)].real
     earlier = real_zeros[real_zeros < rise_times[-1]]
@@ -220,9 +230,12 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
 
 
 def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:
-    """Time at which a pulse, after a tenth of its plateau, passes a fifth of it, s."""
-    size = np.sign(pulse.plateau) * values  # positive in the pulse
-    fifth = 2 * START_RATIO * abs(pulse.plateau)
-    is_above = (times > pulse.start) & (size >= fifth)
+    """First time after `pulse.start` at which a pulse has a fifth of its plateau, s.
+
+    The time is linear between samples.
+    """
+    height = np.sign(pulse.plateau) * values  # positive in the pulse
+    fifth = 2 * START_RATIO * abs(pulse.plateau)  # the ratio is a tenth
+    is_above = (times > pulse.start) & (height >= fifth)
     i = int(np.argmax(is_above))  # the first such sample
-    return float(np.interp(fifth, size[i - 1 : i + 1], times[i - 1 : i + 1]))
+    return float(np.interp(fifth, height[i - 1 : i + 1], times[i - 1 : i + 1]))

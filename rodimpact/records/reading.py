@@ -207,8 +207,8 @@ def _table_in(
 ) -> ColumnTable:
     """Columns of a text, a workbook or a TDMS file, whichever the file is.
 
-    The decimal sign is that of a text, if the user gave it. The text of a workbook is
-    added to `opened`.
+    The decimal sign is that of a text, if the user gave it; that of a workbook is a
+    point. The text of a workbook is added to `opened`, which closes it.
     """
     if os.fspath(file.name).casefold().endswith(TDMS_ENDING):
         return read_tdms(file)
@@ -227,10 +227,11 @@ def _signals(
 ) -> dict[str, Signal]:
     """Signal of each channel, by name, in SI units and over common times.
 
-    A channel that is shorter than the times has the first of them; one that may be
-    clipped makes a warning. The columns leave the table one by one, to save memory.
-    FileFormatError without times, for fewer than two rows, or with a second clock
-    beside `rate`.
+    With `rate`, Hz, the times follow from it. A channel that is shorter than the times
+    has the first of them; one that may be clipped makes a warning. The columns leave
+    the table one by one, to save memory. FileFormatError for a column of fewer than two
+    numbers, without times, with times that end early, or with a column of times beside
+    `rate`.
     """
     lengths = [len(column) for column in table.columns]
     row_count = max(lengths)
@@ -268,10 +269,10 @@ def _signals(
         unit = user_units.get(name)
         if unit is None:
             unit = table.units[j]
-        doubt = _clipping(table, j)
+        clipping = _clipping(table, j)  # "" for a channel that is not clipped
         values, si_unit = _take_in_si(table, j, unit, option="units")
-        if doubt:
-            warnings.warn(doubt, ClippedSignal, stacklevel=4)
+        if clipping:
+            warnings.warn(clipping, ClippedSignal, stacklevel=4)  # at the user's call
         signals[name] = signal_of(values, times[: len(values)], si_unit, name)
     return signals
 
@@ -284,18 +285,19 @@ def _named_times(table: ColumnTable) -> list[str]:
 def _time_column(table: ColumnTable, time: str | None) -> int:
     """Index of the column of times.
 
-    FileFormatError if several columns may be it or none, or if there is no other
-    column. It is the column called `time`, if given; else the one called time or t, or
-    without heads the first one that increases.
+    It is the column called `time`, if given; else the one called time or t, or without
+    heads the first one that increases. FileFormatError if several columns may be it or
+    none, or if there is no other column.
     """
-    candidates = _named_times(table)
     expected = "time"
     has_heads = table.names[0] != "1"  # without heads columns are called 1, 2 and so on
-    if not has_heads:
-        candidates = [_first_increasing(table)]
     if time is not None:
         candidates = [time]
         expected = time
+    elif has_heads:
+        candidates = _named_times(table)
+    else:
+        candidates = [_first_increasing(table)]
     is_single_known_column = len(candidates) == 1 and candidates[0] in table.names
     if not is_single_known_column or len(table.names) < 2:
         heads = ", ".join(map(shown, table.names[:8]))
