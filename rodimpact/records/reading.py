@@ -324,7 +324,8 @@ def _first_increasing(table: ColumnTable) -> str:
 def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
     """Units of channels that the user gave, by name; a single one holds for all.
 
-    None stands for a unit that was not given. InvalidModel for an unknown channel.
+    Without units, None, each channel has None; a mapping is returned as it is.
+    InvalidModel for an unknown channel in it.
     """
     if not isinstance(units, Mapping):
         return dict.fromkeys(channels, units)
@@ -357,10 +358,10 @@ def _take_in_si(
 
 
 def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
-    """Times in s, as `checked_times` has them.
+    """Times in s, as `checked_times` has them; the column leaves the table.
 
-    FileFormatError if their unit is none of time. `unit` is the one that the user gave,
-    if any. The column leaves the table.
+    `unit` is the one that the user gave, else that of the column counts.
+    FileFormatError if it is none of time, or if the times are wrong.
     """
     name = shown(table.names[column])
     if not unit:
@@ -371,13 +372,14 @@ def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
             f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', "
             "'us', 'ns', or give the head of the column of times as time="
         )
-    return checked_times(times, name, table.place_of, stacklevel=6)
+    return checked_times(times, name, table.place_of, stacklevel=6)  # the user's call
 
 
 def _clipping(table: ColumnTable, column: int) -> str:
     """A sentence if a channel stays long at its largest or smallest value alone.
 
-    "" otherwise. A channel may rest long at its first value.
+    "" otherwise. Long is `MIN_CLIPPED_SAMPLES`, and `MIN_CLIPPED_RATIO` times as long
+    as at any other value. A channel may rest long at its first value.
     """
     values = table.columns[column]
     low = values.min()
@@ -386,7 +388,7 @@ def _clipping(table: ColumnTable, column: int) -> str:
     longest_start = 0  # index of its first sample
     longest_other = 0  # samples of the longest run at another value
     for starts, lengths in _runs(values):
-        level = values[starts]
+        level = values[starts]  # [run], as the arrays below
         is_extreme = (level == low) | (level == high)
         at_limit = is_extreme & (level != values[0])
         lengths_at_limit = np.where(at_limit, lengths, 0)
@@ -406,17 +408,18 @@ def _clipping(table: ColumnTable, column: int) -> str:
 
 
 def _runs(values: Floats) -> Iterator[tuple[Ints, Ints]]:
-    """Starts and lengths of runs of equal samples, as arrays, block by block.
+    """Starts and lengths of runs of equal samples, as arrays [run], block by block.
 
-    A run that goes on in the next block comes with the block in which it ends.
+    A run that goes on in the next block comes with the block in which it ends; a block
+    in which no run ends gives nothing.
     """
     count = len(values)
     begin = 0  # start of the run that goes on from the block before
     for start in range(0, count, BLOCK_SAMPLES):
         # A block ends with the first sample of the next one.
         block = values[start : start + BLOCK_SAMPLES + 1]
-        changes = np.flatnonzero(block[1:] != block[:-1])  # a run ends after each
-        ends = start + 1 + changes
+        changes = np.flatnonzero(block[1:] != block[:-1])  # last samples of runs
+        ends = start + 1 + changes  # indices behind the last samples, in `values`
         is_last_block = start + BLOCK_SAMPLES >= count
         if is_last_block:
             ends = np.append(ends, count)

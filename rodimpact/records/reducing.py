@@ -34,7 +34,7 @@ from .equal_forces import EqualForceShot
 from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .reduction import Reduction
 from .separation import separated_until
-from .shot import STANDARD_ERRORS, Resolution, Shot, bands_of, one_sample_of
+from .shot import BAND_STANDARD_ERRORS, Resolution, Shot, bands_of, one_sample_of
 from .specimen import Specimen
 from .two_bar_shot import NO_SHIFTS, Shifts, TwoBarShot
 from .verdict import Verdict, verdict_of, verdict_of_equal_forces
@@ -135,7 +135,7 @@ def reduce(
     check_kind(
         "specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)"
     )
-    assert specimen is not None
+    assert specimen is not None  # its default, which was refused above
     limit = scalar("align_within", align_within, "s", "non-negative")
     check_flag("equal_forces", equal_forces)
     _check_combination(
@@ -177,7 +177,10 @@ def _check_combination(
     striker: Any,
     limit: float,
 ) -> None:
-    """InvalidModel for arguments that exclude each other."""
+    """InvalidModel for arguments that exclude each other, or `pulses` of another kind.
+
+    Gauges and striker may be anything: others check them.
+    """
     if pulses is not None:
         check_kind(
             "pulses", pulses, CutPulses, "ri.CutPulses(incident, reflected, ...)"
@@ -224,16 +227,16 @@ def _reduce_two_bars(
 ) -> Reduction:
     """Reduce a shot whose gauges separate all waves, and judge its equilibrium.
 
-    With a limit above 0, s, the waves are aligned within it first. The error of the
-    strain is that of velocities at rest, as an error of its rate.
+    With a limit above 0, s, the waves are aligned within it first. An error of levels
+    at rest is a constant error of the strain rate, so that of the strain grows in
+    proportion to time: it joins the band of the strain.
     """
     recorded = records.bars
     input_bar = recorded.input
     # The curve lasts from the arrival at the specimen while waves are separated.
     end = min(separated_until(bar) for bar in recorded)
     times = _times_between(records.arrival, end, input_bar.dt, blamed="input_gauges")
-    # Strains are multiplied by the gains of the gauges.
-    shot = TwoBarShot(records.corrected, records.specimen, times)
+    shot = TwoBarShot(records.corrected, records.specimen, times)  # with the gains
     alignment = None
     if limit:
         before = loading_imbalance(shot.curve())
@@ -242,26 +245,30 @@ def _reduce_two_bars(
         alignment = Alignment(limit, before, after)
     curve = shot.curve()
     rate_error = records.velocity_error / records.specimen.length
+    strain_error = BAND_STANDARD_ERRORS * rate_error * (times - times[0])
     verdict = verdict_of(curve, input_bar.impedance, input_bar.first_pulse.rise)
+    # Doubts concern the gauges as they recorded, without the gains.
+    doubts = doubts_of(recorded, curve, shot.shifts, alignment)
     return _reduction(
         shot,
         curve,
         bars=list(recorded),
         verdict=verdict,
-        doubts=doubts_of(recorded, curve, shot.shifts, alignment),
+        doubts=doubts,
         report=report,
         calibration=records.calibration,
         shifts=shot.shifts,
         alignment=alignment,
-        # An error of a level at rest is an error of the rate that lasts.
-        strain_error=STANDARD_ERRORS * rate_error * (times - times[0]),
+        strain_error=strain_error,
     )
 
 
 def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Reduction:
     """Reduce a shot with one gauge a bar and overlapping waves.
 
-    InvalidModel for two gauges on a bar, and for an input gauge at the specimen.
+    The change of the strain by a shift of the output record by one sample joins the
+    band of the strain. InvalidModel for two gauges on a bar, and for an input gauge at
+    the specimen.
     """
     recorded = records.bars
     for name, bar in zip(("input_gauges", "output_gauges"), recorded, strict=True):
@@ -278,8 +285,10 @@ def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Redu
     times = _times_between(records.arrival, end, input_bar.dt, blamed="output_gauges")
     shot = EqualForceShot(records.corrected, records.specimen, times)
     curve = shot.curve()
-    # Clocks agree to a sample; each passage of the input bar adds this error.
+    # The clocks of both bars agree to a sample only; each passage of the input bar adds
+    # this error.
     later = shot.with_later_output(recorded.output.dt).curve()
+    strain_error = later.strain - curve.strain
     return _reduction(
         shot,
         curve,
@@ -288,7 +297,7 @@ def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Redu
         doubts=doubts_of_equal_forces(recorded, records.specimen),
         report=report,
         calibration=records.calibration,
-        strain_error=later.strain - curve.strain,
+        strain_error=strain_error,
     )
 
 
@@ -322,7 +331,7 @@ def _reduce_direct_impact(
 def _times_between(start: float, end: float, dt: float, *, blamed: str) -> Floats:
     """Times of a curve from `start` on, at steps of `dt`, before `end`, all in s.
 
-    InvalidModel if they are too few; it names the argument `blamed`.
+    InvalidModel, which names the argument `blamed`, for fewer than `MIN_CURVE_SAMPLES`.
     """
     count = int((end - start) / dt)
     if count < MIN_CURVE_SAMPLES:
@@ -349,27 +358,29 @@ def _reduction(
     alignment: Alignment | None = None,
     strain_error: Floats | float = 0.0,
 ) -> Reduction:
-    """The curve of a shot with its bands.
+    """The curve of a shot with its bands, and what was found about the shot.
 
     `bars` are those with gauges, the output bar last. `strain_error` is an error of the
-    strain that the noise does not show; it joins its band.
+    strain that the noise does not show, as the half width of a band; the root of the
+    sum of squares joins it to the band of the strain.
     """
-    # The bar of the incident wave; in a direct impact the output bar, the only one
+    # The input bar, or in a direct impact the output bar, the only one
     first = bars[0]
     half_sampling_rate = 0.5 / first.dt  # Hz
     cut_off = min(first.guide.cut_off, half_sampling_rate)
     resolution = Resolution(first.dt, cut_off)
     bands = bands_of(shot, curve, calibration, resolution, report)
-    # `one_sample` is the change of the stress by a shift of one sample. A bar without a
-    # mode has no dispersion.
+    # Change of the stress by a shift of the output record by one of its samples
+    one_sample = one_sample_of(shot, curve, dt=bars[-1].dt)
+    disperses = all(bar.guide.mode for bar in bars)  # None for a bar without dispersion
     return Reduction(
         **vars(curve),
         stress_band=bands.stress,
         strain_band=np.hypot(bands.strain, strain_error),
-        one_sample=one_sample_of(shot, curve, bars[-1].dt),
+        one_sample=one_sample,
         shifts=shifts,
         verdict=verdict,
         alignment=alignment,
-        disperses=all(bar.guide.mode for bar in bars),
+        disperses=disperses,
         doubts=doubts,
     )

@@ -159,9 +159,10 @@ class Reduction(Curve):
 
     @property
     def signals(self) -> dict[str, Signal]:
-        """All columns as signals over the times, by name.
+        """All columns as signals over `times`, by name, in SI units.
 
         An incompressible specimen has ``true_strain`` and ``true_stress`` among them.
+        `equilibrium`, which has nan, is left out.
         """
         units = {
             "strain": "",
@@ -196,7 +197,10 @@ class Reduction(Curve):
         return signals_to_xarray(self.signals)
 
     def __str__(self) -> str:
-        """The verdict and the doubts, a table of stress over strain, and the method."""
+        """The verdict, the doubts, the alignment if there is one, a table, the method.
+
+        The table is one of stress over strain; the other parts are lines of text.
+        """
         lines = list(self.verdict.sentences)
         lines += [f"doubtful: {doubt}" for doubt in self.doubts]
         if self.alignment is not None:
@@ -205,9 +209,10 @@ class Reduction(Curve):
         return "\n".join(lines)
 
     def _rows(self) -> list[list[str]]:
-        """Heads and rows of the table, while loading.
+        """Heads and rows of the table, of texts with units, while loading.
 
-        Its strains are round ones, that at the peak stress, and the largest.
+        Its strains are round ones, that at the peak stress, and the largest. "-" stands
+        for an equilibrium of nan.
         """
         at_peak = self.verdict.strain_at_peak
         strains = table_strains(at_peak, float(self.strain[self.loading][-1]))
@@ -234,12 +239,12 @@ class Reduction(Curve):
     def _method(self) -> str:
         """Line on the wave that gives the stress, and on how waves were propagated.
 
-        It also tells for how long they are separated.
+        It also tells for how long they are separated, in us.
         """
         propagation = "without dispersion"
         if self.disperses:
             propagation = "with the exact first mode"
-        duration = 1e6 * (self.times[-1] - self.times[0])
+        duration = 1e6 * (self.times[-1] - self.times[0])  # us
         return (
             f"stress from the transmitted wave; waves propagated {propagation}, and "
             f"separated until {duration:.4g} us after they arrive"

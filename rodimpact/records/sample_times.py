@@ -53,7 +53,9 @@ class RoundedTimes(UserWarning):
 def checked_times(
     times: Floats, name: str, place_of: Callable[[int], str], stacklevel: int
 ) -> Floats:
-    """Times in s, increasing and without gaps; equal steps in place of rounded times.
+    """The times, s, if they increase without gaps; equal steps if they are rounded.
+
+    Uneven steps are no gaps if `MIN_UNEVEN_RATIO` of all steps are.
 
     Parameters
     ----------
@@ -64,6 +66,11 @@ def checked_times(
         Line or sample of a row, for messages.
     stacklevel : int
         Calls between the warning and the code that reads the file.
+
+    Warns
+    -----
+    RoundedTimes
+        If the times are rounded.
 
     Raises
     ------
@@ -94,11 +101,11 @@ def checked_times(
     )
     usual = np.median(steps)
     is_gap = steps > MIN_GAP_RATIO * usual
-    # The distance from the usual step, in place of the steps, to save memory
+    # `steps` become their distances from the usual step, in place to save memory.
     steps -= usual
     np.abs(steps, out=steps)
     uneven_share = np.mean(steps > EQUAL_STEP_RTOL * usual)
-    # Steps that are uneven on purpose have no gaps.
+    # Many uneven steps are so on purpose.
     if uneven_share < MIN_UNEVEN_RATIO:
         refuse_if(
             is_gap, "samples are missing; cut the record there, or fill in the samples"
@@ -109,9 +116,11 @@ def checked_times(
 def _are_rounded(times: Floats, steps: Floats) -> bool:
     """Whether times are those of equal steps, rounded to the last digit of the file.
 
-    Then a step has one of two values, which differ by the last digit, and the times are
-    as near to equal steps as this digit. A missing sample makes another step, too: this
-    is not taken for rounding, since it is rare and its step is twice the usual one.
+    `steps` are their differences. Of rounded times a step has one of two values, which
+    differ by the last digit, and the times are as near to equal steps as this digit. A
+    missing sample makes another step, too: this is not taken for rounding, since it is
+    rare and its step is twice the usual one. False for fewer than `MIN_ROUNDED_SAMPLES`
+    times, and for times that do not increase.
     """
     if len(times) < MIN_ROUNDED_SAMPLES:
         return False
@@ -124,11 +133,11 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
     usual = np.median(steps)
     is_uneven = np.abs(steps - usual) > EQUAL_STEP_RTOL * usual
     is_rare = is_uneven.mean() < MIN_UNEVEN_RATIO
-    # A missing sample makes the longest step twice the shortest one: a last digit as
-    # long.
+    # A missing sample makes the longest step twice the shortest one: the supposed last
+    # digit, their difference, is about as long as the shortest.
     if is_rare and shortest < MIN_GAP_RATIO * last_digit:
         return False
-    if not has_repeats:
+    if not has_repeats:  # each step must be the shortest or the longest one
         is_short = steps - shortest < DIGIT_RTOL * last_digit
         is_long = shortest + last_digit - steps < DIGIT_RTOL * last_digit
         if not np.all(is_short | is_long):
@@ -140,7 +149,7 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
 def _equal_steps(times: Floats) -> Floats:
     """Times with equal steps nearest to the times, by least squares, s.
 
-    With the numbers n of the samples about their mean it is
+    With the numbers n of the samples, less their mean, they are
     mean(t) + n sum(n t)/sum(n^2).
     """
     count = len(times)
@@ -154,7 +163,10 @@ def _equal_steps(times: Floats) -> Floats:
 
 
 def _rounding_sentence(name: str, times: Floats, steps: Floats, equal: Floats) -> str:
-    """Sentence of the warning: what was rounded, and which times are taken."""
+    """Sentence of the warning: which column was rounded, and which times are taken.
+
+    `steps` are those of the rounded times, and `equal` the times that are taken, s.
+    """
     distance = format_si(float(np.abs(times - equal).max()), "s", digits=2)
     shortest = format_si(float(steps.min()), "s", digits=3)
     longest = format_si(float(steps.max()), "s", digits=3)

@@ -33,8 +33,10 @@ class Waves(NamedTuple):
 def waves_at_face(bar: InstrumentedBar) -> Waves:
     """Waves at the face, towards the specimen and away from it.
 
-    With one gauge no wave comes back towards the specimen in the output bar, and the
-    record of the input bar is the incident wave up to the begin of the reflected one.
+    They are compressive strains at the times of the bar, [sample]. Two gauges separate
+    them. With one gauge it is assumed that no wave comes back towards the specimen in
+    the output bar, and that the record of the input bar is the incident wave up to the
+    begin of the reflected one.
     """
     if len(bar.distances) == 2:
         return _from_two_gauges(bar)
@@ -45,19 +47,21 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
         return Waves(np.zeros(len(strain)), away)
     # The time and the sample at which the reflected wave reaches the gauge
     reflected_start = bar.pulse_start + 2 * distance / bar.speed
-    split = int((reflected_start - bar.times[0]) / bar.dt)
-    # The incident wave propagated back ends before the reflected wave begins, so it
-    # does not disturb the samples of the reflected wave that are used.
-    incident = np.where(np.arange(len(strain)) < split, strain, 0.0)
+    first_reflected = int((reflected_start - bar.times[0]) / bar.dt)
+    is_incident = np.arange(len(strain)) < first_reflected
+    incident = np.where(is_incident, strain, 0.0)
+    # `away` is of the whole record. The incident wave in it, propagated back, ends
+    # before the reflected wave begins, so it does not disturb the samples in use.
     return Waves(bar.propagated(incident, distance), away)
 
 
 def _from_two_gauges(bar: InstrumentedBar) -> Waves:
-    """The two waves from the records of two gauges, passage by passage.
+    """The two waves at the face from the records of two gauges, passage by passage.
 
-    The near gauge has the strain en and the distance zn, the far one ef and zf. The sum
-    over all passages of 2 D of en - T(D) ef is T(zn) times the wave away, and that of
-    ef - T(D) en is T(-zf) times the wave towards the face.
+    The near gauge has the strain en and the distance zn, the far one ef and zf; D is
+    zf - zn. T(x) e is e after the distance x. The sum over all passages of 2 D of
+    en - T(D) ef is T(zn) times the wave away, and that of ef - T(D) en is T(-zf) times
+    the wave towards the face.
     """
     near = int(bar.distances.argmin())
     far = 1 - near
@@ -66,10 +70,10 @@ def _from_two_gauges(bar: InstrumentedBar) -> Waves:
     apart = far_distance - near_distance  # D
     near_strain = from_pulse(bar, near)
     far_strain = from_pulse(bar, far)
-    away = near_strain - bar.propagated(far_strain, apart)
-    towards = far_strain - bar.propagated(near_strain, apart)
-    away_at_near = sum_of_passages(bar.guide, away, 2 * apart)
-    towards_at_far = sum_of_passages(bar.guide, towards, 2 * apart)
+    base_of_away = near_strain - bar.propagated(far_strain, apart)
+    base_of_towards = far_strain - bar.propagated(near_strain, apart)
+    away_at_near = sum_of_passages(bar.guide, base_of_away, 2 * apart)
+    towards_at_far = sum_of_passages(bar.guide, base_of_towards, 2 * apart)
     return Waves(
         towards=bar.propagated(towards_at_far, far_distance),
         away=bar.propagated(away_at_near, -near_distance),
@@ -90,14 +94,15 @@ def from_pulse(bar: InstrumentedBar, gauge: int) -> Floats:
 def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
     """Sum of a wave and of all its passages of a distance, m, while the record lasts.
 
-    Sums of 1, 2, 4, ... passages follow from each other: S(2 n) = S(n) + T(n distance)
-    S(n).
+    With T(x) w, the wave w after the distance x, it is w + T(distance) w +
+    T(2 distance) w + ... Sums S of 1, 2, 4, ... terms follow from each other:
+    S(2 n) = S(n) + T(n distance) S(n).
     """
     duration = guide.dt * len(wave)
     passages = math.floor(duration * guide.speed / distance)
     total = wave
     summed = 1  # terms of the total
-    while summed <= passages:
+    while summed <= passages:  # terms beyond all passages are 0
         total = total + guide.propagated(total, summed * distance)
         summed *= 2
     return total
@@ -106,19 +111,19 @@ def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
 def separated_until(bar: InstrumentedBar) -> float:
     """Time at the face up to which the records separate the two waves, s.
 
-    At this time the record ends or, with one gauge, the wave from the far end of the
-    bar is back at the gauge. ValueError if the incident and the reflected wave overlap
-    at a single gauge.
+    A wave that leaves the face later reaches the gauge after the end of the record or,
+    with one gauge, when the wave from the other end of the bar is there. ValueError if
+    the incident and the reflected wave overlap at a single gauge.
     """
     record_end = float(bar.known_until.min())
     if len(bar.distances) == 2:
         return record_end
     travel = float(bar.distances[0]) / bar.speed  # from the gauge to the face
     round_trip = 2 * float(bar.rod.length) / bar.speed
+    # A wave that leaves the face a round trip less two travels after the pulse was
+    # there meets at the gauge the wave that the other end has returned.
     if bar.is_output:
-        # The pulse is at the face a travel before it is at the gauge. What leaves the
-        # face a round trip later, less two travels, meets at the gauge the wave from
-        # the far end.
+        # The pulse is at the face a travel before it is at the gauge.
         at_face = bar.pulse_start - travel
         return min(record_end, at_face + round_trip - 2 * travel)
     pulse = bar.first_pulse

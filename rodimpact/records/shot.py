@@ -21,7 +21,7 @@ from .signal import Signal
 
 NOISE_DRAWS = 24
 """Number of draws of the noise."""
-STANDARD_ERRORS = 2.36
+BAND_STANDARD_ERRORS = 2.36
 """Half width of a 95 % band in standard errors.
 
 It is that of Student's distribution with 7 degrees of freedom, one less than the blocks
@@ -62,10 +62,10 @@ class Bands(NamedTuple):
 def one_sample_of(shot: Shot, curve: Curve, dt: float) -> Floats:
     """Change of the stress at equal strain by a shift of the output record, Pa.
 
-    It is the largest change if the record is shifted by `dt`, s. The record is taken
-    later, and earlier, by one sample.
+    The record is taken later, and earlier, by one sample, `dt`, s. The result is the
+    larger absolute change of both, [sample].
     """
-    stresses = []
+    stresses = []  # [shift, sample]
     for delay in (dt, -dt):
         moved = shot.with_later_output(delay).curve()
         stresses.append(moved.at_strain(curve.strain, moved.stress))
@@ -80,10 +80,11 @@ def bands_of(
     resolution: Resolution,
     report: ProgressReport,
 ) -> Bands:
-    """Bands of 95 %: noise, errors of a calibration, and lost frequencies.
+    """Half widths of bands of 95 %: noise, errors of a calibration, lost frequencies.
 
-    The noise goes through the reduction alone, since that is linear. `report` is told
-    how many draws of it are done.
+    The noise goes through the reduction alone, since that is linear; its draws are the
+    same in each call. Without a calibration, None, it has no errors. `report` is told
+    how many draws are done, and of how many.
     """
     rng = np.random.default_rng(0)
     noise_curves = []
@@ -105,11 +106,12 @@ def bands_of(
             difference = getattr(changed_curve, name) - column
             calibration_variance = calibration_variance + difference**2
         variance += calibration_variance
-        # At high frequencies the column has lost as much as it has, without noise.
-        powers = [high_frequency_power(noise, resolution) for noise in noises]
+        # The frequencies that were lost have about the power of the last octave that
+        # was kept, less that of the noise in it.
+        noise_powers = [high_frequency_power(noise, resolution) for noise in noises]
         power = high_frequency_power(column, resolution)
-        lost = np.maximum(power - np.mean(powers, axis=0), 0.0)
-        return np.asarray(STANDARD_ERRORS * np.sqrt(variance + lost))
+        lost = np.maximum(power - np.mean(noise_powers, axis=0), 0.0)
+        return np.asarray(BAND_STANDARD_ERRORS * np.sqrt(variance + lost))
 
     return Bands(band("stress"), band("strain"))
 
@@ -117,8 +119,9 @@ def bands_of(
 def high_frequency_power(column: Floats, resolution: Resolution) -> Floats:
     """Local mean square of the last octave of frequencies that records and bars carry.
 
-    It has the shape of the column. Higher frequencies are lost; behind a kink of the
-    curve they have the same power.
+    The mean runs over two of its longest periods, and the result has the shape of the
+    column. Higher frequencies are lost; behind a kink of the curve they have the same
+    power.
     """
     dt = resolution.dt
     octave_start = resolution.cut_off / 2

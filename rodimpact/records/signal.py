@@ -109,6 +109,7 @@ class Signal(Frozen):
         """Check the arguments, and keep values and times as read-only arrays.
 
         The times follow from `start` and `dt` if these are given in their place.
+        InvalidModel for a wrong argument, such as a known unit that is not one of SI.
         """
         _check_word("unit", unit)
         _check_word("name", name)
@@ -135,6 +136,7 @@ class Signal(Frozen):
             raise invalid_argument(
                 "times", f"must be as many as values, got {t.size} for {v.size}"
             )
+        # `demand` puts the first pair that does not increase in place of {0} and {1}.
         demand(
             np.diff(t) > 0,
             "times",
@@ -219,13 +221,14 @@ class Signal(Frozen):
             raise invalid_argument("dt", "give either dt or times")
         if times is None:
             step = scalar("dt", dt, "s", "positive")
-            count = (self.end - self.start) / step * (1 + 1e-12)
-            if not 1 <= count < filters.MAX_SAMPLES:
-                message = f"{step} makes {count + 1:.3g} samples of {self._title}"
+            # Rounded down below, but round-off must not cost the last step.
+            steps = (self.end - self.start) / step * (1 + 1e-12)
+            if not 1 <= steps < filters.MAX_SAMPLES:
+                message = f"{step} makes {steps + 1:.3g} samples of {self._title}"
                 raise invalid_argument(
                     "dt", f"{message}; give a dt that makes 2 to {filters.MAX_SAMPLES}"
                 )
-            times = self.start + step * np.arange(int(count) + 1)
+            times = self.start + step * np.arange(int(steps) + 1)
         return self.replace(values=self.at(times), times=times)
 
     def shifted(self, delay: float) -> Signal:
@@ -241,7 +244,7 @@ class Signal(Frozen):
         return self.replace(values=self.values[inside], times=self.times[inside])
 
     def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
-        """Return the signal longer by these times, s, or by a part of a step more.
+        """Return the signal longer by these times, s, in whole steps, rounded up.
 
         The first value is added before the record, the last value after it. Extend a
         record that begins just before its pulse: `low_pass` and `propagated` widen the
@@ -269,7 +272,7 @@ class Signal(Frozen):
         return self - float(self.values[self._within(start, end)].mean())
 
     def _within(self, start: float, end: float) -> Any:
-        """Which samples lie between these times.
+        """Which samples lie between these times, s, or at them: booleans, [sample].
 
         InvalidModel if there are fewer than two.
         """
@@ -476,7 +479,7 @@ class Signal(Frozen):
         ------
         ValueError
             If a scale is given and the units differ, if this signal is 0 everywhere, or
-            if bounds are not two increasing numbers.
+            if bounds are not two numbers in order.
 
         Examples
         --------
@@ -500,7 +503,7 @@ class Signal(Frozen):
     def _require_same_unit(self, other: Signal, what_cannot_be: str) -> None:
         """Raise ValueError unless both have one unit.
 
-        Its message ends with ``cannot be ...``.
+        Its message ends with "they cannot be", and `what_cannot_be`.
         """
         if self.unit != other.unit:
             raise ValueError(
@@ -511,6 +514,7 @@ class Signal(Frozen):
     def _operand(self, other: Any, done: str) -> Any:
         """The addend: a number in `unit`, or the values of a signal at the same times.
 
+        ValueError for a signal of another unit or other times, and for an array.
         `done` is what is done with it, in errors: "added" or "subtracted".
         """
         if not isinstance(other, Signal):
@@ -533,7 +537,11 @@ class Signal(Frozen):
         return self.replace(values=self.values * _single_number(number, ""))
 
     def __truediv__(self, number: float) -> Signal:
-        """The signal over a number; InvalidModel if that is 0, or next to it."""
+        """The signal divided by a number.
+
+        InvalidModel for a number of less than `SMALLEST` in size, and for an array or
+        another signal.
+        """
         divisor = _single_number(number, "")
         message = f"must not be 0, but {SMALLEST:g} or more in size, got {{0!r}}"
         demand(abs(divisor) >= SMALLEST, "number", message, divisor)
@@ -581,7 +589,11 @@ class Signal(Frozen):
         return frame
 
     def to_xarray(self) -> Any:
-        """Return an xarray DataArray over ``time``, with units (extra ``xarray``)."""
+        """Return an xarray DataArray over ``time``, with units (extra ``xarray``).
+
+        It has the name of the signal, or None. Its attributes are ``units``, "1" for a
+        signal without dimension, and ``long_name``.
+        """
         xarray = optional("xarray", "xarray")
         time = ("time", self.times, {"long_name": "time", "units": "s"})
         attributes = {"long_name": "signal", "units": "1"}
@@ -595,7 +607,7 @@ class Signal(Frozen):
 
     @classmethod
     def from_xarray(cls, data: Any) -> Signal:
-        """Make a signal from a DataArray over time.
+        """Make a signal in SI units from a DataArray over time, with its name.
 
         Its values and times have an attribute ``units``.
 
@@ -634,7 +646,10 @@ def signal_of(values: Floats, times: Floats, unit: str, name: str) -> Signal:
 
 
 def _single_number(number: Any, unit: str) -> float:
-    """A term or factor of all samples; InvalidModel for an array, with the remedy."""
+    """A term or factor of all samples, in this unit, as a number.
+
+    InvalidModel, with the remedy, for an array and for what is no number.
+    """
     checked = array("number", number, unit, "any")
     if checked.ndim:
         message = "must be a single number or a signal; make a signal of an array"
@@ -672,9 +687,10 @@ def _unit_text(unit: str) -> str:
 
 
 def _number_of_steps(name: str, duration: Any, step: float) -> int:
-    """Least number of time steps, s, that cover a duration, s, which is an argument.
+    """Least number of steps of `step`, s, that cover a duration, s.
 
-    InvalidModel if the duration is negative or too long.
+    InvalidModel, which names the argument `name`, if the duration is negative or too
+    long.
     """
     count = scalar(name, duration, "s") / step
     if not 0 <= count < filters.MAX_SAMPLES:
@@ -684,7 +700,7 @@ def _number_of_steps(name: str, duration: Any, step: float) -> int:
 
 
 def bounds_of(name: str, bounds: Any, unit: str) -> Range | None:
-    """Lower and upper bound; a single number is both, None is free.
+    """Lower and upper bound from a pair; a single number is both, None stays None.
 
     InvalidModel for anything else than one number, or two that do not fall.
     """

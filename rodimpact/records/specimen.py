@@ -52,7 +52,7 @@ class Specimen(FrozenDataclass):
 
     @property
     def section(self) -> float:
-        """Cross-section A0 before the test, m^2."""
+        """Cross-section A0 before the test, m^2: the area, or that of the diameter."""
         if self.area is not None:
             return self.area
         assert self.diameter is not None

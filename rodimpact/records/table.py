@@ -59,7 +59,11 @@ class Table:
     def __init__(
         self, file: BinaryIO, decimal: str | None, report: ProgressReport
     ) -> None:
-        """Find the table and its heads in the first lines, and read all columns."""
+        """Find the table and its heads in the first lines, and read all columns.
+
+        `decimal` is the sign that the user gave, if any. FileFormatError without a
+        table, or with a wrong cell. `report` is told how far the reading is.
+        """
         self._text = TextFile(file)
         survey = self._text.survey
         head = survey.head.split("\n")
@@ -80,6 +84,7 @@ class Table:
         self.names = [head.name for head in heads]
         self.units = [head.unit for head in heads]
         self.columns = self._read_columns(report)
+        # Where commas separate cells, a point is a decimal sign.
         if decimal is None and self._form != COMMAS:
             self._check_decimal()
 
@@ -92,18 +97,22 @@ class Table:
         return f"line {number}"
 
     def _rows(self) -> Iterator[tuple[int, str]]:
-        """Number and text of each line of the table that is not empty."""
+        """Number, from 1, and text of each line of the table, without its line end.
+
+        Blank lines, and lines of delimiters alone, are left out.
+        """
         lines = islice(enumerate(self._text.lines()), self._first, None)
         for index, line in lines:
             table_line = self._table_line(index, line)
             row = self._form.row(table_line)
-            if row:  # else the line has delimiters alone
+            if row:
                 yield index + 1, row
 
     def _read_columns(self, report: ProgressReport) -> list[Floats]:
         """Numbers of each column, read in blocks of rows.
 
-        `report` is told how far the reading is.
+        Blank cells at the end of a column are cut off. `report` is told how far the
+        reading is.
         """
         survey = self._text.survey
         most_rows = survey.lines - self._first
@@ -119,20 +128,20 @@ class Table:
             characters += sum(len(row) + 1 for _, row in block)  # with the line end
             report(min(characters, survey.characters), survey.characters)
         for column in columns:
-            column.resize(filled, refcheck=False)
+            column.resize(filled, refcheck=False)  # blank lines took no row
         if self._has_blanks:
             self._cut_blank_ends(columns)
         return columns
 
     def _cut_blank_ends(self, columns: list[Floats]) -> None:
-        """End each column before its blank cells.
+        """End each column before the blank cells, NaN, at its end, in place.
 
-        FileFormatError if numbers come after blank cells. The columns are changed in
-        place.
+        FileFormatError if numbers come after blank cells, or in a blank column.
         """
         for name, column in zip(self.names, columns, strict=True):
             is_blank = np.isnan(column)
-            # Index of the first number from the end on
+            # Index of the first number from the end on; 0 in a blank column, which is
+            # then refused.
             blanks_at_end = int(is_blank[::-1].argmin())
             count = len(column) - blanks_at_end
             if is_blank[:count].any():
@@ -159,18 +168,18 @@ class Table:
                 ndmin=2,
             )
         except ValueError:
-            numbers = np.empty((0, 0))
+            numbers = np.empty((0, 0))  # not complete
         is_complete = numbers.shape == (len(block), self._count)
         if not is_complete or not np.isfinite(numbers).all():
-            # Cell by cell, which names the first one at fault
+            # Cell by cell, which takes blank cells, and names the first wrong one
             return np.array([self._checked(line, row) for line, row in block])
         return numbers
 
     def _checked(self, line: int, row: str) -> list[float]:
         """Numbers of a row, NaN for a blank cell.
 
-        FileFormatError for a cell that is no number. Missing cells at the end are
-        blank; more cells than columns are an error, too. `_has_blanks` keeps that a
+        FileFormatError for a cell that is no finite number. Missing cells at the end
+        are blank; more cells than columns are an error, too. `_has_blanks` keeps that a
         cell is blank.
         """
         cells = self._form.cells(row)
@@ -193,19 +202,20 @@ class Table:
 
     @staticmethod
     def _invalid_cell(place: str, name: str, cell: str) -> FileFormatError:
-        """The error for a cell that is no number."""
+        """The error for a cell that is no finite number, with its place and column."""
         return FileFormatError(
             f"{place}, column {shown(name)}: must be a finite number, "
             f"got {shown(cell)}; {REMEDY}"
         )
 
     def _check_decimal(self) -> None:
-        """Refuse numbers that may be thousands or parts of one: all are like 1,234.
+        """FileFormatError if all numbers with the decimal sign are like 1,234.
 
-        A single number that is not like that shows that the sign is a decimal one.
+        They may be thousands. A single number that is not like that shows that the sign
+        is a decimal one; numbers without the sign are whole.
         """
         sign = self._form.decimal
-        first = ""
+        first = ""  # the first cell with the sign
         for cell in self._cells_with(sign):
             if not first:
                 first = cell
@@ -219,7 +229,7 @@ class Table:
             )
 
     def _cells_with(self, sign: str) -> Iterator[str]:
-        """Cells that have a sign in them."""
+        """Cells of all rows of the table that have a sign in them."""
         for _, row in self._rows():
             if sign not in row:
                 continue

@@ -37,15 +37,17 @@ class _Clock(NamedTuple):
 
 
 def read_tdms(file: BinaryIO) -> ChannelTable:
-    """Channels of a TDMS file.
+    """Channels of numbers in a TDMS file.
 
-    Times come from ``wf_start_offset`` and ``wf_increment``. Channels without these
-    properties are columns alone. Needs the extra ``tdms``.
+    Times, the first column, come from ``wf_start_offset`` and ``wf_increment``; without
+    these properties there are none. Channels without numbers are left out. Needs the
+    extra ``tdms``.
 
     Raises
     ------
     FileFormatError
-        If the file is no TDMS file, or its channels have different time steps.
+        If the file is no TDMS file, has no channel of numbers, or its channels have
+        different time steps.
     """
     nptdms = optional("nptdms", "tdms")
     file.seek(0)
@@ -92,8 +94,8 @@ def _names_of(channels: list[Any]) -> list[str]:
 def _common_clock(names: list[str], channels: list[Any]) -> _Clock | None:
     """The clock of all channels; None without one.
 
-    FileFormatError if there are several clocks. The properties of a channel tell its
-    time step and its start; a step of 0 is none.
+    The properties of a channel tell its time step and its start, s; without them, or
+    with a step of 0, it has no clock. FileFormatError if the channels differ.
     """
     clocks = []
     for channel in channels:

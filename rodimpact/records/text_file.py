@@ -53,6 +53,7 @@ class TextFile:
         """Find the encoding, and survey the whole text in it.
 
         UTF-16 begins with its mark; a text that is not UTF-8 is taken for Latin-1.
+        FileFormatError for a text with the character NUL.
         """
         self._descriptor = file.fileno()
         encoding = "utf-8-sig"
@@ -70,7 +71,7 @@ class TextFile:
                 yield line.replace(MINUS, "-")
 
     def _surveyed(self, encoding: str) -> Survey:
-        """Read the whole text once.
+        """Read the whole text once, block by block, for its survey.
 
         FileFormatError if it has the character NUL, UnicodeDecodeError if it has
         another encoding.

@@ -59,6 +59,9 @@ class TwoBarShot:
             v1 = c1 (incident - reflected)       F1 = E1 A1 (incident + reflected)
             v2 = c2 (transmitted - returning)    F2 = E2 A2 (transmitted + returning)
             strain rate = (v1 - v2)/length
+
+        The reflected wave, and both waves of the output bar, are taken earlier by their
+        shifts. The curve is at `times`.
         """
         input_bar = self.bars.input
         output_bar = self.bars.output
@@ -88,11 +91,12 @@ class TwoBarShot:
         return sampled
 
     def aligned(self, limit: float, report: ProgressReport) -> TwoBarShot:
-        """The shot with shifts that balance the forces at its start.
+        """The shot with shifts that balance the forces at its start, by least squares.
 
-        The shifts, s, lie within a limit. The start goes up to half of the largest
-        stress. If the specimen has a Young's modulus, the shifts also make the start
-        elastic. `report` is told how many curves are done.
+        Both shifts, s, lie within a limit to either side. The start goes up to
+        `ELASTIC_RATIO`, half, of the largest stress. If the specimen has a Young's
+        modulus, the shifts also make the start elastic. `report` is told how many
+        curves are done.
         """
         from scipy.optimize import least_squares
 
@@ -104,7 +108,10 @@ class TwoBarShot:
         curves = 0
 
         def residuals(shifts: Floats) -> Floats:
-            """Imbalance of forces and distance from the elastic line, over stress."""
+            """Imbalance and distance from the elastic line, over the largest stress.
+
+            Those of all samples of the start stand one behind the other, [residual].
+            """
             nonlocal curves
             curves += 1
             report(curves, None)  # nobody knows how many there will be
@@ -112,7 +119,8 @@ class TwoBarShot:
             imbalance = curve.input_force - curve.output_force
             parts = [imbalance[start] / self.specimen.section]
             if modulus is not None:
-                parts.append((curve.stress - modulus * curve.strain)[start])
+                from_elastic_line = curve.stress - modulus * curve.strain
+                parts.append(from_elastic_line[start])
             relative: Floats = np.concatenate(parts) / largest
             return relative
 

@@ -101,8 +101,9 @@ class Verdict(NamedTuple):
 def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
     """Verdict on a curve with measured forces on both faces.
 
-    Its first sentence says that equilibrium cannot be judged, from which strain it is
-    reached, or that it is not reached.
+    Its first sentence says that equilibrium cannot be judged (`in_equilibrium` is
+    None), from which strain it is reached, or that it is not reached. Only in the
+    second case is `equilibrium_from` not nan.
 
     Parameters
     ----------
@@ -147,8 +148,9 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
             f"mean force on the plateau, and stays below {_percent(EQUILIBRIUM_RTOL)} "
             "for less than half of it; "
         )
-        signed = balance.difference[plateau]
-        unsteadiness = float(np.median(np.abs(signed - np.median(signed))))
+        difference = balance.difference[plateau]
+        from_median = np.abs(difference - np.median(difference))
+        unsteadiness = float(np.median(from_median))
         if unsteadiness < MAX_UNSTEADY_RATIO * imbalance:
             sentence += (
                 "the difference is nearly constant there, as wrong gains or distances "
@@ -207,7 +209,12 @@ def _with_numbers(
     imbalance: float,
     sentence: str,
 ) -> Verdict:
-    """The verdict with the numbers that need no equilibrium, and a sentence on it."""
+    """The verdict with the numbers that need no equilibrium.
+
+    They are the peak stress and its strain, the mean strain rate on the plateau, and
+    the energy absorbed while loading; the second sentence names them. The first one,
+    `sentence`, and the other arguments are kept as they are.
+    """
     loading = curve.loading
     peak = int(curve.stress[loading].argmax())
     strain_rate = float(curve.strain_rate[plateau].mean())
@@ -249,16 +256,17 @@ class _Balance(NamedTuple):
 
 
 def _balance(curve: Curve, rise: float) -> _Balance:
-    """Balance of means over a part of the rise time, which noise disturbs less.
+    """Balance of the forces, from their means over `SMOOTHING_RATIO` of a rise time, s.
 
-    After the loading no forces count as equal.
+    Noise disturbs the means less. After the loading, and at a mean force of 0 or less,
+    no forces count as equal.
     """
     dt = curve.times[1] - curve.times[0]
     width = max(1, round(SMOOTHING_RATIO * rise / dt))
     window = np.full(width, 1 / width)
     difference = np.convolve(curve.input_force - curve.output_force, window, "same")
     mean = np.convolve(curve.input_force + curve.output_force, window, "same") / 2
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # a mean of 0: inf or nan
         relative = difference / mean
     imbalance = np.abs(relative)
     is_equal = (imbalance <= EQUILIBRIUM_RTOL) & (mean > 0)

@@ -56,8 +56,8 @@ class Waveguide(NamedTuple):
             return math.inf
         return self.mode.cut_off
 
-    def transfer_functions(self, count: int, distances: Any) -> TransferFunctions:
-        """Effect of distances, m, on the spectra of `count` samples.
+    def transfer_function(self, count: int, distance: float) -> TransferFunction:
+        """Effect of a distance, m, on the spectrum of `count` samples.
 
         In a round bar with a Poisson ratio each frequency runs at its own phase
         velocity, and frequencies above the cut-off of the first mode are removed. The
@@ -66,32 +66,32 @@ class Waveguide(NamedTuple):
         """
         from scipy import fft
 
-        longest_travel = np.abs(distances).max() / self.speed / self.dt  # samples
-        slowest_travel = math.ceil(SLOW_WAVE_RATIO * longest_travel)
+        travel = abs(distance) / self.speed / self.dt  # of long waves, samples
+        slowest_travel = math.ceil(SLOW_WAVE_RATIO * travel)
         size = fft.next_fast_len(2 * count + slowest_travel, real=True)
         f = fft.rfftfreq(size, self.dt)
-        factors = np.exp(-2j * np.pi * f * distances / self.speed)  # a delay
+        factors = np.exp(-2j * np.pi * f * distance / self.speed)  # delay by distance/c
         mode = self.mode
-        if mode is not None:
-            factors *= filters.first_mode(f, distances, mode)
-        return TransferFunctions(size, factors)
+        if mode is not None:  # the delays of its gain are those beyond distance/c
+            factors *= filters.first_mode(f, distance, mode)
+        return TransferFunction(size, factors)
 
     def propagated(self, strain: Floats, distance: float) -> Floats:
         """The strain after a distance, m, along the bar, at the same times.
 
         The bar is at rest before. A negative distance gives the strain as it was
-        before.
+        before. What would come after the last time, or before the first, is lost.
         """
         from scipy import fft
 
-        size, factors = self.transfer_functions(len(strain), distance)
+        size, factors = self.transfer_function(len(strain), distance)
         later = fft.irfft(fft.rfft(strain, size) * factors, size)
         propagated: Floats = later[: len(strain)]
         return propagated
 
 
-class TransferFunctions(NamedTuple):
-    """Complex factors of spectra."""
+class TransferFunction(NamedTuple):
+    """Complex factors of a spectrum."""
 
     size: int  # samples of the transform
-    factors: Any  # [..., frequency]
+    factors: Any  # [frequency]

@@ -26,9 +26,9 @@ Instruments call tables of text by this name, too.
 
 
 def is_workbook(file: BinaryIO) -> bool:
-    """Whether an open file is a workbook.
+    """Whether an open file is a workbook, by the end of its name.
 
-    The name tells it, and if that ends in .xls the first bytes.
+    If that is .xls, which texts may have, too, the first bytes tell.
     """
     ending = _ending(file)
     if ending == OLD_ENDING:
@@ -39,6 +39,9 @@ def is_workbook(file: BinaryIO) -> bool:
 
 def text_of_workbook(file: BinaryIO) -> BinaryIO:
     """The first sheet of a workbook as a file of text, in UTF-8 (extra ``excel``).
+
+    It is a temporary file with tabs between cells, at its beginning; the caller closes
+    it.
 
     Raises
     ------
@@ -75,7 +78,7 @@ def _ending(file: BinaryIO) -> str:
 
 
 def _rows_of_xlsx(openpyxl: Any, file: BinaryIO) -> Iterator[str]:
-    """Rows of the first sheet of a new workbook, with tabs between cells."""
+    """Rows of the first sheet of a workbook from .xlsx on, with tabs between cells."""
     # `data_only` gives the values of formulas.
     book = openpyxl.load_workbook(file, read_only=True, data_only=True)
     with closing(book):
