@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..model import Rod, System
+from ..model import RigidMass, Rod, System
 from ..model.arguments import check_choice, check_kind
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
@@ -69,7 +69,7 @@ def output_bar_of(gauges: Any, bar: Any, compression: Any) -> InstrumentedBar:
     "bars" there, must be one uniform rod.
     """
     check_choice("compression", compression, SIGN_OF_COMPRESSION)
-    if not _is_uniform(bar):
+    if not is_uniform_rod(bar):
         message = "must be the output bar alone, a uniform Rod"
         raise invalid_argument("bars", f"{message}, got {shown(bar)}")
     return _instrumented_bar(
@@ -92,21 +92,25 @@ def rods_of(bars: Any) -> Rods:
     rods = bars
     if not isinstance(bars, tuple | list):
         rods = (bars, bars)
-    if len(rods) != 2 or not all(map(_is_uniform, rods)):
+    if len(rods) != 2 or not all(map(is_uniform_rod, rods)):
         message = "must be a uniform Rod, two uniform Rods, or a Calibration"
         raise invalid_argument("bars", f"{message}, got {shown(bars)}")
     return Rods(*rods)
 
 
-def _is_uniform(rod: Any) -> bool:
+def is_uniform_rod(rod: Any) -> bool:
     """Whether the argument is a single rod of one section and one material.
 
     A family of rods is not, nor is anything else than a rod.
     """
     if not isinstance(rod, Rod) or len(rod.segments) != 1:
         return False
-    is_family = bool(System([rod]).shape)  # the shape of a single system is ()
-    return not rod.segments[0].tapered and not is_family
+    return not rod.tapered and not is_family(rod)
+
+
+def is_family(body: Rod | RigidMass) -> bool:
+    """Whether any number of a body is an array, one value for each member."""
+    return bool(System([body]).shape)  # the shape of a single system is ()
 
 
 class _Record(NamedTuple):

@@ -20,6 +20,7 @@ from ..model.bodies import RigidMass, Rod
 from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..units import format_si, shown
+from .bar_reading import is_family, is_uniform_rod
 from .calibration import Calibration
 from .curve import Curve, Faces, curve_of, integral
 from .instrumented_bar import InstrumentedBar
@@ -148,15 +149,18 @@ def timing_error_of(bar: InstrumentedBar) -> float:
 def check_striker(striker: Any) -> None:
     """InvalidModel unless the striker is a rigid mass or a uniform rod that moves.
 
-    Its velocity must be a single number above 0.
+    It must be a single one, no family. Its velocity must be a single number above 0, no
+    profile.
     """
     example = "ri.Rod(0.2, diameter=0.016, material=ri.materials.steel, velocity=12.0)"
-    is_uniform = isinstance(striker, Rod) and len(striker.segments) == 1
-    if not is_uniform and not isinstance(striker, RigidMass):
-        message = f"must be a rigid mass or a uniform rod, such as {example}"
-        raise invalid_argument("striker", f"{message}, got {shown(striker)}")
+    is_striker = is_uniform_rod(striker)
+    if isinstance(striker, RigidMass):
+        is_striker = not is_family(striker)
+    if not is_striker:
+        message = "must be a rigid mass or a uniform rod, a single one, such as"
+        raise invalid_argument("striker", f"{message} {example}, got {shown(striker)}")
     velocity = np.asarray(striker.velocity)
-    is_single = velocity.ndim == 0  # neither a family nor a profile
-    if not is_single or not velocity > 0:
+    is_number = velocity.ndim == 0 and velocity.dtype != object  # no profile
+    if not is_number or not velocity > 0:
         message = "must have a velocity above 0, its speed at the impact"
         raise invalid_argument("striker", f"{message}, got {shown(striker.velocity)}")

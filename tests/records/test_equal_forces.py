@@ -246,11 +246,22 @@ def test_equal_forces_need_one_gauge_that_is_not_too_near(shot):
         assert "input_gauges" in dict(caught.value.problems)
 
 
+TAPERED_STRIKER = ri.Rod(
+    0.4,
+    area=ri.Samples([1e-4, 2e-4]),
+    material=STRIKER.segments[0].material,
+    velocity=12.0,
+)
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [
         ({"striker": STRIKER.replace(velocity=0.0)}, "velocity above 0"),
         ({"striker": 3.0}, "a rigid mass or a uniform rod"),
+        ({"striker": STRIKER.replace(length=[0.3, 0.4])}, "a single one"),
+        ({"striker": ri.RigidMass([0.1, 0.2], velocity=12.0)}, "a single one"),
+        ({"striker": TAPERED_STRIKER}, "a uniform rod"),
         ({"bars": (BAR, BAR)}, "the output bar alone"),
     ],
 )
