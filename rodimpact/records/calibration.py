@@ -322,7 +322,8 @@ def calibrate(
         ),
     )
     for doubt in calibration.doubts:
-        warnings.warn(doubt, DoubtfulCalibration, stacklevel=2)
+        # The decorator stands between this function and the call of the user.
+        warnings.warn(doubt, DoubtfulCalibration, stacklevel=3)
     return calibration
 
 

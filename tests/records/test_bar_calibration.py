@@ -145,10 +145,12 @@ def test_a_joint_that_reflects_too_much_is_told():
     on_first = ri.BarGauge(run.gauge(1, 0.75).signal(1e-6), 0.75)
     on_second = ri.BarGauge(run.gauge(2, 0.75).signal(1e-6), 0.75)
 
-    with pytest.warns(ri.DoubtfulCalibration, match="clean and align the faces"):
+    message = "clean and align the faces"
+    with pytest.warns(ri.DoubtfulCalibration, match=message) as warned:
         as_equal = ri.calibrate(on_first, on_second, bar)
     as_thin = ri.calibrate(on_first, on_second, (bar, thin))
 
     sentence = "reflects -11.1 % of the incident strain, 1.2 % of its energy"
     assert sentence in str(as_equal)
+    assert warned[0].filename == __file__  # the warning names the line of the user
     assert as_thin.doubts == ()
