@@ -268,16 +268,16 @@ def _pair_with_estimate(
     travel = distance / bar.wave_speed
     slack = SEARCHED_SPEED_RTOL * travel
     moved = first.propagated(distance, bar)
-    search_start = max(second.start, moved.start - slack)
-    search_end = min(second.end, moved.end + slack)
-    may_be_pulse = (second.times >= search_start) & (second.times <= search_end)
+    earliest = max(second.start, moved.start - slack)
+    latest = min(second.end, moved.end + slack)
+    may_be_pulse = (second.times >= earliest) & (second.times <= latest)
     if np.count_nonzero(may_be_pulse) < MIN_COMPARED_SAMPLES:
         message = (
             f"must contain the pulse at {moved.start:.4g} to {moved.end:.4g} s, "
             f"got {second.start:.4g} to {second.end:.4g} s"
         )
         raise invalid_argument("second", f"{message}; give that part of the record")
-    searched = second.window(search_start, search_end)
+    searched = second.window(earliest, latest)
     misfit = searched.misfit(moved, shift=(-slack, slack))
     if misfit.at_limit:
         percent = 100 * SEARCHED_SPEED_RTOL
@@ -286,9 +286,10 @@ def _pair_with_estimate(
             "distance", f"{message}; correct the distance, or the bar's wave speed"
         )
     measured_travel = travel + misfit.shift
-    arrival = first.start + measured_travel
-    departure = first.end + measured_travel
-    compared = (second.times >= arrival) & (second.times <= departure)
+    # The first record predicts the second one between these times.
+    start_there = first.start + measured_travel
+    end_there = first.end + measured_travel
+    compared = (second.times >= start_there) & (second.times <= end_there)
     start = _Numbers(
         speed=distance / measured_travel,
         nu=bar.poisson_ratio,
@@ -336,7 +337,7 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
         return _Numbers(*(start + units * (x - 1.0)).tolist())
 
     def residuals(x: Floats) -> Floats:
-        """Prediction less second record, over the plateau, [sample]."""
+        """Prediction less second record, divided by the plateau, [sample]."""
         return pair.residuals(numbers_at(x))
 
     def jacobian(x: Floats) -> Floats:

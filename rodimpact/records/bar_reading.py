@@ -281,7 +281,8 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     smooth = np.convolve(values, window, "same")
     is_high = np.abs(smooth) > FIRST_PULSE_RATIO * np.abs(values).max()
     first = int(np.argmax(is_high))  # the first sample that is high
-    if smooth[first] <= 0:
+    is_tension = smooth[first] <= 0
+    if is_tension:
         other = "negative"
         if compression == "negative":
             other = "positive"

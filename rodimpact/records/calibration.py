@@ -221,7 +221,7 @@ def calibrate(
     Parameters
     ----------
     input_gauges, output_gauges : BarGauge
-        As in `reduce`.
+        As in `reduce`, but one gauge a bar.
     bars : Rod or (Rod, Rod)
         Input and output bar, with their true lengths; errors of the wave speeds up to
         10 % are corrected.
@@ -286,23 +286,22 @@ def calibrate(
     output_bar = timed_output.bar
     incident = input_bar.first_pulse.plateau
     transmitted = output_bar.first_pulse.plateau
-    input_gain = 1.0
+    input_gain = 1.0  # by definition, without an error
+    input_error = 0.0
     if striker_speed is not None:
         V = scalar("striker_speed", striker_speed, "m/s", "positive")
         true_incident = V / (2 * input_bar.speed)
         input_gain = true_incident / incident
+        input_error = _plateau_error(input_bar) * input_gain
     Z1 = input_bar.impedance
     Z2 = output_bar.impedance
-    # The transmitted over the incident strain: the ratio of the forces, over E A of
-    # each bar
+    # The transmitted strain divided by the incident one: the ratio of the forces, each
+    # divided by E A of its bar
     transmission = 2 * Z2 / (Z1 + Z2) * input_bar.stiffness / output_bar.stiffness
-    # The incident strain that comes to the output gauge, over the strain that is
+    # The incident strain that comes to the output gauge, divided by the strain that is
     # recorded there
     ratio = _ratio(_at_output_gauge(input_bar, output_bar), output_bar)
     output_gain = input_gain * transmission * ratio.value
-    input_error = _plateau_error(input_bar) * input_gain
-    if striker_speed is None:
-        input_error = 0.0  # the gain is 1 by definition
     error_by_input_gain = input_error / input_gain * output_gain
     error_by_ratio = input_gain * transmission * ratio.error
     output_error = math.hypot(error_by_input_gain, error_by_ratio)
@@ -399,11 +398,11 @@ def _fit_wave_speed(
 ) -> _Timed:
     """Fit the wave speed of a bar so that a pulse arrives when it is in the record.
 
-    `predict` makes the strain at the gauge of `recording` from the bar with a wave
-    speed, after the pulse has run along `path`, m, of this bar. `SPEED_ITERATIONS`
-    times, the best shift of the prediction against the record corrects the travel time
-    and so the speed. InvalidModel if the record ends too early, or the speed is far off
-    the given one.
+    The pulse runs along `path`, m, of the bar and is recorded by the gauge of
+    `recording`. `predict` takes the bar with a wave speed and gives the strain of the
+    pulse there, [sample]. `SPEED_ITERATIONS` times, the best shift of this prediction
+    against the record corrects the travel time and so the speed. InvalidModel if the
+    record ends too early, or the speed is far off the given one.
     """
     record = Signal(recording.strains[0], recording.times)
     for _ in range(SPEED_ITERATIONS):

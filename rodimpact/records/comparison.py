@@ -99,20 +99,19 @@ def misfit_of(
     that is 0 everywhere.
     """
     comparison = _Comparison(record, model, plateau(record.values), scale_range)
-    is_bounded = shift_range is not None
-    if shift_range is not None:
-        low, high = shift_range
-    else:
+    if shift_range is None:
         low = record.times[0] - model.times[-1]
         high = record.times[-1] - model.times[0]
+    else:
+        low, high = shift_range
     shift = low
     near_bound = 0.0  # a shift that is as near to a bound, s, is at the bound
     if high > low:
         step = _grid_step(record, model, high - low)
         shift = _best_shift(comparison, low, high, step)
-        near_bound = step
-        if is_bounded:
-            near_bound = AT_BOUND_RTOL * (high - low)
+        near_bound = AT_BOUND_RTOL * (high - low)
+        if shift_range is None:
+            near_bound = step
     best = comparison.with_shift(shift)
     at_limit = []
     if _is_at_bound(shift, low, high, near_bound):

@@ -73,7 +73,7 @@ class CutPulses(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Add a problem if incident and reflected pulse have different distances.
 
-        What is no gauge, or an unknown clock, is an error at once.
+        InvalidModel at once for a pulse that is no gauge, or an unknown clock.
         """
         for name in ("incident", "reflected", "transmitted"):
             check_kind(name, getattr(self, name), BarGauge, GAUGE_EXAMPLE)

@@ -96,7 +96,7 @@ class DirectImpactShot:
     def with_noise_alone(self, rng: np.random.Generator) -> DirectImpactShot:
         """The shot with gauges that record random noise alone, and a striker at rest.
 
-        A draw of `rng` makes the noise, see `noise_of_bar`.
+        Its curve is that of the noise, see `noise_of_bar`, which `rng` draws.
         """
         return replace(
             self,

@@ -272,8 +272,8 @@ class _OppositeStrains(NamedTuple):
 def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
     """Both records of a gauge during its first pulse, less their means before it.
 
-    The gauge must have an opposite record. The samples are those above a tenth of the
-    plateau, as many as the width of the pulse, in the unit of the records.
+    The gauge must have an opposite record. The samples are those from `pulse.start` on,
+    for the width of the pulse, in the unit of the records.
     """
     assert gauge.opposite is not None
     times = gauge.signal.times

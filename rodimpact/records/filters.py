@@ -98,7 +98,7 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
         return values
     from scipy.interpolate import make_interp_spline
 
-    # Beyond the ends the first and the last value hold, as far as a mean reaches.
+    # One more point beyond each end, out of reach of the means
     around = np.concatenate(([times[0] - duration], times, [times[-1] + duration]))
     lines = make_interp_spline(around, np.pad(values, 1, "edge"), k=1)
     integral = lines.antiderivative()
@@ -158,7 +158,7 @@ def _filter(
         message = f"{dt!r} makes the filtered record longer than {MAX_SAMPLES} samples"
         remedy = "use resampled(dt) with a longer dt, or a shorter distance"
         raise invalid_argument("dt", f"{message}; {remedy}")
-    count = fft.next_fast_len(len(values) + 3 * margin, real=True)
+    count = fft.next_fast_len(len(values) + 3 * margin, real=True)  # of the period
     first = values[0]
     last = values[-1]
     after = np.full(margin, last)

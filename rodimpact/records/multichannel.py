@@ -102,7 +102,7 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     >>> data["force"].attrs["units"], data["time"].values.tolist()
     ('N', [0.0, 0.5, 1.0])
     """
-    _times_of(signals)
+    _times_of(signals)  # refuses signals with different times
     xarray = optional("xarray", "xarray")
     variables = {}
     for name, signal in signals.items():

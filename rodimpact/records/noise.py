@@ -20,9 +20,10 @@ def noise_of_bars(bars: InstrumentedBars, rng: np.random.Generator) -> Instrumen
 def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> InstrumentedBar:
     """The bar with gauges that record nothing but noise, drawn by `rng`.
 
-    The noise of a gauge is a block bootstrap of its record before the pulse, with the
-    mean 0 over as many samples. Blocks keep the correlation of the noise. They are
-    short, since the mean over the whole rest was subtracted as the baseline.
+    The noise of a gauge, at all times of the bar, is a block bootstrap of its record
+    before the pulse, less its own mean over as many samples. Blocks keep the
+    correlation of the noise. They are short, since the mean over the whole rest was
+    subtracted as the baseline.
     """
     block = max(2, bar.rest_samples // NOISE_BLOCKS)  # samples
     count = len(bar.times)

@@ -126,7 +126,7 @@ def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:
 
 
 def plateau(values: Floats) -> float:
-    """Absolute median of the samples above 0.7 of the largest one, with its sign.
+    """Median size of the samples with the sign of the largest one and 0.7 of its size.
 
     ValueError if all samples are 0.
     """

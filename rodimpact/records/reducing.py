@@ -165,6 +165,7 @@ def reduce(
             else:
                 reduction = _reduce_two_bars(records, limit, report)
     for doubt in reduction.doubts:
+        # The decorator stands between this function and the call of the user.
         warnings.warn(doubt, DoubtfulReduction, stacklevel=3)
     return reduction
 

@@ -105,6 +105,7 @@ class Reduction(Curve):
     doubts: tuple[str, ...]
 
     def __repr__(self) -> str:
+        """Number of samples and largest strain."""
         return (
             f"<Reduction of {len(self.times)} samples, "
             f"strain up to {self.strain.max():.3g}>"

@@ -120,19 +120,19 @@ def separated_until(bar: InstrumentedBar) -> float:
         return record_end
     travel = float(bar.distances[0]) / bar.speed  # from the gauge to the face
     round_trip = 2 * float(bar.rod.length) / bar.speed
-    # A wave that leaves the face a round trip less two travels after the pulse was
-    # there meets at the gauge the wave that the other end has returned.
     if bar.is_output:
-        # The pulse is at the face a travel before it is at the gauge.
+        # The pulse is at the face before it is at the gauge.
         at_face = bar.pulse_start - travel
-        return min(record_end, at_face + round_trip - 2 * travel)
-    pulse = bar.first_pulse
-    passed = pulse.start + pulse.width + pulse.rise / 2
-    if passed > bar.pulse_start + 2 * travel:
-        raise ValueError(
-            "the reflected wave reaches the gauge before the incident wave has passed; "
-            "give a second gauge on this bar, or use a shorter striker"
-        )
-    # In the input bar the pulse is at the face a travel after it is at the gauge.
-    at_face = bar.pulse_start + travel
-    return min(record_end, at_face + round_trip - 2 * travel)
+    else:
+        pulse = bar.first_pulse
+        passed = pulse.start + pulse.width + pulse.rise / 2
+        if passed > bar.pulse_start + 2 * travel:
+            raise ValueError(
+                "the reflected wave reaches the gauge before the incident wave has "
+                "passed; give a second gauge on this bar, or use a shorter striker"
+            )
+        at_face = bar.pulse_start + travel
+    # A wave that leaves the face then meets at the gauge the wave that the other end
+    # has returned.
+    meets_returned = at_face + round_trip - 2 * travel
+    return min(record_end, meets_returned)

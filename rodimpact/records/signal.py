@@ -214,8 +214,8 @@ class Signal(Frozen):
         Raises
         ------
         ValueError
-            If a time lies outside the record, or if both or neither of `dt` and `times`
-            are given.
+            If a time lies outside the record, `dt` makes fewer than two samples or too
+            many, or if both or neither of `dt` and `times` are given.
         """
         if (dt is None) == (times is None):
             raise invalid_argument("dt", "give either dt or times")
@@ -692,11 +692,11 @@ def _number_of_steps(name: str, duration: Any, step: float) -> int:
     InvalidModel, which names the argument `name`, if the duration is negative or too
     long.
     """
-    count = scalar(name, duration, "s") / step
-    if not 0 <= count < filters.MAX_SAMPLES:
+    steps = scalar(name, duration, "s") / step  # no whole number yet
+    if not 0 <= steps < filters.MAX_SAMPLES:
         message = f"must be 0 or more, and at most {filters.MAX_SAMPLES} samples"
         raise invalid_argument(name, f"{message}, got {duration}")
-    return math.ceil(count * (1 - 1e-12))  # so that round-off does not add a step
+    return math.ceil(steps * (1 - 1e-12))  # so that round-off does not add a step
 
 
 def bounds_of(name: str, bounds: Any, unit: str) -> Range | None:

@@ -55,5 +55,5 @@ class Specimen(FrozenDataclass):
         """Cross-section A0 before the test, m^2: the area, or that of the diameter."""
         if self.area is not None:
             return self.area
-        assert self.diameter is not None
+        assert self.diameter is not None  # one of both was given
         return math.pi * self.diameter**2 / 4

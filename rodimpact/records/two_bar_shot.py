@@ -76,7 +76,6 @@ class TwoBarShot:
         transmitted = self._sampled(
             output_bar, output_waves.away, shift=shifts.transmitted
         )
-
         faces = Faces(
             input_force=input_bar.stiffness * (incident + reflected),
             output_force=output_bar.stiffness * (transmitted + returning),
@@ -95,8 +94,8 @@ class TwoBarShot:
 
         Both shifts, s, lie within a limit to either side. The start goes up to
         `ELASTIC_RATIO`, half, of the largest stress. If the specimen has a Young's
-        modulus, the shifts also make the start elastic. `report` is told how many
-        curves are done.
+        modulus E, the shifts also make the start elastic, stress = E strain. `report`
+        is told how many curves are done.
         """
         from scipy.optimize import least_squares
 
@@ -108,9 +107,9 @@ class TwoBarShot:
         curves = 0
 
         def residuals(shifts: Floats) -> Floats:
-            """Imbalance and distance from the elastic line, over the largest stress.
+            """Imbalance and distance from the elastic line at the samples of the start.
 
-            Those of all samples of the start stand one behind the other, [residual].
+            Both are stresses divided by the largest one, one behind the other.
             """
             nonlocal curves
             curves += 1
