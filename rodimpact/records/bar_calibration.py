@@ -334,7 +334,8 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
 
     def numbers_at(x: Floats) -> _Numbers:
         """The numbers that these variables stand for."""
-        return _Numbers(*(start + units * (x - 1.0)).tolist())
+        numbers = start + units * (x - 1.0)
+        return _Numbers(*numbers.tolist())
 
     def residuals(x: Floats) -> Floats:
         """Prediction less second record, divided by the plateau, [sample]."""

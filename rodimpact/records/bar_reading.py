@@ -279,7 +279,8 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     values = strain - np.median(strain[:MIN_REST_SAMPLES])
     window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES
     smooth = np.convolve(values, window, "same")
-    is_high = np.abs(smooth) > FIRST_PULSE_RATIO * np.abs(values).max()
+    largest = np.abs(values).max()
+    is_high = np.abs(smooth) > FIRST_PULSE_RATIO * largest
     first = int(np.argmax(is_high))  # the first sample that is high
     is_tension = smooth[first] <= 0
     if is_tension:
@@ -299,7 +300,8 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     # How the pulse ends does not matter here: one more sample, of 0, ends it.
     ended = np.append(values[:stop], 0.0)
     dt = times[1] - times[0]
+    ended_times = times[0] + dt * np.arange(stop + 1)
     try:
-        return pulse_of(times[0] + dt * np.arange(stop + 1), ended)
+        return pulse_of(ended_times, ended)
     except ValueError as error:
         raise invalid_argument(name, str(error)) from None

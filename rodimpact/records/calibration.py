@@ -430,7 +430,8 @@ def _fit_wave_speed(
     # Noise s shifts a pulse by s/sqrt(sum of slope^2). The prediction is made from a
     # record, too, and so has noise of its own: hence the sqrt(2).
     slopes = np.diff(predicted)[first:last] / recording.dt
-    arrival_error = _noise(recording) * math.sqrt(2) / math.sqrt(float(slopes @ slopes))
+    steepness = math.sqrt(float(slopes @ slopes))
+    arrival_error = _noise(recording) * math.sqrt(2) / steepness
     # As speed = path/time, its error is speed^2/path times that of the time.
     return _Timed(bar, arrival_error * bar.speed**2 / path)
 
@@ -524,7 +525,8 @@ def _plateau_error(bar: InstrumentedBar) -> float:
     pulse = bar.first_pulse
     begin = pulse.start + pulse.rise
     end = pulse.start + pulse.width - pulse.rise
-    plateau = bar.strains[0][(bar.times >= begin) & (bar.times <= end)]
+    is_plateau = (bar.times >= begin) & (bar.times <= end)
+    plateau = bar.strains[0][is_plateau]
     if len(plateau) < 2:
         return _noise(bar) / pulse.plateau
     sums = _block_sums(plateau - plateau.mean(), bar)

@@ -211,12 +211,14 @@ def _best_shifts_on_grid(
     Fourier transforms.
     """
     times = comparison.record.times
-    n = int((times[-1] - times[0]) / step) + 1
+    n = int((times[-1] - times[0]) / step) + 1  # samples of the record
     n_shifts = int((high - low) / step) + 1
     # For the shift high - j step the model is m[j : j + n], and power[j] is the sum of
     # its squares.
-    y = comparison.record.at(times[0] + step * np.arange(n))
-    m = comparison.model.at(times[0] - high + step * np.arange(n + n_shifts - 1))
+    y_times = times[0] + step * np.arange(n)
+    m_times = times[0] - high + step * np.arange(n + n_shifts - 1)
+    y = comparison.record.at(y_times)
+    m = comparison.model.at(m_times)
     size = 1 << (len(m) - 1).bit_length()  # a power of two, no less than len(m)
     spectrum = np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size))
     product = np.fft.irfft(spectrum, size)[:n_shifts]  # sum(m y) for each j

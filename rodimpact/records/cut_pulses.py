@@ -148,15 +148,12 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
         input_speed * reflected.level_error,
         output_speed * transmitted.level_error,
     )
+    input_signal = _with_rest(input_record, incident.rest_strain)
+    output_signal = _with_rest(transmitted_signal, transmitted.rest_strain)
     return GaugePair(
-        BarGauge(
-            _with_rest(input_record, incident.rest_strain), pulses.incident.distance
-        ),
-        BarGauge(
-            _with_rest(transmitted_signal, transmitted.rest_strain),
-            pulses.transmitted.distance,
-        ),
-        velocity_error,
+        input=BarGauge(input_signal, pulses.incident.distance),
+        output=BarGauge(output_signal, pulses.transmitted.distance),
+        velocity_error=velocity_error,
     )
 
 

@@ -103,7 +103,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:
     Raises
     ------
     InvalidModel
-        If there are fewer than two shots.
+        If there are fewer than two shots, or `points` is out of bounds.
 
     Examples
     --------

@@ -86,11 +86,11 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
             "a tenth of its plateau, after it below half; use a longer window, or "
             "subtract the baseline"
         )
-    # The first sample of 0.9 of the level, and the time at which it is passed before
-    # this sample
-    first_high = int(np.argmax(v[half.samples] >= 0.9 * level))
-    i = half.samples.start + first_high
-    rise_end = float(np.interp(0.9 * level, v[i - 1 : i + 1], t[i - 1 : i + 1]))
+    # The first sample i of 0.9 of the level, and the time right before it at which
+    # 0.9 of the level is passed
+    is_high = v[half.samples] >= 0.9 * level
+    i = half.samples.start + int(np.argmax(is_high))
+    rise_end = _time_of_level(0.9 * level, t, v, i - 1)
     return Pulse(
         start=foot.rises,
         width=half.falls - half.rises,
@@ -119,10 +119,16 @@ def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:
     after_top = int(np.searchsorted(below, values.argmax()))
     i = below[after_top - 1]
     j = below[after_top]
-    rises = np.interp(level, values[i : i + 2], times[i : i + 2])
-    # `interp` takes rising values alone, so the fall is read with the other sign.
-    falls = np.interp(-level, -values[j - 1 : j + 1], times[j - 1 : j + 1])
-    return _Stretch(slice(i + 1, j), float(rises), float(falls))
+    rises = _time_of_level(level, times, values, i)
+    # With the other sign the fall is a rise.
+    falls = _time_of_level(-level, times, -values, j - 1)
+    return _Stretch(slice(i + 1, j), rises, falls)
+
+
+def _time_of_level(level: float, times: Floats, values: Floats, i: int) -> float:
+    """Time at which values that rise from sample i to the next one pass a level, s."""
+    both = slice(i, i + 2)
+    return float(np.interp(level, values[both], times[both]))
 
 
 def plateau(values: Floats) -> float:
@@ -134,7 +140,8 @@ def plateau(values: Floats) -> float:
     largest = height.max()
     if largest <= 0:
         raise ValueError("there is no pulse: the signal is 0 everywhere")
-    return float(np.median(height[height > PLATEAU_RATIO * largest]))
+    is_plateau = height > PLATEAU_RATIO * largest
+    return float(np.median(height[is_plateau]))
 
 
 def _sign_of(values: Floats) -> float:
@@ -187,7 +194,7 @@ def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float
     if not is_low.any():
         return float(times[0])
     i = int(np.flatnonzero(is_low)[-1])  # the last low sample
-    return float(np.interp(level, height[i : i + 2], times[i : i + 2]))
+    return _time_of_level(level, times, height, i)
 
 
 def line_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
@@ -204,8 +211,8 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
 
     It is the zero of the parabola through the rise, from a twentieth to 0.6 of the
     plateau. The bar has lost the first moments of the rise; most of the rest of it is
-    known. A steep pulse, and one whose parabola has no zero before the end of the rise,
-    begins at its `line_onset`.
+    known. A steep pulse, of fewer than `MIN_RISE_SAMPLES` there, and one whose parabola
+    has no zero before the end of the rise, begin at their `line_onset`.
     """
     relative = np.sign(pulse.plateau) * values / abs(pulse.plateau)
     # The rise has the samples from `begin` to `end` - 1.
@@ -225,8 +232,8 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     earlier = real_zeros[real_zeros < rise_times[-1]]
     if not earlier.size:
         return line_onset(times, values, pulse)
-    nearest_to_rise = earlier[np.abs(earlier - rise_times[0]).argmin()]
-    return float(pulse.start + nearest_to_rise)
+    nearest = int(np.abs(earlier - rise_times[0]).argmin())
+    return float(pulse.start + earlier[nearest])
 
 
 def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:
@@ -238,4 +245,4 @@ def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:
     fifth = 2 * START_RATIO * abs(pulse.plateau)  # the ratio is a tenth
     is_above = (times > pulse.start) & (height >= fifth)
     i = int(np.argmax(is_above))  # the first such sample
-    return float(np.interp(fifth, height[i - 1 : i + 1], times[i - 1 : i + 1]))
+    return _time_of_level(fifth, times, height, i - 1)

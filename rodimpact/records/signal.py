@@ -187,7 +187,7 @@ class Signal(Frozen):
         return len(self.values)
 
     def at(self, t: ArrayLike) -> Number:
-        """Values at times in s, linear between samples.
+        """Values at times in s, linear between samples; a float for a single time.
 
         ValueError outside of the record. A time beyond an end by no more than
         round-off, `RECORD_END_RTOL`, has the value there.
