@@ -30,6 +30,7 @@ SEARCHED_SPEED_RTOL = 0.1
 USUAL_POISSON_RATIO = 0.3
 """Where the search begins if the material has none."""
 POISSON_BOUNDS = (0.0, 0.499)
+"""Bounds of the search for Poisson's ratio."""
 SPEED_STEP = 1e-6
 """Step of the differences by the bar speed, relative."""
 POISSON_STEP = 1e-3

@@ -20,6 +20,7 @@ from .pulses import first_part, onset_of, rest_end
 from .signal import Signal
 
 CLOCKS = ("common", "own")
+"""The times of all pulses count from one instant, or those of each from its own."""
 MIN_LEVEL_SAMPLES = 4
 """Least number of samples at rest for the level of a cut pulse.
 
@@ -28,7 +29,7 @@ With fewer samples the level is 0.
 ADDED_REST_SAMPLES = 64
 """Samples at rest that are put before the incident and the transmitted pulse."""
 MAX_END_RATIO = 0.2
-"""Largest last strain of an incident pulse that is over, relative to its plateau."""
+"""Largest last strain of an incident pulse that is over, over its largest strain."""
 
 
 class CutPulses(FrozenDataclass):

@@ -15,8 +15,11 @@ from ..storage.reading import FileFormatError
 from .heads import spelt
 
 LABVIEW = "labview measurement"
+"""Entry with which files of LabVIEW begin."""
 LABVIEW_HEAD = "x_value"
+"""First head of the table in files of LabVIEW."""
 TEKTRONIX = ("record length", "sample interval")
+"""Entries of Tektronix scopes, whose files have one of them or both."""
 LECROY = "LECROY"
 """Begin of the first line of LeCroy scopes, whose times are in s and values in V."""
 RIGOL_HEADS = {"x", "start", "increment"}

@@ -132,9 +132,10 @@ def _time_of_level(level: float, times: Floats, values: Floats, i: int) -> float
 
 
 def plateau(values: Floats) -> float:
-    """Median size of the samples with the sign of the largest one and 0.7 of its size.
+    """Median of the samples above 0.7 of the largest one, as a positive number.
 
-    ValueError if all samples are 0.
+    If the largest one is negative, samples below 0.7 of it count. ValueError if all
+    samples are 0.
     """
     height = _sign_of(values) * values
     largest = height.max()

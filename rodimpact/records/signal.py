@@ -179,6 +179,7 @@ class Signal(Frozen):
 
     @property
     def _title(self) -> str:
+        """The signal in messages: with its name, if it has one."""
         if self.name:
             return f"signal {self.name!r}"
         return "signal"
@@ -561,8 +562,9 @@ class Signal(Frozen):
         Raises
         ------
         FileExistsError
-            If the file exists and `force` is false. InvalidModel If the name of the
-            signal cannot be a head of the table.
+            If the file exists and `force` is false.
+        InvalidModel
+            If the name of the signal cannot be a head of the table.
         """
         name = self.name if self.name else "signal"
         headers = (heading("time", "s"), heading(name, self.unit))
