@@ -413,12 +413,12 @@ def _fit_wave_speed(
         first = pulse[0]
         last = pulse[-1]
         slack = TRAVEL_RANGE_RTOL * travel
-        low = recording.times[first] - slack
-        high = min(recording.times[last] + slack, recording.times[-1])
         _check_record_end(recording, last, magnitude)  # refuses a pulse not yet over
-        misfit = record.window(low, high).misfit(
-            Signal(predicted, recording.times), shift=(-slack, slack)
-        )
+        earliest = recording.times[first] - slack
+        latest = min(recording.times[last] + slack, recording.times[-1])
+        searched = record.window(earliest, latest)
+        prediction = Signal(predicted, recording.times)
+        misfit = searched.misfit(prediction, shift=(-slack, slack))
         if misfit.at_limit:
             percent = 100 * TRAVEL_RANGE_RTOL
             message = f"the travel time is more than {percent:g} % off the expected one"

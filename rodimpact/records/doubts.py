@@ -406,15 +406,16 @@ def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
     if len(bar.distances) < 2:
         return
     apart = abs(float(bar.distances[1] - bar.distances[0]))
+    travel = apart / bar.speed
     delay = _delay(_first_onset(bar, 0), _first_onset(bar, 1))
-    if delay.contradicts(apart / bar.speed):
+    if delay.contradicts(travel):
+        fitting = delay.at_tenth * bar.speed  # distance of gauges, m
         yield (
             f"the pulse takes {format_si(delay.at_tenth, 's', 3)} from the first gauge "
             f"of the {_bar_name(bar)} to the second; their distance, "
             f"{format_si(apart, 'm', 3)}, and the bar speed, {bar.speed:.0f} m/s, say "
-            f"{format_si(apart / bar.speed, 's', 3)}; check both distances (the delay "
-            f"fits {format_si(delay.at_tenth * bar.speed, 'm', 3)} between the gauges) "
-            "and the bar speed"
+            f"{format_si(travel, 's', 3)}; check both distances (the delay fits "
+            f"{format_si(fitting, 'm', 3)} between the gauges) and the bar speed"
         )
 
 
@@ -432,7 +433,7 @@ def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
     travel = 2 * distance / bar.speed
     delay = _delay(_first_onset(bar), reflected)
     if delay.contradicts(travel):
-        fitting = delay.at_tenth * bar.speed / 2
+        fitting = delay.at_tenth * bar.speed / 2  # distance of the gauge, m
         yield (
             f"the reflected wave arrives {format_si(delay.at_tenth, 's', 3)} after the "
             "incident wave; the distance of the input gauge, "
@@ -478,19 +479,21 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
     A specimen of this length, m, may make it late, as a wave of
     `SLOWEST_SPECIMEN_SPEED` in it would.
     """
-    before = float(bars.input.distances[0])
-    behind = float(bars.output.distances[0])
+    input_distance = float(bars.input.distances[0])
+    output_distance = float(bars.output.distances[0])
     input_speed = bars.input.speed
     output_speed = bars.output.speed
-    travel = before / input_speed + behind / output_speed
+    travel = input_distance / input_speed + output_distance / output_speed
     delay = _delay(_first_onset(bars.input), _first_onset(bars.output))
     # The specimen makes the wave late only, by its own travel time at most.
-    if delay.contradicts(travel, length / SLOWEST_SPECIMEN_SPEED):
+    longest_in_specimen = length / SLOWEST_SPECIMEN_SPEED
+    if delay.contradicts(travel, later=longest_in_specimen):
         yield (
             "the transmitted wave arrives "
             f"{format_si(delay.at_tenth, 's', 3)} after the "
             "incident wave; the distances of the gauges from the specimen, "
-            f"{format_si(before, 'm', 3)} and {format_si(behind, 'm', 3)}, and the bar "
+            f"{format_si(input_distance, 'm', 3)} and "
+            f"{format_si(output_distance, 'm', 3)}, and the bar "
             f"speeds, {input_speed:.0f} m/s and {output_speed:.0f} m/s, say "
             f"{format_si(travel, 's', 3)}; check the distances, that "
             "both records have one zero of time, and the bar speeds, which "
