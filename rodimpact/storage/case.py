@@ -86,7 +86,10 @@ class Case:
     result: SavedResult | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
-        """Raise InvalidModel with all mistakes, before any solution or file is made."""
+        """Raise InvalidModel if an entry is not of its class, or has a wrong value.
+
+        All mistakes are raised together; a wrong `system` is raised alone, first.
+        """
         check_kind("system", self.system, System, "System([rod, Wall()])")
         problems: Problems = []
         _check_options(problems, self.solve)
@@ -96,8 +99,10 @@ class Case:
             add_problem(problems, "path", "must be the name of a file", path)
         for name, kind in (("varied", Varied), ("gauges", GaugePlace)):
             entries: Any = getattr(self, name)
-            is_list = isinstance(entries, tuple | list)
-            if not is_list or not all(isinstance(entry, kind) for entry in entries):
+            is_valid = isinstance(entries, tuple | list)
+            if is_valid:
+                is_valid = all(isinstance(entry, kind) for entry in entries)
+            if not is_valid:
                 wanted = f"must be a tuple of {kind.__name__}"
                 add_problem(problems, name, wanted, entries)
         result: Any = self.result
@@ -107,7 +112,11 @@ class Case:
 
 
 def _check_options(problems: Problems, options: Any) -> None:
-    """Add problems of options that `solve` does not have, or of wrong values."""
+    """Add a problem for each option that `solve` does not have, or for wrong values.
+
+    Values are checked only if all names are known. Paths begin with "solve."; options
+    that are no mapping are one problem at "solve".
+    """
     if not isinstance(options, Mapping):
         add_problem(problems, "solve", "must be arguments of ri.solve by name", options)
         return
@@ -117,7 +126,7 @@ def _check_options(problems: Problems, options: Any) -> None:
         message = f"is no option of ri.solve; {nearest(name, arguments)}"
         problems.append((f"solve.{shown(name)}", message))
     if unknown:
-        return
+        return  # `Options` takes no other names
     try:
         Options(**options)
     except InvalidModel as error:
@@ -126,7 +135,10 @@ def _check_options(problems: Problems, options: Any) -> None:
 
 
 def _check_output(problems: Problems, output: Any) -> None:
-    """Add a problem unless the output has names of files by words of `OUTPUTS`."""
+    """Add a problem at "output" unless it maps words of `OUTPUTS` to names of files.
+
+    Several wrong entries are one problem.
+    """
     if not isinstance(output, Mapping):
         add_problem(
             problems, "output", "must be names of files by what they hold", output

@@ -61,6 +61,9 @@ def case_from(
 ) -> Case:
     """Make a case of the tables that a case file holds.
 
+    Objects with mistakes are replaced by stand-ins while reading goes on, so that all
+    mistakes are found. Then they are raised together.
+
     Parameters
     ----------
     data : dict
@@ -75,7 +78,8 @@ def case_from(
     Raises
     ------
     InvalidModel
-        With all mistakes, each with the path of its entry.
+        With all mistakes, each with the path of its entry; at once if `data` is no
+        dict, if `vary` is wrong, or for a newer schema.
     """
     if not isinstance(data, dict):
         raise invalid_argument(
@@ -85,7 +89,7 @@ def case_from(
     top = Table(reading, "", data)
     check_schema(top)
     library = read_materials(top.table("materials"))
-    row = top.given_numbers(System)
+    row = top.given_numbers(System)  # arguments of `System`, here its gravity
     bodies = [read_body(table, library) for table in top.tables("bodies")]
     contacts = read_contacts(top, bodies, library)
     row["gaps"] = contacts.gaps
@@ -112,7 +116,7 @@ def case_from(
         raise InvalidModel(list(reading.mistakes.items()))
     varied = []  # in the order of the axes
     for grid in reading.axes:
-        if grid.varied is not None:
+        if grid.varied is not None:  # never None: `check_grids` has made it a mistake
             varied.append(grid.varied)
     return Case(system, options, output, source, tuple(varied), tuple(gauges), result)
 
@@ -132,15 +136,19 @@ def _material_or_steel(material: Material | None) -> Material:
 
 
 def check_schema(top: Table) -> None:
-    """Note a schema that is missing or wrong; InvalidModel at once for a newer one."""
+    """Note a mistake if the schema, the version of the file, is missing or wrong.
+
+    A newer one raises InvalidModel at once.
+    """
     schema = top.get("schema")
-    if type(schema) is int and schema > CASE_SCHEMA:
-        # Its other entries may mean other things.
+    is_whole_number = type(schema) is int  # True is an int, too, but no schema
+    if is_whole_number and schema > CASE_SCHEMA:
+        # Other entries may mean other things there: their mistakes would mislead.
         message = (
             f"is {shown(schema)}; this rodimpact reads {CASE_SCHEMA}, get a newer one"
         )
         raise invalid_argument("schema", message)
-    if type(schema) is not int or schema != CASE_SCHEMA:
+    if not is_whole_number or schema != CASE_SCHEMA:
         top.note_mistake(
             "schema",
             f"must be {CASE_SCHEMA}; begin the file with schema = {CASE_SCHEMA}",
@@ -148,22 +156,22 @@ def check_schema(top: Table) -> None:
 
 
 def read_materials(group: Table) -> Materials:
-    """Materials by name, with those of the library.
+    """Materials of the file and of the library, by key.
 
-    Steel stands in for a material with mistakes. `group` holds a table for each
-    material of the file, by its key. A damped material has the viscosity that gives it
-    its loss factor.
+    A material of the file replaces one of the library with the same key. `group` holds
+    its table. With a loss factor it gets the viscosity for it. Steel stands in for a
+    material with mistakes, which are noted.
     """
     library = dict(materials.TABLE)
     for name in group.data:
         table = group.table(name)
-        numbers = read_elasticity(table)
+        numbers = read_material_numbers(table)
         shown_name = table.get("name", name)
         built = table.make_or_note(Material, name=shown_name, **numbers)
         material = _material_or_steel(built)
         damping = read_damping(table)
         if damping:
-            # Mistakes bear the keys of the file, which `damped` calls otherwise.
+            # `DAMPING_KEYS` turns the arguments of `damped` into keys of the file.
             damped = table.make_or_note(material.damped, DAMPING_KEYS, **damping)
             material = _material_or_steel(damped)
         table.note_unknown_keys()
@@ -171,16 +179,16 @@ def read_materials(group: Table) -> Materials:
     return library
 
 
-def read_elasticity(table: Table) -> dict[str, Any]:
-    """Numbers of a material that are given, and of those that must be, by key.
+def read_material_numbers(table: Table) -> dict[str, Any]:
+    """Numbers of a material, arguments of `Material`: given, varied or required ones.
 
-    A wave speed that is given stands in place of the modulus; if the table has both,
-    both are returned.
+    A required one that is missing is noted, and nan. A wave speed may stand in place of
+    the modulus; if the table has both, both are returned, which `Material` refuses.
     """
     if not table.has(SPEED):
         return table.given_numbers(Material)
     without = []
-    if not table.has(MODULUS):  # else it would be noted as missing
+    if not table.has(MODULUS):  # it is required, and would be noted as missing
         without.append(MODULUS)
     numbers = table.given_numbers(Material, without)
     numbers[SPEED] = table.number(SPEED, WAVE_SPEED)
@@ -188,9 +196,10 @@ def read_elasticity(table: Table) -> dict[str, Any]:
 
 
 def read_damping(table: Table) -> dict[str, Any]:
-    """Arguments of `Material.damped`; {} without a loss factor and its frequency.
+    """Arguments of `Material.damped`; {} with neither a loss factor nor its frequency.
 
-    If only one of them is given, or a viscosity too, that is noted as a mistake.
+    If only one of them is given, the other is noted as missing, and nan. A viscosity
+    beside them is noted as a mistake.
     """
     has_factor = table.has_or_varies("loss_factor")
     has_frequency = table.has_or_varies("loss_frequency")
@@ -206,10 +215,11 @@ def read_damping(table: Table) -> dict[str, Any]:
 
 
 def read_material(table: Table, library: Materials, key: str = "material") -> Material:
-    """The material that an entry names; steel stands in for an unknown one.
+    """The material of `library` that an entry names, with its varying numbers.
 
-    Its numbers may vary: in the library, for all bodies of this material, and in this
-    body alone.
+    They are arrays. A number may vary at "materials.NAME", for all bodies of this
+    material, and at the path of this entry if its key is "material". If the entry is
+    missing or unknown, that is noted and steel stands in.
     """
     if isinstance(table.get(key), dict):
         message = (
@@ -221,20 +231,21 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
     name = table.word(key, library)
     if name is None:
         return materials.steel
-    # A material's table has been read. An empty one at its path has only grids.
+    # The entries of this material have been read. An empty table at its path leaves the
+    # grids.
     in_library = Table(table.reading, f"materials.{name}", {})
     material = with_grids(in_library, library[name])
-    if key == "material":  # it may also vary in this body alone
+    if key == "material":  # and not that of a face: it may vary in this body alone
         in_body = Table(table.reading, table.where(key), {})
         material = with_grids(in_body, material)
     return material
 
 
 def with_grids(table: Table, material: Material) -> Material:
-    """The material with arrays for the numbers that vary, by their paths in this table.
+    """The material with arrays for the numbers that vary at paths of this table.
 
-    The table has no entries of its own. A wave speed that varies makes a modulus that
-    does.
+    The table is empty; grids and ties stand in for its entries. A wave speed that
+    varies gives a modulus that varies. Mistakes are noted, and change nothing.
     """
     changes = {}
     for key, field in Material.fields.items():
@@ -244,7 +255,7 @@ def with_grids(table: Table, material: Material) -> Material:
         material = replace_in(table, material, **changes)
     if table.has_or_varies(SPEED):
         speed = np.asarray(table.number(SPEED, FIELDS[SPEED]))
-        # A negative speed makes a negative modulus, which the material refuses.
+        # E = rho c abs(c): the material refuses the negative modulus of a negative c.
         modulus = material.density * speed * abs(speed)
         material = replace_in(table, material, youngs_modulus=modulus)
     return material
@@ -253,7 +264,7 @@ def with_grids(table: Table, material: Material) -> Material:
 def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
     """The material with other numbers.
 
-    It is unchanged, with the mistakes noted, if they allow none.
+    If a number is refused, that is noted, and the material is returned unchanged.
     """
     changed = table.make_or_note(material.replace, **numbers)
     if changed is None:
@@ -262,9 +273,9 @@ def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
 
 
 def read_body(table: Table, library: Materials) -> Body | None:
-    """The body, or a stand-in of its kind if it has mistakes, which are noted.
+    """The body of a table, or a stand-in of its kind if it has mistakes.
 
-    None if the kind is unknown.
+    None if the kind is missing or unknown. All mistakes are noted.
     """
     kind = table.word("kind", BODIES)
     if kind is None:
@@ -276,7 +287,7 @@ def read_body(table: Table, library: Materials) -> Body | None:
             entries["shaft"] = read_shaft(table.table("shaft"))
     entries |= table.given_numbers(BODIES[kind])
     body: Body | None = None
-    has_faulty_segment = None in entries.get("segments", ())
+    has_faulty_segment = None in entries.get("segments", ())  # noted there
     if not has_faulty_segment:
         body = table.make_or_note(BODIES[kind], **entries)
     table.note_unknown_keys()
@@ -286,16 +297,17 @@ def read_body(table: Table, library: Materials) -> Body | None:
 
 
 def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
-    """Arguments of a rod for its shape: its segments, or else those of a single one.
+    """Arguments of `Rod` for its shape: its segments, or else those of a single one.
 
-    A segment with mistakes is None. Segments beside keys of a single one are noted as a
-    mistake.
+    With segments this is {"segments": list}; in the list a segment with mistakes is
+    None. Segments beside keys of a single one, such as a length, are noted as a
+    mistake, and these keys are left out.
     """
     if not table.has("segments"):
         return read_segment(table, library)
     has_segment_keys = False
-    for key in SEGMENT_KEYS:
-        if table.has(key):  # all are asked for: `note_unknown_keys` refuses other keys
+    for key in SEGMENT_KEYS:  # no break: a key that `has` saw is not noted as unknown
+        if table.has(key):
             has_segment_keys = True
     if has_segment_keys:
         keys = "length, area, material and polar_moment"
@@ -309,7 +321,10 @@ def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
 
 
 def read_shaft(table: Table) -> Shaft | None:
-    """The soil or the drag along a rod; None if it has mistakes."""
+    """The soil or the drag along a rod; without a kind it is soil.
+
+    None if it has mistakes or an unknown kind, which are noted.
+    """
     kind = table.word("kind", SHAFTS, Soil.kind)
     if kind is None:
         return None
@@ -319,7 +334,10 @@ def read_shaft(table: Table) -> Shaft | None:
 
 
 def read_drag(table: Table) -> Drag | None:
-    """The drag along a rod; None if it has mistakes."""
+    """The drag along a rod; None if it has mistakes, which are noted.
+
+    A coefficient that is a profile is one per length, a number that of the whole rod.
+    """
     if isinstance(table.get("coefficient"), dict):
         # A table is a profile along the rod, and per length: in N s/m^2, not N s/m.
         entries = table.given_numbers(Drag, without=["coefficient"])
@@ -332,9 +350,10 @@ def read_drag(table: Table) -> Drag | None:
 
 
 def read_soil(table: Table) -> Soil | None:
-    """The soil along a rod; None if it has mistakes.
+    """The soil along a rod; None if it has mistakes, which are noted.
 
     A resistance that is a profile is one per length, a number that of the whole rod.
+    With an unknown damping law no other key is noted.
     """
     if isinstance(table.get("resistance"), dict):
         # A table is a profile along the rod, and per length: in N/m, not N.
@@ -353,13 +372,17 @@ def read_soil(table: Table) -> Soil | None:
 
 
 def read_segment(table: Table, library: Materials) -> dict[str, Any]:
-    """Arguments of `Segment` that a table gives, the material always among them."""
+    """Arguments of `Segment` that a table gives, the material always among them.
+
+    A required number that is missing is nan, and an unknown theory of lateral inertia
+    None, without its polar moment; both are noted.
+    """
     entries = table.given_numbers(Segment)
     entries["material"] = read_material(table, library)
     if table.has("lateral_inertia"):
         theory = table.word("lateral_inertia", THEORIES)
         entries["lateral_inertia"] = theory
-        if theory is None:  # alone a polar moment would be another mistake
+        if theory is None:  # a polar moment without a theory would be another mistake
             entries["polar_moment"] = None
     return entries
 
@@ -374,14 +397,14 @@ class Contacts(NamedTuple):
 def read_contacts(
     top: Table, bodies: list[Body | None], library: Materials
 ) -> Contacts:
-    """Gaps and contact laws, one for each table of a contact.
+    """Gaps and contact laws from left to right, one for each table of a contact.
 
-    Without any such table all contacts are rigid and have no gap, but a grid may say
-    otherwise. The number of tables is not checked here.
+    Without such tables the contacts between `bodies` are rigid and have no gap, unless
+    a grid varies their numbers. The number of tables is not checked here.
     """
     tables = top.tables("contacts")
     if not top.has("contacts"):
-        # Empty tables give each contact the defaults, and grids at their paths.
+        # An empty table gives a contact the defaults, and the grids at its path.
         for i in range(len(bodies) - 1):
             tables.append(Table(top.reading, f"contacts.{i}", {}))
     gaps = []
@@ -396,11 +419,12 @@ def read_contacts(
 
 
 def read_law(table: Table, pair: list[Body | None], library: Materials) -> ContactLaw:
-    """The law of a contact, or a stand-in if it has mistakes.
+    """The law of a contact: rigid without the word, a stand-in if it has mistakes.
 
-    The stand-in goes between any bodies. A Hertz contact may have the radii of its
-    faces in place of its stiffness. `pair` has the left and the right body, None for
-    one with mistakes; it is shorter if the case has too few bodies.
+    The stand-in `ANY_LAW` goes between any bodies. It also replaces a restitution where
+    a body is unknown. A Hertz contact may have the radii of its faces in place of its
+    stiffness. `pair` has the left and the right body, None for one of unknown kind; it
+    is shorter if the case has too few bodies.
     """
     name = table.word("law", CONTACT_LAWS, Rigid.law)
     if name is None:
@@ -409,7 +433,8 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
     if name == Hertz.law:
         rounded = [side for side in SIDES if table.has_or_varies(f"{side}_radius")]
         has_radius = len(rounded) > 0
-        if table.has_or_varies("stiffness") == has_radius:  # both, or neither
+        has_stiffness = table.has_or_varies("stiffness")
+        if has_stiffness == has_radius:  # both, or neither
             message = "give either the stiffness, or left_radius and right_radius"
             table.note_mistake("stiffness", message)
     law: ContactLaw | None
@@ -422,7 +447,7 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
     knows_both_bodies = len(pair) == 2 and None not in pair
     has_restitution = isinstance(law, Rigid) and law.restitution is not None
     if has_restitution and not knows_both_bodies:
-        return ANY_LAW  # whether a restitution belongs there is unknown
+        return ANY_LAW  # only some pairs of bodies may have a restitution
     if law is None:
         return ANY_LAW
     return law
@@ -434,8 +459,8 @@ def read_faces(
     """Radii and materials of a Hertz contact, arguments of `Hertz.from_radii`.
 
     A radius that is not given is infinite, for a flat face. A material that is not
-    given is that of the rod there, and None, for a rigid face, if there is no rod.
-    Steel stands in where the body is not known.
+    given is that of the rod there; at a mass or a wall it is None, for a rigid face.
+    Steel stands in where `pair` has None for the body, or no body.
     """
     faces: dict[str, Any] = {}
     bodies = [*pair, None, None]  # None for a body that is missing
@@ -449,7 +474,7 @@ def read_faces(
         faces[material_key] = None  # rigid
         if table.has(material_key):
             faces[material_key] = read_material(table, library, material_key)
-        elif body is None:  # steel stands in for what is unknown
+        elif body is None:
             faces[material_key] = materials.steel
         elif isinstance(body, Rod):
             faces[material_key] = body.segments[touching].material
@@ -457,10 +482,10 @@ def read_faces(
 
 
 def read_ends(sides: Table) -> list[End]:
-    """The left and the right end of the row.
+    """The left and the right end of the row, in this order.
 
-    A free end stands in for one with mistakes. An end that is not given is free. A
-    mistake names the kinds of `ENDS`, not those that earlier versions wrote.
+    An end that is not given is free; so is one with mistakes, which are noted. Kinds
+    that earlier versions wrote are read, too, but a message names those of `ENDS`.
     """
     ends: list[End] = []
     for side in SIDES:
@@ -471,7 +496,7 @@ def read_ends(sides: Table) -> list[End]:
             if isinstance(kind, str) and kind in END_OF_KIND:
                 end = table.read_object(END_OF_KIND[kind])
             else:
-                table.word("kind", ENDS)  # notes the mistake
+                table.word("kind", ENDS)  # called to note the mistake
         if end is None:
             end = FREE
         ends.append(end)
@@ -482,7 +507,8 @@ def read_ends(sides: Table) -> list[End]:
 def read_solve(table: Table) -> dict[str, Any]:
     """Arguments of `solve` that are given, by name; those with units in SI units.
 
-    Mistakes in them are noted; they are among the arguments all the same.
+    Mistakes are noted. A wrong value stays among the arguments; one whose unit cannot
+    be read is nan.
     """
     options = {}
     for key in defaults_of(Options):
@@ -491,19 +517,23 @@ def read_solve(table: Table) -> dict[str, Any]:
             if key in Options.fields:  # a number, which may have a unit
                 dimension = Options.fields[key].dimension
                 options[key] = table.quantity(key, options[key], dimension)
-    table.make_or_note(Options, **options)  # for the mistakes alone
+    table.make_or_note(Options, **options)  # called to note the mistakes
     table.note_unknown_keys()
     return options
 
 
 def read_output(table: Table) -> dict[str, str]:
-    """Names of files to write, by what they hold, "plot" or "save"; mistakes noted."""
+    """Names of files to write, by what they hold, "plot" or "save".
+
+    Those that are not given are left out. A wrong name is noted, and stays.
+    """
     names = {}
     for key in ("plot", "save"):
         if table.has(key):
             name = table.get(key)
             names[key] = name
-            if not isinstance(name, str) or not name or "\0" in name:
+            # No file system has a name with the character NUL.
+            if not isinstance(name, str) or name == "" or "\0" in name:
                 table.note_mistake(
                     key, f"must be the name of a file, got {shown(name)}"
                 )
@@ -514,8 +544,9 @@ def read_output(table: Table) -> dict[str, str]:
 def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     """A strain gauge on one of the rods; mistakes are noted.
 
-    Wrong entries stay, but a fraction that is missing or no number becomes nan, and is
-    a mistake too.
+    The body must be the number of a rod, and the fraction of its length from 0 to 1. A
+    fraction that is missing or no number is a mistake, and becomes nan; other wrong
+    entries stay.
     """
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
     body = table.get("body")
@@ -526,7 +557,7 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     fraction = table.get("fraction", math.nan)
     if table.has("fraction"):
         fraction = table.quantity("fraction", fraction, "dimensionless")
-    if not 0 <= fraction <= 1:  # nan is not either
+    if not 0 <= fraction <= 1:  # true of nan, too
         message = "give the place over the length of the rod, from 0 to 1"
         table.note_mistake("fraction", message)
     name = table.get("name", "")
@@ -537,46 +568,49 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
 
 
 def note_wrong_units(top: Table) -> None:
-    """Note numbers that are tied to another quantity; all numbers have been read."""
+    """Note numbers that are tied to a quantity of another unit.
+
+    All numbers must have been read. A tie is left out if its source has no values yet.
+    """
     for path, tie in top.reading.grids.items():
         if isinstance(tie, Tie) and tie.source.varied is not None:
             mistake = tie.wrong_unit()
-            if mistake:
+            if mistake != "":
                 top.note_mistake(path, mistake)
 
 
 def check_grids(top: Table, system: System | None) -> None:
-    """Note grids of unknown numbers, and grids that change nothing.
+    """Note grids of unknown numbers, ties of a wrong unit, grids that change nothing.
 
-    They are all those that were given for this file. The grid of a number has had its
-    values since the number was read; that of a variable gets them here, in
-    `Grid.varied`.
+    The last two are sought only in a file without mistakes. The grid of a number has
+    had its values since the number was read; that of a variable gets them here, in
+    `Grid.varied`. `system` is None if it could not be made.
     """
     reading = top.reading
     # With a wrong kind or law a table is not read, and its numbers are not known.
     unread_tables = []
     for path in reading.mistakes:
         table_path = re.sub(r"\.(kind|law)$", "", path)
-        unread_tables.append(f"{table_path}.")  # with this its paths begin
+        unread_tables.append(f"{table_path}.")  # the beginning of paths in the table
     variables = variables_of(reading.grids, reading.numbers)
     for path in reading.grids:
         if path in variables or path in reading.numbers:
             continue
         if path.startswith(tuple(unread_tables)):
-            continue  # it may be a number all the same
+            continue  # the table may have this number
         near = suggestion(path, reading.numbers)
         top.note_mistake(path, f"is no number that can vary; {near}")
     if system is None or reading.mistakes:
-        return  # what stands in for an object with mistakes need not vary
+        return  # a stand-in for an object with mistakes need not vary
     grids = reading.axes
     for grid in grids:
         if grid.path in variables:
             grid.varied = grid.amounts()
     note_wrong_units(top)
     shape = system.shape
-    if not shape:  # nothing varies: every grid changes nothing
+    if shape == ():  # no number varies; with sizes of 0 every grid is noted below
         shape = (0,) * len(grids)
     for size, grid in zip(shape, grids, strict=True):
-        # An axis along which nothing varies is not as long as the grid.
+        # An axis along which no number varies is shorter than its grid.
         if grid.varied is None or size != grid.varied.values.size:
             top.note_mistake(grid.path, "changes nothing in this row")
