@@ -84,11 +84,14 @@ class Table:
     """One table of the file, at its path; "" is the whole file."""
 
     def __init__(self, reading: Reading, path: str, data: dict[str, Any]) -> None:
-        """Keep what is read of the file, and the path and the entries of this table."""
+        """Keep what is read of the file, and the path and the entries of this table.
+
+        No key counts as known yet.
+        """
         self.reading = reading
         self.path = path
         self.data = data
-        self.keys: dict[str, None] = {}  # asked for up to now
+        self.keys: dict[str, None] = {}  # known: asked for up to now, in this order
 
     def where(self, key: str) -> str:
         """Path of an entry in the file: "bodies.0.length"."""
@@ -99,12 +102,15 @@ class Table:
     def note_mistake(
         self, key: str, message: str, word: Any = "", choices: Collection[str] = ()
     ) -> None:
-        """Note a mistake at a key; the nearest of the choices to a word is named in it.
+        """Note a mistake at a key of this table.
 
-        An entry has one mistake: further ones follow from the first, and are dropped.
+        With `choices`, the one nearest to `word` is named behind the message, unless
+        more mistakes are noted than are shown. An entry has one mistake: further ones
+        follow from the first, and are dropped.
         """
         mistakes = self.reading.mistakes
-        if choices and len(mistakes) < MOST_TOLD:  # the nearest takes long to find
+        is_shown = len(mistakes) < MOST_TOLD
+        if choices and is_shown:  # the nearest takes long to find
             message = f"{message}; {nearest(word, choices)}"
         mistakes.setdefault(self.where(key), message)
 
@@ -139,39 +145,42 @@ class Table:
         return self.has(key) or varying is not None
 
     def given_numbers(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
-        """Numbers of a class that are given, varied, or must be given, by key.
+        """Numbers of the class `kind` that are given, varied, or required, by key.
 
-        A number that must be given and is not is nan, and noted. Those named in
-        `without` are left out.
+        They are the arguments of its constructor, in SI units. A required one that is
+        missing is noted, and nan; an optional one is left out, as those named in
+        `without` are.
         """
         numbers = {}
         for key, field in kind.fields.items():
             if key in without:
                 continue
             if field.many:
-                present = self.has(key)  # its items vary, not the list
+                is_given = self.has(key)  # its items may vary, not the list itself
             else:
-                present = self.has_or_varies(key)
-            if present or field.default is REQUIRED:
+                is_given = self.has_or_varies(key)
+            if is_given or field.default is REQUIRED:
                 numbers[key] = self.number(key, field)
         return numbers
 
     def number(self, key: str, field: QuantityField) -> Any:
         """A number, an array where it varies, a list, a profile, or a word.
 
-        The field tells which of these may be there, and whether infinity may. The
-        result is nan, and a mistake is noted, if the entry is missing or none of these.
+        The field tells which of these may be there, and whether infinity may. Numbers
+        are in SI units. A missing or wrong entry is noted; then a number is nan, a list
+        or a word None, and a profile 1.
         """
         if field.many:
             return self.number_list(key, field.dimension)
-        # A grid or a tie stands in for what the file has.
-        value = self.reading.grids.get(self.where(key), self.get(key))
+        value = self.get(key)
+        # A grid or a tie takes the place of the entry.
+        value = self.reading.grids.get(self.where(key), value)
         if field.along and isinstance(value, dict):
             return self.profile(key, field)
         if field.word and isinstance(value, str) and value[:1].isalpha():
             # A text that begins with a letter is no number with a unit.
             return self.word(key, (field.word,))
-        may_be_infinite = "infinite" in field.sign
+        may_be_infinite = "infinite" in field.sign  # such as "positive or infinite"
         if may_be_infinite and value in ("inf", math.inf):
             return math.inf
         if value is None:
@@ -185,10 +194,11 @@ class Table:
         return self.quantity(key, value, field.dimension, hint)
 
     def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
-        """Float of a number or a text with unit, array of a grid or a tie; else nan.
+        """The `value` at a key in SI units: a float, or the array of a grid or a tie.
 
-        The unit must be one of the dimension, such as "length". A mistake is noted; if
-        the number can vary, `hint` and how to vary it follow.
+        A float is made of a number or of a text with a unit of the dimension, such as
+        "length". For anything else a mistake is noted, and the result is nan. `hint` is
+        added to the mistake for a list in place of a number that can vary.
         """
         try:
             if isinstance(value, Grid | Tie):
@@ -197,7 +207,7 @@ class Table:
         except ValueError as error:
             path = self.where(key)
             message = str(error)
-            # A list is perhaps meant as the values of a number that can vary.
+            # A list is perhaps meant as a profile, or as the values of a grid.
             can_vary = path in self.reading.numbers
             if isinstance(value, list) and can_vary:
                 message += f'{hint} vary={{"{path}": "start:stop:count"}} varies it'
@@ -205,10 +215,11 @@ class Table:
             return math.nan
 
     def number_list(self, key: str, dimension: str, vary: bool = True) -> Any:
-        """A list of numbers of a dimension, such as "length".
+        """The list at a key as floats in SI units, of a dimension such as "length".
 
-        With `vary` a grid or a tie may be given in place of an item. An item with a
-        mistake is nan. Anything but a list is None; all mistakes are noted.
+        With `vary` a grid or a tie may take the place of an item, which becomes its
+        array. An item with a mistake is nan. For anything but a list the result is
+        None. All mistakes are noted.
         """
         values = self.get(key)
         if not isinstance(values, list):
@@ -228,10 +239,10 @@ class Table:
         return numbers
 
     def profile(self, key: str, field: QuantityField) -> Any:
-        """`Steps` or `Samples`, or `Polynomials` along a rod; 1 if they have mistakes.
+        """The profile that the table at a key describes; 1 if it has mistakes.
 
-        The entry ``samples`` or ``polynomials`` tells which it is; without them it is
-        steps.
+        It is `Samples` if the table has the entry ``samples``, `Polynomials` if it has
+        ``polynomials`` and is along a rod, and else `Steps`. Mistakes are noted.
         """
         table = self.table(key)
         if table.has("samples"):
@@ -267,10 +278,10 @@ class Table:
     def word(
         self, key: str, choices: Collection[str], default: str | None = None
     ) -> str | None:
-        """The word at a key, one of the choices.
+        """The word at a key, one of the choices; the default if there is none.
 
-        It is None, with a mistake noted, for anything else. The default stands in for a
-        missing one.
+        For anything else, or none without a default, a mistake is noted, and the result
+        is None.
         """
         value = self.get(key, default)
         if isinstance(value, str) and value in choices:
@@ -284,16 +295,16 @@ class Table:
     def table(self, key: str) -> Table:
         """The table of that name; an empty one if there is none.
 
-        Anything else is noted as a mistake, and gives an empty table in which nothing
-        is missing.
+        Anything else is noted as a mistake, and gives an empty table whose mistakes are
+        not noted in this file.
         """
         data = self.get(key, {})
         if isinstance(data, dict):
             return Table(self.reading, self.where(key), data)
         self.note_mistake(key, f"must be a table, got {shown(data)}")
-        # What is missing in it is noted in a reading of its own, which nobody sees.
-        apart = Reading(grids={})
-        return Table(apart, self.where(key), {})
+        # Further mistakes go into a reading of their own, which nobody sees.
+        unseen = Reading(grids={})
+        return Table(unseen, self.where(key), {})
 
     def tables(self, key: str) -> list[Table]:
         """All tables of that name, in their order; [] if there is none.
@@ -301,8 +312,10 @@ class Table:
         Anything but a list of tables is noted as a mistake, and gives [].
         """
         items = self.get(key, [])
-        is_list = isinstance(items, list)
-        if not is_list or not all(isinstance(item, dict) for item in items):
+        is_valid = isinstance(items, list)
+        if is_valid:
+            is_valid = all(isinstance(item, dict) for item in items)
+        if not is_valid:
             # A header names no index: [[bodies.segments]] for bodies.0.segments
             header = re.sub(r"\.\d+", "", self.where(key))
             message = f"must be tables that each begin [[{header}]]"
@@ -314,10 +327,10 @@ class Table:
         return tables
 
     def read_object(self, kind: Any, **entries: Any) -> Any:
-        """The object that this table describes, with these entries besides its numbers.
+        """The object of the class `kind` that this table describes.
 
-        It is of the class `kind`; None if it has mistakes, which are noted, as unknown
-        keys are.
+        Its numbers are read here; `entries` are its other arguments. It is None if it
+        has mistakes. They are noted, and so are unknown keys.
         """
         numbers = self.given_numbers(kind)
         numbers.update(entries)
@@ -328,10 +341,11 @@ class Table:
     def make_or_note(
         self, kind: Any, names: Mapping[str, str] = SAME_NAMES, /, **entries: Any
     ) -> Any:
-        """The object that a class, or a method, makes of these entries.
+        """What `kind`, a class or another callable, makes of these entries.
 
-        It is None, with its mistakes noted here, if they allow none. Keys that the
-        model calls otherwise are in `names`: patterns of paths, and replacements.
+        If it raises InvalidModel, its mistakes are noted at paths in this table, and
+        the result is None. Where the model has other names than the file, `names` has
+        patterns of the model's paths, and their replacements.
         """
         try:
             return kind(**entries)
@@ -343,7 +357,10 @@ class Table:
             return None
 
     def note_unknown_keys(self) -> None:
-        """Note every entry that nobody asked for, with the key that may be meant."""
+        """Note every entry that was not asked for, with the nearest known key.
+
+        For a key that belongs to another table, this table is named instead.
+        """
         for key in self.data:
             if key in self.keys:
                 continue

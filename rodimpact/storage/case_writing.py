@@ -22,8 +22,8 @@ MAX_ITEMS_PER_LINE = 6
 def format_case(case: Case | System) -> str:
     """Return the text of the case file of a case, or just of a system.
 
-    Every material is spelt out, so that the file means the same whatever the table says
-    later.
+    The numbers of every material are written, so that the file means the same if the
+    library of materials changes.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def format_case(case: Case | System) -> str:
     for gauge in case.gauges:
         entries = gauge._asdict()
         if not gauge.name:
-            entries["name"] = None  # which is left out
+            entries["name"] = None  # `toml_table` leaves it out
         parts.append(toml_table("[[gauges]]", entries))
     if case.solve:
         parts.append(toml_table("[solve]", case.solve))
@@ -78,23 +78,25 @@ def format_case(case: Case | System) -> str:
 
 
 def _system_tables(system: System) -> list[str]:
-    """Tables of a case file that describe a system, the schema first.
+    """Tables of a case file that describe a system, each as text.
 
-    Then come materials, bodies with their segments, contacts and ends.
+    The first has the schema and the gravity, if there is any. Then come materials,
+    bodies with their segments, contacts and ends.
     """
     described = system.to_dict()
     materials = _name_materials(system, described)
     parts = [
+        # The schema stands in place of a header: these entries have none.
         toml_table(f"schema = {CASE_SCHEMA}", {"gravity": described.get("gravity")})
     ]
     for key, material in materials.items():
         entries = material.to_dict()
-        entries["name"] = None  # which is left out: the key is the name
+        entries["name"] = None  # left out, as a rule: the key is the name
         if key != material.name:
             entries["name"] = material.name
         parts.append(toml_table(f"[materials.{_key(key)}]", entries))
     for body in described["bodies"]:
-        # Segments have tables of their own.
+        # Segments are left out here, and follow as tables of their own.
         parts.append(toml_table("[[bodies]]", body | {"segments": None}))
         for segment in body.get("segments", ()):
             parts.append(toml_table("[[bodies.segments]]", segment))
@@ -169,10 +171,11 @@ def check_case_name(path: PathLike) -> None:
 
 
 def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Material]:
-    """Name the materials of rods by keys, and return them by key.
+    """Give each material of a rod a key, and return the materials by key.
 
-    The names are put into the tables of `described`, in place. A key is the name of the
-    material, with a number behind if another material has that name.
+    In `described`, the description of the system, the material of each rod or segment
+    is replaced by its key. A key is the name of the material, followed by a number if
+    another material has that name.
     """
     named: dict[str, Material] = {}
     keys: dict[int, str] = {}  # keys by the id of the object, which many segments share
@@ -189,22 +192,23 @@ def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Mate
 
 
 def _free_key(named: dict[str, Material], material: Material) -> str:
-    """Key of a material among those that are named, such as ``"steel 2"``.
+    """Key of a material: its name, or such as ``"steel 2"`` if another has that name.
 
-    The material joins those that are named. Equal materials have one key.
+    The material is added to `named` at its key. An equal material that is there already
+    has the same key.
     """
     key = material.name
     number = 1
-    # A free key is given to the material; a taken one belongs to an equal one, or to
-    # another.
-    while named.setdefault(key, material) != material:
+    while key in named and named[key] != material:
         number += 1
         key = f"{material.name} {number}"
+    if key not in named:
+        named[key] = material
     return key
 
 
 def _result_tables(result: SavedResult) -> list[str]:
-    """Tables of [result]: words, then the numbers and their accuracy."""
+    """The tables [result], its subtables of numbers and of their accuracy, as text."""
     words = result._asdict()
     numbers = words.pop("numbers")
     accuracy = words.pop("accuracy")
@@ -216,7 +220,10 @@ def _result_tables(result: SavedResult) -> list[str]:
 
 
 def toml_table(header: str, entries: Mapping[str, Any]) -> str:
-    """Lines of a case file: a header such as "[solve]", and all entries but None."""
+    """A table of a case file: a header such as "[solve]", then a line an entry.
+
+    Entries of None are left out.
+    """
     lines = [header]
     for key, value in entries.items():
         if value is not None:
@@ -232,13 +239,16 @@ def _key(name: str) -> str:
 
 
 def _toml(value: Any) -> str:
-    """A value as TOML; lists of many numbers take several lines."""
+    """A value as TOML: a number, a text, a list, an array or a dictionary.
+
+    A list of more than `MAX_ITEMS_PER_LINE` items takes several lines.
+    """
     if hasattr(value, "tolist"):  # an array or a number of NumPy
         value = value.tolist()
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
-        # A string of JSON is one of TOML, but for DEL.
+        # Strings of JSON are strings of TOML, but TOML wants DEL escaped.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, dict):
         entries = [f"{_key(key)} = {_toml(item)}" for key, item in value.items()]
@@ -251,4 +261,4 @@ def _toml(value: Any) -> str:
         for start in range(0, len(items), MAX_ITEMS_PER_LINE):
             lines.append(", ".join(items[start : start + MAX_ITEMS_PER_LINE]))
         return "[\n  " + ",\n  ".join(lines) + "\n]"
-    return repr(value)
+    return repr(value)  # a number; inf and nan are words of TOML, too

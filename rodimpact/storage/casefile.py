@@ -132,7 +132,7 @@ def read_case(
             name, f"has more than {MAX_CASE_BYTES} bytes; is it a case file?"
         )
     try:
-        text = raw.decode("utf-8-sig")
+        text = raw.decode("utf-8-sig")  # with or without the mark of UTF-8 in front
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         raise invalid_argument(
@@ -202,7 +202,7 @@ def parse_case(
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        # A number of 5000 digits is a ValueError with a hint at a setting of Python.
+        # For a number of 5000 digits Python adds a hint at sys.set_int_max_str_digits.
         reason, _, _ = str(error).partition("; use sys.")
         message = f"is not valid TOML: {reason}"
         if not source.endswith(".toml"):
