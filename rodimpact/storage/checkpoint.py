@@ -84,7 +84,13 @@ class Checkpoint:
         path: PathLike | None,
         sweep: Mapping[str, Any],
     ) -> None:
-        """Make empty columns, and take over the members that the directory has."""
+        """Make columns for `size` members, and take over those in the directory.
+
+        The directory `path` is made if there is none; with None nothing is read or
+        kept. `columns` has the dtype and the shape of a member of each column, and
+        `sweep` what makes it the same sweep. A damaged file is a warning, a file of
+        another sweep FileFormatError.
+        """
         self.size = size
         self.columns: Arrays = {}
         for name, (dtype, shape) in columns.items():
@@ -92,7 +98,7 @@ class Checkpoint:
         self.path: Path | None = None
         if path is not None:
             self.path = Path(file_name(path))
-        # As it comes back from a file: JSON has lists in place of tuples.
+        # In the form in which it comes back from a file: JSON turns tuples into lists.
         self._sweep = json.loads(json.dumps(sweep))
         self._began = time.monotonic()  # s
         self._saved = self._began  # time of the last file, s
@@ -101,7 +107,7 @@ class Checkpoint:
         for file in self._files():
             chunk = self._read(file)
             if chunk is not None:
-                count = len(chunk.columns["status"])  # as long as every column
+                count = len(chunk.columns["status"])  # every column has this length
                 stop = chunk.start + count
                 self._take(chunk.start, stop, chunk.columns)
 
@@ -116,10 +122,11 @@ class Checkpoint:
         self.done[start:stop] = True
 
     def _files(self) -> list[Path]:
-        """Files of members in the directory, which is made if there is none.
+        """Files of members in the directory, sorted; it is made if there is none.
 
-        [] if no directory is given. OSError if no file can be written there,
-        FileFormatError for foreign files.
+        Files that were not finished or are put aside are left out. [] if no directory
+        is given. OSError if no file can be written there, FileFormatError for foreign
+        files.
         """
         if self.path is None:
             return []
@@ -130,27 +137,27 @@ class Checkpoint:
                 f"cannot make the directory {shown_path(self.path)}: {error.strerror}"
             )
             raise type(error)(message) from None
-        # Raises before anything is computed
+        # Raises if no file can be written there: now, before anything is computed.
         check_target(self.path / FILE_NAME.format(0), force=True)
         files = []
         for file in sorted(self.path.iterdir()):
             is_left_over = file.name.startswith(PASSING)  # not whole, or put aside
             if is_left_over:
                 continue
-            files.append(file)
             if not file.match(FILE_NAME.format("*")):
                 raise FileFormatError(
                     f"{self.path}: is no checkpoint of a sweep, it holds "
                     f"{file.name!r}; name a "
                     "new or an empty directory"
                 )
+            files.append(file)
         return files
 
     def _read(self, file: Path) -> _Chunk | None:
-        """Members in a file.
+        """Index of the first member in a file, and the columns of its members.
 
-        None, with a warning, if the file is damaged; then the file is put aside.
-        FileFormatError if they are of another sweep.
+        None, with a warning, if the file is damaged; then it is put aside under another
+        name. FileFormatError if the members are of another sweep.
         """
 
         def as_it_is(document: dict[str, Any], columns: Arrays) -> Any:
@@ -161,7 +168,9 @@ class Checkpoint:
             document, columns = read_npz(file, {KIND: as_it_is})
         except FileFormatError as error:
             message = f"{error}; it is put aside, and its members are run again"
-            warnings.warn(message, DamagedChunks, stacklevel=4)
+            # The line that calls `sweep`: above are the constructor, `sweep` and its
+            # decorator.
+            warnings.warn(message, DamagedChunks, stacklevel=5)
             file.replace(file.with_name(PASSING + file.name))
             return None
         saved_sweep = document["sweep"]
@@ -178,11 +187,15 @@ class Checkpoint:
         return _Chunk(document["start"], columns)
 
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
-        """Take the results of the members `start` to `stop - 1`; save now and then."""
+        """Put the results of the members `start` to `stop - 1` into the columns.
+
+        `part` has their columns by name. All members that are not on the disk are saved
+        if the last time is long ago: `SAVE_INTERVAL`, or longer for a long sweep.
+        """
         self._take(start, stop, part)
         self._unsaved[start:stop] = True
         now = time.monotonic()
-        # The longer the sweep runs, the rarer it saves: each time takes a while.
+        # Saving takes time: a long sweep saves less often.
         interval = max(SAVE_INTERVAL, SAVE_TIME_RATIO * (now - self._began))
         if now - self._saved >= interval:
             self._save()
@@ -192,18 +205,23 @@ class Checkpoint:
         self._save()
 
     def _save(self) -> None:
-        """Save the members that are not on the disk.
+        """Save the members that are not on the disk, a file for each run of them.
 
-        Without a directory nothing is written.
+        From then on they count as saved. Without a directory nothing is written, but
+        they count as saved, too.
         """
         if self.path is not None:
+            # Each run of members without a gap, from `start` to `stop - 1`.
             for start, stop in spans(self._unsaved):
                 self._write(self.path / FILE_NAME.format(f"{start:08}"), start, stop)
         self._unsaved[:] = False
         self._saved = time.monotonic()
 
     def _write(self, file: Path, start: int, stop: int) -> None:
-        """Write the members from `start` to `stop` to a file."""
+        """Write the members `start` to `stop - 1` to a file; an old one is replaced.
+
+        OSError, with a sentence on going on later, if it cannot be written.
+        """
         part = {}
         for name, column in self.columns.items():
             part[name] = column[start:stop]

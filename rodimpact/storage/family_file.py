@@ -47,10 +47,10 @@ class _Describer:
         self.places: dict[int, tuple[Any, dict[str, Any]]] = {}
 
     def describe(self, value: Any) -> Any:
-        """Description of a number, a text, a list, a mapping, an array or an object.
+        """Description, ready for JSON, of a value, its items and their items.
 
-        Numbers that JSON does not have are words, tuples are lists, mappings and
-        objects have their class.
+        Infinity and nan become words, tuples lists. A mapping or an object of the model
+        becomes a dict with its "class", an array its place in a column, see `place_of`.
         """
         if isinstance(value, np.ndarray):
             return self.place_of(value)
@@ -59,10 +59,11 @@ class _Describer:
         if isinstance(value, float) and not math.isfinite(value):
             return str(float(value))
         if isinstance(value, str) and value in NOT_IN_JSON:
-            # A name that would be read as a number
+            # This text, such as a name "inf", would be read as a number.
             return {"class": "str", "text": value}
         if isinstance(value, Mapping):
-            return {"class": "dict", "items": self.describe(list(value.items()))}
+            items = list(value.items())  # pairs, since keys of JSON are texts alone
+            return {"class": "dict", "items": self.describe(items)}
         if isinstance(value, Frozen):
             return self.describe_object(value)
         return value
@@ -81,9 +82,10 @@ class _Describer:
         return described
 
     def place_of(self, array: Any) -> dict[str, Any]:
-        """Place of an array in the column of its type; an array has one place in all.
+        """Place of an array in the column of its type: column, first index, and shape.
 
-        A new array is added to its column.
+        A new array is added to the end of its column. The same array has the same place
+        each time.
         """
         if id(array) not in self.places:
             column = array.dtype.str[1:]  # such as "f8", without the order of bytes
@@ -92,16 +94,19 @@ class _Describer:
                 "start": self.sizes[column],
                 "shape": list(array.shape),
             }
-            self.places[id(array)] = (array, position)
+            self.places[id(array)] = (array, position)  # kept, so that its id stays
             self.columns[column].append(array.ravel())
             self.sizes[column] += array.size
-        return self.places[id(array)][1]
+        _, position = self.places[id(array)]
+        return position
 
 
 def describe(content: Any) -> tuple[dict[str, Any], Arrays]:
     """Document and arrays from which `restore` makes an equal object.
 
-    The document is ready for JSON; the arrays are columns, by their type.
+    The document is a dict ready for JSON. All arrays of a type stand one behind another
+    in one flat array, a column, named by the type, such as "f8". InvalidModel for a
+    system with a law that is a function.
     """
     describer = _Describer()
     document = {"content": describer.describe(content)}
@@ -114,20 +119,22 @@ def describe(content: Any) -> tuple[dict[str, Any], Arrays]:
 def restore(document: Mapping[str, Any], arrays: Arrays) -> Any:
     """The object that `describe` described; an error of any kind for other documents.
 
-    Its parts are made by the constructors of their classes, which check them again.
+    Objects of the model in it are made by the constructors of their classes, which
+    check them again. Arrays in it are parts of those in `arrays`.
     """
 
     @cache
     def array_at(column: str, start: int, *shape: int) -> Any:
         """Part of a column; the same array wherever the same place is named."""
-        return arrays[column][start : start + math.prod(shape)].reshape(shape)
+        stop = start + math.prod(shape)
+        return arrays[column][start:stop].reshape(shape)
 
     def restored(value: Any) -> Any:
         """The value that `_Describer.describe` described."""
         if isinstance(value, list):
             return list(map(restored, value))
         if isinstance(value, str):
-            return NOT_IN_JSON.get(value, value)
+            return NOT_IN_JSON.get(value, value)  # a number such as nan, or a text
         if not isinstance(value, dict):
             return value
         if "array" in value:

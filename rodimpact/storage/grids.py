@@ -19,7 +19,7 @@ from ..units import shown
 
 VARIABLE = re.compile(r"[A-Za-z]\w*")
 """Name of a variable to which numbers may be tied."""
-NUMBER_OF_CASE = re.compile(r"\b(bodies|contacts|ends|materials|gravity)\b")
+CASE_NUMBER_PATTERN = re.compile(r"\b(bodies|contacts|ends|materials|gravity)\b")
 """What begins the path of a number in the text of a tie."""
 FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"
 SPACED = re.compile(
@@ -51,8 +51,8 @@ class Grid:
     def __init__(self, path: str, text: Any, shape: list[int]) -> None:
         """Keep the path, the text and the shape of the array of values.
 
-        The shape is -1 along the axis of this grid, and 1 along the others. The values
-        follow when the number is read, see `varied`.
+        The shape is for `reshape`: -1 along the axis of this grid, 1 along the others.
+        The values follow when the number is read, see `varied`.
         """
         self.path = path
         self.text = text
@@ -73,12 +73,15 @@ class Grid:
         return values.reshape(self._shape)
 
     def amounts(self) -> Varied:
-        """Path, values and SI unit of the grid, by the units that its text has.
+        """Path, values and SI unit of the grid, by the unit of its first value.
 
-        Nothing is kept. ValueError if the text is no grid.
+        The dimension need not be known, as for a variable. Nothing is kept. ValueError
+        if the text is no grid.
         """
-        first, *_ = re.split("[:,]", self.text, maxsplit=1)
-        unit = units.read_amount(first).unit
+        unit = ""
+        if isinstance(self.text, str):  # anything else is refused by `grid_values`
+            first, *_ = re.split("[:,]", self.text, maxsplit=1)
+            unit = units.read_amount(first).unit
         values = grid_values(self.text, units.dimension_of(unit))
         return Varied(self.path, values, unit)
 
@@ -94,19 +97,24 @@ class Tie:
     """
 
     def __init__(self, path: str, text: str, source: Grid) -> None:
+        """Keep the path, the text and its parts around the path of the source.
+
+        The text must be a product with this path, as `_source_of` has found.
+        """
         self.path = path
         self.source = source
         self._text = text
         self._dimension = ""  # that of the tied number, once it is read
-        parts = _split_at(text, source.path)
+        parts = _parts_of_tie(text, source.path)
         assert parts is not None
         self._parts = parts
 
     def array(self, dimension: str) -> Number:
-        """Values along the axis of the source: its values times and over the factors.
+        """Values of the tied number in SI units, along the axis of the source.
 
-        They are in SI units; `wrong_unit` checks the dimension. ValueError for a factor
-        that cannot be read, or a divisor of 0.
+        They are the values of the source, times the factors or over the divisor of the
+        text. The dimension is only kept: `wrong_unit` compares it. ValueError for a
+        source or factor that cannot be read, or a divisor of 0.
         """
         self._dimension = dimension
         parts = self._parts
@@ -123,32 +131,36 @@ class Tie:
         return self.source.along_axis(values)
 
     def wrong_unit(self) -> str:
-        """Sentence on a unit that the tied number cannot have; "" if it can.
+        """End of a sentence on a unit that the tied number cannot have; "" if it can.
 
-        The numbers must have been read. A variable without unit may stand for any
-        quantity, as any bare number of a case.
+        The source and the tied number must have been read. A variable without unit may
+        stand for any quantity, as any bare number of a case. A unit with a power that
+        is no number, such as N/m^p, is not checked.
         """
         assert self.source.varied is not None
         source_unit = self.source.varied.unit
         if source_unit == "" and VARIABLE.fullmatch(self.source.path):
             return ""
         wanted_unit = units.si_unit(self._dimension)
+        # Powers of the symbols of a unit; `multiply_unit` changes them in place.
         powers: dict[str, float] = {}
-        wanted: dict[str, float] = {}
+        wanted_powers: dict[str, float] = {}
         try:
             units.multiply_unit(powers, source_unit, 1)
-            units.multiply_unit(wanted, wanted_unit, 1)
+            units.multiply_unit(wanted_powers, wanted_unit, 1)
         except ValueError:  # a unit such as N/m^p
             return ""
         parts = self._parts
         if parts.factor:
-            units.multiply_unit(powers, units.read_amount(parts.factor).unit, 1)
+            factor_unit = units.read_amount(parts.factor).unit
+            units.multiply_unit(powers, factor_unit, 1)
         if parts.operand:
+            operand_unit = units.read_amount(parts.operand).unit
             sign = 1
             if parts.operator == "/":
                 sign = -1
-            units.multiply_unit(powers, units.read_amount(parts.operand).unit, sign)
-        if units.in_base_units(powers) == units.in_base_units(wanted):
+            units.multiply_unit(powers, operand_unit, sign)
+        if units.in_base_units(powers) == units.in_base_units(wanted_powers):
             return ""
         return (
             f"is {_in_unit(wanted_unit)}, but {shown(self._text)} is "
@@ -175,36 +187,39 @@ class TieParts(NamedTuple):
     operand: str
 
 
-def _split_at(text: str, name: str) -> TieParts | None:
-    """Parts of a text around the name of another number.
+def _parts_of_tie(text: str, name: str) -> TieParts | None:
+    """Parts of a text before and behind the name of another number.
 
-    None if the text is no product with it. The text is "factor*name", "name*operand",
-    "name/operand" or both; one of them may be missing.
+    The text is "name", "factor*name", "name*operand", "name/operand", or has both, as
+    "factor*name/operand". None for any other text. The parts are not read.
     """
-    pattern = (
-        rf"\s*(?:(?P<factor>[^*]+)\*)?\s*{re.escape(name)}"
-        r"\s*(?:(?P<operator>[*/])(?P<operand>.+))?"
-    )
+    factor = r"(?:(?P<factor>[^*]+)\*)?"  # may be missing, as operator and operand
+    operand = r"(?:(?P<operator>[*/])(?P<operand>.+))?"
+    pattern = rf"\s*{factor}\s*{re.escape(name)}\s*{operand}"
     parts = re.fullmatch(pattern, text)
     if parts is None:
         return None
+    # A group that is missing is None.
     return TieParts(
         parts["factor"] or "", parts["operator"] or "", parts["operand"] or ""
     )
 
 
 def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
-    """Path of the number to which a text ties another one; "" if it is a grid.
+    """Path of the number to which the text at `path` ties that number.
 
-    InvalidModel if it is tied to a number that does not vary.
+    `paths` are those of all numbers that vary. "" if the text is no tie; whether it is
+    a grid is not checked. InvalidModel if it names a number of the case that does not
+    vary.
     """
     if not isinstance(text, str):
         return ""
     others = [name for name in paths if name != path]
     for name in others:
-        if _split_at(text, name) is not None:
+        if _parts_of_tie(text, name) is not None:
             return name
-    if NUMBER_OF_CASE.search(text):
+    names_number = CASE_NUMBER_PATTERN.search(text) is not None
+    if names_number:  # and none that varies
         hint = "vary the number to which it is tied, too"
         if others:
             hint = f"write FACTOR*NAME with one of {listed(others)}"
@@ -216,17 +231,20 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
 def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
     """Return grids and ties by their paths, from their texts; {} for None.
 
-    InvalidModel for anything else. The k-th grid runs along axis k; a tie runs along
-    the axis of its source, which must be a grid.
+    The k-th grid runs along axis k; a tie runs along the axis of its source, which must
+    be a grid. InvalidModel for anything but a mapping of paths, more than `MAX_AXES`
+    grids, or a wrong tie. The values of the grids are not read here.
     """
     texts: Any = vary
     if vary is None:
         texts = {}
-    is_mapping = isinstance(texts, Mapping)
-    if not is_mapping or not all(isinstance(path, str) for path in texts):
+    is_valid = isinstance(texts, Mapping)
+    if is_valid:
+        is_valid = all(isinstance(path, str) for path in texts)
+    if not is_valid:
         message = "must name numbers by their paths, each with a grid"
         raise invalid_argument("vary", f"{message}, got {shown(texts)}")
-    # Path of the number to which each is tied; "" of a grid, which has an axis
+    # By path: the path of the number to which it is tied, or "" for a grid.
     sources = {path: _source_of(path, texts[path], texts) for path in texts}
     axes = [path for path, source in sources.items() if source == ""]
     if len(axes) > MAX_AXES:
@@ -252,7 +270,8 @@ def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
 def variables_of(grids: Mapping[str, Grid | Tie], numbers: Collection[str]) -> set[str]:
     """Names of the grids that are variables: no numbers, and others are tied to them.
 
-    `grids` are grids and ties by path, `numbers` the paths of numbers that can vary.
+    `grids` are grids and ties by path, `numbers` the paths of all numbers that can
+    vary. A name such as R is a variable; one with a dot is not.
     """
     names = set()
     for tie in grids.values():
@@ -266,7 +285,9 @@ def variables_of(grids: Mapping[str, Grid | Tie], numbers: Collection[str]) -> s
 def grid_values(text: Any, dimension: str) -> Floats:
     """All values of a grid, shape (n,), in the SI unit of the dimension.
 
-    ValueError for anything but a text in `FORM`.
+    The text is a list "a,b,c", or "start:stop:count" with both ends and equal steps,
+    with ":log" equal ratios. ValueError for anything else, for one value with different
+    ends, for equal ratios from or to 0, and for ends too far apart for floats.
     """
     if isinstance(text, str) and ":" not in text:
         return np.array([units.parse(number, dimension) for number in text.split(",")])

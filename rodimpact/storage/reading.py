@@ -69,7 +69,8 @@ class FileFormatError(ValueError):
     def __init__(self, message: str, path: str = "") -> None:
         """Keep path and message as `problems`; the text is the message behind the path.
 
-        `problems` is a list of one pair, as that of `InvalidModel`.
+        `problems` is a list of one pair, as that of `InvalidModel`. Without a path the
+        text is the message alone. Either must be text.
         """
         check_text("message", message, "is empty")
         check_text("path", path, "run.toml")
@@ -81,7 +82,10 @@ class FileFormatError(ValueError):
 
 
 def open_regular(path: PathLike) -> BinaryIO:
-    """Open a file to be read; OSError where there is none, or a pipe or a device."""
+    """Open a file for reading bytes; OSError if there is none, or a pipe or a device.
+
+    For a missing file the error names one that is spelt like it.
+    """
     path = file_name(path)
     # A directory is left to `open`, whose error says what it is.
     is_usual = os.path.isfile(path) or os.path.isdir(path)
@@ -90,7 +94,7 @@ def open_regular(path: PathLike) -> BinaryIO:
     try:
         return open(path, "rb")
     except OSError as error:
-        # The message of OSError has quotes of its own.
+        # Without the quotes of `shown_path`: OSError puts its own around a name.
         unquoted = shown_path(path)[1:-1]
         reason = str(error.strerror)
         if isinstance(error, FileNotFoundError):
@@ -99,10 +103,9 @@ def open_regular(path: PathLike) -> BinaryIO:
 
 
 def _similar_file(name: str) -> str:
-    """Hint at a file of the same folder whose name is spelt like the missing one.
+    """End of a message: a file of the same folder that is spelt like the missing one.
 
-    One that differs by its ending alone, such as t1.toml for t1, comes first. "" if
-    there is none.
+    One with an ending more, such as t1.toml for t1, comes first. "" if there is none.
     """
     path = Path(name)
     files = []
@@ -127,7 +130,8 @@ def read_npz(
     ----------
     path : str or path
     readers : mapping of str to callable
-        For each kind of file, what makes the result of its document and its arrays.
+        For each kind of file, a function that makes the result of the document and the
+        arrays by name.
 
     Returns
     -------
@@ -137,9 +141,11 @@ def read_npz(
     Raises
     ------
     FileFormatError
-        If the file is not such a one, or is damaged.
+        If the file is not such a one, is damaged, or its reader fails.
     OSError
-        If it cannot be read at all.
+        If it cannot be opened.
+    MemoryError
+        If it has more than the memory holds.
     """
     with open_regular(path) as file:
         try:
@@ -149,12 +155,13 @@ def read_npz(
                 )
             with zipfile.ZipFile(file) as archive:
                 document = _document(archive, readers)
-                arrays = _arrays(archive, document.pop("arrays"))
+                entries = document.pop("arrays")  # type, shape, checksum by name
+                arrays = _arrays(archive, entries)
             return readers[document["kind"]](document, arrays)
         except FileFormatError as error:
             raise FileFormatError(str(error), os.fspath(path)) from None
         except MemoryError:
-            raise
+            raise  # the file may be whole
         except Exception as error:
             # zipfile, zlib and numpy raise a dozen kinds for a damaged file; some of
             # the messages repeat the data
@@ -166,10 +173,10 @@ def read_npz(
 
 
 def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str, Any]:
-    """What the file says of itself: all of it but the numbers of its arrays.
+    """The document of an archive: kind, version, entries of its arrays, and the rest.
 
     FileFormatError if it is foreign, of another schema, or of a kind that none of the
-    readers reads.
+    readers reads. MemoryError if it is too large.
     """
     foreign = FileFormatError("is an NPZ file, but not one that rodimpact saved")
     if "document.npy" not in archive.namelist():
@@ -186,7 +193,7 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         is_readable = schema == FILE_SCHEMA and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
-    if kind == "solution":
+    if kind == "solution":  # of an earlier version, whatever the schema
         raise FileFormatError(OLD_SOLUTION)
     if not is_readable:
         raise FileFormatError(
@@ -198,10 +205,10 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
 
 
 def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
-    """The arrays that the document names in its `entries`, each as it was written.
+    """The arrays that the document names in its `entries`, by name.
 
-    FileFormatError if an array is missing, is not named, or differs from its entry:
-    type, shape and checksum.
+    An entry has type, shape and checksum of the array. FileFormatError if an array is
+    missing, is not named, or differs from its entry; MemoryError if they are too large.
     """
     sizes = {}  # bytes
     expected_names = {"document.npy"}
@@ -211,8 +218,8 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     memory.check_file(archive.filename, sum(sizes.values()), ADVICE)
     mismatch = "is damaged: {} is not what the document says"
     unmatched = expected_names.symmetric_difference(archive.namelist())
-    for name in unmatched:  # one of them is named
-        raise FileFormatError(mismatch.format(name))
+    if unmatched:
+        raise FileFormatError(mismatch.format(min(unmatched)))
     arrays = {}
     for name, entry in entries.items():
         arrays[name] = _array(archive, name, sizes[name])
@@ -222,10 +229,10 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
 
 
 def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
-    """An array of the archive; ValueError if it has more than `most` bytes.
+    """The array `name` of an archive, with at most `most` bytes.
 
-    The header is read before the numbers, to be sure that they are no more than it
-    says.
+    ValueError for more, and for another compression, version or length than that of an
+    NPY file. All this is checked before the numbers are unpacked. Objects are refused.
     """
     packed = archive.getinfo(f"{name}.npy")
     if packed.compress_type not in COMPRESSIONS:
@@ -236,7 +243,9 @@ def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
         if np.lib.format.read_magic(file) != (1, 0):
             raise ValueError(f"{name} is an array of another version of NPY")
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-        if dtype.itemsize * math.prod(shape) != packed.file_size - file.tell():
+        expected_bytes = dtype.itemsize * math.prod(shape)
+        bytes_after_header = packed.file_size - file.tell()
+        if expected_bytes != bytes_after_header:
             raise ValueError(f"{name} is not as long as it says")
-        file.seek(0)
+        file.seek(0)  # `read_array` reads the header again
         return np.lib.format.read_array(file, allow_pickle=False)

@@ -104,9 +104,10 @@ def _is_in_soil(system: Any) -> bool:
 
 
 def _pile_table(solution: Any) -> str:
-    """Permanent set of the toe, and the largest stresses with place and time.
+    """Permanent set of each toe, and the largest stresses in each rod.
 
-    The stresses are those in each rod.
+    These are the largest compression and tension, with place and time; "none" where the
+    stress was never of this sign.
     """
     system = solution.system
     rows = []
@@ -143,14 +144,15 @@ def ring_down_table(ring_down: Any) -> str:
     Returns
     -------
     str
+        A table of energies, times and the momentum error; "never" for an infinite time.
     """
     first = float(ring_down.vibration[0])
     last = float(ring_down.vibration[-1])
     lasted = float(ring_down.times[-1] - ring_down.times[0])
     frequency = format_si(ring_down.frequency, "Hz", digits=4)
-    last_shown = format_si(
-        without_round_off(last, scale=first + ring_down.rigid), "J", digits=4
-    )
+    # J: less than the round-off of this energy is 0
+    scale = first + ring_down.rigid
+    last_shown = format_si(without_round_off(last, scale), "J", digits=4)
     rows = [
         ["vibration when the collision is over", format_si(first, "J", digits=4)],
         ["vibration at the end", last_shown],
@@ -213,7 +215,10 @@ def solution_json(solution: Any) -> str:
 
 
 def _tables(outcome: Any) -> list[str]:
-    """Tables of bodies, contacts, energies and balances."""
+    """Tables of bodies, contacts, energies and balances, each as text.
+
+    Without contacts theirs is left out.
+    """
     tables = [_bodies_table(outcome)]
     if outcome.contacts:
         tables.append(_contacts_table(outcome))
@@ -225,7 +230,8 @@ def _tables(outcome: Any) -> list[str]:
 def _bodies_table(outcome: Any) -> str:
     """Masses, velocities and vibration of the bodies.
 
-    Velocities have digits enough to keep six of their differences, 15 at most.
+    Velocities have digits enough to keep six of their differences, 15 at most. A wall
+    has "-" for its mass and vibration.
     """
     before = outcome.velocities_before
     after = outcome.velocities_after
@@ -234,17 +240,18 @@ def _bodies_table(outcome: Any) -> str:
     spread = without_round_off(max(velocities) - min(velocities), scale=largest)
     digits = 6
     if spread > 0:
-        # Velocities agree in their first digits; their differences keep six.
+        # The first digits, in which all velocities agree, are added to six.
         digits += math.floor(math.log10(largest / spread))
     digits = min(digits, 15)
     then = _then(outcome)
-    vibration_scale = _vibration_scale(outcome)  # J: less than its last digits is 0
+    vibration_scale = _vibration_scale(outcome)  # J: less than its round-off is 0
     head = f"body|mass|velocity before|velocity {then}|vibration energy {then}"
     rows = [head.split("|")]
     for i, name in enumerate(body_names(outcome.bodies)):
         mass = "-"
         vibration = "-"
-        if outcome.masses[i] != math.inf:
+        is_wall = outcome.masses[i] == math.inf
+        if not is_wall:
             mass = format_si(outcome.masses[i], "kg")
             vibration = joules(outcome.vibration_after[i], vibration_scale)
         row = [name, mass]
@@ -255,7 +262,10 @@ def _bodies_table(outcome: Any) -> str:
 
 
 def _contacts_table(outcome: Any) -> str:
-    """Totals of the contacts; a joined pair has an impulse only."""
+    """Totals of the contacts, of which there must be one or more.
+
+    A joined pair is called so, and has an impulse only.
+    """
     rows = [["contact", "impulse", "peak force", "force duration", "episodes"]]
     scale = max(abs(tally.impulse) for tally in outcome.contacts)
     names = contact_names(outcome.bodies)
@@ -271,11 +281,13 @@ def _contacts_table(outcome: Any) -> str:
 
 
 def _energy_table(outcome: Any) -> str:
-    """Energies before and after, with works and losses between.
+    """Energies before and after, J, then works and losses in between.
 
-    Those of 0 are left out.
+    Energy of contacts, works and losses are left out if they are 0. The total is that
+    of kinetic, vibration and contact energy.
     """
     vibration = ENERGY_LABELS["inner"]
+    # Energies before and after, by their labels
     pairs: dict[str, tuple[float, float]] = {
         ENERGY_LABELS["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
         vibration: (sum(outcome.vibration_before), sum(outcome.vibration_after)),
@@ -290,6 +302,7 @@ def _energy_table(outcome: Any) -> str:
     if not has_contact_energy:
         del pairs[ENERGY_LABELS["contact"]]
     pairs["total"] = (total_before, total_after)
+    # J: less than the round-off of a scale is 0
     total_scale = max(total_before, total_after)
     rows = [["energy", "before", _then(outcome)]]
     for name, (before, after) in pairs.items():
@@ -314,7 +327,8 @@ def _energy_table(outcome: Any) -> str:
 def _balances_table(outcome: Any) -> str:
     """Restitution, "-" if undefined, and the relative errors of the balances."""
     restitution = "-"
-    if not outcome.why_no_restitution():
+    is_defined = outcome.why_no_restitution() == ""
+    if is_defined:
         restitution = f"{without_round_off(outcome.restitution, scale=1.0):.9g}"
     rows = [
         ["coefficient of restitution e", restitution],
@@ -332,7 +346,10 @@ def _error_text(value: float) -> str:
 
 
 def _episodes_table(solution: Any) -> str:
-    """Times of the first episodes, contact by contact from the left; "" without any."""
+    """Times of the first episodes, contact by contact from the left; "" without any.
+
+    After `MAX_LISTED_EPISODES` a last line tells how many more there are.
+    """
     names = contact_names(solution.system.kinds)
     rows = []
     for contact in solution.contacts:
@@ -353,13 +370,13 @@ def _episodes_table(solution: Any) -> str:
 def _sentences(outcome: Any) -> str:
     """Why there is no restitution, and why the run ended, a line each.
 
-    The second is left out if the first one says it.
+    The first is left out if there is one, the second if the first one says it.
     """
     sentences = []
     reason = outcome.why_no_restitution()
     if reason:
         sentences.append(reason[:1].upper() + reason[1:])
-    if outcome.status not in reason:
+    if outcome.status not in reason:  # the reason is "" with a restitution
         sentences.append(outcome.status)
     return "\n".join(f"{sentence.removesuffix('.')}." for sentence in sentences)
 
@@ -374,8 +391,8 @@ def _then(outcome: Any) -> str:
 def _vibration_scale(outcome: Any) -> Any:
     """Scale of vibration energies, J, beside which round-off counts as 0.
 
-    It is m (largest difference of velocities)^2/2 with the mass m of all bodies but
-    walls, and the vibration energy, both before the collision.
+    It is m dv^2/2 plus the vibration energy before the collision, with the mass m of
+    all bodies but walls, and the largest difference dv of velocities before.
     """
     velocities = outcome.velocities_before
     spread = max(velocities) - min(velocities)
@@ -384,9 +401,10 @@ def _vibration_scale(outcome: Any) -> Any:
 
 
 def _outcome_entries(outcome: Any) -> dict[str, Any]:
-    """Entries of an outcome for JSON, by name.
+    """Entries of an outcome for JSON, by name; numbers in SI units.
 
-    Bodies and contacts are lists of their entries.
+    Bodies and contacts are lists of dictionaries. A joined pair has None for all totals
+    but its impulse, and an undefined restitution None beside its reason.
     """
     bodies = []
     for i, kind in enumerate(outcome.bodies):
@@ -417,7 +435,7 @@ def _outcome_entries(outcome: Any) -> dict[str, Any]:
     else:
         entries["restitution"] = outcome.restitution
         entries["restitution_undefined"] = None
-    for field in fields(outcome):
+    for field in fields(outcome):  # of the dataclass
         if field.type is float:  # energies and residuals of the whole row
             entries[field.name] = getattr(outcome, field.name)
     entries["final"] = outcome.final

@@ -85,6 +85,9 @@ class SavedResult(NamedTuple):
 def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
     """Make the record of the table [result].
 
+    A number of `LATER_ENERGIES` that is missing is 0. Any other number of an outcome is
+    required; the accuracy may be left out.
+
     Parameters
     ----------
     table : dict
@@ -102,7 +105,8 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
         With all mistakes, each with the path of its entry in the table.
     """
     problems: Problems = []
-    _check_keys(problems, "", table, SavedResult._fields, SavedResult._fields)
+    keys = SavedResult._fields
+    _check_keys(problems, "", table, allowed=keys, required=keys)
     for name in WORDS:
         if not isinstance(table.get(name, ""), str):
             add_problem(problems, name, "must be text", table[name])
@@ -115,7 +119,7 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
         numbers.setdefault(name, 0.0)
     accuracy = _read_numbers(problems, "accuracy", table, MEASURES)
     for name, error in accuracy.items():
-        if not error >= 0:
+        if not error >= 0:  # nan is refused, too
             add_problem(problems, f"accuracy.{name}", "must not be negative", error)
     raise_if_problems(problems)
     return SavedResult(
@@ -130,7 +134,11 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
 
 
 def names_of_numbers(bodies: int) -> list[str]:
-    """Names of all numbers of an outcome of so many bodies."""
+    """Names of all numbers of an outcome of so many bodies.
+
+    Energies of the row are first, then such as "velocity_after.0" by body, and
+    "impulse.0" by contact.
+    """
     names = [*OUTCOME_ENERGIES]
     for by_owner, count in ((BY_BODY, bodies), (BY_CONTACT, bodies - 1)):
         for name in by_owner:
@@ -148,7 +156,8 @@ def _check_keys(
 ) -> None:
     """Add problems of keys of a table that are unknown, and of those that are missing.
 
-    `path` is put before the keys.
+    A key is unknown unless `allowed`; those `required` must be there. The path of a
+    problem is `path`, "" or with a dot at its end, and the key.
     """
     for key in table:
         if key not in allowed:
@@ -179,8 +188,8 @@ def _read_numbers(
     numbers: dict[str, float] = {}
     for key, value in group.items():
         try:
-            if isinstance(value, bool | str):  # which `float` would take
-                raise TypeError
+            if isinstance(value, bool | str):
+                raise TypeError  # `float` would take them
             numbers[key] = float(value)
         except (TypeError, OverflowError):
             add_problem(problems, f"{name}.{key}", "must be a number", value)

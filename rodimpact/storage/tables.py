@@ -45,7 +45,7 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
     Returns
     -------
     str
-        One line a row, without a final newline.
+        One line a row, without a final newline; "" without rows.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
     right     1 m
     """
     columns = []
-    for i, column in enumerate(zip(*rows, strict=True)):
+    for i, column in enumerate(zip(*rows, strict=True)):  # the cells of column i
         width = max(map(len, column))
         side = ">"
         if i in left:
@@ -78,7 +78,10 @@ def without_round_off(value: float, scale: float) -> float:
 
 
 def as_html(text: str) -> str:
-    """A table as HTML, for notebooks and pages; its columns stay aligned."""
+    """A table as HTML, for notebooks and pages; its columns stay aligned.
+
+    Characters of HTML are escaped, and us is written µs.
+    """
     style = (
         "white-space: pre; overflow-x: auto; font-family: monospace; text-align: left"
     )
@@ -93,7 +96,7 @@ def with_micro_sign(text: str) -> str:
 def misnamed(column: object) -> str:
     """Why a column cannot have this name, as a sentence; "" if it can.
 
-    A column of such a name would not be read as it was written.
+    A column of such a name would not be read as it was written, or read as times.
     """
     if isinstance(column, str):
         is_time = TIMES.fullmatch(column)
@@ -109,7 +112,8 @@ def misnamed(column: object) -> str:
 def heading(column: str, unit: str) -> str:
     """Head of a column with its unit; "1" stands for no unit.
 
-    InvalidModel if the column cannot have this name or this unit.
+    The column is "time", or one of records. InvalidModel if it cannot have this name or
+    this unit.
 
     Examples
     --------
@@ -125,7 +129,7 @@ def heading(column: str, unit: str) -> str:
             f"a unit in a table has no brackets, commas or quotes; got {shown(unit)}"
         )
         raise invalid_argument("unit", message)
-    if not unit:
+    if unit == "":
         unit = "1"
     return f"{column} [{unit}]"
 
@@ -137,9 +141,10 @@ def write_table(
     *,
     force: bool = False,
 ) -> None:
-    """Write a table of numbers with all digits, as CSV.
+    """Write a table of numbers with all digits, as CSV: the whole file or none.
 
-    The rows come in blocks of columns.
+    Each block holds the next rows, as one array for each head. An existing file is
+    replaced if `force` is true, else FileExistsError is raised.
     """
     write_lines(path, _lines_of_table(heads, blocks), force=force)
 
@@ -147,7 +152,10 @@ def write_table(
 def _lines_of_table(
     heads: Sequence[str], blocks: Iterable[Sequence[Any]]
 ) -> Iterator[str]:
-    """Lines of a table as CSV, heads first."""
+    """Lines of a table as CSV, heads first, without newlines.
+
+    Each block holds the next rows, as one array for each head.
+    """
     yield ",".join(heads)
     for columns in blocks:
         # `repr` writes every digit of a float.
@@ -171,9 +179,10 @@ def versioned_json(**entries: Any) -> str:
 
 
 def finite(value: Any) -> Any:
-    """The same for JSON, which has no infinite numbers and no nan: they become None.
+    """The value for JSON, which has no infinite numbers and no nan: they become None.
 
-    Mappings, lists and tuples are copied, tuples as lists.
+    This goes for all items of dictionaries, lists and tuples, too. These are copied,
+    tuples as lists. Other values are returned as they are.
     """
     if isinstance(value, dict):
         return dict(zip(value, map(finite, value.values()), strict=True))

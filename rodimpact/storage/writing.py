@@ -38,7 +38,8 @@ EXISTS = "it exists already; give force=True to replace it"
 def file_name(path: Any) -> str:
     """A path as text, unchanged; whether there is such a file does not matter.
 
-    InvalidModel for what is none, such as the number of an open file.
+    InvalidModel for anything but text or a path object of text, such as the number of
+    an open file, and for a name with the character NUL.
     """
     name = None
     if isinstance(path, str | os.PathLike):
@@ -81,12 +82,14 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
     refused = f"cannot write {shown_path(path)}: "
     try:
         target = Path(os.path.realpath(path))
+        # A missing or wrong directory is told below.
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             mode = target.stat().st_mode
     except OSError as error:
         raise type(error)(f"{refused}{error.strerror}") from None
     folder = target.parent
-    if stat.S_ISDIR(mode) or not os.path.basename(path):
+    ends_in_slash = os.path.basename(path) == ""  # or is ""
+    if stat.S_ISDIR(mode) or ends_in_slash:
         raise IsADirectoryError(refused + "it is a directory; add the name of a file")
     if mode and not stat.S_ISREG(mode):
         raise OSError(refused + "it is not a regular file")
@@ -130,9 +133,10 @@ def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
 
 @contextlib.contextmanager
 def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
-    """Open a file to be written piece by piece.
+    """Open a file to be written piece by piece, as a context.
 
-    It appears when all is written, or not at all. Parameters and errors are those of
+    It is written under a passing name beside `path`. At the end of the context it gets
+    its own name; after an error it is removed. Parameters and errors are those of
     `write_bytes`.
     """
     target = check_target(path, force=force)
@@ -145,7 +149,7 @@ def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryI
         if force:
             os.replace(passing, target)
         else:
-            _place(passing, target)
+            _place(passing, target)  # a file that appeared meanwhile is not replaced
     except OSError as error:
         reason = str(error)
         if isinstance(error, FileExistsError):
@@ -154,15 +158,15 @@ def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryI
             reason = error.strerror
         raise type(error)(f"cannot write {os.fspath(path)!r}: {reason}") from error
     finally:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError):  # if the name is gone already
             passing.unlink()
 
 
 def _place(passing: Path, target: Path) -> None:
-    """Give a file its name.
+    """Give the file `passing` the name `target`.
 
-    FileExistsError if someone else has made a file of that name meanwhile. A link
-    leaves the name `passing` too, which the caller removes.
+    FileExistsError if there is a file of that name, even one just made by another
+    program. The name `passing` may be left, and the caller removes it.
     """
     try:
         os.link(passing, target)
@@ -193,10 +197,12 @@ def write_npz(
     *,
     force: bool = False,
 ) -> None:
-    """Write arrays and a JSON document as one compressed NPZ.
+    """Write arrays and a JSON document as one compressed NPZ: the whole file or none.
 
-    `read_npz` knows the file by its `kind`. The document says what each array is, so
-    that no reader unpacks anything else.
+    `read_npz` knows the file by its `kind`. To the document are added format, versions,
+    and type, shape and checksum of each array, so that no reader unpacks anything else.
+    OSError for a document of more than `MAX_DOCUMENT_BYTES`, and if the file cannot be
+    written.
     """
     content: dict[str, Any] = {
         "format": FORMAT,

@@ -303,7 +303,9 @@ def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
 
     with (
         recorded_runs(monkeypatch) as runs,
-        pytest.warns(ri.DamagedChunks, match=rf"{fifth.name}: is .*run again"),
+        pytest.warns(
+            ri.DamagedChunks, match=rf"{fifth.name}: is .*run again"
+        ) as warned,
     ):
         again = ri.sweep(family(), checkpoint=tmp_path)
 
@@ -312,6 +314,8 @@ def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
     lengths_of_fifth = family().bodies[0].length[8:10, 0]
     assert set(np.ravel(lengths)) == set(lengths_of_fifth)
     assert same(again, result)
+    # The warning names the line that calls `sweep`.
+    assert warned[0].filename == __file__
     # The damaged file is put aside: perhaps somebody wants it.
     (aside,) = tmp_path.glob(".rodimpact-*")
     assert aside.read_bytes() == damaged

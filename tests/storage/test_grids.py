@@ -678,6 +678,13 @@ def test_a_variable_without_unit_stands_for_any_quantity():
     assert axis.unit == ""
 
 
+@pytest.mark.parametrize("grid", [5, [1, 2], None])
+def test_the_grid_of_a_variable_must_be_text(grid):
+    messages = problems(PILE, {"R": grid, "bodies.0.velocity": "R"})
+
+    assert messages["bodies.0.velocity"].startswith("must be start:stop:count")
+
+
 def test_32_numbers_may_vary_and_33_are_refused():
     """NumPy has no more axes."""
     springs = (LAW + "'spring'\nstiffness = 1\n") * 40
