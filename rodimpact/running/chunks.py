@@ -66,7 +66,8 @@ def run_jobs(
 ) -> Generator[list[JobResult]]:
     """Run the members that the store does not have, in jobs.
 
-    The results are yielded as by `jobs.results_of`. There are about eight jobs a
+    Lists of jobs that have ended are yielded, with their columns, as by
+    `jobs.results_of`; the caller puts them into the store. There are about eight jobs a
     worker, or a hundred if the store is on disk. If it is not, a single worker whose
     method runs many members in one call gets as few jobs as possible.
     """
@@ -75,32 +76,33 @@ def run_jobs(
     members_per_call = METHODS[options.method].members_per_call(build_row(system))
     in_one_call = members_per_call > 0  # 0: the method runs each member alone
     largest_job = size
+    # No bound where members are solved one by one, too: that takes the longer time.
     if in_one_call and not needs_solutions(options, readings):
         largest_job = members_per_call
     missing = store.missing()  # spans of members, from `start` to `stop` - 1
-    to_do = 0
+    missing_count = 0
     for start, stop in missing:
-        to_do += stop - start
+        missing_count += stop - start
 
     def submit(start: int, stop: int) -> Future[Columns]:
-        """Hand the members from `start` to `stop` over to the executor."""
+        """Hand the members `start` to `stop - 1` over to the executor."""
         members = members_of(system, start, stop)
         chunk = Chunk(members, options, readings, in_one_call)
         if pool.stop is None:  # other processes cannot ask whether to stop
             return pool.executor.submit(run_chunk, chunk)
-        # Jobs begin in order: members that the store lacks beyond this job follow in
-        # this process.
+        # Jobs begin in order: members that the store lacks behind those of this job
+        # will be run in this process.
         later_members = int(np.count_nonzero(~store.done[stop:]))
         return pool.executor.submit(run_chunk, chunk, pool.stop, later_members)
 
     jobs_a_worker = JOBS_A_WORKER
     if pool.workers == 1 and in_one_call:
-        jobs_a_worker = 1  # no other worker has to end at the same time
+        jobs_a_worker = 1  # there is no other worker that would wait for this one
     if store.path is not None:
         jobs_a_worker = JOBS_A_WORKER_TO_KEEP
     job_count = jobs_a_worker * pool.workers
     job_members = job_size(
-        members=to_do, row=row_size, jobs=job_count, most=largest_job
+        members=missing_count, row=row_size, jobs=job_count, most=largest_job
     )
     jobs = cut(missing, job_members)
     return results_of(jobs, submit, pool.workers)
@@ -109,24 +111,27 @@ def run_jobs(
 def members_of(system: System, start: int, stop: int) -> System:
     """Members `start` to `stop - 1` of a family in C order, as a smaller family.
 
-    All members are the family itself. Whole rows of it keep its axes; else the members
-    stand along a single axis.
+    For all members this is the family itself. Whole rows, which have one index of the
+    first axis each, keep the other axes: the shape is (rows, ...). Other members stand
+    along a single axis: the shape is (stop - start,).
     """
     if stop - start == math.prod(system.shape):
         return system
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
     are_whole_rows = start % row_size == 0 and stop % row_size == 0
     if are_whole_rows:
-        # As whole rows, numbers that vary along other axes alone stay small.
+        # A slice keeps numbers that vary along other axes alone as small as they are;
+        # an index, as below, repeats them.
         return system[start // row_size : stop // row_size]
     members = np.arange(start, stop)
     return system[np.unravel_index(members, system.shape)]
 
 
 def needs_solutions(options: Options, readings: RequestedReadings) -> bool:
-    """Whether the readings need the solution of each member, which takes longer.
+    """Whether each member must be solved alone, for what is to be read of it.
 
-    Gauges do, and so do names of `also` that the method does not find itself.
+    Gauges need it, and so do names of `also` that the method does not find when it runs
+    many members in one call.
     """
     if readings.gauges:
         return True
@@ -139,7 +144,9 @@ def run_chunk(
 ) -> Columns:
     """Columns of the members of a chunk, by name, with an entry a member in C order.
 
-    Members are run in one call, one by one, or both if the readings need solutions.
+    They are those of `layout_of`, with its types. Members are run in one call, one by
+    one, or both if the readings need solutions. Stopped is raised if the sweep shall
+    give up.
 
     Parameters
     ----------
@@ -147,17 +154,18 @@ def run_chunk(
     should_stop : function
         Asked now and then whether to give up.
     later : int
-        Members that are certain to follow in this process.
+        Members that are certain to follow in this process, by which the method decides
+        whether to compile.
     """
     columns: Columns = {}
     try:
         if not chunk.in_one_call or needs_solutions(chunk.options, chunk.readings):
             columns = _one_by_one(chunk, should_stop)
         if chunk.in_one_call:
-            # They take the place of the same columns of single members.
+            # Columns of the call replace those of the same name of single members.
             columns |= _in_one_call(chunk, should_stop, later)
     finally:
-        memory.give_back()
+        memory.give_back()  # this thread's turn at more than its share of memory
     with_dtypes = {}
     for name, layout in layout_of(chunk.system, chunk.readings).items():
         with_dtypes[name] = columns[name].astype(layout.dtype, copy=False)
@@ -165,10 +173,11 @@ def run_chunk(
 
 
 def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
-    """Columns of members that are solved each alone, by name.
+    """Columns of members that are solved each alone, by name, [member, ...].
 
-    A member that the method refuses has no numbers, see `_empty_columns`. Stopped is
-    raised if the sweep shall give up.
+    They are those of `layout_of`, with all names of `also` and with strains. A member
+    that the method refuses is nan or 0 there, see `_empty_columns`. Stopped is raised
+    if the sweep shall give up.
     """
     system = chunk.system
     readings = chunk.readings
@@ -186,7 +195,8 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
 
     for i, index in enumerate(np.ndindex(system.shape)):
         raise_if_stopped()
-        # InvalidModel: the method refuses this member.
+        # After InvalidModel the member stays refused, as its columns begin. Tiny
+        # numbers may become 0, even where the caller of NumPy made that an error.
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
             run = options._run_checked(options.method, system[index], raise_if_stopped)
             solution = Solution(run, options)
@@ -196,10 +206,10 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
 
 
 def _empty_columns(system: System, readings: RequestedReadings) -> Columns:
-    """Columns in which all members are refused: ``status`` says so.
+    """Columns of `layout_of` in which all members are refused: ``status`` says so.
 
-    Columns of floats are nan. Those of whole numbers and of truth values are 0, and
-    have whole numbers here; `run_chunk` gives every column the dtype of its layout.
+    Columns of floats are nan, [member, ...]. Those of whole numbers and of truth values
+    are 0, as whole numbers; `run_chunk` gives every column the dtype of its layout.
     """
     count = math.prod(system.shape)
     columns: Columns = {}
@@ -213,10 +223,10 @@ def _empty_columns(system: System, readings: RequestedReadings) -> Columns:
 
 
 def _without_unread_states(options: Options, readings: RequestedReadings) -> Options:
-    """Options that keep two states of a grid, unless its other states are read.
+    """Options of a grid that keep its first and last state, unless others are read.
 
-    An outcome needs the first and the last state alone. Other methods keep no states,
-    and their options stay as they are.
+    Those two are enough for an outcome; gauges and largest stresses read all states.
+    Other methods keep no states, and their options are returned as they are.
     """
     reads_fields = len(readings.gauges) > 0 or "largest_stress" in readings.also
     if reads_fields or "snapshots" not in METHODS[options.method].takes:
@@ -225,13 +235,14 @@ def _without_unread_states(options: Options, readings: RequestedReadings) -> Opt
 
 
 def _in_one_call(chunk: Chunk, should_stop: Callable[[], bool], later: int) -> Columns:
-    """Columns of members that the method runs in one call, by name.
+    """Columns of members that the method runs in one call, by name, [member].
 
-    The arguments are those of `run_chunk`.
+    Names of `also` that the method does not find are left out. `should_stop` and
+    `later` are as for `run_chunk`.
     """
     options = chunk.options
     method = METHODS[options.method]
-    assert method.family is not None
+    assert method.family is not None  # as `chunk.in_one_call` says
     method_options: dict[str, Any] = {}
     for name in method.takes:
         method_options[name] = getattr(options, name)

@@ -165,10 +165,11 @@ class Layout(NamedTuple):
 
 
 def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
-    """Columns of a family with these names in `COLUMNS`, by their full names.
+    """What each column of a family holds, for these names of `COLUMNS`.
 
-    The result says what each column holds. A name such as "impulse" has a column for
-    each contact, "impulse.0", "impulse.1"; one that no body or contact has is left out.
+    The result has a `Source`, name and index, by the full name of the column. A name
+    such as "impulse" has a column for each contact, "impulse.0", "impulse.1"; one that
+    no body or contact has is left out. A name of the whole row has index 0.
     """
     owners = _owners(system)
     sources = {}
@@ -183,7 +184,10 @@ def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
 
 
 def _owners(system: System) -> dict[str, list[int]]:
-    """Indices of the bodies or contacts that have a column each, by kind of owner."""
+    """Indices of the bodies or contacts that have a column each, by kind of owner.
+
+    The kinds are "body", "contact", "rod", and "yielding" for a plastic contact.
+    """
     rods = []
     for i, body in enumerate(system.bodies):
         if isinstance(body, Rod):
@@ -201,9 +205,10 @@ def _owners(system: System) -> dict[str, list[int]]:
 
 
 def layout_of(system: System, readings: RequestedReadings) -> dict[str, Layout]:
-    """How the columns of a family are stored, by name.
+    """Type of the columns of a family, and the shape of an entry, by name.
 
-    "strain" is the column of the gauges.
+    An entry is one value, but that of "strain", the column of gauges, has the shape
+    (gauges, times). Without gauges there is no such column.
     """
     layout = {}
     for column, source in columns_of(system, (*ALWAYS, *readings.also)).items():
@@ -220,7 +225,6 @@ def row_of(solution: Solution, readings: RequestedReadings) -> Columns:
     Each is one value, but that of "strain" is an array, [gauge, time].
     """
     row: Columns = {}
-    # By column: its quantity, and the number of its body or contact
     sources = columns_of(solution.system, (*ALWAYS, *readings.also))
     for column, source in sources.items():
         row[column] = COLUMNS[source.name].read(solution, source.owner_index)
@@ -232,8 +236,8 @@ def row_of(solution: Solution, readings: RequestedReadings) -> Columns:
 def _strain(solution: Solution, readings: RequestedReadings) -> Any:
     """Strain at the gauges, [gauge, time]; nan after the end of the run."""
     times = readings.times
-    latest = solution.t_end * (1 + RUN_END_RTOL)
-    inside = times <= latest
+    latest = solution.t_end * (1 + RUN_END_RTOL)  # with room for round-off
+    inside = times <= latest  # [time]
     strain = np.full((len(readings.gauges), len(times)), math.nan)
     for i, body_and_place in enumerate(readings.gauges):
         body, x = body_and_place

@@ -66,7 +66,8 @@ class Sides(NamedTuple):
 def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     """Derivatives and values of a function at a point, extrapolated from both sides.
 
-    The central derivative is there as well. Each has an error.
+    The central derivative is there as well. Each is an `Estimate` of the shape [...],
+    with its error; where it cannot be found it is nan, with the error inf.
 
     Parameters
     ----------
@@ -78,7 +79,8 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     noise : [...] array
         Bound of the error of the values.
     """
-    # Arguments of neighbouring steps differ by this; the later one is nearer.
+    # Distance of the arguments of neighbouring steps, [step - 1, ...]. The later one is
+    # nearer to the point: its value is the upper one below, the lower one above.
     between = steps[:-1] - steps[1:]
     slopes_below = (below[1:] - below[:-1]) / between
     slopes_above = (above[:-1] - above[1:]) / between
@@ -100,7 +102,9 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
 def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estimate:
     """Limit of a sequence at halved steps, by the window with the least error.
 
-    It is nan, with the error inf, where no window has a finite error.
+    A window, some consecutive steps, is extrapolated. Windows are tried from the
+    smallest step on, up to the first that contradicts those before it. The limit is
+    nan, with the error inf, where no window has a finite error.
 
     Parameters
     ----------
@@ -123,10 +127,10 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
         exists = np.isfinite(window.error)
         lower = window.value - window.error
         upper = window.value + window.error
-        # Its interval overlaps that of all windows so far.
+        # Whether the interval of this window overlaps that of all windows so far
         agrees = (lower <= high) & (upper >= low)
         contradicts = exists & ~agrees
-        in_agreement &= ~contradicts  # the first that contradicts ends the search
+        in_agreement &= ~contradicts  # False from the first that contradicts on
         used = exists & in_agreement
         low = np.where(used, np.maximum(low, lower), low)
         high = np.where(used, np.minimum(high, upper), high)
@@ -137,12 +141,13 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
 
 
 def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
-    """Window with the least error of those that begin at each step.
+    """For each step, the estimate with the least error by windows that begin there.
 
-    The smallest step comes first. `noise` is the bound of the error of `first` by the
-    values, [step, ...]; see `limit`. A window of order n removes the first n terms of
-    the error by n + 1 steps. With the two windows S of order n - 1 in it, Richardson's
-    extrapolation is
+    A window begins at its largest step. The smallest step comes first in the list; no
+    window begins there, so its estimate is nan, with the error inf. `noise` is the
+    bound of the error of `first` by the values, [step, ...]; see `limit`. A window of
+    order n removes the first n terms of the error by n + 1 steps. With the two windows
+    S of order n - 1 in it, Richardson's extrapolation is
 
         S(smaller steps) + (S(smaller steps) - S(larger steps))/(ratio^n - 1).
     """
@@ -151,9 +156,10 @@ def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
     errors = np.full(first.shape, math.inf)
     order_below = first  # windows of the order below, [step at which they begin]
     noise_below = noise
-    for order in range(1, min(MAX_ORDER, count - 1) + 1):
+    highest_order = min(MAX_ORDER, count - 1)
+    for order in range(1, highest_order + 1):
         factor = float(ratio**order)
-        # Of two neighbours in it, the later one has the smaller steps.
+        # Of two neighbours in `order_below`, the later one has the smaller steps.
         change = (order_below[1:] - order_below[:-1]) / (factor - 1)
         this_order = order_below[1:] + change
         # The window is (factor S(smaller steps) - S(larger steps))/(factor - 1).
@@ -167,6 +173,6 @@ def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
         order_below = this_order
         noise_below = this_noise
     windows = []
-    for begin in reversed(range(count)):
+    for begin in reversed(range(count)):  # from the smallest step
         windows.append(Estimate(values[begin], errors[begin]))
     return windows

@@ -154,7 +154,10 @@ class Gradient:
     units: Mapping[str, str]
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
-        """The derivatives as an array, [..., path]; always a new one."""
+        """The derivatives as an array, [..., path]; always a new one.
+
+        Paths are in the order of `wrt`. The type is float unless `dtype` tells another.
+        """
         columns = [self.values[path] for path in self.wrt]
         if dtype is None:
             dtype = float
@@ -166,7 +169,7 @@ class Gradient:
         return self.values[path]
 
     def __str__(self) -> str:
-        """The value and a line for each derivative; of a family only what it is."""
+        """The value and a line for each derivative; of a family only names and size."""
         if np.ndim(self.value) > 0:
             members = f"of {np.size(self.value)} members, by {', '.join(self.wrt)}"
             return f"derivatives of {self.of} {members}"
@@ -177,12 +180,12 @@ class Gradient:
         return "\n".join(lines)
 
     def _described(self, path: str) -> str:
-        """Derivative by the number at a path, with its unit, as text.
+        """Derivative by the number at a path, with its unit and stated error, as text.
 
-        At a kink the text has the derivatives on both sides, and the jump of the result
-        in its own unit, `unit`. The stated error follows.
+        This is for a single collision. At a kink the text has the derivatives on both
+        sides, and the jump of the result in its own unit if there is one.
         """
-        unit = f" {self.units[path]}".rstrip()
+        unit = f" {self.units[path]}".rstrip()  # "" without a unit
         error = float(self.errors[path])
         if path in self.kinks:
             below, above, jump = self.kinks[path]
@@ -286,7 +289,8 @@ def gradient(
     with Progress(progress, "gradient", "collisions") as report:
         result = _Result(of, options, workers, report)
         estimate = result.of_members(system)
-        if not system.shape and math.isnan(estimate.value):
+        is_single = system.shape == ()
+        if is_single and math.isnan(estimate.value):
             raise UndefinedRestitution(_why_undefined(system, of, options))
         columns = []
         for number in numbers:
@@ -302,13 +306,15 @@ def _common_options(
     """Options with one method by which the system and all its neighbours can be solved.
 
     Neighbours, with one of the numbers changed, may have more physics, such as a
-    gravity that is not 0. Methods with more physics come later in `METHODS`.
+    gravity that is not 0. Methods with more physics come later in `METHODS`. If none
+    was given, "characteristics" gets `SMOOTH_RTOL` as rtol.
     """
     methods = [options.method_for(system)]
     for number in numbers:
         neighbours = number.neighbours([number.size * PROBING_CHANGE])
         methods.append(options.method_for(neighbours.system))
-    most_able = max(methods, key=list(METHODS).index)
+    by_physics = list(METHODS)
+    most_able = max(methods, key=by_physics.index)
     if most_able == "characteristics" and options.rtol is None:
         options = replace(options, rtol=SMOOTH_RTOL)
     return replace(options, method=most_able)
@@ -317,7 +323,8 @@ def _common_options(
 def _why_undefined(system: System, of: str, options: Options) -> str:
     """Why a single collision has no result of that name, as a sentence.
 
-    The collision is solved once more to find the reason.
+    The collision is solved once more to find the reason: that of the restitution, or
+    why the run ended.
     """
     solution = solve(
         system,
@@ -359,7 +366,8 @@ class _Result:
     def of_members(self, system: System) -> Estimate:
         """Values of the result and their stated errors, of the family's shape.
 
-        The value is nan where a run does not end.
+        Every member is solved, and counted for the report. The value is nan where a run
+        does not end, or the method refuses a member.
         """
         options = self.options
         is_exact = options.method == "fronts"
@@ -374,23 +382,25 @@ class _Result:
             rtol=options.rtol,
             also=also,
             workers=self._workers,
+            # How many more collisions follow is not known: None.
             progress=lambda done, _: self._report(self._solved + done, None),
         )
         self._solved += math.prod(system.shape)
         columns = swept.columns
         ended = np.isin(columns["status"], ENDED)
         value = np.where(ended, columns[self.of], math.nan)
-        accuracy = FRONTS_RTOL
+        accuracy = FRONTS_RTOL  # relative
         if not is_exact:
             accuracy = columns["accuracy"]
         return Estimate(value, accuracy * self._size(system, columns))
 
     def _size(self, system: System, columns: Mapping[str, Any]) -> Any:
-        """Size to which the stated error of the result is relative, of members.
+        """Size to which the stated error of the result is relative, of each member.
 
-        It is in the unit of the result. It is the velocity scale of the row, the
-        largest impulse, peak force or duration of a contact, or that of a restitution.
-        The results of the members are given by column.
+        It is in the unit of the result: the velocity scale of the row, the largest
+        impulse or peak force of a contact, or the size of the restitution. That of
+        durations, which are less accurate, is ten times the largest one. `columns` are
+        those of a sweep.
         """
         kind, _, _ = self.of.partition(".")
         if kind == "velocity_after":
@@ -409,9 +419,9 @@ class _Result:
     def _size_of_restitution(
         self, system: System, columns: Mapping[str, Any], k: int
     ) -> Any:
-        """2 V/closing + e at contact k, with the velocity scale V, of members.
+        """2 V/closing + e at contact k, with the velocity scale V, of each member.
 
-        Each of the two velocities after, in e = parting/closing, may be wrong by a
+        In e = parting/closing each of the two velocities after may be wrong by a
         fraction of V. The velocity of closing is parting/e; it counts as V where e = 0.
         """
         e = columns["restitution"]
@@ -425,7 +435,11 @@ class _Result:
 
 
 def velocity_scale(system: System) -> Any:
-    """Velocity to which stated errors of velocities are relative, m/s."""
+    """Velocity to which stated errors of velocities are relative, m/s, of each member.
+
+    It is the velocity scale of the row; without rods, the largest difference of the
+    velocities before.
+    """
     row = build_row(system)
     if len(row.segments) > 0:
         return row.scale
@@ -452,7 +466,8 @@ class _Number(NamedTuple):
         """Systems with the number plus each of the changes, [change, ...].
 
         Changes that the declaration of the number or the system refuses are not made:
-        the number stays there, and `allowed` is false.
+        the number stays there, and `allowed` is false. A change that the system refuses
+        for one member is refused for all.
         """
         field = field_at(self.system, self.entries[0])  # the declaration
         changes = np.asarray(changes)
@@ -461,7 +476,8 @@ class _Number(NamedTuple):
         try:
             return _Neighbours(self._changed(allowed_changes), allowed)
         except InvalidModel:
-            # A number may have to be less than another: each change is tried alone.
+            # The system refuses some change, such as a number that must be less than
+            # another one: each change is tried alone, for all members.
             for k in range(len(changes)):
                 if not self._can_change(allowed_changes[k]):
                     allowed[k] = False
@@ -477,7 +493,7 @@ class _Number(NamedTuple):
         return True
 
     def _changed(self, change: Any) -> System:
-        """The system with the number plus a change.
+        """The system with the number plus a change; InvalidModel if it refuses that.
 
         It is a family if the change is an array.
         """
@@ -487,8 +503,12 @@ class _Number(NamedTuple):
         return with_numbers(self.system, dict.fromkeys(self.entries, value))
 
     def members(self, chosen: Any) -> "_Number":
-        """The same number of the members of the family for which `chosen` is true."""
-        if not self.system.shape:
+        """The same number of the members of the family for which `chosen` is true.
+
+        The members stand along one axis. A single collision is returned as it is,
+        whether it is chosen or not.
+        """
+        if self.system.shape == ():
             return self
         x = np.broadcast_to(self.x, self.system.shape)
         size = np.broadcast_to(self.size, self.system.shape)
@@ -498,22 +518,23 @@ class _Number(NamedTuple):
 def _number(system: System, path: str) -> _Number:
     """The number at a path, with the size by which its changes are measured.
 
-    The size of most numbers is their absolute value, that of a gap at most its natural
-    size. The natural size stands for 0, and for all numbers that are
+    The size of most numbers is their absolute value, that of a gap at most its
+    `_natural_size`. The natural size stands for 0, and for all numbers that are
     `SCALED_BY_MOTION`. InvalidModel if a number is 0 and has no natural size.
     """
-    entries = entries_by_path(system)[path]
-    x = numbers_of(system)[entries[0]]
-    natural = _natural_size(system, entries[0])
+    entries = entries_by_path(system)[path]  # where the system has this number
+    entry = entries[0]  # the same number as the others
+    x = numbers_of(system)[entry]
+    natural = _natural_size(system, entry)
     is_zero = np.equal(x, 0)
-    words = entries[0].split(".")
+    words = entry.split(".")
     if not SCALED_BY_MOTION.isdisjoint(words):
         size = natural
     elif words[-1] == "gap":
         size = np.where(is_zero, natural, np.minimum(x, natural))
     else:
         size = np.where(is_zero, natural, np.abs(x))
-    if not np.all(np.greater(size, 0)):
+    if not np.all(np.greater(size, 0)):  # 0 or nan
         message = (
             f"{path} is 0, and nothing else gives it a scale; give it a small value"
         )
@@ -522,28 +543,28 @@ def _number(system: System, path: str) -> _Number:
 
 
 def _natural_size(system: System, path: str) -> Any:
-    """Size that the row gives to the number at a path by its unit; nan without any.
+    """Size that the row gives to the number at a path by its unit, of each member.
 
     Let V be the velocity scale of the row, T the longest transit time, c the largest
     wave speed, Z the largest impedance and E the largest modulus. A gap is V T, a
-    strain V/c, a force Z V.
+    strain V/c, a force Z V. A pure number is 1. It is nan for any other unit, and
+    without rods for any but that of a velocity.
     """
     row = build_row(system)
     V = velocity_scale(system)
     unit = quantity_of_parameter(system, path).unit
     if unit == "m/s":
         return V
-    if unit == "1":
+    if unit == "1":  # a pure number
         return 1.0
     if len(row.segments) == 0:
         return math.nan
-    # Longest transit time, largest wave speed, impedance and modulus
     T = _largest_of(row.segments, "transit_time")
     c = _largest_of(row.segments, "wave_speed")
     Z = _largest_of(row.segments, "impedance")
     E = largest([segment.material.youngs_modulus for segment in row.segments])
     sizes = {
-        "": V / c,
+        "": V / c,  # a strain
         "m": V * T,
         "m/s^2": V / T,
         "N": Z * V,
@@ -561,16 +582,18 @@ def _largest_of(segments: Sequence[Any], name: str) -> Any:
 
 
 def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides:
-    """Derivatives of a result by a number on both sides.
+    """Derivatives and values of a result on both sides of a number, of each member.
 
-    They are found in stages of ever smaller steps. `estimate` is the result itself,
-    with its error. Each stage has `STEPS_PER_STAGE` steps. A stage after the first
-    solves only those members that `_unsettled` chooses; others have nan in it.
+    They are found in up to `MAX_STAGES` stages of ever smaller steps. `estimate` is the
+    result itself, with its error. Each stage has `STEPS_PER_STAGE` steps. A stage after
+    the first solves only those members that `_unsettled` chooses. A member without a
+    result has nan.
     """
     shape = number.system.shape
     size = np.broadcast_to(number.size, shape)
     noise = np.broadcast_to(estimate.error, shape)
-    first_step = LARGEST_STEP[result.options.method]
+    first_step = LARGEST_STEP[result.options.method]  # over the size
+    # All stages so far, [step, ...]; values are nan where no member was solved.
     steps = np.zeros((0, *shape))
     below = np.zeros((0, *shape))
     above = np.zeros((0, *shape))
@@ -582,6 +605,7 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
         stage_below = np.full(stage_steps.shape, math.nan)
         stage_above = np.full(stage_steps.shape, math.nan)
         if chosen.any():
+            # [step, chosen member]; a single collision is one member.
             changes = stage_steps[:, chosen]
             both_sides = np.concatenate([-changes, changes])
             neighbours = number.members(chosen).neighbours(both_sides)
@@ -592,7 +616,8 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
         steps = np.concatenate([steps, stage_steps])
         below = np.concatenate([below, stage_below])
         above = np.concatenate([above, stage_above])
-        # Rounding the number plus a step changes the result by slope times rounding.
+        # The number plus a step is rounded. That is an error of the result, too: its
+        # slope times the round-off.
         rise_above = np.abs(above - estimate.value)
         rise_below = np.abs(below - estimate.value)
         slopes = np.fmax(rise_above, rise_below) / steps  # of the steeper side
@@ -609,12 +634,14 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
 def _unsettled(sides: Sides, estimate: Estimate, noise: Any, next_step: Any) -> Any:
     """Whether smaller steps may tell more of each member: an array of truth values.
 
-    They may if the derivatives on both sides differ by more than noise would then
-    allow, if the values jump, or if the error is much larger than that by noise. They
-    never do where the result itself is no number. `noise` is the bound of the error of
-    values, and `next_step` the largest of further steps.
+    They may if the derivatives on both sides differ by more than their errors, and by
+    more than noise would be at the next steps; if the values jump; or if the error is
+    much larger than that noise. They never do where the result itself is no number.
+    `noise` is the bound of the error of values, and `next_step` the largest of further
+    steps.
     """
-    from_noise = NOISE_AMPLIFICATION * noise / next_step  # error of a derivative
+    # Error of a derivative by noise, if the next steps are taken
+    from_noise = NOISE_AMPLIFICATION * noise / next_step
     bend = np.abs(sides.bend.value)  # difference of the derivatives on both sides
     bent = bend > sides.bend.error
     bend_can_be_told = bend > 2 * from_noise  # each of both has the error `from_noise`
@@ -639,7 +666,8 @@ def _column(sides: Sides, defined: Any) -> _Column:
     """Derivatives by one number: one where both sides agree, else those of both sides.
 
     Where they agree it is the central one or the mean of both, whichever has the
-    smaller error. `defined` tells of each member whether its result is a number.
+    smaller error. Elsewhere it is nan; the error is then the larger one of the sides
+    that exist. `defined` tells of each member whether its result is a number.
     """
     smooth = sides.smooth & defined
     mean = (sides.below.value + sides.above.value) / 2
@@ -647,7 +675,7 @@ def _column(sides: Sides, defined: Any) -> _Column:
     take_central = sides.central.error <= mean_error
     value = np.where(take_central, sides.central.value, mean)
     error = np.where(take_central, sides.central.error, mean_error)
-    # The error at a kink is the larger one of sides that exist; else nan.
+    # A side exists if its derivative was found. Without any, the error is nan.
     exists_below = np.isfinite(sides.below.error)
     exists_above = np.isfinite(sides.above.error)
     exists = exists_below | exists_above
@@ -675,16 +703,16 @@ def _column(sides: Sides, defined: Any) -> _Column:
 def lasting_bodies(system: System) -> set[int]:
     """Indices of the bodies that have a velocity after the collision.
 
-    An absorbing end slows the bodies that are bonded or joined to it down for ever:
-    they have none.
+    A body at an absorbing end is slowed down for ever, and so are those that are bonded
+    or joined to it: they have none.
     """
     last = len(system.bodies) - 1
-    radiating = set()
+    radiating = set()  # bodies with an absorbing end
     for body, end in zip((0, last), system.ends, strict=True):
         if isinstance(end, Absorbing):
             radiating.add(body)
     lasting: set[int] = set()
-    for group in groups(system):
+    for group in groups(system):  # indices of bodies that are bonded or joined
         if radiating.isdisjoint(group):
             lasting.update(group)
     return lasting
@@ -693,9 +721,11 @@ def lasting_bodies(system: System) -> set[int]:
 def _check_arguments(
     system: System, of: Any, wrt: Any, until: float | None, progress: Any
 ) -> None:
-    """Raise InvalidModel with the mistakes of all arguments of `gradient`.
+    """Raise InvalidModel with the mistakes of these arguments of `gradient`.
 
-    `of` must be a result that the system has, and `wrt` a list of paths of its numbers.
+    `of` must be a result that the system has: the velocity of a body that has one
+    afterwards, a total of a contact that can open, or the restitution if there is one
+    such contact. `wrt` must be a list of paths of numbers.
     """
     problems: Problems = []
     check_progress(problems, progress)
@@ -711,8 +741,8 @@ def _check_arguments(
             choices.append(f"{name}.{k}")
     if len(contacts) == 1:
         k = contacts[0]
-        both_last = {k, k + 1} <= bodies  # whether both bodies have a velocity after
-        if both_last:
+        both_have_velocities = {k, k + 1} <= bodies
+        if both_have_velocities:
             choices.append("restitution")
     if not isinstance(of, str) or of not in choices:
         message = f"must be one of {', '.join(choices)}, got {shown(of)}"
@@ -745,9 +775,10 @@ def _is_list_of_text(value: Any) -> bool:
 def _gradient(
     system: System, of: str, wrt: tuple[str, ...], value: Any, columns: list[_Column]
 ) -> Gradient:
-    """The result of `gradient`, from the value of `of` and columns by path.
+    """The result of `gradient`, from the value of `of` and a column for each path.
 
-    Each path of `wrt` has a column.
+    Units are added. `kinks` has only paths at which some member has a kink, with nan
+    for the others. In a single collision arrays become numbers.
     """
     unit = quantity_of_column(system, of).unit
     values = {}
@@ -785,15 +816,15 @@ def _gradient(
 def _per(unit: str, other: str) -> str:
     """Unit of a derivative, from the units of both quantities; "" if it has none.
 
-    m^1.5/N for a pure number by N/m^1.5. Units with powers that are no numbers, such as
-    N/m^p, stay as they are.
+    It is m^1.5/N for a pure number by N/m^1.5. With a power that is no number, such as
+    in N/m^p, it is the text of both units: "1/(N/m^p)".
     """
-    powers: dict[str, float] = {}
+    powers: dict[str, float] = {}  # of the symbols of the unit, changed below
     try:
         multiply_unit(powers, unit, 1)
         multiply_unit(powers, other, -1)
     except ValueError:
-        if not unit:
+        if unit == "":
             unit = "1"
         return f"{unit}/({other})"
     return written_unit(powers)

@@ -53,8 +53,8 @@ class Pool(NamedTuple):
 def check_executor(problems: Problems, executor: object, system: System) -> None:
     """Add problems of an executor that is none, or of laws that it cannot take.
 
-    None is no mistake. Processes cannot take the function of a `Law` that they cannot
-    import.
+    None is no mistake: threads are taken then. Only a ProcessPoolExecutor is asked for
+    laws; it cannot take the function of a `Law` that its processes cannot import.
     """
     if executor is None:
         return
@@ -73,7 +73,7 @@ def check_executor(problems: Problems, executor: object, system: System) -> None
 
 
 def _is_importable(function: Callable[..., Any]) -> bool:
-    """Whether another process finds a function by its name."""
+    """Whether another process finds a function by its name, as `pickle` tells."""
     try:
         pickle.dumps(function)
     except (pickle.PicklingError, AttributeError, TypeError):
@@ -83,11 +83,13 @@ def _is_importable(function: Callable[..., Any]) -> bool:
 
 @contextlib.contextmanager
 def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
-    """The given executor, or threads of our own.
+    """The given executor, or threads of our own, as a context.
 
-    The threads are told to stop when the context ends. Where no thread can start, jobs
-    are done by the thread that submits them. The number of workers is by default that
-    of the processors, and `WORKERS_OF_EXECUTOR` for a given executor.
+    When the context ends, own threads are told to stop and jobs that wait are
+    cancelled; nothing waits for jobs that run. A given executor is left as it is. Where
+    no thread can start, jobs are done by the thread that submits them. The number of
+    workers is by default that of the processors, and `WORKERS_OF_EXECUTOR` for a given
+    executor.
     """
     if executor is not None:
         if workers is None:
@@ -103,13 +105,14 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
     )
     executor = threads
     try:
-        threads.submit(int)  # any job starts a thread
+        threads.submit(int)  # the first job, whatever it is, starts a thread
     except RuntimeError:  # no thread can start, as in a browser
         executor = SerialExecutor()
     try:
         yield Pool(executor, workers, stopping.is_set)
-    finally:  # an interrupt does not wait for a member, or for a compiler, to end
+    finally:
         stopping.set()
+        # An interrupt does not wait until a member or a compiler ends.
         threads.shutdown(wait=False, cancel_futures=True)
 
 
@@ -130,7 +133,7 @@ class SerialExecutor(Executor):
     def submit(
         self, job: Callable[..., Any], /, *arguments: Any, **named: Any
     ) -> Future[Any]:
-        """Do a job, and return a future with its result.
+        """Do a job at once, and return a future with its result.
 
         Errors of the job are raised here.
         """
@@ -140,22 +143,22 @@ class SerialExecutor(Executor):
 
 
 def job_size(members: int, row: int, jobs: int, most: int) -> int:
-    """Number of members of a job.
+    """Number of members of a job, from 1 to `most`.
 
-    It is rounded down to whole rows if a job holds a row at least, and stays what it is
-    if not.
+    A job of more members than a row is rounded down to whole rows, so that there may be
+    more jobs.
 
     Parameters
     ----------
     members : int
-        All that are to be run.
+        Members to run in all jobs.
     row : int
         Members with one index of the first axis. Numbers that vary along other axes
         alone are the same in every row, so a job of whole rows has them once.
     jobs : int
-        How many there shall be, about.
+        Number of jobs that is wanted.
     most : int
-        Members of a job at most.
+        Largest number of members of a job, 1 or more.
     """
     size = math.ceil(members / jobs)
     size = max(1, min(size, most))
@@ -165,10 +168,9 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
 
 
 def cut(spans: Iterable[Span], size: int) -> Iterator[Span]:
-    """Cut spans of members at multiples of a size.
+    """Cut spans of members at each multiple of a size, and yield the parts in order.
 
-    Each part lies between two neighbouring multiples, and parts of a span follow each
-    other.
+    So no part has more members than that, and none crosses a multiple.
     """
     for start, stop in spans:
         while start < stop:
@@ -185,13 +187,14 @@ def results_of(
 ) -> Generator[list[JobResult]]:
     """Run jobs on an executor, two for each worker at a time: one running, one queued.
 
-    Jobs that have not begun are cancelled when the generator is closed, or a job fails.
+    An error of a job is raised here. When that happens, or the generator is closed,
+    jobs that have not begun are cancelled.
 
     Parameters
     ----------
     jobs : iterator of Span
     submit : function
-        Hands over the members from `start` to `stop`.
+        Hands the members `start` to `stop - 1` over, and returns the future.
     workers : int
 
     Yields
@@ -201,19 +204,20 @@ def results_of(
         it may be empty.
     """
     waiting = deque(jobs)
-    running: dict[Future[Any], Span] = {}  # members of each job that was handed over
+    submitted: dict[Future[Any], Span] = {}  # by job, its members
     try:
-        while waiting or running:
-            while waiting and len(running) < 2 * workers:
+        while waiting or submitted:
+            while waiting and len(submitted) < 2 * workers:
                 span = waiting.popleft()
                 job = submit(span.start, span.stop)
-                running[job] = span
+                submitted[job] = span
             results = []
-            ended = wait(running, HEARTBEAT, FIRST_COMPLETED).done
+            # Until a job ends, or for this time if none does
+            ended = wait(submitted, HEARTBEAT, FIRST_COMPLETED).done
             for job in ended:
-                span = running.pop(job)
+                span = submitted.pop(job)
                 results.append(JobResult(span.start, span.stop, job.result()))
             yield results
     finally:
-        for job in running:
-            job.cancel()
+        for job in submitted:
+            job.cancel()  # has no effect on one that runs

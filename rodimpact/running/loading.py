@@ -74,8 +74,8 @@ def load(path: PathLike) -> Any:
 def _solve_again(name: str) -> Solution:
     """Solve the case of a file.
 
-    A warning tells where the outcome differs from the stored one. InvalidModel if it
-    stores no outcome.
+    The warning OutcomeDiffers tells where the outcome differs from the stored one by
+    more than the stated errors. InvalidModel if the case stores no outcome.
     """
     case = read_case(name)
     if case.result is None:

@@ -41,8 +41,9 @@ def check_readings(
 ) -> RequestedReadings:
     """Check the arguments `gauges` and `times` of `sweep`, and return them as readings.
 
-    Mistakes are added to the problems. Without gauges, or with mistakes that leave
-    none, the readings are empty. `check_also` checks the further columns.
+    Mistakes are added to the problems. The readings are empty if neither is given, or
+    only one, which is a mistake, or if `gauges` is no list. A faulty gauge is left out.
+    `check_also` checks the further columns.
     """
     is_sequence = isinstance(gauges, Sequence | np.ndarray)
     has_items = getattr(gauges, "ndim", 1) > 0  # a single number as an array has none
@@ -74,8 +75,9 @@ def _check_gauge(
 ) -> tuple[int, float] | None:
     """Body of a gauge, and its place in m from the left end.
 
-    None and a problem if the gauge is faulty. It must lie in a rod of every member. A
-    place that is no number has a problem, but is returned.
+    `gauge` must be such a pair, and lie in a rod of every member; if not, a problem is
+    added, and the result is None. A place that is no number, or negative, has a
+    problem, too, but is returned.
     """
     try:
         body, x = gauge
@@ -94,7 +96,7 @@ def _check_gauge(
         problems.append((f"{path}.body", message))
         return None
     shortest = float(np.min(lengths[int(body)]))  # of all members
-    if np.all(x > shortest):
+    if np.all(x > shortest):  # all, for a list of places, which has a problem already
         message = (
             f"must lie in body {body} of every member, 0 to {shortest!r} m, got {x!r}"
         )
@@ -106,8 +108,9 @@ def _check_gauge(
 def check_also(problems: Problems, names: Any, until: float | None) -> tuple[str, ...]:
     """Check the argument `also` of `sweep`, and return its names.
 
-    Each name is returned once, in the order of `ALSO`. Mistakes are added to the
-    problems; () if it is no list. Displacements need `until`.
+    Each known name is returned once, in the order of `ALSO`. Mistakes are added to the
+    problems: unknown names, displacements without `until`, and anything but a list,
+    which gives ().
     """
     choices = ", ".join(f'"{name}"' for name in ALSO)
     if isinstance(names, str | bytes) or not isinstance(names, Sequence):

@@ -164,11 +164,11 @@ def collide(
     if contact is not None:
         contacts = [contact]
     system = System([left, right], [gap], contacts)
-    if system.shape:
-        return solve(system).outcome  # which refuses a family
+    if system.shape != ():
+        return solve(system).outcome  # raises: `solve` refuses a family
     method = DEFAULT_OPTIONS.method_for(system)
     with Progress(progress=True, name="collide", unit=WORK_UNITS[method]) as report:
         run = DEFAULT_OPTIONS._run_checked(method, system, report)
-    if run.totals:  # found by the method itself: no fields are needed
+    if run.totals:  # the method has found them itself: no fields are needed
         return outcome_of(run, run.totals)
     return Solution(run, DEFAULT_OPTIONS).outcome

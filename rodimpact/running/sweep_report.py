@@ -92,24 +92,25 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
 
 
 def _extremes(result: SweepResult, varied: Varied) -> str:
-    """Table of the number of collisions, and of extreme e with their places.
+    """Table of the number of collisions, and of the smallest and largest e.
 
-    The extremes are left out if no member has an e.
+    Each e stands beside the numbers that vary of the first member that has it. Both are
+    left out if no member has an e.
     """
-    where = ""
+    grid = ""
     if result.shape:
-        where = f"in a grid of {' x '.join(map(str, result.shape))}"
-    rows = [["collisions", str(result.restitution.size), where]]
+        grid = f"in a grid of {' x '.join(map(str, result.shape))}"
+    rows = [["collisions", str(result.restitution.size), grid]]
     for name, extreme in (("smallest", np.fmin), ("largest", np.fmax)):
         # Both leave nan out: it is the result only if all are nan.
         e = extreme.reduce(result.restitution, axis=None)
         if not math.isnan(e):
-            index = _first(result.restitution == e)
+            index = _index_of_first(result.restitution == e)
             where = _where(index, varied)
             label = f"{name} coefficient of restitution e"
             e_shown = without_round_off(e, scale=1.0)
             rows.append([label, f"{e_shown:.9g}", where])
-    return align(rows, left=(0, 2))
+    return align(rows, left=(0, 2))  # the numbers between end at the right
 
 
 def _members(result: SweepResult, varied: Varied, more: str) -> str:
@@ -124,8 +125,9 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     listed = count
     if count > MAX_LISTED_MEMBERS:
         listed = SAMPLED_MEMBERS
+    # Places of the listed members in C order
     members = np.linspace(0, count - 1, listed).round().astype(int)
-    numbers = {}
+    numbers = {}  # by column, [listed member]
     for name, column in result.columns.items():
         numbers[name] = np.ravel(column)[members]
     columns = _varied_columns(result, varied, members)
@@ -143,23 +145,23 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
         label = quantity_of_column(system, name)
         columns[label.name] = _written(numbers[name], label.unit)
     rows = zip(*columns.values(), strict=True)
-    table = align([list(columns), *rows], left=())
+    table = align([list(columns), *rows], left=())  # all columns end at the right
     if listed < count:
         table += f"\n... {listed} of {count}; {more}"
     return table
 
 
 def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextColumns:
-    """Columns of what varies along each axis.
+    """Columns of text with what varies along each axis, for some members.
 
-    The members are given by their places in C order.
+    `members` are their places in C order. There is no column for a single collision.
     """
     shape = result.shape
     if not shape:  # a single collision is a table of one line
         shape = (1,)
     columns: TextColumns = {}
-    indices = np.unravel_index(members, shape)  # of the members along each axis
-    # Nothing varies in a single collision, which has one axis here.
+    indices = np.unravel_index(members, shape)  # for each axis, [member]
+    # Not strict: nothing varies in a single collision, which has one axis here.
     for axis, index in zip(varied, indices, strict=False):
         path, values, unit = axis
         columns[path] = _written(values[index], unit)
@@ -167,10 +169,11 @@ def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextCo
 
 
 def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
-    """Columns of text on contact k, from numbers by column [member].
+    """Columns of text on contact k: e, its totals and its episodes.
 
-    It is the only contact that can open, so that the restitution of the collision is
-    its own.
+    They are made of `numbers` by column, [member]. The contact is the only one that can
+    open, so that the restitution of the collision is its own. "-" stands for nan, and
+    for the episodes of a member that was refused.
     """
     impulses = numbers[f"impulse.{k}"]
     episode_counts = numbers[f"episodes.{k}"]
@@ -182,7 +185,7 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
             episodes.append(str(episode_count))
     restitution = []
     for e in numbers["restitution"]:
-        restitution.append(_digits(e, scale=1.0))
+        restitution.append(_digits(e, scale=1.0))  # less than the round-off of 1 is 0
     return {
         "e": restitution,
         "impulse": _written(impulses, "N s"),
@@ -195,10 +198,11 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
 def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
     """Columns of text with velocities of bodies, from numbers by column [member].
 
-    Of more than `MAX_LISTED_BODIES` bodies only the first and the last ones are listed.
+    Of more than `MAX_LISTED_BODIES` bodies only the first and the last ones are listed,
+    half of this number each. "-" stands for nan.
     """
-    velocities = _numbered("velocity_after", count, numbers)
-    fastest = np.max(np.abs(velocities), axis=0)
+    velocities = _numbered("velocity_after", count, numbers)  # of a body, [member]
+    fastest = np.max(np.abs(velocities), axis=0)  # speed, [member]
     bodies = list(range(count))
     if count > MAX_LISTED_BODIES:
         half = MAX_LISTED_BODIES // 2
@@ -206,7 +210,6 @@ def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
     columns = {}
     for i in bodies:
         entries = []
-        # The entries of both are by member.
         for velocity, scale in zip(velocities[i], fastest, strict=True):
             entries.append(_digits(velocity, scale, unit=" m/s"))
         columns[f"velocity {i} after"] = entries
@@ -222,10 +225,12 @@ def _numbered(name: str, count: int, numbers: dict[str, Any]) -> list[Any]:
 
 
 def _energy_scale(result: SweepResult, members: Any, numbers: dict[str, Any]) -> Any:
-    """Scale of energies below which digits are round-off, J, [member].
+    """Scale of energies, J, [member]: what is less than its round-off counts as 0.
 
-    (sum of m) (spread of v)^2/2 + (sum of J)^2/(2 smallest m), with the impulses J: no
-    less than the energy of the motion of the bodies relative to each other.
+    It is (sum of m) (spread of v)^2/2 + (sum of abs(J))^2/(2 smallest m), with masses
+    m, but not of walls, velocities v after and impulses J: no less than the energy of
+    the motion of the bodies relative to each other. `members` are the places in C order
+    of those in `numbers`.
     """
     bodies = result.system.bodies
     masses = []
@@ -255,12 +260,13 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 
 
 def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
-    """Sentences on members without e.
+    """Sentences on members without e, a line for each kind; "" if all have an e.
 
-    They tell how many these are, and why the first of each kind has none. Members of a
-    kind have the same status, and have or have not met. "" if all have an e.
+    Each tells how many these are, and why the first one has none, which is solved again
+    for that. Members of a kind have the same status, and have or have not met.
     """
     missing = np.isnan(result.restitution)
+    # Of all contacts, an array of the family's shape
     episodes: Any = 0
     for contact in result.contacts:
         episodes = episodes + contact.episodes
@@ -270,7 +276,7 @@ def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
     sentences = []
     for kind in np.unique(kinds[missing]):
         of_kind = missing & (kinds == kind)
-        index = _first(of_kind)
+        index = _index_of_first(of_kind)
         count = int(np.count_nonzero(of_kind))
         have = f"{count} collisions have"
         if count == 1:
@@ -280,13 +286,16 @@ def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
     return "\n".join(sentences)
 
 
-def _first(chosen: Any) -> Any:
+def _index_of_first(chosen: Any) -> Any:
     """Index, a tuple, of the first member in C order for which `chosen` is true."""
     return np.unravel_index(np.argmax(chosen), chosen.shape)
 
 
 def _where(index: Any, varied: Varied) -> str:
-    """Values of what varies for the member of that index: "path = value, ..."."""
+    """Values of what varies for the member of that index: "path = value, ...".
+
+    `index` has an entry for each axis; () of a single collision gives "".
+    """
     coordinates = []
     for i, axis in zip(index, varied, strict=True):
         path, values, unit = axis

@@ -142,12 +142,16 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """What varies along each dimension; the first of several numbers names it."""
+        """What varies along each dimension, an `Axis` with the path and its values.
+
+        A number that varies along this dimension alone names it, the first of several.
+        Without such a number it is "axis 0", "axis 1" and so on, and the values count
+        from 0.
+        """
         axes = []
         for dimension, size in enumerate(self.shape):
             axes.append(Axis(f"axis {dimension}", np.arange(size)))
-        # Of several numbers that vary along an axis the first one names it: it comes
-        # last here.
+        # In reverse, so that the first of several numbers replaces the others.
         for path, values in reversed(self.parameters.items()):
             varies = np.greater(values.shape, 1)  # [axis of the values]
             if np.count_nonzero(varies) == 1:
@@ -197,7 +201,11 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @cached_property
     def contacts(self) -> tuple[ContactColumns, ...]:
-        """Totals of each contact, those with walls too; every total is an array."""
+        """Totals of each contact, those with walls too, from left to right.
+
+        Each is an array of the family's shape: impulse, peak force, force duration and
+        episodes.
+        """
         contacts = []
         for k in range(len(self.system.contacts)):
             contact = ContactColumns(
@@ -257,10 +265,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         return self._requested("largest_stress")
 
     def _requested(self, name: str) -> dict[int, Any]:
-        """Columns that have that name, by the index of their body or contact.
+        """Columns of a name of `also`, by the index of their body or contact.
 
-        The index is 0 for the whole row. NotAskedFor unless the name was asked for in
-        `also`.
+        The index is 0 for the whole row. A name that the sweep was not asked for raises
+        NotAskedFor.
         """
         if name not in self.readings.also:
             message = f'was not asked for; give sweep(..., also=["{name}"])'
@@ -273,8 +281,9 @@ class SweepResult(Shown, OnlyContact[Any]):
     def explain(self, index: Any) -> str:
         """Why one member ended, or why it has no restitution, as a sentence.
 
-        The member is solved again. If the method refuses it, the reason is told;
-        InvalidModel if the index picks several members.
+        The member is solved again. If the method refuses it, its mistakes are returned,
+        each with its path. The restitution is explained if the run is complete, and
+        else why it ended. InvalidModel if the index picks several members.
 
         Parameters
         ----------
@@ -292,24 +301,29 @@ class SweepResult(Shown, OnlyContact[Any]):
         solution = Solution(run, self.options)
         outcome = solution.outcome
         reached_end = solution.stopped_by == "until"
+        # A driven row is never final: nothing more is told by a longer run.
         is_complete = outcome.final or (outcome.driven and reached_end)
         if is_complete:
-            reason = outcome.why_no_restitution()  # a longer run would say the same
+            reason = outcome.why_no_restitution()
             if reason:
                 return reason
         return outcome.status
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
-        """Write an NPZ file that `rodimpact.load` reads.
+        """Write an NPZ file that `rodimpact.load` reads: system, options, all arrays.
 
         Raises
         ------
         FileExistsError
             If the file is there and `force` is false.
+        InvalidModel
+            If a law of the system is a function.
+        OSError
+            If the file cannot be written.
         """
         contents = [self.system, asdict(self.options), list(self.readings)]
         document, arrays = describe(contents)
-        arrays = arrays | self.columns
+        arrays = arrays | self.columns  # beside those of the system
         if self.strain is not None:
             arrays["strain"] = self.strain
         write_npz(path, "sweep", document, arrays, force=force)
@@ -318,7 +332,8 @@ class SweepResult(Shown, OnlyContact[Any]):
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
         """The result that `save` wrote, from its document and its arrays by name.
 
-        ValueError if a column does not have the family's shape.
+        An error of any kind if the document is not one of `save`; ValueError if a
+        column does not have the family's shape.
         """
         system, options, stored_readings = restore(document, arrays)
         gauges, times, also = stored_readings
@@ -338,11 +353,12 @@ class SweepResult(Shown, OnlyContact[Any]):
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` - 1, by name.
 
-        The members are in C order. Each is an array with an entry a member; strains are
-        left out. A status is a word. Indices below 0 count from the end; InvalidModel
-        if they are no whole numbers.
+        Each is an array with an entry a member, in C order; a status is a word. Strains
+        are left out. By default these are all members. Indices below 0 count from the
+        end, as those of a slice; InvalidModel if they are no whole numbers.
         """
-        if not is_integer(start) or not (stop is None or is_integer(stop)):
+        is_stop_valid = stop is None or is_integer(stop)
+        if not is_integer(start) or not is_stop_valid:
             message = f"must be whole numbers, got {shown(start)} and {shown(stop)}"
             raise invalid_argument("start, stop", message)
         shape = self.shape
@@ -358,9 +374,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         return table
 
     def csv_lines(self) -> Iterator[str]:
-        """Lines of a table of all members, names first.
+        """Lines of a CSV table of all members, without newlines; names first.
 
-        Numbers have every digit, and nan is an empty cell.
+        The columns are those of `table`. Numbers have every digit, and nan is an empty
+        cell.
         """
         yield ",".join([*self.parameters, *self.columns])
         for start in range(0, math.prod(self.shape), LINES_PER_BLOCK):
@@ -408,8 +425,9 @@ class SweepResult(Shown, OnlyContact[Any]):
     def to_xarray(self) -> Any:
         """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis.
 
-        Numbers that vary are coordinates. Strains have the dimensions ``gauge`` and
-        ``time`` besides. Every variable has its ``long_name`` and its ``units``.
+        Numbers that vary are coordinates; a status is a word. Strains have the
+        dimensions ``gauge`` and ``time`` besides, with the coordinates ``body`` and
+        ``x`` of each gauge. Every variable has its ``long_name`` and its ``units``.
 
         Examples
         --------
@@ -423,10 +441,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         ('N s', 'final')
         """
         names = [axis.name for axis in self.axes]
-        coordinates: Columns = {}
+        coordinates: Columns = {}  # by name: names of the dimensions, and the values
         for path, values in self.parameters.items():
             coordinates[path] = names, np.broadcast_to(values, self.shape)
-        # An axis takes the place of the number that names it.
+        # In place of the number that names an axis come its values along this axis.
         for axis in self.axes:
             coordinates[axis.name] = [axis.name], axis.values
         variables: Columns = {}
@@ -450,7 +468,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
 
 def _cell(value: Any) -> str:
-    """A value in a table: every digit, nothing for nan."""
+    """A value of any type as text, with every digit; "" for nan."""
     is_nan = value != value  # only nan differs from itself
     if is_nan:
         return ""

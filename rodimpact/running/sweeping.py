@@ -167,7 +167,8 @@ def sweep(
         options = replace(options, method=options.method_for(system))
         check_executor(problems, executor, system)
         readings = check_readings(problems, system, gauges, times)
-        readings = readings._replace(also=check_also(problems, also, options.until))
+        names = check_also(problems, also, options.until)
+        readings = readings._replace(also=names)
         size = math.prod(system.shape)
         if size == 0:
             message = f"has no members, its shape is {system.shape}; select one or more"
@@ -179,15 +180,16 @@ def sweep(
     if checkpoint is not None:
         description = describe_sweep(system, options, readings)
     store = Checkpoint(layout_of(system, readings), size, checkpoint, description)
+    # They close in reverse order: jobs first, and last the store, which saves.
     with (
         contextlib.closing(store),
         Progress(progress, "sweep", "collisions") as report,
         pool_of(executor, workers) as pool,
-        contextlib.closing(run_jobs(system, options, readings, store, pool)) as ended,
+        contextlib.closing(run_jobs(system, options, readings, store, pool)) as turns,
     ):
         # Each turn brings the jobs that have ended since the last one, or none.
-        for jobs in ended:
-            for start, stop, part in jobs:
+        for ended_jobs in turns:
+            for start, stop, part in ended_jobs:
                 store.put(start, stop, part)
             done = int(np.count_nonzero(store.done))
             report(done, size)
@@ -204,7 +206,9 @@ def describe_sweep(
 ) -> dict[str, Any]:
     """Everything on which the results of a sweep depend, by name, ready for JSON.
 
-    A checkpoint may be continued only by a sweep with the same description.
+    It has the version of rodimpact, a digest and the shape of the system, the options
+    and the readings. A checkpoint may be continued only by a sweep with the same
+    description.
     """
     return {
         "rodimpact": __version__,
@@ -212,5 +216,5 @@ def describe_sweep(
         "shape": system.shape,
         **asdict(options),
         **readings._asdict(),
-        "times": readings.times.tolist(),
+        "times": readings.times.tolist(),  # in place of the array of the readings
     }
