@@ -79,8 +79,8 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     noise : [...] array
         Bound of the error of the values.
     """
-    # Distance of the arguments of neighbouring steps, [step - 1, ...]. The later one is
-    # nearer to the point: its value is the upper one below, the lower one above.
+    # Distance between the arguments of neighbouring steps, [step - 1, ...]. The later
+    # one is nearer to the point: below it is the larger argument, above the smaller.
     between = steps[:-1] - steps[1:]
     slopes_below = (below[1:] - below[:-1]) / between
     slopes_above = (above[:-1] - above[1:]) / between

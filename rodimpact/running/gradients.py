@@ -280,7 +280,7 @@ def gradient(
       bodies.1.length: -0.4 1/m, stated error ...
     """
     options = Options(until=until, method=method, max_events=max_events, rtol=rtol)
-    options.method_for(system)
+    options.method_for(system)  # raises if no method can solve it
     _check_arguments(system, of, wrt, until, progress)
     numbers = []
     for path in wrt:
@@ -528,7 +528,8 @@ def _number(system: System, path: str) -> _Number:
     natural = _natural_size(system, entry)
     is_zero = np.equal(x, 0)
     words = entry.split(".")
-    if not SCALED_BY_MOTION.isdisjoint(words):
+    is_scaled_by_motion = not SCALED_BY_MOTION.isdisjoint(words)
+    if is_scaled_by_motion:
         size = natural
     elif words[-1] == "gap":
         size = np.where(is_zero, natural, np.minimum(x, natural))
@@ -605,14 +606,10 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
         stage_below = np.full(stage_steps.shape, math.nan)
         stage_above = np.full(stage_steps.shape, math.nan)
         if chosen.any():
-            # [step, chosen member]; a single collision is one member.
-            changes = stage_steps[:, chosen]
-            both_sides = np.concatenate([-changes, changes])
-            neighbours = number.members(chosen).neighbours(both_sides)
-            results = result.of_members(neighbours.system)
-            values = np.where(neighbours.allowed, results.value, math.nan)
-            stage_below[:, chosen] = values[:STEPS_PER_STAGE]
-            stage_above[:, chosen] = values[STEPS_PER_STAGE:]
+            chosen_steps = stage_steps[:, chosen]
+            values = _values_beside(number.members(chosen), result, chosen_steps)
+            stage_below[:, chosen] = values.below
+            stage_above[:, chosen] = values.above
         steps = np.concatenate([steps, stage_steps])
         below = np.concatenate([below, stage_below])
         above = np.concatenate([above, stage_above])
@@ -629,6 +626,27 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
         if not chosen.any():
             break
     return at_point
+
+
+class _ValuesBeside(NamedTuple):
+    """Values of a result beside a number, [step, member]; nan where it has none."""
+
+    below: Array
+    above: Array
+
+
+def _values_beside(number: _Number, result: _Result, steps: Array) -> _ValuesBeside:
+    """Values of a result with the number minus and plus each step, [step, member].
+
+    They are nan where the number may not have this value, or there is no result. A
+    single collision is one member.
+    """
+    changes = np.concatenate([-steps, steps])
+    neighbours = number.neighbours(changes)
+    results = result.of_members(neighbours.system)
+    values = np.where(neighbours.allowed, results.value, math.nan)
+    count = len(steps)
+    return _ValuesBeside(below=values[:count], above=values[count:])
 
 
 def _unsettled(sides: Sides, estimate: Estimate, noise: Any, next_step: Any) -> Any:
@@ -729,7 +747,7 @@ def _check_arguments(
     """
     problems: Problems = []
     check_progress(problems, progress)
-    bodies = set(range(len(system.bodies)))
+    bodies = set(range(len(system.bodies)))  # those that have a velocity at the end
     if until is None:
         bodies = lasting_bodies(system)
     contacts = unilateral(system)

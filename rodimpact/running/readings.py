@@ -113,7 +113,9 @@ def check_also(problems: Problems, names: Any, until: float | None) -> tuple[str
     which gives ().
     """
     choices = ", ".join(f'"{name}"' for name in ALSO)
-    if isinstance(names, str | bytes) or not isinstance(names, Sequence):
+    is_text = isinstance(names, str | bytes)
+    is_list = isinstance(names, Sequence) and not is_text
+    if not is_list:
         message = f"must be a list of {choices}, got {shown(names)}"
         problems.append(("also", message))
         return ()

@@ -301,7 +301,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         solution = Solution(run, self.options)
         outcome = solution.outcome
         reached_end = solution.stopped_by == "until"
-        # A driven row is never final: nothing more is told by a longer run.
+        # A driven row is never final; a longer run would tell no more.
         is_complete = outcome.final or (outcome.driven and reached_end)
         if is_complete:
             reason = outcome.why_no_restitution()

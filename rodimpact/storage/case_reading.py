@@ -89,16 +89,17 @@ def case_from(
     top = Table(reading, "", data)
     check_schema(top)
     library = read_materials(top.table("materials"))
-    row = top.given_numbers(System)  # arguments of `System`, here its gravity
+    # Arguments of `System`: at first the gravity, if it is given
+    arguments = top.given_numbers(System)
     bodies = [read_body(table, library) for table in top.tables("bodies")]
     contacts = read_contacts(top, bodies, library)
-    row["gaps"] = contacts.gaps
-    row["contacts"] = contacts.laws
-    row["ends"] = read_ends(top.table("ends"))
+    arguments["gaps"] = contacts.gaps
+    arguments["contacts"] = contacts.laws
+    arguments["ends"] = read_ends(top.table("ends"))
     system = None
     if bodies:
-        row["bodies"] = list(map(_body_or_any_rod, bodies))
-        system = top.make_or_note(System, SYSTEM_KEYS, **row)
+        arguments["bodies"] = list(map(_body_or_any_rod, bodies))
+        system = top.make_or_note(System, SYSTEM_KEYS, **arguments)
     else:
         top.note_mistake(
             "bodies", "is missing; describe each body in a [[bodies]] table"
@@ -116,7 +117,7 @@ def case_from(
         raise InvalidModel(list(reading.mistakes.items()))
     varied = []  # in the order of the axes
     for grid in reading.axes:
-        if grid.varied is not None:  # never None: `check_grids` has made it a mistake
+        if grid.varied is not None:  # always: `check_grids` refuses one without values
             varied.append(grid.varied)
     return Case(system, options, output, source, tuple(varied), tuple(gauges), result)
 
@@ -353,7 +354,7 @@ def read_soil(table: Table) -> Soil | None:
     """The soil along a rod; None if it has mistakes, which are noted.
 
     A resistance that is a profile is one per length, a number that of the whole rod.
-    With an unknown damping law no other key is noted.
+    With an unknown damping law further mistakes are not sought.
     """
     if isinstance(table.get("resistance"), dict):
         # A table is a profile along the rod, and per length: in N/m, not N.
@@ -414,7 +415,8 @@ def read_contacts(
         if table.has_or_varies("gap"):
             gap = table.number("gap", GAP)
         gaps.append(gap)
-        laws.append(read_law(table, bodies[i : i + 2], library))
+        pair = bodies[i : i + 2]  # on the left and on the right of the contact
+        laws.append(read_law(table, pair, library))
     return Contacts(gaps, laws)
 
 
@@ -429,16 +431,17 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
     name = table.word("law", CONTACT_LAWS, Rigid.law)
     if name is None:
         return ANY_LAW
-    rounded = []  # sides whose radius is given
+    has_radius = False
     if name == Hertz.law:
-        rounded = [side for side in SIDES if table.has_or_varies(f"{side}_radius")]
-        has_radius = len(rounded) > 0
+        for side in SIDES:  # no break: the path of each side can vary from now on
+            if table.has_or_varies(f"{side}_radius"):
+                has_radius = True
         has_stiffness = table.has_or_varies("stiffness")
         if has_stiffness == has_radius:  # both, or neither
             message = "give either the stiffness, or left_radius and right_radius"
             table.note_mistake("stiffness", message)
     law: ContactLaw | None
-    if rounded:
+    if has_radius:
         faces = read_faces(table, pair, library)
         law = table.make_or_note(Hertz.from_radii, **faces)
         table.note_unknown_keys()
@@ -463,7 +466,7 @@ def read_faces(
     Steel stands in where `pair` has None for the body, or no body.
     """
     faces: dict[str, Any] = {}
-    bodies = [*pair, None, None]  # None for a body that is missing
+    bodies = [*pair, None, None]  # None for a body that is missing; two are taken
     # The last segment of the left body touches the first one of the right body.
     for side, body, touching in zip(SIDES, bodies, (-1, 0), strict=False):
         radius_key = f"{side}_radius"
@@ -550,7 +553,8 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     """
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
     body = table.get("body")
-    if type(body) is not int or body not in rods:
+    is_rod = type(body) is int and body in rods  # True equals 1, but is no number
+    if not is_rod:
         numbers = ", ".join(map(str, rods))
         message = f"must be the number of a rod, {numbers}; got {shown(body)}"
         table.note_mistake("body", message)

@@ -289,7 +289,7 @@ def grid_values(text: Any, dimension: str) -> Floats:
     with ":log" equal ratios. ValueError for anything else, for one value with different
     ends, for equal ratios from or to 0, and for ends too far apart for floats.
     """
-    if isinstance(text, str) and ":" not in text:
+    if isinstance(text, str) and ":" not in text:  # a list
         return np.array([units.parse(number, dimension) for number in text.split(",")])
     spaced = None
     if isinstance(text, str):
@@ -300,13 +300,14 @@ def grid_values(text: Any, dimension: str) -> Floats:
     start = units.parse(spaced["start"], dimension)
     stop = units.parse(spaced["stop"], dimension)
     count = int(spaced["count"])
+    has_equal_ratios = spaced["log"] is not None
     if count == 1 and start != stop:
         message = "one value cannot be at both ends; raise the count in"
         raise ValueError(f"{message} {shown(text)}")
-    if spaced["log"] and min(start, stop) <= 0:
+    if has_equal_ratios and min(start, stop) <= 0:
         raise ValueError(f"needs ends above 0 for equal ratios, got {shown(text)}")
     with np.errstate(all="ignore"):
-        if spaced["log"]:
+        if has_equal_ratios:
             values = np.geomspace(start, stop, count)
         else:
             values = np.linspace(start, stop, count)

@@ -111,19 +111,19 @@ def _pile_table(solution: Any) -> str:
     """
     system = solution.system
     rows = []
-    names = contact_names(system.kinds)
-    for contact, name in zip(solution.contacts, names, strict=True):
+    pairs = contact_names(system.kinds)
+    for contact, pair in zip(solution.contacts, pairs, strict=True):
         if isinstance(contact.law, SmithToe):
             permanent = format_si(contact.permanent_set(), "m")
-            rows.append([f"permanent set, contact {name}", permanent, "", ""])
-    bodies = zip(system.bodies, body_names(system.kinds), strict=True)
-    for i, (body, name) in enumerate(bodies):
+            rows.append([f"permanent set, contact {pair}", permanent, "", ""])
+    names = body_names(system.kinds)
+    for i, body in enumerate(system.bodies):
         if not isinstance(body, Rod):
             continue
         extreme = solution.extreme_stress(i)
         peaks = {"compression": extreme.compression, "tension": extreme.tension}
         for sign, peak in peaks.items():
-            label = f"largest {sign} in {name}"
+            label = f"largest {sign} in {names[i]}"
             if peak.stress == 0:
                 rows.append([label, "none", "", ""])
                 continue
@@ -286,28 +286,24 @@ def _energy_table(outcome: Any) -> str:
     Energy of contacts, works and losses are left out if they are 0. The total is that
     of kinetic, vibration and contact energy.
     """
-    vibration = ENERGY_LABELS["inner"]
+    vibration_label = ENERGY_LABELS["inner"]
     # Energies before and after, by their labels
     pairs: dict[str, tuple[float, float]] = {
         ENERGY_LABELS["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
-        vibration: (sum(outcome.vibration_before), sum(outcome.vibration_after)),
-        ENERGY_LABELS["contact"]: (
-            outcome.contact_energy_before,
-            outcome.contact_energy,
-        ),
+        vibration_label: (sum(outcome.vibration_before), sum(outcome.vibration_after)),
     }
+    contact_energies = (outcome.contact_energy_before, outcome.contact_energy)
+    if any(contact_energies):
+        pairs[ENERGY_LABELS["contact"]] = contact_energies
     total_before = sum(before for before, _ in pairs.values())
     total_after = sum(after for _, after in pairs.values())
-    has_contact_energy = any(pairs[ENERGY_LABELS["contact"]])
-    if not has_contact_energy:
-        del pairs[ENERGY_LABELS["contact"]]
     pairs["total"] = (total_before, total_after)
-    # J: less than the round-off of a scale is 0
+    # J: an energy less than the round-off of its scale is 0
     total_scale = max(total_before, total_after)
     rows = [["energy", "before", _then(outcome)]]
     for name, (before, after) in pairs.items():
         scale = total_scale
-        if name == vibration:
+        if name == vibration_label:
             scale = _vibration_scale(outcome)
         rows.append([name, joules(before, scale), joules(after, scale)])
     exchanged = {
@@ -317,10 +313,11 @@ def _energy_table(outcome: Any) -> str:
     }
     for name in LOSSES:
         exchanged[ENERGY_LABELS[name]] = getattr(outcome, name)
-    scale = max(total_scale, *map(abs, exchanged.values()))
+    exchanged_scale = max(total_scale, *map(abs, exchanged.values()))
     for name, energy in exchanged.items():
-        if without_round_off(energy, scale):
-            rows.append([name, "", joules(energy, scale)])
+        is_zero = without_round_off(energy, exchanged_scale) == 0
+        if not is_zero:
+            rows.append([name, "", joules(energy, exchanged_scale)])
     return align(rows)
 
 

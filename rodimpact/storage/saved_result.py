@@ -107,6 +107,7 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
     problems: Problems = []
     keys = SavedResult._fields
     _check_keys(problems, "", table, allowed=keys, required=keys)
+    # A missing entry is a problem already: the types of the others are checked.
     for name in WORDS:
         if not isinstance(table.get(name, ""), str):
             add_problem(problems, name, "must be text", table[name])

@@ -87,13 +87,14 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
             mode = target.stat().st_mode
     except OSError as error:
         raise type(error)(f"{refused}{error.strerror}") from None
+    exists = mode != 0
     folder = target.parent
     ends_in_slash = os.path.basename(path) == ""  # or is ""
     if stat.S_ISDIR(mode) or ends_in_slash:
         raise IsADirectoryError(refused + "it is a directory; add the name of a file")
-    if mode and not stat.S_ISREG(mode):
+    if exists and not stat.S_ISREG(mode):
         raise OSError(refused + "it is not a regular file")
-    if mode and not force:
+    if exists and not force:
         raise FileExistsError(refused + EXISTS)
     if not folder.exists():
         raise FileNotFoundError(
