@@ -365,11 +365,12 @@ class SweepResult(Shown, OnlyContact[Any]):
         if not shape:  # a single collision is a table of one line
             shape = (1,)
         members = np.arange(math.prod(shape))[start:stop]
-        index = np.unravel_index(members, shape)
+        index = np.unravel_index(members, shape)  # for each axis, [member]
         columns = self.parameters | self.columns
         columns["status"] = self.status
         table = {}
         for name, values in columns.items():
+            # A number that varies along some axes alone is as long as 1 along others.
             table[name] = np.broadcast_to(values, shape)[index]
         return table
 
@@ -443,20 +444,20 @@ class SweepResult(Shown, OnlyContact[Any]):
         names = [axis.name for axis in self.axes]
         coordinates: Columns = {}  # by name: names of the dimensions, and the values
         for path, values in self.parameters.items():
-            coordinates[path] = names, np.broadcast_to(values, self.shape)
+            coordinates[path] = (names, np.broadcast_to(values, self.shape))
         # In place of the number that names an axis come its values along this axis.
         for axis in self.axes:
-            coordinates[axis.name] = [axis.name], axis.values
+            coordinates[axis.name] = ([axis.name], axis.values)
         variables: Columns = {}
         for name, column in self.columns.items():
-            variables[name] = names, column
-        variables["status"] = names, self.status
+            variables[name] = (names, column)
+        variables["status"] = (names, self.status)
         if self.strain is not None:
             bodies, places = zip(*self.gauges, strict=True)
-            coordinates["time"] = ["time"], self.times
-            coordinates["body"] = ["gauge"], list(bodies)
-            coordinates["x"] = ["gauge"], list(places)
-            variables["strain"] = [*names, "gauge", "time"], self.strain
+            coordinates["time"] = (["time"], self.times)
+            coordinates["body"] = (["gauge"], list(bodies))
+            coordinates["x"] = (["gauge"], list(places))
+            variables["strain"] = ([*names, "gauge", "time"], self.strain)
         return dataset(self.system, variables, coordinates)
 
     def __repr__(self) -> str:

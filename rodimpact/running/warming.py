@@ -86,7 +86,7 @@ def _run_kernels(family: System, method: str, cells: int | None) -> None:
     `cells` is the mesh of a method that has one, else None.
     """
     sweep(family, method, cells=cells, workers=1)
-    also = ["largest_stress"]
+    also = ["largest_stress"]  # for which members are solved one by one, too
     sweep(family, method, until=1e-3, cells=cells, workers=1, also=also)
     solution = solve(family[0], method=method, cells=cells)
     if cells is not None:

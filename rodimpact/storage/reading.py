@@ -88,8 +88,8 @@ def open_regular(path: PathLike) -> BinaryIO:
     """
     path = file_name(path)
     # A directory is left to `open`, whose error says what it is.
-    is_usual = os.path.isfile(path) or os.path.isdir(path)
-    if os.path.exists(path) and not is_usual:
+    is_file_or_directory = os.path.isfile(path) or os.path.isdir(path)
+    if os.path.exists(path) and not is_file_or_directory:
         raise OSError(errno.EINVAL, "it is not a regular file", path)
     try:
         return open(path, "rb")
@@ -218,7 +218,7 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     memory.check_file(archive.filename, sum(sizes.values()), ADVICE)
     mismatch = "is damaged: {} is not what the document says"
     unmatched = expected_names.symmetric_difference(archive.namelist())
-    if unmatched:
+    if unmatched:  # the first of them is named
         raise FileFormatError(mismatch.format(min(unmatched)))
     arrays = {}
     for name, entry in entries.items():

@@ -74,8 +74,8 @@ def solution_table(solution: Any) -> str:
     Returns
     -------
     str
-        The tables of `outcome_table`, when each contact pressed and opened, and for a
-        pile in soil set and largest stresses.
+        The tables of `outcome_table`, when each contact pressed and opened, for a pile
+        in soil set and largest stresses, and how the run went and why it ended.
     """
     outcome = solution.outcome
     run = [
@@ -245,8 +245,9 @@ def _bodies_table(outcome: Any) -> str:
     digits = min(digits, 15)
     then = _then(outcome)
     vibration_scale = _vibration_scale(outcome)  # J: less than its round-off is 0
-    head = f"body|mass|velocity before|velocity {then}|vibration energy {then}"
-    rows = [head.split("|")]
+    head = ["body", "mass", "velocity before"]
+    head += [f"velocity {then}", f"vibration energy {then}"]
+    rows = [head]
     for i, name in enumerate(body_names(outcome.bodies)):
         mass = "-"
         vibration = "-"
