@@ -498,7 +498,7 @@ class _Number(NamedTuple):
         It is a family if the change is an array.
         """
         value = self.x + change
-        if np.ndim(value) == 0:
+        if np.ndim(value) == 0:  # in place of a number of NumPy
             value = float(value)
         return with_numbers(self.system, dict.fromkeys(self.entries, value))
 

@@ -145,8 +145,8 @@ class SerialExecutor(Executor):
 def job_size(members: int, row: int, jobs: int, most: int) -> int:
     """Number of members of a job, from 1 to `most`.
 
-    A job of more members than a row is rounded down to whole rows, so that there may be
-    more jobs.
+    A job of a row or more is rounded down to whole rows, so that there may be more jobs
+    than wanted.
 
     Parameters
     ----------

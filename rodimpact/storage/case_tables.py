@@ -84,7 +84,7 @@ class Table:
     """One table of the file, at its path; "" is the whole file."""
 
     def __init__(self, reading: Reading, path: str, data: dict[str, Any]) -> None:
-        """Keep what is read of the file, and the path and the entries of this table.
+        """Keep the path and the entries of a table, and what is read of the whole file.
 
         No key counts as known yet.
         """
@@ -105,7 +105,7 @@ class Table:
         """Note a mistake at a key of this table.
 
         With `choices`, the one nearest to `word` is named behind the message, unless
-        more mistakes are noted than are shown. An entry has one mistake: further ones
+        `MOST_TOLD` mistakes are noted already. An entry has one mistake: further ones
         follow from the first, and are dropped.
         """
         mistakes = self.reading.mistakes

@@ -208,7 +208,10 @@ def _free_key(named: dict[str, Material], material: Material) -> str:
 
 
 def _result_tables(result: SavedResult) -> list[str]:
-    """The tables [result], its subtables of numbers and of their accuracy, as text."""
+    """The table [result] and its subtables, numbers and their accuracy, each as text.
+
+    The first has the words, such as the status, and whether the result is final.
+    """
     words = result._asdict()
     numbers = words.pop("numbers")
     accuracy = words.pop("accuracy")

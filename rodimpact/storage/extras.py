@@ -5,7 +5,10 @@ from typing import Any
 
 
 def optional(name: str, extra: str) -> Any:
-    """Import a package; ImportError says which extra of rodimpact brings it."""
+    """Import a package, and return it.
+
+    If it is missing, ImportError says which extra of rodimpact brings it.
+    """
     try:
         return import_module(name)
     except ImportError:

@@ -368,7 +368,7 @@ def _episodes_table(solution: Any) -> str:
 def _sentences(outcome: Any) -> str:
     """Why there is no restitution, and why the run ended, a line each.
 
-    The first is left out if there is one, the second if the first one says it.
+    With a restitution this is only the second. That is left out if the first says it.
     """
     sentences = []
     reason = outcome.why_no_restitution()
