@@ -43,14 +43,15 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = UNCHECKED) -> Arra
     value : float or array
         The argument, in `unit` or with a unit that converts to it.
     unit, sign : str
-        Those of a `QuantityField`, or `UNCHECKED`. With a sign the magnitude is one
-        that the model may have, so that products do not overflow.
+        Those of a `QuantityField`. With the sign `UNCHECKED` any number passes, also
+        nan. With another sign nan is refused, and so are finite numbers above `LARGEST`
+        and, where only positive ones are allowed, those below `SMALLEST`: products then
+        do not overflow.
 
     Raises
     ------
     InvalidModel
-        If the value is not numeric, or a number has another sign or an extreme
-        magnitude.
+        If the value is not numeric, or any of its numbers is refused.
     """
     try:
         numbers = floats(value, unit)
@@ -70,9 +71,9 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = UNCHECKED) -> Arra
 
 
 def scalar(name: str, value: Any, unit: str, sign: str = "any") -> float:
-    """Return an argument as a float; InvalidModel if it is no number, or several.
+    """Return an argument as a float in `unit`; InvalidModel if it is no single number.
 
-    With any sign but `UNCHECKED` NaN is refused, and an extreme magnitude.
+    With any sign but `UNCHECKED` nan and an extreme magnitude are refused, too.
     """
     number = array(name, value, unit, sign)
     if number.ndim:
@@ -114,7 +115,8 @@ def demand(condition: Any, name: str, message: str, *values: Number) -> None:
 def check_kind(name: str, value: Any, kind: type, example: str) -> None:
     """Raise InvalidModel if an argument is not of the class `kind`.
 
-    The message shows `example` as one that is.
+    The message shows `example` as an object of this class. If the value has one as its
+    attribute, as a case has its system, the message says so.
     """
     if isinstance(value, kind):
         return
@@ -122,7 +124,7 @@ def check_kind(name: str, value: Any, kind: type, example: str) -> None:
     if kind.__name__[0] in "AEIOU":
         article = "an"
     wanted = f"must be {article} {kind.__name__}, such as {example}"
-    part = kind.__name__.lower()  # a case and a solution have the attribute `system`
+    part = kind.__name__.lower()  # name of the attribute: `system` for a System
     if isinstance(getattr(value, part, None), kind):
         found = (
             f"a {type(value).__name__}: give its {kind.__name__}, the attribute {part}"

@@ -103,9 +103,10 @@ class Material(FrozenDataclass):
         viscosity: ArrayLike = 0.0,
         wave_speed: ArrayLike | None = None,
     ) -> None:
-        """Set the numbers; a wave speed in place of the modulus E gives E = rho c^2.
+        """Set and check the numbers; a wave speed c gives the modulus E = rho c^2.
 
-        InvalidModel with the mistakes of all arguments.
+        Exactly one of E and c must be given. InvalidModel with the mistakes of all
+        arguments.
         """
         problems: Problems = []
         modulus: Any = youngs_modulus
@@ -139,9 +140,10 @@ class Material(FrozenDataclass):
         frozen.raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Add problems of a name that is no text, and of an extreme wave speed.
+        """Add a problem of a name that is no text or empty, before all others.
 
-        The wave speed is sqrt(E/rho).
+        Without any problem so far, E/rho is checked, the square of the wave speed: a
+        value out of the range of the model is a problem of the modulus.
         """
         if not isinstance(self.name, str) or not self.name:
             # The name comes first in the constructor, so in the message too.
@@ -150,7 +152,7 @@ class Material(FrozenDataclass):
             return
         E = self.youngs_modulus
         rho = self.density
-        is_speed_in_range = frozen.in_range(E / rho)  # the square of the speed
+        is_speed_in_range = frozen.in_range(E / rho)
         message = "gives no finite wave speed with density {1!r}, got {0!r}"
         frozen.require(problems, is_speed_in_range, "youngs_modulus", message, E, rho)
 
@@ -190,7 +192,8 @@ class Material(FrozenDataclass):
         Raises
         ------
         InvalidModel
-            If the loss factor is negative or the frequency not positive.
+            If the loss factor is negative, the frequency not positive, or the viscosity
+            out of the range of the model.
 
         Examples
         --------
@@ -209,17 +212,18 @@ class Material(FrozenDataclass):
 
 
 def _modulus_of(problems: Problems, density: Any, wave_speed: Any) -> Any:
-    """Young's modulus rho c^2, Pa; None if a number is no sound one.
+    """Young's modulus rho c^2, Pa; None if density or wave speed are mistaken.
 
-    Mistakes of the numbers are added to `problems`: also a modulus that is out of
-    range. InvalidModel if arrays among them do not broadcast.
+    Mistakes are added to `problems`, which must be empty. A modulus out of the range of
+    the model is returned, but is a mistake too. InvalidModel if the arguments are
+    arrays that do not broadcast.
     """
     rho = Material.fields["density"].checked(problems, "density", density)
     c = WAVE_SPEED.checked(problems, "wave_speed", wave_speed)
     if problems:
         return None
     frozen.family_shape([("density", rho), ("wave_speed", c)])
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # an overflow is refused below
         modulus = rho * c * c
     message = "makes no finite Young's modulus with density {1!r}, got {0!r}"
     is_sound = frozen.in_range(modulus)
@@ -303,10 +307,11 @@ class Segment(FrozenDataclass):
         self._check_magnitudes(area)
 
     def _checked_area(self, problems: Problems) -> Any:
-        """Area as given, or pi d^2/4 of the diameter, m^2.
+        """Area as given and checked, or pi d^2/4 of the diameter, m^2.
 
         A function of the place becomes `Samples`. A mistake is added to `problems`,
-        also an area that is `Steps` or is missing; what is returned then is of no use.
+        also if the area is `Steps`, is missing, or is given beside a diameter. What is
+        returned then is of no use.
         """
         area: Any = self.area
         if self.diameter is not None:
@@ -335,9 +340,9 @@ class Segment(FrozenDataclass):
     def _check_magnitudes(self, area: Number) -> None:
         """Refuse a uniform segment whose impedance, transit time or mass is extreme.
 
-        InvalidModel for Z = rho A c, T = L/c or Z T outside the range of the model, in
-        any member of a family. `area` is the given one, or the one that follows from
-        the diameter.
+        InvalidModel if Z = rho A c, T = L/c or the mass Z T is outside the range of the
+        model in any member of a family. It is about the area, or about the diameter
+        from which `area` follows.
         """
         L = self.length
         c = self.material.wave_speed
@@ -345,7 +350,7 @@ class Segment(FrozenDataclass):
             Z = self.material.density * area * c
             T = L / c
             are_sound = frozen.in_range(Z) & frozen.in_range(T) & frozen.in_range(Z * T)
-        if are_sound is True:  # a single segment; of a family it is an array
+        if are_sound is True:  # `demand` below asks again for a family, an array
             return
         message = (
             "length {0!r} and area {1!r} of this material make an impedance, a transit "
@@ -358,11 +363,12 @@ class Segment(FrozenDataclass):
         demand(are_sound, name, message, L, area)
 
     def _check_lateral_inertia(self, problems: Problems) -> None:
-        """Add problems of the lateral inertia, and of numbers that it lacks.
+        """Add problems of the theory of lateral inertia and of the polar moment.
 
-        It is called if a theory or a polar moment is given: one without the other is a
-        problem. A diameter says what "circular" says, so with it the polar moment is
-        set to None.
+        It is called if one of the two is given. A theory needs a known name, a Poisson
+        ratio, and a diameter or a polar moment. A polar moment needs a theory; it may
+        not be a number along a taper or beside a diameter. A diameter says what
+        "circular" says, so with it the polar moment is set to None.
         """
         theory = self.lateral_inertia
         moment = self.polar_moment
@@ -373,7 +379,7 @@ class Segment(FrozenDataclass):
                 f'must be "{CIRCULAR}" along a taper and with a diameter, or left out'
             )
             frozen.add_problem(problems, "polar_moment", message, moment)
-        if theory is None:
+        if theory is None:  # so a polar moment is given
             message = (
                 f'has no effect by itself; give lateral_inertia="{RAYLEIGH_LOVE}" too, '
                 "or leave polar_moment out"
@@ -393,9 +399,9 @@ class Segment(FrozenDataclass):
             self._set(polar_moment=None)
 
     def _check_poisson_ratio(self, problems: Problems) -> None:
-        """Add a problem of a Poisson ratio that is missing, or too large.
+        """Add a problem if the material has no Poisson ratio, which the theory needs.
 
-        Mindlin and Herrmann need one below 0.5.
+        For Mindlin and Herrmann it must be below 0.5, in every member of a family.
         """
         material = self.material
         path = "material.poisson_ratio"
@@ -470,7 +476,7 @@ class Segment(FrozenDataclass):
         if isinstance(self.area, Samples):
             (mean_area,) = self._mean_areas(1)
             return self.material.density * mean_area * self.length
-        return self.impedance * self.transit_time
+        return self.impedance * self.transit_time  # rho A c L/c
 
     def area_between(self, edges: ArrayLike) -> Floats:
         """Mean areas between edges; exact for straight lines between samples.
@@ -488,7 +494,7 @@ class Segment(FrozenDataclass):
         Raises
         ------
         ValueError
-            If there are not two edges or more.
+            If there are not two edges or more. Their order is not checked.
 
         Examples
         --------
@@ -564,7 +570,7 @@ class Segment(FrozenDataclass):
         Parameters
         ----------
         n : int
-            Number of segments; a uniform segment stays as it is.
+            Number of segments; a uniform segment is returned alone, as it is.
 
         Returns
         -------
@@ -583,12 +589,12 @@ class Segment(FrozenDataclass):
         >>> [round(segment.area, 9) for segment in wedge.in_steps(2)]
         [0.00015, 0.00025]
         """
-        integer("n", n, low=1, high=MAX_STEPS_PER_TAPER)
+        count = integer("n", n, low=1, high=MAX_STEPS_PER_TAPER)
         if not self.tapered:
             return [self]
-        length = self.length / n
+        length = self.length / count
         steps = []
-        for area in self._mean_areas(n):
+        for area in self._mean_areas(count):
             steps.append(self.replace(length=length, area=area))
         return steps
 
@@ -674,10 +680,12 @@ class Rod(Frozen, kind="rod"):
         strain: ProfileLike = 0.0,
         shaft: Shaft | None = None,
     ) -> None:
-        """Set the segments, and the profiles along the whole rod, which are checked.
+        """Check and set the segments and what runs along the whole rod.
 
-        Without `segments` they follow from the shape: one segment, or one for each step
-        of the area. InvalidModel with the mistakes of all arguments.
+        Along the rod run velocity, strain and shaft, whose functions become `Samples`.
+        Without `segments` the other arguments, the shape, make one segment, or one for
+        each value of an area that is `Steps`. InvalidModel with the mistakes of all
+        arguments.
         """
         problems: Problems = []
         shape = {
@@ -704,13 +712,17 @@ class Rod(Frozen, kind="rod"):
         velocity_field = self.fields["velocity"]
         strain_field = self.fields["strain"]
         v = profiles.along_rod(problems, "velocity", velocity, velocity_field, total)
-        e = profiles.along_rod(problems, "strain", strain, strain_field, total)
-        along = _checked_shaft(problems, shaft, total)
+        epsilon = profiles.along_rod(problems, "strain", strain, strain_field, total)
+        checked_shaft = _checked_shaft(problems, shaft, total)
         frozen.raise_if_problems(problems)
-        self._set(segments=pieces, velocity=v, strain=e, shaft=along)
+        self._set(segments=pieces, velocity=v, strain=epsilon, shaft=checked_shaft)
 
     def _parameters(self) -> dict[str, Any]:
-        """Parameters of the constructor: the segments, or those of the only one."""
+        """Parameters of the constructor that make an equal rod, also those at None.
+
+        A rod of one segment takes the parameters of that segment in place of
+        `segments`. Velocity, strain and shaft are among them in any case.
+        """
         if len(self.segments) > 1:
             return super()._parameters()
         parameters = self.segments[0]._parameters()
@@ -779,8 +791,8 @@ def _checked_shaft(
 ) -> Shaft | None:
     """Soil or drag along a rod of this length, m, with its profiles checked.
 
-    None if none is given, or after a mistake. Mistakes are added to `problems`. The
-    length is None if it is unknown.
+    None if `shaft` is None, or after a mistake, which is added to `problems` with a
+    path that begins with "shaft". The length is None if it is unknown.
     """
     if shaft is None:
         return None
@@ -797,10 +809,11 @@ def _checked_shaft(
 
 
 def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments of a rod as given, or else of its shape, the arguments of `Segment`.
+    """Segments of a rod: those given, checked, or else those that its shape makes.
 
-    A shape makes one segment, or one for each value of an area that is `Steps`.
-    InvalidModel if the arguments of `Rod` make none.
+    `shape` holds the arguments of `Segment` that `Rod` was given, None for the others.
+    It makes one segment, or one for each value of an area that is `Steps`. InvalidModel
+    if both or neither are given, or with the mistakes in them.
     """
     if segments is not None:
         return _checked_segments(segments, shape)
@@ -812,8 +825,9 @@ def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
 def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments as given, as a tuple.
 
-    InvalidModel if there is none, if an item is no Segment, or if a shape is given too.
-    The shape are the arguments of `Segment` that `Rod` was given.
+    InvalidModel if they are no list or tuple, if there is none, or if an item is no
+    Segment. `shape` holds the other arguments of `Rod` that make a segment: one that is
+    not None is a mistake, too.
     """
     if any(value is not None for value in shape.values()):
         message = (
@@ -834,8 +848,9 @@ def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ..
 def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments between the jumps of an area that is `Steps`.
 
-    InvalidModel with all mistakes. `shape` holds the arguments of `Segment`, which all
-    segments have in common but for length and area.
+    `shape` holds the arguments of `Segment`: length and area of the whole rod, and what
+    all segments have in common. InvalidModel with the mistakes of length and area; if
+    there are none, with those of all segments.
     """
     area = shape["area"]
     problems: Problems = []
@@ -843,13 +858,14 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     known_length = None  # unknown after a mistake
     if not problems:
         known_length = L
+    # The steps themselves stay as they are: this only checks them.
     profiles.along_rod(problems, "area", area, Segment.fields["area"], known_length)
     frozen.raise_if_problems(problems)
     edges = (0.0, *area.at, L)  # of the segments, m from the left end
     pieces: list[Segment] = []
     for i, A in enumerate(area.values):
         piece = dict(shape)
-        piece["length"] = _distance(edges[i], edges[i + 1])
+        piece["length"] = _decimal_distance(edges[i], edges[i + 1])
         piece["area"] = A
         try:
             pieces.append(Segment(**piece))
@@ -861,19 +877,22 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     return tuple(pieces)
 
 
-def _distance(start: Number, end: Number) -> Number:
-    """From one place to a later one as they are written, m: 0.4 - 0.1 is 0.3.
+def _decimal_distance(start: Number, end: Number) -> Number:
+    """Distance end - start, m, of the decimals that are written: 0.4 - 0.1 is 0.3.
 
     The difference of the floats is 0.30000000000000004, which a case file and a formula
     would take for the length that was meant. This is the float nearest to the
     difference of the decimals; an array, member by member, if one of them is an array.
     """
     if not isinstance(start, np.ndarray) and not isinstance(end, np.ndarray):
+        # The text of a float is the shortest decimal that stands for it.
         return float(Decimal(repr(float(end))) - Decimal(repr(float(start))))
     starts, ends = np.broadcast_arrays(start, end)
     distances = np.empty(starts.shape)
     for member in np.ndindex(starts.shape):
-        distances[member] = _distance(float(starts[member]), float(ends[member]))
+        start_of_member = float(starts[member])
+        end_of_member = float(ends[member])
+        distances[member] = _decimal_distance(start_of_member, end_of_member)
     return distances
 
 

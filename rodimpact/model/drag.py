@@ -62,9 +62,9 @@ class Drag(FrozenDataclass, kind="drag"):
     )
 
     def _check(self, problems: Problems) -> None:
-        """Check and set a coefficient that is a number.
+        """Check and set a coefficient that is a number or an array of a family.
 
-        A profile or a function is checked with its rod, by `along_rod`.
+        A profile or a function stays unchecked: `along_rod` checks it with its rod.
         """
         value = self.coefficient
         if not is_profile(value):

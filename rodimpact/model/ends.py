@@ -146,10 +146,11 @@ class Moved(_Driven, kind="moved"):
         position: "ProfileLike | None" = None,
         duration: float | None = None,
     ) -> None:
-        """Set the velocity as given, or the position with the velocity that follows.
+        """Set the velocity as given, or the position and the velocity that follows.
 
-        InvalidModel unless exactly one of the two is given, and for a position that
-        jumps.
+        A function of time is sampled from 0 to `duration`, s. InvalidModel unless
+        exactly one of `value` and `position` is given, for a position that jumps
+        (`Steps`), and for mistakes in the profile.
         """
         problems: Problems = []
         if value is None and position is None:

@@ -181,7 +181,10 @@ class QuantityField(NamedTuple):
 
     @property
     def wanted(self) -> str:
-        """Sentence on the allowed values; it shows a wrong one as ``{0!r}``."""
+        """Words on the allowed sign and unit, "must be ...", for a message.
+
+        They end with ``got {0!r}``, to be formatted with the wrong value.
+        """
         number = f"number{number_of(self.unit)}"
         if self.sign == "positive or infinite":
             return f"must be a positive {number} or infinite, got {{0!r}}"
@@ -196,7 +199,7 @@ class QuantityField(NamedTuple):
 
         For a single number it is one truth value. NaN lies in no interval.
         """
-        # Such as "(0, inf)": a sign may be an interval itself.
+        # A sign that is no word is an interval itself, such as "[0, 1]".
         interval = INTERVALS.get(self.sign, self.sign)
         low, high = interval[1:-1].split(",")
         if interval[0] == "[":
@@ -212,11 +215,11 @@ class QuantityField(NamedTuple):
     def checked(self, problems: Problems, path: str, value: Any) -> Any:
         """Return a value as a float or a read-only array in the unit of the field.
 
-        None, or the word of the field, stays as it is, and a list becomes a tuple,
-        where the field takes them. A wrong sign, an extreme magnitude and an empty
-        array are mistakes. A mistake is added to `problems` with the path; what is
-        returned then is of no use. -0.0 becomes 0.0, so that equal numbers have equal
-        descriptions.
+        Where the field takes them, None stays as it is, a word too if it is that of the
+        field, and a list of numbers becomes a tuple. A wrong sign, an extreme
+        magnitude, an empty array, and an array in place of a scalar are mistakes. A
+        mistake is added to `problems` with the path; what is returned then is of no
+        use. -0.0 becomes 0.0, so that equal numbers have equal descriptions.
         """
         if value is None and self.default is None:
             return None
@@ -228,7 +231,7 @@ class QuantityField(NamedTuple):
         sign = self.sign
         if type(value) is float and sign in INTERVALS:
             # Most values are sound floats, which need no array: this is for speed.
-            magnitude = value
+            magnitude = value  # below 0 it is refused further down
             if sign in ("any", "sampled"):
                 magnitude = abs(value)
             may_be_zero = "positive" not in sign
@@ -260,10 +263,11 @@ class QuantityField(NamedTuple):
             add_problem(problems, path, message, value)
 
     def _is_in_scale(self, numbers: Any) -> Any:
-        """Boolean array: True where a number is 0, infinite, or of a sound magnitude.
+        """Where numbers are 0, infinite or of a sound magnitude: a boolean array.
 
-        A number that may be 0 may also be tiny, down to the smallest float with all its
-        digits. Only samples of a profile may be smaller.
+        A sound magnitude is at most `LARGEST`, and at least `SMALLEST` if the number
+        must be positive, else `TINY`. Only samples of a profile may be smaller. For a
+        single number it is one truth value. The sign itself is not asked for.
         """
         smallest = TINY
         if "positive" in self.sign:
@@ -279,7 +283,9 @@ class QuantityField(NamedTuple):
     ) -> tuple[Any, ...]:
         """Return a list of numbers as a tuple, each as `checked` returns it.
 
-        () and a problem if the value is no list of numbers.
+        The items of an array are its entries along the first axis, and each may be an
+        array itself. If the value is no list, tuple or array of numbers, a problem is
+        added and () returned.
         """
         if not isinstance(items, list | tuple):
             try:
@@ -332,8 +338,8 @@ def require_increasing(problems: Problems, path: str, values: Iterable[Number]) 
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
     """Shape of the family that arrays among numbers make, each number with its path.
 
-    () if there are no arrays. InvalidModel if they do not broadcast, or make more than
-    `MOST_MEMBERS`.
+    () if there are no arrays. InvalidModel if the arrays do not broadcast, or make a
+    family of more than `MOST_MEMBERS`.
     """
     arrays = []
     for path, value in numbers:
@@ -352,9 +358,10 @@ def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
 
 
 def broadcast_shape(arrays: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
-    """Shape to which arrays broadcast, each given with its path.
+    """Shape to which arrays broadcast, each given with its path; () if there is none.
 
-    InvalidModel with path and shape of each if they do not broadcast.
+    If they do not broadcast, InvalidModel at the first path, with the path and the
+    shape of each array in its message.
     """
     paths = []
     shapes = []
@@ -391,9 +398,10 @@ def require(
 ) -> bool:
     """Return whether a condition, a truth value or an array, holds in every member.
 
-    If not, a problem is added for the first member for which it does not hold. The
-    message may show the values of that member, as ``{0!r}``; the path ends with its
-    index, ``[3,1]``, unless the condition is a single truth value.
+    If not, one problem is added, for the first member for which it does not hold. The
+    message is formatted with the values of that member, the first one as ``{0!r}``.
+    To the path its index is appended, ``[3,1]``, unless the condition is a single truth
+    value.
     """
     if condition is True or np.all(condition):
         return True
@@ -444,8 +452,11 @@ class Frozen:
     def __init_subclass__(cls, **tag: str) -> None:
         """Set the tag of a class, and take its declared numbers as its `fields`.
 
-        The defaults of the numbers stay as attributes of the class. Its constructor
-        and its methods answer wrong arguments with those that may be meant.
+        A tag, such as kind="rod", names the class in descriptions; its word becomes an
+        attribute of the class, too. A declaration is replaced by the default of its
+        number, or deleted if that has none. A class without declarations or tag keeps
+        those of its base. Constructor and methods are wrapped, so that the error on an
+        unknown argument names those that may be meant.
         """
         if tag:
             cls._tag = tag
@@ -473,10 +484,12 @@ class Frozen:
     __delattr__ = __setattr__
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become what was pickled or copied; arrays are read-only again."""
+        """Take the attributes that were pickled or copied; arrays are read-only again.
+
+        Parts that are `Frozen` have done the same for their own arrays.
+        """
         self.__dict__.update(state)
-        # Items of tuples are among the parts.
-        for _, item in self._parts():
+        for _, item in self._parts():  # with the items of tuples
             if isinstance(item, np.ndarray):
                 item.flags.writeable = False
 
@@ -562,10 +575,9 @@ class Frozen:
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process.
 
-        It is a text in hexadecimal.
+        It is a text in hexadecimal. Hashed are the description, with the shape in place
+        of each array that varies in a family, and the bytes of these arrays.
         """
-        # The outline is the description with the shape of each array in its place; the
-        # numbers of the arrays follow as bytes.
         with_shapes = self._mapped(lambda array: list(array.shape))
         outline = json.dumps(with_shapes.to_dict(), sort_keys=True)
         sha = hashlib.sha256(outline.encode())
@@ -583,7 +595,11 @@ class Frozen:
         return hash(self.digest)
 
     def __repr__(self) -> str:
-        """The call that makes the object, without the parameters that are None."""
+        """The call that makes the object, as text, in one line.
+
+        Parameters that are None are left out. An array is shown by its shape, a part
+        with a name by that name, see `short`.
+        """
         parameters = []
         for name, value in self._parameters().items():
             if value is not None:
@@ -591,10 +607,11 @@ class Frozen:
         return f"{type(self).__name__}({', '.join(parameters)})"
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Every parameter of the object with its path in a case file.
+        """Yield the path in a case file and the value of every parameter.
 
-        The items of tuples have paths of their own. The items of ``values`` have the
-        paths ``"values.0"``, ``"values.1"``.
+        In place of a tuple its items are yielded; those of ``values`` have the paths
+        ``"values.0"``, ``"values.1"``. The parameters of a part that is `Frozen` are
+        left to that part.
         """
         for name, value in self._parameters().items():
             if isinstance(value, tuple):
@@ -623,10 +640,11 @@ class Frozen:
         return False
 
     def _numbers(self, path: str = "") -> Iterator[tuple[str, Number]]:
-        """Numbers that may vary in a family, with their paths in a case file.
+        """Yield path and value of each number that may vary in a family.
 
-        They are those of this object and its parts, without the ones that all members
-        share. `path` is that of the object itself, if it is a part of another one.
+        A value is a float or an array. The numbers are those of this object and its
+        parts, without those that all members share. `path` is that of the object
+        itself, if it is a part of another one.
         """
         for name, item in self._parts():
             item_path = name
@@ -642,9 +660,9 @@ class Frozen:
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
         """A new object with ``change(array)`` in place of every array, unchecked.
 
-        The arrays are those of numbers. Arrays in its parts are changed too; those that
-        all members share stay. Values that are kept for speed, in attributes with an
-        underscore, are left out.
+        Arrays in tuples and in parts are changed too. Those that all members of a
+        family share stay. Attributes with an underscore, which keep computed values for
+        speed, are left out.
         """
 
         def mapped(value: Any) -> Any:
@@ -661,7 +679,7 @@ class Frozen:
         for name, value in self.__dict__.items():
             if name in self._shared_fields:
                 attributes[name] = value
-            elif name[0] != "_":  # the others were found from the old arrays
+            elif name[0] != "_":  # values with "_" were computed from the old arrays
                 attributes[name] = mapped(value)
         twin = object.__new__(type(self))  # without the checks of the constructor
         twin._set(**attributes)
@@ -684,8 +702,9 @@ class FrozenDataclass(Frozen):
     def __init_subclass__(cls, **tag: str) -> None:
         """Make the class a frozen dataclass with the repr and the equality of `Frozen`.
 
-        A tag, such as kind="rod", is that of `Frozen`. The constructor answers wrong
-        arguments with those that may be meant.
+        A tag, such as kind="rod", names the class in descriptions, see `Frozen`. The
+        constructor is wrapped, so that the error on an unknown argument names those
+        that may be meant.
         """
         super().__init_subclass__(**tag)
         dataclass(repr=False, eq=False, frozen=True)(cls)
@@ -697,9 +716,9 @@ class FrozenDataclass(Frozen):
     def __post_init__(self) -> None:
         """Check all arguments; InvalidModel with all mistakes in it.
 
-        Each declared number becomes what `QuantityField.checked` returns, but profiles,
-        which the class checks itself. Then numbers are checked together: as a family,
-        and by `_check`.
+        Each declared number is replaced by what `QuantityField.checked` makes of it; a
+        profile is left to the class. Arrays must make a family. Then the `_check` of
+        the class follows, after mistakes too, which it finds in its `problems`.
         """
         problems: Problems = []
         attributes = self.__dict__
@@ -712,7 +731,7 @@ class FrozenDataclass(Frozen):
             if isinstance(value, np.ndarray | tuple):
                 may_vary = True
         if may_vary and not problems:
-            family_shape(self._numbers())  # refuses arrays that make no family
+            family_shape(self._numbers())  # raises if arrays make no family
         try:
             self._check(problems)
         except InvalidModel as error:
@@ -737,7 +756,8 @@ def defaults_of(kind: Any) -> dict[str, Any]:
 def short(value: Any) -> str:
     """A value as short text for a repr.
 
-    An array is shown by its shape, an object with a name by that name.
+    An array is shown by its shape, an object with a name by that name without quotes,
+    and any other value by its own repr.
     """
     if isinstance(value, np.ndarray):
         return f"array{value.shape}"
@@ -750,7 +770,8 @@ def short(value: Any) -> str:
 def json_ready(value: Any) -> Any:
     """A value as numbers, lists and dictionaries for JSON.
 
-    The value is a number, an array, a tuple or a `Frozen`.
+    A `Frozen` gives its description, an array or a tuple a list. Numbers, texts and
+    other values stay as they are.
     """
     if isinstance(value, Frozen):
         return value.to_dict()

@@ -59,16 +59,21 @@ class RadialModuli(NamedTuple):
 def radial_moduli(youngs_modulus: Any, poisson_ratio: Any) -> RadialModuli:
     """Moduli of the theory of Mindlin and Herrmann from E and nu.
 
-    With the moduli lambda and mu of the theory, 4 (lambda + mu) is
-    2 E/((1 + nu) (1 - 2 nu)), 2 lambda is nu times this, lambda + 2 mu is E + nu^2
-    times this, and mu is E/(2 (1 + nu)).
+    With lambda = E nu/((1 + nu) (1 - 2 nu)) and mu = E/(2 (1 + nu)): radial is
+    4 (lambda + mu) = 2 E/((1 + nu) (1 - 2 nu)), coupling is 2 lambda = nu radial, axial
+    is lambda + 2 mu = E + nu^2 radial, and shear is `SHEAR` mu.
 
     Parameters
     ----------
     youngs_modulus : float or array
         E, Pa.
     poisson_ratio : float or array
-        nu, below 0.5.
+        nu, below 0.5; it is not checked.
+
+    Returns
+    -------
+    RadialModuli
+        Pa, each of the broadcast shape of E and nu.
 
     Examples
     --------

@@ -66,7 +66,7 @@ class _Compliant(_Law):
     begins_from_zero = True
 
     def stored(self, indentation: ArrayLike) -> Any:
-        """Elastic energy at an overlap, k d^(p+1)/(p+1).
+        """Elastic energy at an overlap, k d^(p+1)/(p+1); inf if that overflows.
 
         Parameters
         ----------
@@ -223,7 +223,10 @@ class Joint(_Linear, law="joint"):
     stretch: Numeric = quantity("m", default=0.0)
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem if both the stiffness and the damping are 0."""
+        """Add a problem if stiffness and damping are both 0, in any member of a family.
+
+        After other problems nothing is checked.
+        """
         if problems:
             return
         has_force = np.add(self.stiffness, self.damping) > 0
@@ -386,7 +389,7 @@ class Hertz(_Compliant, law="hertz"):
         numbers: dict[str, Number] = {}
         for face in faces:
             numbers |= face.numbers
-        frozen.family_shape(numbers.items())
+        frozen.family_shape(numbers.items())  # raises if arrays make no family
         curvature = 1 / faces[0].radius + 1 / faces[1].radius  # 1/R*
         message = (
             "is infinite, and so is the left one; two flat faces make no Hertz contact"
@@ -394,7 +397,8 @@ class Hertz(_Compliant, law="hertz"):
         demand(curvature > 0, "right_radius", message)
         with np.errstate(all="ignore"):  # the law refuses what is out of range
             compliance: Number = faces[0].compliance + faces[1].compliance  # 1/E*
-            return cls(np.divide(4 / 3, compliance * curvature**0.5))
+            stiffness = np.divide(4 / 3, compliance * curvature**0.5)
+            return cls(stiffness)
 
 
 class _Face(NamedTuple):
@@ -408,8 +412,9 @@ class _Face(NamedTuple):
 def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> _Face:
     """Face of a Hertz contact, from radius and material of one side.
 
-    The side is "left" or "right". Mistakes are added to `problems`. The compliance is
-    (1 - nu^2)/E, 0 of a rigid face.
+    The side is "left" or "right". The compliance is (1 - nu^2)/E, or 0 without a
+    material, of a rigid face. Mistakes are added to `problems`, also a material without
+    Poisson ratio; radius or compliance are of no use then.
     """
     radius_path = f"{side}_radius"
     material_path = f"{side}_material"
@@ -534,7 +539,11 @@ class Yielding(Plastic, law="yielding"):
     hardening: Numeric = quantity("N/m", "non-negative", default=0.0)
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem if the hardening is not less than the stiffness."""
+        """Add a problem if the hardening is not less than the stiffness.
+
+        This must hold in every member of a family. After other problems nothing is
+        checked.
+        """
         if problems:
             return
         k = self.stiffness
@@ -610,8 +619,9 @@ class Tabulated(Plastic, law="tabulated"):
     def _check(self, problems: Problems) -> None:
         """Refuse tables of unequal length, not increasing, or too soft in unloading.
 
-        InvalidModel if the lengths differ or are too large; the others are added to
-        `problems`.
+        InvalidModel if the lengths differ, are 0 or too large. Problems are added if
+        compressions or forces do not increase, or else if the unloading stiffness is
+        less than the slope of a line. After other problems nothing is checked.
         """
         if problems:
             return
@@ -630,17 +640,19 @@ class Tabulated(Plastic, law="tabulated"):
         if not problems and self.unloading is not None:
             steepest = self._steepest_slope()
             k = np.asarray(self.unloading)
-            is_steeper = k >= steepest * (1 - SLOPE_RTOL)
+            is_steep_enough = k >= steepest * (1 - SLOPE_RTOL)
             message = "must be at least that of the steepest line, {0!r}, got {1!r}"
-            frozen.require(
-                problems, is_steeper, "unloading", message, steepest, self.unloading
-            )
+            values = (steepest, self.unloading)
+            frozen.require(problems, is_steep_enough, "unloading", message, *values)
 
     @property
     def slopes(self) -> list[Number]:
-        """Stiffness on loading along the line before each point, N/m."""
+        """Stiffness on loading along the line that ends at each point, N/m.
+
+        The first line begins at (0, 0).
+        """
         slopes = []
-        d_before: Number = 0.0  # the first line begins at (0, 0)
+        d_before: Number = 0.0
         F_before: Number = 0.0
         for d, F in zip(self.compression, self.force, strict=True):
             slopes.append((F - F_before) / (d - d_before))
@@ -675,20 +687,21 @@ class Tabulated(Plastic, law="tabulated"):
         """Forces at which the second and later lines of the table begin, N.
 
         The list has `KNOTS` places. Places that are not used have a force that is never
-        reached.
+        reached, `UNREACHED`.
         """
-        knots = super().knots
+        knots = super().knots  # unused places only
         for j in range(len(self.slopes) - 1):
             knots[j] = self.force[j]
         return knots
 
     @property
     def shares(self) -> list[Number]:
-        """Slopes of the lines from `knots` on, over the stiffness.
+        """Slopes of the second and later lines, over the stiffness on unloading.
 
-        The list has `KNOTS` places. Places that are not used are 0.
+        The list has `KNOTS` places, as that of the `knots` at which these lines begin.
+        Places that are not used are 0.
         """
-        shares = super().shares
+        shares = super().shares  # unused places only
         for j, slope in enumerate(self.slopes[1:]):
             shares[j] = slope / self.stiffness
         return shares
@@ -704,7 +717,8 @@ class Tabulated(Plastic, law="tabulated"):
         Returns
         -------
         Tabulated
-            Its compressions count from the new place of the faces.
+            Its compressions count from the new place of the faces. Its first line leads
+            to the peak along the unloading stiffness; the rest of the table follows.
 
         Examples
         --------
@@ -725,15 +739,15 @@ class Tabulated(Plastic, law="tabulated"):
             excess = (force - self.force[-1]) / last_slope
             peak_compression = self.compression[-1] + excess
             compressions.append(peak_compression + force / last_slope)
-            forces.append(2 * force)
+            forces.append(2 * force)  # any force beyond the peak would do
         else:
             peak_compression = np.interp(force, (0.0, *forces), (0.0, *compressions))
         is_elastic = force <= 0 or force >= k * peak_compression * (1 - SLOPE_RTOL)
         if is_elastic:
             return self
         # Unloading follows k, so the faces have moved by peak_compression - force/k.
-        # The new table is the old one beyond the peak, counted from there, and one line
-        # up to the peak.
+        # The new table is one line up to the peak, and the old table beyond the peak,
+        # with compressions counted from the new place.
         elastic_compression = force / k
         new_compressions = [elastic_compression]
         new_forces = [force]
@@ -861,7 +875,7 @@ class Cushion(Plastic, law="cushion"):
         return self.loading
 
     def hardened(self, force: Any) -> Yielding | Cushion:
-        """Law of the cushion after a peak force.
+        """Law of the cushion after a peak force; itself if that leaves no trace.
 
         Parameters
         ----------
@@ -871,7 +885,8 @@ class Cushion(Plastic, law="cushion"):
         Returns
         -------
         Yielding or Cushion
-            It is elastic up to the peak force; untouched it stays as it is.
+            Elastic up to the peak force. The cushion itself if the force is not above
+            0, or if the restitution is 1 in every member of a family.
 
         Examples
         --------
@@ -988,7 +1003,8 @@ class Law(_Law, law="own"):
             return energy
 
         overlaps = array("indentation", indentation, "m", "non-negative")
-        return np.vectorize(energy_at, otypes=[float])(overlaps)[()]
+        energies = np.vectorize(energy_at, otypes=[float])(overlaps)
+        return energies[()]  # a number in place of an array of shape ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return a description that equal functions share; no file can restore the law.
@@ -996,9 +1012,11 @@ class Law(_Law, law="own"):
         Returns
         -------
         dict
-            The word of the law, and a text with the function's name, the values that it
-            closes over, and its code.
+            The entry that names the law, and under "force" a text with the function's
+            name, the values that it closes over, and its code. For an object without
+            code the text is its repr.
         """
+        # A function that Numba has compiled holds the Python function as `py_func`.
         function: Any = getattr(self.force, "py_func", self.force)
         code = getattr(function, "__code__", None)
         cells = getattr(function, "__closure__", None)

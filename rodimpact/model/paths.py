@@ -46,10 +46,11 @@ class _Slot(NamedTuple):
 
 
 def numbers_of(system: System) -> dict[str, Number]:
-    """Every number of a system that can vary, by its entry: a float, or an array of it.
+    """Every number of a system that can vary, by its entry: a float, or an array.
 
-    Beside stored numbers there are those that may be given in their place: the wave
-    speed c = sqrt(E/rho) of a material, and the area pi d^2/4 of a round rod.
+    An entry is a path of one number, such as ``bodies.0.material.density``. Beside the
+    stored numbers there are those that may be given in their place: the wave speed
+    c = sqrt(E/rho) of a material, and the area pi d^2/4 of a round rod.
     """
     stored_numbers = dict(system._numbers())
     numbers = dict(stored_numbers)
@@ -66,9 +67,10 @@ def numbers_of(system: System) -> dict[str, Number]:
 
 
 def entries_by_path(system: System) -> dict[str, list[str]]:
-    """Entries of every path of a number that can vary.
+    """Entries for which each path stands that can name a number that varies.
 
-    A path has itself as the only entry, or those of a material.
+    An entry stands for itself alone. The path ``materials.NAME.density`` stands for the
+    entries of all bodies that are made of this material.
     """
     entries: dict[str, list[str]] = {}
     description = system.to_dict()
@@ -118,10 +120,15 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
 
 
 def field_at(system: System, entry: str) -> QuantityField:
-    """Declaration of the number at an entry; one without unit if none is known."""
+    """Declaration of the number at an entry, found by the last word of the entry.
+
+    A number of a contact law is declared in the law. If no declaration is known, one
+    without unit and of any sign is returned.
+    """
     owner, _, field = entry.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
-        parts = entry.split(".")  # contacts, index, field, for a list the index in it
+        # Parts are contacts, the index, the field, and for a list the index in it.
+        parts = entry.split(".")
         law = system.contacts[int(parts[1])]
         return law.fields[parts[2]]
     return FIELDS.get(field, QuantityField())
@@ -133,18 +140,18 @@ def unit_at(system: System, entry: str) -> str:
 
 
 def suggestion(path: str, choices: Collection[str]) -> str:
-    """Hint at the choice that may be meant by a path: a sentence.
+    """Hint at the choices that may be meant by an unknown path, for a message.
 
-    It names the nearest of the choices that share the longest beginning with the path.
-    If none is near it lists them, or if they are many, their next parts. Choices with
-    the last word of the path that stand deeper come first: the area of a stepped rod is
-    that of a segment.
+    Only choices count that share the longest beginning with the path. Those that end
+    with the rest of the path stand deeper, and are named all: the area of a stepped rod
+    is that of a segment. Else the nearest choice is named. If none is near all are
+    listed, or if they are more than `MOST_CHOICES`, only their next parts.
     """
     beginning = _shared_beginning(path, choices)
-    last_word = path.removeprefix(beginning)
+    rest = path.removeprefix(beginning)
     deeper = []
     for choice in choices:
-        if choice.startswith(beginning) and choice.endswith("." + last_word):
+        if choice.startswith(beginning) and choice.endswith("." + rest):
             deeper.append(choice)
     if deeper:
         return f"perhaps one of {listed(deeper)} is meant"
@@ -152,8 +159,9 @@ def suggestion(path: str, choices: Collection[str]) -> str:
     for choice in choices:
         if choice.startswith(beginning):
             remainders.append(choice.removeprefix(beginning))
-    hint = nearest(path.removeprefix(beginning), remainders, beginning)
-    if len(remainders) > MOST_CHOICES and hint.startswith("use one of"):
+    hint = nearest(rest, remainders, beginning)
+    none_is_near = hint.startswith("use one of")  # the words of `nearest` for a list
+    if none_is_near and len(remainders) > MOST_CHOICES:
         beginnings: dict[str, None] = {}  # each once, in order
         for remainder in remainders:
             next_part, _, _ = remainder.partition(".")
@@ -165,8 +173,9 @@ def suggestion(path: str, choices: Collection[str]) -> str:
 def _shared_beginning(path: str, choices: Collection[str]) -> str:
     """Longest beginning that a path shares with any choice, such as "bodies.0.".
 
-    Only whole parts of the path count, and never all of it; "" if no part is shared.
+    Only whole parts of the path count, and never the last one; "" if no part is shared.
     """
+    # A long text, pasted by mistake, is not searched to its end.
     parts = path[: 2 * MOST_SHOWN].split(".")[:-1]
     for n in range(len(parts), 0, -1):
         beginning = ".".join(parts[:n]) + "."
@@ -179,7 +188,8 @@ def _shared_beginning(path: str, choices: Collection[str]) -> str:
 def _slot(description: Any, entry: str) -> _Slot:
     """Table and key at which a description holds the number at an entry.
 
-    The description is that of ``System.to_dict()``.
+    The description is that of ``System.to_dict()``; the table is a dictionary or a list
+    in it. The key may be missing there: a ``wave_speed`` is not stored.
     """
     *steps, last = entry.split(".")
     table = description

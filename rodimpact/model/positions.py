@@ -27,14 +27,15 @@ def velocity_of(problems: Problems, position: Profile) -> Any:
     Parameters
     ----------
     problems : list of (path, message)
-        Mistakes are added.
+        Mistakes are added. The velocity that is returned then is 0.
     position : float, array or Samples
         m; only its changes count.
 
     Returns
     -------
     float, array, Steps or Polynomials
-        Steps between straight lines, polynomials between samples of a smooth curve.
+        0 for a number or an array, of its shape. For samples `Steps` if they are joined
+        by straight lines, or `Polynomials` if they are those of a smooth curve.
     """
     if not isinstance(position, Samples):
         return 0.0 * position  # type: ignore[operator]
@@ -46,8 +47,8 @@ def velocity_of(problems: Problems, position: Profile) -> Any:
 def _of_lines(position: Samples) -> Any:
     """Velocity of straight lines between samples, m/s, and 0 after the last one.
 
-    It is `Steps`, of which neighbouring lines of one slope are one; or the number 0.0
-    if the end never moves.
+    It is `Steps`: neighbouring lines of equal slope make one step. If the end never
+    moves it is 0, a number, or an array if the step of the samples is one.
     """
     step: Any = position.step
     rises = np.diff(position.values)
@@ -69,8 +70,9 @@ def _of_lines(position: Samples) -> Any:
 def _of_spline(problems: Problems, position: Samples) -> Any:
     """Velocity of the spline through smooth samples, m/s, as `Polynomials`.
 
-    It is 0 after the last sample. A step that differs from member to member, or too few
-    samples, are a problem; then 0.0 is returned.
+    Each interval between samples is one polynomial; one more, 0, follows the last
+    sample. A time step that is an array, or too few samples, are a problem; then the
+    number 0.0 is returned.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -91,7 +93,8 @@ def _of_spline(problems: Problems, position: Samples) -> Any:
     values[:, 0] = velocity(times[:-1])
     values[:, -1] = velocity(times[1:])
     at_rest = np.zeros(VALUES_PER_INTERVAL)
-    # An error of the curve that is 0 at the samples is at most as steep as a sine.
+    # An error of the curve that is 0 at the samples is taken to be as steep as a sine
+    # whose half period is the step.
     error = np.pi * position.error / step
     return Polynomials(
         np.append(values.ravel(), at_rest).tolist(), times[1:].tolist(), error=error

@@ -73,7 +73,10 @@ class Steps(FrozenDataclass):
     at: Sequence[Any] = quantity("", "positive", many=True)
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem unless jumps increase, and are one fewer than the values."""
+        """Add a problem unless jumps increase, and are one fewer than the values.
+
+        After other problems nothing is checked.
+        """
         if problems:
             return
         n_values = len(self.values)
@@ -132,9 +135,9 @@ class Samples(FrozenDataclass):
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "error")
 
     def _check(self, problems: Problems) -> None:
-        """Add problems of values that are no list, of smoothness and of the error.
+        """Check and set the error; add problems of the values and of `smooth`.
 
-        The error is set as a checked float.
+        The values must be two or more, in one dimension. `smooth` must be a bool.
         """
         is_list = np.ndim(self.values) == 1 and len(self.values) > 1
         if not problems and not is_list:
@@ -146,7 +149,7 @@ class Samples(FrozenDataclass):
         self._set(error=ERROR.checked(problems, "error", self.error))
 
     def _parameters(self) -> dict[str, Any]:
-        """Parameters, without those of `smooth` and `error` that have their default."""
+        """Parameters of the constructor, without `smooth` at False and error at 0."""
         parameters = super()._parameters()
         if parameters.get("smooth") is False:
             del parameters["smooth"]
@@ -200,10 +203,10 @@ class Polynomials(FrozenDataclass):
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "at", "error")
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem of borders that do not increase, or of unequal intervals.
+        """Check and set the error; add problems of the values and the borders.
 
-        All intervals must have the same number of values, two or more. The error is set
-        as a checked float.
+        All intervals must have the same number of values, two or more, and borders must
+        increase. After other problems only the error is checked.
         """
         self._set(error=ERROR.checked(problems, "error", self.error))
         if problems:
@@ -219,7 +222,7 @@ class Polynomials(FrozenDataclass):
 
     @property
     def inner(self) -> list[float]:
-        """Borders between intervals, m, none for one interval."""
+        """Borders between intervals, m; an empty list for one interval."""
         if self.at is None:
             return []
         borders: list[float] = np.ravel(self.at).tolist()
@@ -240,15 +243,15 @@ class Polynomials(FrozenDataclass):
         """
         n_intervals = len(self.inner) + 1
         values = np.asarray(self.values, dtype=float).reshape(n_intervals, -1)
-        n = values.shape[1]
+        n = values.shape[1]  # values of an interval, at Chebyshev points
         y = -np.cos(np.pi * np.arange(n) / (n - 1))  # places of the values
         coefficients_to_values = chebyshev.chebvander(y, n - 1)  # T_k(y), [place, k]
-        values_to_coefficients = np.linalg.inv(coefficients_to_values)
+        values_to_coefficients = np.linalg.inv(coefficients_to_values)  # [k, place]
         coefficients: Floats = values @ values_to_coefficients.T
         return coefficients
 
     def _parameters(self) -> dict[str, Any]:
-        """Parameters, without the error if it is 0, its default."""
+        """Parameters of the constructor, without the error if it is 0."""
         parameters = super()._parameters()
         if _is_zero(parameters.get("error")):
             del parameters["error"]
@@ -290,18 +293,20 @@ def along_rod(
     path : str
         Path of the value.
     value : object
-        A number, `Steps`, `Samples`, `Polynomials` or a function. A function is sampled
-        at `SAMPLES_ALONG_ROD` places from end to end.
+        A number, `Steps`, `Samples`, `Polynomials` or a function. `Samples` may not
+        have a step. A function is sampled at `SAMPLES_ALONG_ROD` places from end to
+        end; it is a mistake if the length is an array.
     field : QuantityField
-        Unit and sign of the values; `Steps` may have any sign.
+        Unit and sign of the values; those of `Steps` and `Polynomials` may have any
+        sign.
     length : float or array, optional
-        Length of the rod, m; None if a mistake elsewhere leaves it unknown. Then only
-        what does not depend on it is checked.
+        Length of the rod, m, inside which jumps must lie. None if a mistake elsewhere
+        leaves it unknown: then neither jumps nor a function are checked.
 
     Returns
     -------
     float, array, Steps, Samples or Polynomials
-        After a mistake it is of no use.
+        After a mistake it is of no use; a function stays if the length is unknown.
     """
     profile: Profile = value
     if isinstance(value, Steps | Polynomials):
@@ -314,7 +319,7 @@ def along_rod(
                 "out"
             )
             problems.append((f"{path}.step", message))
-        if field.sign != "any":  # that they are numbers, samples check themselves
+        if field.sign != "any":  # `Samples` has checked that these are numbers
             field.checked(problems, f"{path}.values", value.values)
     elif not callable(value):
         profile = field.checked(problems, path, value)
@@ -335,7 +340,8 @@ def _check_inside(
 ) -> None:
     """Add a problem unless the last jump or border of a profile lies inside the rod.
 
-    InvalidModel if arrays among the numbers do not broadcast.
+    A profile without jumps is always sound. Both must hold in every member of a family;
+    InvalidModel if the numbers of the profile and the length do not broadcast.
     """
     if isinstance(profile, Steps):
         places = list(profile.at)
@@ -360,17 +366,17 @@ def in_time(
 ) -> Profile:
     """Check the value of a driven end as a profile from t = 0 on, and return it.
 
-    A function becomes `Samples`.
+    A function becomes `Samples`; `Steps` and `Samples` stay as they are.
 
     Parameters
     ----------
     value : object
-        A number, `Steps`, `Samples` or a function. A function is sampled at
-        `SAMPLES_IN_TIME` times from 0 to the duration.
+        A number, `Steps`, `Samples` or a function. `Samples` need a step, s. A function
+        is sampled at `SAMPLES_IN_TIME` times from 0 to the duration.
     field : QuantityField
-        Unit and sign of the values.
+        Unit and sign of a number, and of the values of a function.
     duration : float, optional
-        Time for which a function is sampled, s; no other value has one.
+        Time for which a function is sampled, s; it is a mistake with any other value.
     name : str
         Path of mistakes in the value.
 
@@ -422,20 +428,21 @@ def latest_border(profile: Any) -> float:
 def jumps_inside(profile: Any) -> bool:
     """Whether steps, or neighbouring polynomials, jump by more than round-off.
 
-    `Steps` always do; numbers and samples never do.
+    `Steps` always count as jumps; numbers and samples never do. Round-off is
+    `JUMP_RTOL` times the largest magnitude of the values.
     """
     if isinstance(profile, Steps):
         return True
     if not isinstance(profile, Polynomials):
         return False
-    intervals = len(profile.inner) + 1
-    values = np.reshape(profile.values, (intervals, -1))
-    jumps = np.abs(values[1:, 0] - values[:-1, -1])
+    n_intervals = len(profile.inner) + 1
+    values = np.reshape(profile.values, (n_intervals, -1))  # [interval, place]
+    jumps = np.abs(values[1:, 0] - values[:-1, -1])  # first value less last before it
     return bool(np.any(jumps > JUMP_RTOL * np.abs(values).max()))
 
 
 def negative(profile: Profile) -> Profile:
-    """Return minus the profile: all its values with the other sign."""
+    """Return minus the profile, also of a number: all its values change their sign."""
     if isinstance(profile, Steps | Samples | Polynomials):
         values = [-value for value in profile.values]
         return profile.replace(values=values)
@@ -443,7 +450,10 @@ def negative(profile: Profile) -> Profile:
 
 
 def scaled(profile: Profile, factor: float) -> Profile:
-    """Return the profile with its values and their stated error times a number."""
+    """Return the profile, or the number, with all its values times a factor.
+
+    The stated error of a profile is multiplied by the size of the factor.
+    """
     if isinstance(profile, Steps | Samples | Polynomials):
         changed: dict[str, Any] = {}
         changed["values"] = [value * factor for value in profile.values]
@@ -457,7 +467,7 @@ def flipped(profile: Profile, length: Number) -> Profile:
     """Return the profile along a rod of that length, m, seen from the other end.
 
     The values come in the opposite order, and places are counted from the other end. A
-    number stays.
+    piece of `Steps` that has no width then, by round-off, is left out. A number stays.
     """
     if isinstance(profile, Samples):
         return profile.replace(values=profile.values[::-1])
@@ -504,15 +514,18 @@ def extremes(profile: Profile) -> list[Any]:
 def averages(profile: Any, edges: Any, length: float) -> Floats:
     """Mean values of a profile between neighbouring edges.
 
-    Steps and samples go on beyond their ends with their first and last value.
+    Steps and samples go on beyond their ends with their first and last value;
+    polynomials count as 0 there.
 
     Parameters
     ----------
     profile : float, Steps, Samples or Polynomials
+        Its numbers are those of a single rod.
     edges : [n + 1] array
-        Increasing places, m, or times, s.
+        Increasing places, m, or times, s; their order is not checked.
     length : float
-        Length of the rod, m, for samples that run from end to end.
+        Length of the rod, m, for polynomials and for samples without a step, which run
+        from end to end.
 
     Returns
     -------
@@ -535,23 +548,26 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
 
 
 def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
-    """Mean values of steps between n + 1 edges, m or s, shape (n,)."""
+    """Mean values of steps between n + 1 edges, m or s, shape (n,).
+
+    The first and the last value hold outside the jumps.
+    """
     jumps = np.array(steps.at, dtype=float)
-    values = np.array(steps.values, dtype=float)
+    values = np.array(steps.values, dtype=float)  # value i ends at jump i
     # Index of the first and the last value in each interval: just right of its left
     # edge, and just left of its right one. A jump on an edge lies inside neither of two
     # intervals.
     first = np.searchsorted(jumps, edges[:-1], side="right")
     last = np.searchsorted(jumps, edges[1:], side="left")
-    means: Floats = values[first]
+    means: Floats = values[first]  # of intervals without a jump
     has_jump = last > first
     for i in np.flatnonzero(has_jump):
         start = edges[i]
         stop = edges[i + 1]
         inner_jumps = jumps[first[i] : last[i]]
-        values_between = values[first[i] : last[i] + 1]
+        inner_values = values[first[i] : last[i] + 1]  # one more than jumps
         cuts = np.concatenate(([start], inner_jumps, [stop]))
-        integral = np.sum(values_between * np.diff(cuts))
+        integral = np.sum(inner_values * np.diff(cuts))
         means[i] = integral / (stop - start)
     return means
 
@@ -561,8 +577,8 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
 
     Samples without a step run over `length` from end to end. The first and the last
     sample hold outside. Every interval is cut where samples lie in it, and the trapezia
-    of its parts are added. So a small value is exact beside one that is 1e20 times as
-    large, as a difference of integrals from the first sample is not.
+    of its parts are added. A difference of integrals from the first sample on would
+    lose a small value beside one that is 1e20 times as large.
     """
     if len(edges) < 2:
         return np.zeros(0)
@@ -571,17 +587,17 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
         width = length / (len(values) - 1)
     else:
         width = float(samples.step)
-    knots = width * np.arange(len(values))
+    knots = width * np.arange(len(values))  # places of the samples
     first = np.searchsorted(knots, edges[0], side="right")
-    last = np.searchsorted(knots, edges[-1], side="left")
-    inner = knots[first:last]  # between the first and the last edge
+    stop = np.searchsorted(knots, edges[-1], side="left")
+    inner = knots[first:stop]  # between the first and the last edge
     # The edges and the samples between them, in order
     cuts = np.insert(edges, np.searchsorted(edges, inner), inner)
     heights = np.interp(cuts, knots, values)
     mean_heights = (heights[1:] + heights[:-1]) / 2
     trapezia = mean_heights * np.diff(cuts)
-    # An interval is the sum of its parts: from its first one to that of the next.
-    first_parts = np.searchsorted(cuts, edges[:-1])
+    first_parts = np.searchsorted(cuts, edges[:-1])  # first part of each interval
+    # `reduceat` adds the trapezia from each of these parts up to the next of them.
     integrals = np.add.reduceat(trapezia, first_parts)
     return np.asarray(integrals / np.diff(edges))
 
@@ -592,20 +608,23 @@ def _averages_of_polynomials(
     """Mean values of polynomials along a rod between n + 1 edges, shape (n,).
 
     The length of the rod is in m; beyond it the values count as 0. The means are
-    differences of the integral from x = 0 on. In an interval of width w that is the
-    integral to its begin plus w/2 times a primitive in y, as dx = w/2 dy.
+    differences of the integral from x = 0 on, over the widths. At a place in an
+    interval of width w this is the integral to the left border of the interval plus w/2
+    times a primitive in y, -1 to 1, as dx = w/2 dy.
     """
     borders = np.concatenate(([0.0], profile.inner, [length]))
     widths = np.diff(borders)
+    # Primitives that are 0 at y = -1, [interval, degree]. At y = 1, the end of its
+    # interval, a series is the sum of its coefficients.
     primitives = chebyshev.chebint(profile.coefficients(), lbnd=-1, axis=1)
-    # A series is the sum of its coefficients at y = 1, the end of its interval.
     integrals = primitives.sum(axis=1) * widths / 2
     integral_to_border = np.concatenate(([0.0], np.cumsum(integrals)))
     x = np.clip(edges, 0.0, length)
-    # Index of the interval in which each edge lies
+    # Index of the interval in which each edge lies; the end of the rod is in the last.
     i = np.searchsorted(borders, x, side="right") - 1
     i = np.clip(i, 0, len(widths) - 1)
     y = 2 * (x - borders[i]) / widths[i] - 1  # place in the interval, -1 to 1
+    # Each edge has the series of its own interval, [degree, edge].
     primitive = chebyshev.chebval(y, primitives[i].T, tensor=False)
     integral = integral_to_border[i] + primitive * widths[i] / 2
     means: Floats = np.diff(integral) / np.diff(edges)
@@ -615,8 +634,8 @@ def _averages_of_polynomials(
 def profile_from(data: Any) -> Any:
     """Make the profile that `to_dict` described.
 
-    Data that describe no profile, such as numbers, are returned as they are. The key
-    "polynomials", "samples" or "values" tells the kind.
+    The key "polynomials", "samples" or "values" tells the kind. All other data, such as
+    a number or a dictionary without these keys, are returned as they are.
     """
     if not isinstance(data, dict):
         return data
@@ -643,10 +662,10 @@ def _samples_of(
 ) -> Profile:
     """Samples of a function at places, m, or times, s, at equal distances.
 
-    The curve between them is a spline or straight lines, whichever is nearer to the
-    function half way between the samples; that distance is the error of the samples.
-    `step` is that of samples in time, s; None along a rod, whose length says it. A
-    mistake is noted in `problems`; then 0.0 stands in for the samples.
+    The curve between them is a spline (`smooth`) or straight lines, whichever is nearer
+    to the function half way between the samples. The largest distance there is the
+    error of the samples. `step` is that of samples in time, s; None along a rod, whose
+    length says it. A mistake is noted in `problems`; then 0.0 is returned.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -657,7 +676,7 @@ def _samples_of(
     except ValueError as error:
         problems.append((path, str(error)))
         return 0.0
-    # Both curves at the middles
+    # Values of both curves at the middles
     spline = make_interp_spline(places, values, SPLINE_DEGREE)(middles)
     lines = (values[1:] + values[:-1]) / 2
     spline_error = float(np.max(np.abs(spline - exact)))
@@ -675,8 +694,9 @@ def _values_of(
 ) -> Floats:
     """Values of a function at places, in the unit of a field.
 
-    The function is called with the array of places, or if it cannot take that, with
-    each place. ValueError if a value is no number, or not of the sign of the field.
+    The function is called with a copy of the array of places. If it fails then, or
+    returns an array of another shape, it is called with one place after another.
+    ValueError if a value is no number, not of the sign of the field, or too large.
     """
     try:
         values = floats(function(places.copy()), field.unit)
@@ -702,7 +722,8 @@ def _values_one_by_one(
 ) -> Floats:
     """Values at places of a function that takes single numbers.
 
-    ValueError says why the function fails.
+    ValueError if the function fails, with its reason, or if it does not return a number
+    for each place.
     """
     try:
         returned = [function(x) for x in places.tolist()]
@@ -716,6 +737,6 @@ def _values_one_by_one(
         message = f"must be a function that returns numbers: {error}"
         raise ValueError(message) from None
     if values.shape != places.shape:
-        first = shown(values[0])
+        first = shown(values[0])  # an array, returned at the first place, which is 0
         raise ValueError(f"must be a function that returns numbers, got {first} at 0.0")
     return values

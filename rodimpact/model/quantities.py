@@ -47,7 +47,8 @@ def floats(value: Any, unit: str) -> Floats:
     ------
     ValueError
         If the value is no number or too large for a float, a unit does not convert to
-        `unit`, or an array would lose its labels or its mask.
+        `unit`, an array would lose its labels or its mask, lists are ragged, or there
+        are more than `MAX_AXES` axes.
 
     Examples
     --------
@@ -57,6 +58,7 @@ def floats(value: Any, unit: str) -> Floats:
     reason = ""
     if isinstance(value, str):
         reason = f"; units.parse reads text with a unit: {_reading_of(value, unit)}"
+    # A ValueError of `_strip_units`, or on the axes, is not caught: it has its message.
     try:
         bare = _strip_units(value, unit)
         try:
@@ -78,7 +80,10 @@ def floats(value: Any, unit: str) -> Floats:
 
 
 def _reading_of(text: str, unit: str) -> str:
-    """Call that reads a number with a unit, or why it cannot be read."""
+    """Code that reads a text with a unit, such as ``units.parse('5 mm', 'length')``.
+
+    If the text cannot be read in the dimension of `unit`, the reason is returned.
+    """
     dimension = dimension_of(unit)
     try:
         parse(text, dimension)
@@ -107,10 +112,11 @@ def number_of(unit: str) -> str:
 
 
 def _strip_units(value: Any, unit: str) -> Any:
-    """Numbers of a value in a unit: as they are, as a list, or as an array.
+    """Numbers of a value in a unit: bare ones as they are, others as list or array.
 
-    TypeError if the value is not numeric or a truth value. ValueError if its unit does
-    not convert, or if it would lose a mask, an index or named dimensions.
+    Lists may be nested. TypeError if the value is not numeric, or is a truth value.
+    ValueError if its unit does not convert, or if it would lose a mask, an index or
+    named dimensions.
     """
     if type(value) in _BARE_TYPES:
         return value
@@ -138,7 +144,10 @@ def _strip_units(value: Any, unit: str) -> Any:
 
 
 def _magnitude(quantity: Any, unit: str) -> Any:
-    """Magnitude of a quantity in a unit; ValueError if the unit does not convert."""
+    """Magnitude of a quantity of Pint or Astropy in a unit of the SI.
+
+    ValueError if the unit of the quantity does not convert to it.
+    """
     try:
         converted = quantity.to(_library_spelling(unit))
         if hasattr(converted, "magnitude"):
@@ -152,7 +161,10 @@ def _magnitude(quantity: Any, unit: str) -> Any:
 
 
 def _loss_of(value: Any) -> str:
-    """Part of a value that its numbers would lose, and the remedy; "" if none."""
+    """What a value would lose as bare numbers, and the remedy; "" if nothing.
+
+    It is the named dimensions of xarray, the index of pandas, or the mask of NumPy.
+    """
     if hasattr(value, "dims"):
         return (
             "dimensions are not matched by name here; give .values of arrays from "

@@ -29,7 +29,8 @@ def along_rod(shaft: Shaft, length: Number | None) -> Shaft:
 def mirrored(shaft: Shaft, length: Number) -> Shaft:
     """The soil or drag along a rod of this length, m, with left and right exchanged.
 
-    Profiles are read from the other end; numbers without a direction stay.
+    Profiles are read from the other end. The share of soil that is mobilised has a
+    direction, so it changes its sign; other numbers stay.
     """
     if isinstance(shaft, Drag):
         return shaft.replace(coefficient=flipped(shaft.coefficient, length))

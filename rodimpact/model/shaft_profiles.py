@@ -32,8 +32,8 @@ def checked_along(
 ) -> Any:
     """A value along a rod of this length, m, checked; a function becomes `Samples`.
 
-    Mistakes of a profile are added to `problems`. A number is returned as it is,
-    unchecked. The length is None if it is unknown.
+    Mistakes of a profile are added to `problems`; what is returned then is of no use. A
+    number is returned as it is, unchecked. The length is None if it is unknown.
     """
     if not is_profile(value):
         return value
@@ -45,10 +45,11 @@ def checked_along(
 
 
 def spread(amount: Any, edges: Any, length: float) -> Floats:
-    """Amount of each stretch between neighbouring places of a rod, shape (n,).
+    """Amount of each stretch between n + 1 neighbouring edges of a rod, shape (n,).
 
-    A profile is the amount per length; a number is that of the whole rod, which is
-    spread evenly.
+    A profile is the amount per length, whose mean is taken. A number is the amount of
+    the whole rod of this length, m, over which it is spread evenly. Both are those of a
+    single rod.
     """
     per_length: Any
     if isinstance(amount, PROFILES):

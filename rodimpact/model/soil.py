@@ -82,9 +82,9 @@ class Soil(FrozenDataclass, kind="soil"):
     mobilised: Profile = quantity("", "[-1, 1]", along="length", default=0.0)
 
     def _check(self, problems: Problems) -> None:
-        """Check the word of the law, and set the numbers that are no profiles, checked.
+        """Check the word of the law; check and set the resistance and mobilised share.
 
-        Profiles are checked with the rod along which they run.
+        Profiles of these two stay unchecked: `along_rod` checks them with their rod.
         """
         law: Any = self.law
         if not isinstance(law, str) or law not in DAMPING_LAWS:
@@ -142,7 +142,8 @@ def mobilised_shares(soil: Soil, edges: Any, length: float) -> Floats:
 def largest_stiffness(soil: Soil, length: float) -> float:
     """Largest stiffness R_u/q per length along a rod of this length, m, in N/m^2.
 
-    It is 0 if the soil has no resistance. The numbers are those of a single rod.
+    R_u is the resistance per length, q the quake. It is 0 if the soil has no
+    resistance. The numbers are those of a single rod.
     """
     largest: Any  # resistance per length, N/m
     if isinstance(soil.resistance, PROFILES):

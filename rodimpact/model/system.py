@@ -108,8 +108,9 @@ class System(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Check bodies, laws, gaps and ends together; set them, as tuples.
 
-        The shape of the family is set, too. Mistakes are added to `problems`; then
-        nothing is set.
+        Laws, gaps and ends that are None become rigid contacts, 0 and free ends. The
+        shape of a family is set, too. InvalidModel with all mistakes, and `problems`
+        among them.
         """
         bodies: Any = self.bodies
         _check_bodies(problems, bodies)
@@ -125,7 +126,7 @@ class System(FrozenDataclass):
             is_law = type(law) in _LAWS
             is_compliant = is_law and not isinstance(law, Rigid | Bonded | Joint)
             field = GAP
-            if is_compliant:
+            if is_compliant:  # it may begin with an overlap, a negative gap
                 field = GAP_OR_OVERLAP
             checked_gap = field.checked(problems, f"gaps.{i}", gap)
             gaps.append(checked_gap)
@@ -170,13 +171,14 @@ class System(FrozenDataclass):
         return NamedItems(varied)
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Parts as those of every frozen class, with the paths of case files.
+        """Yield path and value of every parameter, see `Frozen`, with items for tuples.
 
-        Gaps stand with their contacts, and ends have the names of their sides.
+        Paths are those of case files: "contacts.0.gap" for "gaps.0", and "ends.left"
+        for "ends.0".
         """
         for path, value in super()._parts():
-            kind, _, index = path.partition(".")
-            if kind == "gaps":
+            name, _, index = path.partition(".")
+            if name == "gaps":
                 path = f"contacts.{index}.gap"
             yield END_PATHS.get(path, path), value
 
@@ -191,6 +193,8 @@ class System(FrozenDataclass):
         Returns
         -------
         System
+            Numbers of a single member are floats. An array that does not vary along an
+            axis of the family has one entry along it.
 
         Raises
         ------
@@ -217,13 +221,13 @@ class System(FrozenDataclass):
             raise IndexError(f"index: {message}") from None
 
         def pick(array: Floats) -> Number:
-            """Numbers of the chosen members, as an array, or a float for one.
+            """Numbers of the chosen members, as a read-only array, or a float for one.
 
             They are taken from the numbers of all members.
             """
             view = np.broadcast_to(array, self.shape)[index]
-            # Axes along which the array does not vary are reduced to one value:
-            # broadcasting gave them the stride 0.
+            # Broadcasting has given axes along which the array does not vary the stride
+            # 0. They are reduced to one entry.
             first_only = [slice(None)] * view.ndim
             for axis, stride in enumerate(view.strides):
                 if stride == 0:
@@ -254,7 +258,8 @@ class System(FrozenDataclass):
             contact.update(law.to_dict())
             contacts.append(contact)
         description = {"bodies": json_ready(self.bodies), "contacts": contacts}
-        if not isinstance(self.gravity, float) or self.gravity:
+        is_array = not isinstance(self.gravity, float)
+        if is_array or self.gravity != 0:
             description["gravity"] = json_ready(self.gravity)
         if self.ends != (FREE, FREE):
             left, right = self.ends
@@ -289,7 +294,7 @@ class System(FrozenDataclass):
         Raises
         ------
         InvalidModel
-            If the data describe no system.
+            If the data describe no system, or one with mistakes.
 
         Examples
         --------
@@ -321,12 +326,14 @@ class System(FrozenDataclass):
         Returns
         -------
         System
+            All velocities have the other sign; strains, gaps and gravity are the same.
 
         Raises
         ------
         InvalidModel
             If the motion has losses or is driven, so it cannot be reversed in time:
-            damping, a restitution below 1, absorbing or driven ends.
+            damping, a restitution below 1, a law that yields, soil or drag, absorbing
+            or driven ends.
 
         Examples
         --------
@@ -339,6 +346,7 @@ class System(FrozenDataclass):
         reason = "losses and driven ends cannot be reversed in time"
         for path, value in self._numbers():
             _, _, name = path.rpartition(".")
+            # The value without losses of a damping is 0, that of a restitution 1.
             if name in LOSSLESS and np.any(value != LOSSLESS[name]):
                 problems.append((path, f"must be {LOSSLESS[name]}; {reason}"))
         for i, body in enumerate(self.bodies):
@@ -403,13 +411,13 @@ def _mirrored_body(body: Body) -> Body:
 def _mirrored_end(end: End) -> End:
     """End with left and right exchanged.
 
-    A motion changes its sign, and a push stays inwards.
+    The motion of a `Moved` end changes its sign. Any other end stays as it is: a push
+    is inwards, and an incoming strain has the same sign, at both ends.
     """
     if isinstance(end, Moved) and end.position is not None:
         return Moved(position=negative(end.position))
     if isinstance(end, Moved):
-        # The value has the duration of a function in it: that was sampled when the end
-        # was made.
+        # A function has become samples when the end was made: no duration is needed.
         return Moved(negative(end.value))
     return end
 
@@ -448,27 +456,22 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
 def _one_per_pair(
     problems: Problems, name: str, items: Any, default: Any, n_pairs: int
 ) -> Any:
-    """Items of the neighbouring pairs, as given.
+    """Items of the neighbouring pairs, as given; for None a `default` for each pair.
 
-    Each is `default` if the items are None. A list of the wrong length has a problem,
-    and is returned so that its items are checked too. () and a problem if the items are
-    no list.
+    A list of the wrong length is a problem, and is returned so that its items are
+    checked too. Items that are no list or tuple are a problem, and () is returned.
     """
     if items is None:
         return (default,) * n_pairs
-    is_list = isinstance(items, list | tuple)
-    if not is_list or len(items) != n_pairs:
-        message = (
-            "must be a list with one entry for each neighbouring pair, "
-            f"{n_pairs} in all"
-        )
-        if is_list:
-            problems.append((name, f"{message}, got {len(items)}"))
-        else:
-            add_problem(problems, name, message, items)
-    if is_list:
-        return items
-    return ()
+    message = (
+        f"must be a list with one entry for each neighbouring pair, {n_pairs} in all"
+    )
+    if not isinstance(items, list | tuple):
+        add_problem(problems, name, message, items)
+        return ()
+    if len(items) != n_pairs:
+        problems.append((name, f"{message}, got {len(items)}"))
+    return items
 
 
 def _check_bodies(problems: Problems, bodies: Any) -> None:
@@ -523,7 +526,7 @@ def _check_contact(
     if type(law) not in _LAWS:
         message = f"must be a contact law itself, one of {_class_names(_LAWS)}"
         add_problem(problems, f"contacts.{i}", message, law)
-    elif not law.opens:
+    elif not law.opens:  # a Bonded contact or a Joint
         message = (
             "must be 0 where bodies are joined, got {0!r}; a Joint takes a stretch"
         )
@@ -539,8 +542,8 @@ def _check_contact(
 def _check_elastic_overlap(problems: Problems, i: int, law: Any, gap: Number) -> None:
     """Add a problem of contact i if it begins pressed farther than where it yields.
 
-    The law is `Plastic`. Its overlap counts from the yielded faces: it is elastic, and
-    the force is no more than the yield force.
+    The law is `Plastic`. An overlap at the beginning is elastic, so the gap may not be
+    less than -(yield force)/stiffness.
     """
     least_gap = -np.divide(law.yield_force, law.stiffness)
     is_elastic = np.greater_equal(gap, least_gap * (1 + ELASTIC_RTOL))
@@ -594,9 +597,10 @@ def _check_bonded_velocities(system: System) -> None:
 
 
 def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
-    """Ends as given, two free ones for None; mistakes are added to `problems`.
+    """Ends as given, also if they are mistaken; two free ones for None.
 
-    Each end is checked together with the body there. The caller has checked the bodies.
+    Mistakes are added to `problems`, also those of an end that does not go with the
+    body there. The caller has checked the bodies.
     """
     if ends is None:
         ends = (FREE, FREE)
@@ -610,7 +614,10 @@ def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
-    """Add a problem if an end is none, or does not go with the body there."""
+    """Add a problem if an end is no end, or does not go with the body there.
+
+    At a wall an end must be free, at a rigid mass free or pushed.
+    """
     path = f"ends.{side}"
     name = type(end).__name__
     if type(end) not in _ENDS:
